@@ -1,0 +1,92 @@
+"""Obstacle avoidance: the paper's potential, with the sign that repels (formulations/obstacle_avoidance.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Literal
+
+from numpy.typing import ArrayLike
+
+from jtik import Criterion, register_criterion
+from jtik.errors import ArgumentError
+from jtik.geometry import Obstacle, centers_and_radii, point_to_ball, segment_to_ball
+from jtik.robot import Kinematics, Robot
+from jtik.symbolic import Expression, fmax, log
+
+
+@register_criterion("obstacle_avoidance")
+class ObstacleAvoidance(Criterion):
+    """H = -gain * sum of ln d over all joints and all obstacles, d the distance [m] to the obstacle's surface.
+
+    Each joint is pushed away by the force gain / d. Nearer than ``floor``, and inside, the logarithm goes on as its own
+    second-order expansion, so that value and force stay finite and still point outwards. Joints alone let links sweep
+    through an obstacle: ``bodies="links"`` takes the closest point of each link instead, ``"both"`` takes both.
+
+    Live parameters: ``obstacle_avoidance.gain``, ``.centers`` (k, 2 or 3) [m] and ``.radii`` (k,) [m].
+
+    Args:
+        obstacles: points, circles (planar robots) or spheres.
+        gain: the paper's K_obs; the unit of H.
+        bodies: "joints", "links" or "both".
+        floor: distance [m] below which the logarithm is continued.
+        name: how its parameters are addressed.
+
+    Source: Das, Slotine and Sheridan (1988), (2.2), the term K_obs, whose printed sign attracts.
+    """
+
+    summary = "log potential that repels joints, or links, from points, circles and spheres"
+    source = "Das, Slotine and Sheridan 1988, eq. 2.2"
+
+    def __init__(
+        self,
+        obstacles: Iterable[Obstacle] | Obstacle,
+        *,
+        gain: float = 1.0,
+        bodies: Literal["joints", "links", "both"] = "joints",
+        floor: float = 1e-3,
+        name: str = "obstacle_avoidance",
+    ) -> None:
+        self._obstacles = [obstacles] if isinstance(obstacles, Obstacle) else list(obstacles)
+        self._gain = float(gain)
+        self._bodies = bodies
+        self._floor = float(floor)
+        self.name = name
+        if not self._obstacles:
+            raise ArgumentError("obstacles", "none", "at least one jtik.Point, jtik.Circle or jtik.Sphere")
+        if bodies not in ("joints", "links", "both"):
+            raise ArgumentError("bodies", bodies, "'joints', 'links' or 'both'")
+        if not self._gain >= 0:
+            raise ArgumentError("gain", gain, "a number from 0")
+        if not self._floor > 0:
+            raise ArgumentError("floor", floor, "a positive length [m]")
+
+    def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
+        """Gain, centres and radii."""
+        centers, radii = centers_and_radii(self._obstacles, robot.dimension)
+        return {"gain": self._gain, "centers": centers, "radii": radii}
+
+    def distances(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> list[list[Expression]]:
+        """Signed distance [m] of each body (outer list) to each obstacle (inner list)."""
+        robot = kinematics.robot
+        centers = [parameters["centers"][i, :].T for i in range(len(self._obstacles))]
+        radii = [parameters["radii"][i] for i in range(len(self._obstacles))]
+        balls = list(zip(centers, radii, strict=True))
+        bodies = []
+        if self._bodies in ("joints", "both"):
+            for frame in robot.moving_frames:
+                bodies.append([point_to_ball(kinematics.position(frame), *ball) for ball in balls])
+        if self._bodies in ("links", "both"):
+            for start, end in robot.segments:
+                ends = kinematics.position(start), kinematics.position(end)
+                bodies.append([segment_to_ball(*ends, *ball) for ball in balls])
+        return bodies
+
+    def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
+        """-gain * sum of ln d, continued below the floor."""
+        total: Expression = 0
+        for distances in self.distances(kinematics, parameters):
+            for distance in distances:
+                safe = fmax(distance, self._floor)
+                below = (safe - distance) * (1 / self._floor)
+                total = total - log(safe) + below * (1 + below / 2)
+        return parameters["gain"] * total

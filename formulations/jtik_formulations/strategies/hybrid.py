@@ -1,0 +1,117 @@
+"""The paper's hybrid of the transpose method and Newton's, as Powell's dogleg (formulations/hybrid.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jtik import register_strategy
+from jtik.errors import ArgumentError
+from jtik.strategy import (
+    Acceptance,
+    Composition,
+    LocalModel,
+    Outcome,
+    SecondaryTerm,
+    Shape,
+    State,
+    TaskMove,
+    TaskStep,
+)
+from jtik.symbolic import dot, fmax, fmin, if_else, logic_and, logic_or, sumsqr
+from jtik_formulations.strategies.newton import newton_step
+from jtik_formulations.strategies.projected_gradient import ProjectedGradient
+from jtik_formulations.strategies.transpose import cauchy_step, judged
+
+Array = NDArray[np.float64]
+
+POOR, GOOD = 0.25, 0.75
+"""Ratios of actual to predicted decrease below which the radius shrinks, above which it grows (Powell 1970)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DoglegStep(TaskStep):
+    """The task step of ``Hybrid``: from the transpose point towards the Newton point, as far as the radius reaches."""
+
+    q_limit: float
+
+    def initial_state(self, shape: Shape) -> Mapping[str, Array]:
+        """The trust radius [rad], and the fraction of the error aimed at where prismatic joints move too."""
+        return {"radius": np.full(1, self.q_limit), "fraction": np.ones(1)}
+
+    def propose(self, model: LocalModel, state: State) -> TaskMove:
+        """The dogleg point."""
+        radius = state["radius"]
+        transpose, alpha, s = cauchy_step(model, radius)
+        newton = newton_step(model)
+        leg = newton - transpose
+        turning = model.turning
+        a = sumsqr(leg[turning]) if turning else 0
+        b = dot(transpose[turning], leg[turning]) if turning else 0
+        c = sumsqr(transpose[turning]) - radius**2 if turning else 0
+        bends = a > 0
+        root = fmax(b**2 - a * c, 0) ** 0.5
+        along = (root - b) / if_else(bends, a, 1)
+        along = if_else(logic_and(bends, along < 1), fmax(along, 0), 1)
+        dq = transpose + if_else(s < 1, 0, along) * leg
+        if self._mixed(model):
+            dq = state["fraction"] * dq
+        return TaskMove(dq, alpha)
+
+    @staticmethod
+    def _mixed(model: LocalModel) -> bool:
+        return len(model.turning) < model.robot.n
+
+    def adapt(self, model: LocalModel, state: State, move: TaskMove, outcome: Outcome) -> State:
+        """A quarter of the step taken after a poor prediction, twice the radius after a good one at its edge."""
+        radius, fraction = state["radius"], state["fraction"]
+        size = model.rotation_size(move.dq)
+        poor = logic_or(outcome.accepted == 0, outcome.ratio < POOR)
+        good = logic_and(outcome.ratio > GOOD, size > 0.99 * radius)
+        smaller = fmin(if_else(size > 0, size, radius), radius) / 4
+        larger = fmin(2 * radius, self.q_limit)
+        after = {"radius": if_else(poor, smaller, if_else(good, larger, radius)), "fraction": fraction}
+        if self._mixed(model):
+            after["fraction"] = if_else(outcome.accepted, fmin(1, 2 * fraction), fraction / 2)
+        return after
+
+
+@register_strategy("hybrid")
+@dataclass(frozen=True, kw_only=True)
+class Hybrid(Composition):
+    """The transpose step where Newton's is too long to be trusted, Newton's where it is not, a blend between.
+
+    The default. It never lets V rise, needs as few steps as Newton's method on ordinary targets, and goes on where
+    Newton's jumps: near singular poses and at the workspace boundary.
+
+    Attributes:
+        q_limit: largest trust radius, a limit of Q, the length of the rotational part of a step [rad].
+        secondary: the null-space term.
+
+    Source: Das, Slotine and Sheridan (1988), section 2.3, asks for it; Powell (1970) has the dogleg.
+    """
+
+    q_limit: float = 0.5
+    secondary: SecondaryTerm = field(default_factory=ProjectedGradient)
+
+    summary = "dogleg between the transpose and the Newton step, within an adaptive Q limit (default)"
+    source = "Das, Slotine and Sheridan 1988, section 2.3; Powell 1970"
+
+    def __post_init__(self) -> None:
+        if not 0 < self.q_limit < np.inf:
+            raise ArgumentError("q_limit", self.q_limit, "a positive, finite angle [rad]")
+
+    def task_step(self) -> TaskStep:
+        """The dogleg."""
+        return DoglegStep(q_limit=self.q_limit)
+
+    def secondary_term(self) -> SecondaryTerm:
+        """-beta (I - J+ J) grad H."""
+        return self.secondary
+
+    def acceptance(self) -> Acceptance:
+        """By merit, or by the task step."""
+        return judged(True, self.secondary)

@@ -1,0 +1,99 @@
+"""The paper's null-space term -beta (I - J+ J) grad H, with three rules for beta (formulations/projected_gradient.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jtik.errors import ArgumentError
+from jtik.strategy import LocalModel, NullMove, Outcome, SecondaryTerm, Shape, State
+from jtik.symbolic import Expression, dot, fmax, fmin, if_else, logic_and, norm, sumsqr
+
+Array = NDArray[np.float64]
+
+_UNBOUNDED = 1e30
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProjectedGradient(SecondaryTerm):
+    """nu = -beta h with h = (I - J+ J) grad H, at most ``step_limit`` long.
+
+    Attributes:
+        rule: ``"merit"``: beta is the Barzilai-Borwein step of the last accepted move, accepted by merit;
+            ``"sqrt"``: the paper's V2 = 1/2 |beta h|^2 may not grow, with the square root its derivation calls for;
+            ``"paper"``: the ratio as printed, which shrinks doubly exponentially.
+        step_limit: longest null-space step [rad]; not applied by the rule "paper".
+        beta_max: first and, for "sqrt" and "paper", largest gain; the unit of q^2 over that of H.
+        floor: least |beta h| the rule "sqrt" remembers, so that a start at the optimum of H does not freeze it [rad].
+
+    Source: Das, Slotine and Sheridan (1988), (2.1), (2.9), (A.12); Barzilai and Borwein (1988).
+    """
+
+    rule: Literal["merit", "sqrt", "paper"] = "merit"
+    step_limit: float = 0.3
+    beta_max: float = 1.0
+    floor: float = 0.05
+
+    def __post_init__(self) -> None:
+        if self.rule not in ("merit", "sqrt", "paper"):
+            raise ArgumentError("rule", self.rule, "'merit', 'sqrt' or 'paper'")
+        for name in ("step_limit", "beta_max"):
+            if not getattr(self, name) > 0:
+                raise ArgumentError(name, getattr(self, name), "a positive number")
+
+    def initial_state(self, shape: Shape) -> Mapping[str, Array]:
+        """Step cap, and what the rule remembers of the last accepted move."""
+        if self.rule != "merit":
+            return {"null_energy": np.full(1, _UNBOUNDED)}
+        return {
+            "null_cap": np.full(1, self.step_limit),
+            "null_gradient": np.zeros(shape.n),
+            "null_step": np.zeros(shape.n),
+            "beta": np.full(1, self.beta_max),
+        }
+
+    def propose(self, model: LocalModel, state: State, task_step: Expression) -> NullMove:
+        """The step, capped."""
+        h = model.null_gradient
+        length = model.null_length
+        squared = length**2
+        moves = length > 1e-100
+        if self.rule == "merit":
+            beta = self._barzilai_borwein(h, state)
+            cap = state["null_cap"]
+            gain = fmin(beta, if_else(moves, cap / length, 0))
+            return NullMove(-gain * h, gain * length, beta)
+        if self.rule == "sqrt":
+            energy = fmax(state["null_energy"], self.floor**2)
+            beta = fmin(fmin(self.beta_max, (energy**0.5) / length), self.step_limit / length)
+        else:
+            energy = state["null_energy"]
+            beta = if_else(squared > energy, energy / if_else(moves, squared, 1), self.beta_max)
+        return NullMove(if_else(moves, -beta, 0) * h, beta * length, beta)
+
+    def _barzilai_borwein(self, h: Expression, state: State) -> Expression:
+        """s's / s'y of the last null step s, along which the projected gradient changed by y; as before after a refusal."""
+        s, y = state["null_step"], h - state["null_gradient"]
+        length, curvature = sumsqr(s), dot(s, y)
+        convex = curvature > 0
+        known = if_else(convex, length / if_else(convex, curvature, 1), _UNBOUNDED)
+        return if_else(length > 0, known, state["beta"])
+
+    def adapt(self, model: LocalModel, state: State, move: NullMove, outcome: Outcome) -> State:
+        """Cap and memory after the step was judged; or the energy V2 the next step may have."""
+        if self.rule != "merit":
+            energy = move.beta**2 * sumsqr(model.null_gradient)
+            return {"null_energy": if_else(outcome.accepted, energy, state["null_energy"])}
+        cap, accepted = state["null_cap"], outcome.accepted
+        size = outcome.null.length
+        shorter = if_else(logic_and(size > 0, size < cap), size, cap) / 4
+        return {
+            "null_cap": if_else(accepted, fmin(2 * cap, self.step_limit), shorter),
+            "null_gradient": model.null_gradient,
+            "null_step": if_else(accepted, 1, 0) * outcome.null.dq,
+            "beta": move.beta,
+        }

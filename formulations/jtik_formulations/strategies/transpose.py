@@ -1,0 +1,162 @@
+"""The Jacobian-transpose method with the gains alpha and S of its discrete stability proof (formulations/transpose.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jtik import register_strategy
+from jtik.errors import ArgumentError
+from jtik.strategy import (
+    Acceptance,
+    Composition,
+    LocalModel,
+    Outcome,
+    SecondaryTerm,
+    Shape,
+    State,
+    TaskMove,
+    TaskStep,
+)
+from jtik.symbolic import Expression, fmin, if_else, sumsqr, vertcat
+from jtik_formulations.strategies.projected_gradient import ProjectedGradient
+
+Array = NDArray[np.float64]
+
+
+def optimal_gain(g: Expression, J: Expression) -> Expression:
+    """alpha = N / 2D = g'g / |J g|^2 for g = J' r: the minimum of the linear model of V along -g; 0 where g is 0."""
+    moved = sumsqr(J @ g)
+    moves = moved > 0
+    return if_else(moves, sumsqr(g) / if_else(moves, moved, 1), 0)
+
+
+def cauchy_step(model: LocalModel, limit: Expression) -> tuple[Expression, Expression, Expression]:
+    """(-alpha S J' r, alpha, s): the transpose step whose rotational part is at most ``limit`` [rad] long.
+
+    S = diag(1 for prismatic, s for rotational joints) with s = min(1, limit / Q), Q from the step with S = I; then
+    alpha = min(alpha0, alpha*(S)), so that the linear model of V falls and the limit holds on mixed arms too.
+    """
+    J = model.J
+    g = J.T @ model.here.residual
+    alpha = optimal_gain(g, J)
+    size = alpha * model.rotation_size(g)
+    longer = size > limit
+    s = if_else(longer, limit / if_else(longer, size, 1), 1)
+    if len(model.turning) == model.robot.n:
+        return -alpha * s * g, alpha, s
+    limited = _scaled(model, s, g)
+    moved = sumsqr(J @ limited)
+    moves = moved > 0
+    slope = sumsqr(_scaled(model, s**0.5, g))
+    alpha = fmin(alpha, if_else(moves, slope / if_else(moves, moved, 1), 0))
+    return -alpha * limited, alpha, s
+
+
+def _scaled(model: LocalModel, s: Expression, g: Expression) -> Expression:
+    """S g."""
+    return vertcat(*[(s if model.rotational[i] else 1) * g[i] for i in range(model.robot.n)])
+
+
+def printed_step(model: LocalModel, limit: float) -> tuple[Expression, Expression]:
+    """(-alpha S J' r, alpha) as the paper prints it: s = 1/Q whenever Q exceeds the limit, and S inside N and D.
+
+    On an all-revolute arm alpha(S) S does not depend on S, so the printed S changes nothing there.
+    """
+    J = model.J
+    g = J.T @ model.here.residual
+    Q = optimal_gain(g, J) * model.rotation_size(g)
+    longer = Q > limit
+    s = if_else(longer, 1 / if_else(longer, Q, 1), 1)
+    limited = _scaled(model, s, g)
+    moved = sumsqr(J @ limited)
+    moves = moved > 0
+    alpha = if_else(moves, sumsqr(_scaled(model, s**0.5, g)) / if_else(moves, moved, 1), 0)
+    return -alpha * limited, alpha
+
+
+@dataclass(frozen=True, kw_only=True)
+class TransposeStep(TaskStep):
+    """The task step of ``Transpose``."""
+
+    rule: Literal["optimal", "paper"]
+    q_limit: float
+    backtracking: bool
+
+    def initial_state(self, shape: Shape) -> Mapping[str, Array]:
+        """The fraction of the step that backtracking has come down to."""
+        return {"fraction": np.ones(1)} if self.backtracking else {}
+
+    def propose(self, model: LocalModel, state: State) -> TaskMove:
+        """-alpha S J' r."""
+        if self.rule == "paper":
+            dq, alpha = printed_step(model, self.q_limit)
+        else:
+            dq, alpha, _ = cauchy_step(model, self.q_limit)
+        return TaskMove(state["fraction"] * dq if self.backtracking else dq, alpha)
+
+    def adapt(self, model: LocalModel, state: State, move: TaskMove, outcome: Outcome) -> State:
+        """Half the step after a refusal, twice the fraction after an acceptance."""
+        return backtracked(state, outcome) if self.backtracking else {}
+
+
+def backtracked(state: State, outcome: Outcome) -> State:
+    """Fraction of the step to try next."""
+    fraction = state["fraction"]
+    return {"fraction": if_else(outcome.accepted, fmin(1, 2 * fraction), fraction / 2)}
+
+
+def judged(backtracking: bool, secondary: SecondaryTerm) -> Acceptance:
+    """How a law with or without backtracking is judged beside this secondary term."""
+    if not backtracking:
+        return "always"
+    bounded_by_beta = isinstance(secondary, ProjectedGradient) and secondary.rule != "merit"
+    return "task" if bounded_by_beta else "merit"
+
+
+@register_strategy("transpose")
+@dataclass(frozen=True, kw_only=True)
+class Transpose(Composition):
+    """dq = -alpha S J' Kp e - beta (I - J+ J) grad H.
+
+    Prefer it to study the paper, or where a bounded step without any factorisation matters more than the number of steps:
+    it is steepest descent on V, exact for one task coordinate and slow for ill-conditioned J.
+
+    Attributes:
+        rule: ``"optimal"`` (alpha from S = I, then S, then the smaller alpha) or ``"paper"`` (as printed).
+        q_limit: limit of Q, the length of the rotational part of a step [rad].
+        backtracking: halve the step until V falls. Without it every step is taken.
+        secondary: the null-space term.
+
+    Source: Das, Slotine and Sheridan (1988), (2.8), (A.10)-(A.12), (B.11).
+    """
+
+    rule: Literal["optimal", "paper"] = "optimal"
+    q_limit: float = 0.5
+    backtracking: bool = True
+    secondary: SecondaryTerm = field(default_factory=ProjectedGradient)
+
+    summary = "Jacobian transpose with the optimal alpha, S and backtracking on V"
+    source = "Das, Slotine and Sheridan 1988"
+
+    def __post_init__(self) -> None:
+        if self.rule not in ("optimal", "paper"):
+            raise ArgumentError("rule", self.rule, "'optimal' or 'paper'")
+        if not self.q_limit > 0:
+            raise ArgumentError("q_limit", self.q_limit, "a positive angle [rad], math.inf for none")
+
+    def task_step(self) -> TaskStep:
+        """-alpha S J' Kp e."""
+        return TransposeStep(rule=self.rule, q_limit=self.q_limit, backtracking=self.backtracking)
+
+    def secondary_term(self) -> SecondaryTerm:
+        """-beta (I - J+ J) grad H."""
+        return self.secondary
+
+    def acceptance(self) -> Acceptance:
+        """By merit, by the task step, or always."""
+        return judged(self.backtracking, self.secondary)

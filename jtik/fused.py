@@ -1,0 +1,402 @@
+"""One update as one CasADi function: (q, target, parameters, box, settings, state) -> (q', state', outcome, record).
+
+Kinematics, error, Jacobian, criterion, gradient, the strategy's law, joint limits, acceptance and the stop code are joined
+here into a single expression graph, so that a step costs one call and the loop round it is trivial in any language.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jtik.criterion import CriterionTerms
+from jtik.robot import Robot
+from jtik.strategy import LocalModel, Point, Shape, Strategy, Update
+from jtik.symbolic import (
+    Expression,
+    Function,
+    dot,
+    fmax,
+    fmin,
+    function,
+    gradient,
+    horzcat,
+    if_else,
+    is_finite,
+    jacobian,
+    logic_and,
+    logic_not,
+    logic_or,
+    norm,
+    substitute,
+    symbol,
+    vertcat,
+    zeros,
+)
+from jtik.task import TaskStack
+
+Array = NDArray[np.float64]
+
+TUBE = 0.02
+"""Size of the tube about the target: the error that a motion of so many rad (or m) can make, |J| times this."""
+
+STATIONARY = 1e-9
+"""The task is stationary where |J' r| is below this fraction of |J| |r|."""
+
+REFUSALS = 40
+"""Refused steps in a row after which the solve has stalled: 2^-40 of the first step is below working precision."""
+
+STAGNANT, STAGNATIONS = 1e-10, 20
+"""Relative decrease of V that is no progress, and how many such steps in a row are a stall."""
+
+AT_LIMIT = 1e-9
+"""Distance [rad] or [m] at which a joint is at its limit."""
+
+
+class Code(IntEnum):
+    """What the fused function says of the next call."""
+
+    GO_ON = 0
+    DONE = 1
+    STALLED = 2
+    NOT_FINITE = 3
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Positions within the fused function's ``outcome`` output."""
+
+    code: int = 0
+    tried: int = 1
+    accepted: int = 2
+    position_error: int = 3
+    orientation_error: int = 4
+    V: int = 5
+    size: int = 6
+
+
+OUTCOME = Outcome()
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Names and slices of a vector."""
+
+    slices: Mapping[str, slice]
+    size: int
+
+    @classmethod
+    def of(cls, sizes: Mapping[str, int]) -> Layout:
+        """One entry after the other."""
+        slices, start = {}, 0
+        for name, size in sizes.items():
+            slices[name] = slice(start, start + size)
+            start += size
+        return cls(slices, start)
+
+    def split(self, column: Expression) -> dict[str, Expression]:
+        """The named parts of a column."""
+        return {name: column[where] for name, where in self.slices.items()}
+
+    def join(self, parts: Mapping[str, Expression]) -> Expression:
+        """The column of named parts."""
+        return vertcat(*[parts[name] for name in self.slices])
+
+
+@dataclass(frozen=True)
+class FusedStep:
+    """The function, the state it starts from, and the layout of its record."""
+
+    function: Function
+    first_state: Array
+    record: Layout
+
+
+class Problem:
+    """Robot, tasks, criteria and limits as CasADi functions of (q, target, parameters).
+
+    Attributes:
+        linear: for each task row, whether it is a length [m] rather than an angle [rad].
+        factor: L with Kp = L L', (m, m).
+        error, residual: (q, target) -> e and L' e, (m, 1).
+        criterion, values: (q, parameters) -> H, and the weighted value of each criterion.
+        bounded: (q index, v index) of the joints that have a limit.
+    """
+
+    def __init__(
+        self, robot: Robot, tasks: TaskStack, terms: CriterionTerms, bounded: tuple[tuple[int, int], ...]
+    ) -> None:
+        self.robot, self.tasks, self.terms, self.bounded = robot, tasks, terms, bounded
+        q, target, parameters = self.symbols()
+        kinematics = robot.at(q)
+        rows = tasks.rows(kinematics, target)
+        values = terms.values(kinematics, parameters)
+        self.linear = rows.linear
+        self.factor = tasks.weight_factor()
+        self.error = function("error", [q, target], [rows.error])
+        self.residual = function("residual", [q, target], [self.factor.T @ rows.error])
+        self.criterion = function("criterion", [q, parameters], [sum(values, zeros(1))])
+        self.values = function("criteria", [q, parameters], [vertcat(*values)])
+
+    def symbols(self) -> tuple[Expression, Expression, Expression]:
+        """Fresh symbols for q, target and parameters."""
+        return (
+            symbol("q", self.robot.nq),
+            symbol("target", self.tasks.target_size),
+            self.terms.parameters.symbols(),
+        )
+
+    @property
+    def m(self) -> int:
+        """Number of task rows."""
+        return len(self.linear)
+
+    @property
+    def has_criterion(self) -> bool:
+        """Whether there is anything to minimise."""
+        return len(self.terms.named) > 0
+
+    def jacobian(self, expression: Expression, q: Expression) -> Expression:
+        """Derivative with respect to the velocity: (d/dq) T(q)."""
+        return jacobian(expression, q) @ self.robot.tangent(q)
+
+    def gradient(self, expression: Expression, q: Expression) -> Expression:
+        """The same for a scalar, as a column, in reverse mode."""
+        return self.robot.tangent(q).T @ gradient(expression, q)
+
+    def report(self) -> Function:
+        """(q, target, parameters) -> error, its Jacobian, value of each criterion, dH/dv, residual, its Jacobian."""
+        q, target, parameters = self.symbols()
+        error, residual = self.error(q, target), self.residual(q, target)
+        H = self.criterion(q, parameters)
+        return function(
+            "report",
+            [q, target, parameters],
+            [
+                error,
+                self.jacobian(error, q),
+                self.values(q, parameters),
+                self.gradient(H, q),
+                residual,
+                self.jacobian(residual, q),
+            ],
+        )
+
+    def curvature(self) -> Function:
+        """(q, target, parameters) -> V, dV/dv, d2V/dv2, dH/dv: for poses where the first derivative says nothing."""
+        q, target, parameters = self.symbols()
+        v = symbol("v", self.robot.n)
+        moved = self.residual(self.robot.integrate(q, v), target)
+        V = dot(moved, moved) / 2
+        slope = gradient(V, v)
+        bend = jacobian(slope, v)
+        still = zeros(self.robot.n)
+        return function(
+            "curvature",
+            [q, target, parameters],
+            [
+                substitute(V, v, still),
+                substitute(slope, v, still),
+                substitute(bend, v, still),
+                self.gradient(self.criterion(q, parameters), q),
+            ],
+        )
+
+
+def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False) -> FusedStep:
+    """Join problem and strategy into one function; ``recorded`` adds the figures of a trace to its outputs."""
+    robot, m, bounded = problem.robot, problem.m, problem.bounded
+    first = {name: np.array(value, dtype=float) for name, value in _engine_state(problem).items()}
+    own = strategy.initial_state(Shape(robot.n, m, problem.has_criterion))
+    first |= {f"strategy.{name}": np.array(value, dtype=float) for name, value in own.items()}
+    layout = Layout.of({name: value.size for name, value in first.items()})
+
+    start, target, parameters = problem.symbols()
+    lower, upper, settings = symbol("lower", robot.nq), symbol("upper", robot.nq), symbol("settings", 4)
+    column = symbol("state", layout.size)
+    state = layout.split(column)
+
+    q = _inside(start, lower, upper, bounded)
+    symbolic_q = symbol("at", robot.nq)
+    residual = problem.residual(symbolic_q, target)
+    J = problem.jacobian(residual, symbolic_q)
+    H = problem.criterion(symbolic_q, parameters)
+    slope = problem.gradient(H, symbolic_q)
+    residual, J, H, slope = (substitute(x, symbolic_q, q) for x in (residual, J, H, slope))
+    here = Point(q, residual, H)
+    size = norm(J)
+    tube = if_else(state["tube"] > 0, state["tube"], TUBE * size)
+    held, free = _held(problem, state, q, lower, upper, J, slope, here, tube)
+    model = LocalModel(
+        robot=robot,
+        here=here,
+        J=_columns(J, free),
+        gradient=slope * free if bounded else slope,
+        has_criterion=problem.has_criterion,
+        near=here.length <= tube,
+        tube=tube,
+        lower=lower,
+        upper=upper,
+        bounded=bounded,
+        residual_function=problem.residual,
+        criterion_function=problem.criterion,
+        target=target,
+        parameters=parameters,
+    )
+
+    stop = _Stop(problem, model, settings)
+    update = strategy.update(model, {name[9:]: part for name, part in state.items() if name.startswith("strategy.")})
+    finite = logic_and(is_finite(here.V + here.H), is_finite(model.gradient_length + model.jacobian_length))
+    tried = logic_and(finite, logic_not(logic_or(stop.done_before, stop.stationary)))
+    accepted = logic_and(tried, update.accepted)
+
+    refused = if_else(accepted, 0, state["refused"] + 1)
+    crawls = logic_and(accepted, model.here.V - update.point.V <= STAGNANT * model.here.V)
+    stagnant = if_else(logic_and(crawls, logic_not(stop.reached_before)), state["stagnant"] + 1, 0)
+    done = logic_or(stop.done_before, logic_and(accepted, stop.done_after(update.point)))
+    stalled = logic_or(stop.stationary, logic_or(refused >= REFUSALS, stagnant >= STAGNATIONS))
+    code = if_else(finite, if_else(done, Code.DONE, if_else(stalled, Code.STALLED, Code.GO_ON)), Code.NOT_FINITE)
+
+    after = {"tube": tube, "refused": refused, "stagnant": stagnant}
+    if bounded:
+        after |= _limit_memory(problem, model, state, update, held, accepted)
+    after |= {f"strategy.{name}": part for name, part in update.state.items()}
+    outcome = vertcat(
+        code,
+        tried,
+        accepted,
+        *[
+            if_else(accepted, new, old)
+            for new, old in zip(stop.errors(update.point), stop.errors_before, strict=True)
+        ],
+        if_else(accepted, update.point.V, here.V),
+    )
+    outputs = [if_else(accepted, update.point.q, q), layout.join(after), outcome]
+    record = Layout.of({})
+    if recorded:
+        figures = {
+            "V": here.V,
+            "H": here.H,
+            "accepted": accepted,
+            "null_residual": model.null_length if problem.has_criterion else 0,
+            **update.figures,
+            "dq": update.dq,
+            "null_step": update.null_step,
+            "J": vertcat(*[model.J[:, j] for j in range(robot.n)]),
+        }
+        record = Layout.of({name: _rows(value) for name, value in figures.items()})
+        outputs.append(record.join(figures))
+    inputs = [start, target, parameters, lower, upper, settings, column]
+    return FusedStep(function("jtik_step", inputs, outputs), np.concatenate(list(first.values())), record)
+
+
+def _rows(value: Expression) -> int:
+    return int(getattr(value, "shape", (1, 1))[0])
+
+
+def _engine_state(problem: Problem) -> dict[str, Array]:
+    state = {"tube": np.zeros(1), "refused": np.zeros(1), "stagnant": np.zeros(1)}
+    if problem.bounded:
+        state["blocked"] = np.zeros(len(problem.bounded))
+        state["multipliers"] = np.zeros(problem.m)
+    return state
+
+
+def _inside(q: Expression, lower: Expression, upper: Expression, bounded: tuple[tuple[int, int], ...]) -> Expression:
+    """q led back into the box."""
+    entries = [q[i] for i in range(q.shape[0])]
+    for i, _ in bounded:
+        entries[i] = fmin(fmax(entries[i], lower[i]), upper[i])
+    return vertcat(*entries)
+
+
+def _columns(J: Expression, free: Expression) -> Expression:
+    return horzcat(*[J[:, j] * free[j] for j in range(J.shape[1])]) if free is not None else J
+
+
+def _held(
+    problem: Problem,
+    state: Mapping[str, Expression],
+    q: Expression,
+    lower: Expression,
+    upper: Expression,
+    J: Expression,
+    slope: Expression,
+    here: Point,
+    tube: Expression,
+) -> tuple[Expression, Expression]:
+    """Which joints stand at a limit that descent presses them against (0 or 1 each), and the mask of all the others.
+
+    Descent is that of the augmented Lagrangian H + lambda' r + 1/2 c |r|^2 with the multipliers of the last update, of V alone
+    without a criterion; so far from the target the task decides, near it the signs of the limits' own multipliers do.
+    """
+    if not problem.bounded:
+        return None, None
+    force = J.T @ here.residual
+    if problem.has_criterion:
+        c = (12 * norm(state["multipliers"]) + norm(slope) / norm(J)) / tube
+        force = slope + J.T @ (state["multipliers"] + c * here.residual)
+    held, free = [], [1] * problem.robot.n
+    for k, (i, j) in enumerate(problem.bounded):
+        pressed_up = logic_and(q[i] >= upper[i] - AT_LIMIT, force[j] < 0)
+        pressed_down = logic_and(q[i] <= lower[i] + AT_LIMIT, force[j] > 0)
+        joint = logic_or(logic_or(pressed_up, pressed_down), state["blocked"][k])
+        held.append(joint)
+        free[j] = logic_not(joint)
+    return vertcat(*held), vertcat(*free)
+
+
+def _limit_memory(
+    problem: Problem,
+    model: LocalModel,
+    state: Mapping[str, Expression],
+    update: Update,
+    held: Expression,
+    accepted: Expression,
+) -> dict[str, Expression]:
+    """Multipliers, and the joints that a refused step pushed against a limit they stand at: held in the next try."""
+    blocked = []
+    q = model.here.q
+    for k, (i, j) in enumerate(problem.bounded):
+        at = logic_or(q[i] >= model.upper[i] - AT_LIMIT, q[i] <= model.lower[i] + AT_LIMIT)
+        pushed = logic_and(logic_and(at, logic_not(held[k])), update.dq[j] == 0)
+        blocked.append(if_else(accepted, 0, logic_or(state["blocked"][k], pushed)))
+    multipliers = model.multipliers if problem.has_criterion else zeros(problem.m)
+    return {"blocked": vertcat(*blocked), "multipliers": multipliers}
+
+
+class _Stop:
+    """The tests of arrival, steadiness and stationarity. settings: position, orientation and optimality tolerance, steady."""
+
+    def __init__(self, problem: Problem, model: LocalModel, settings: Expression) -> None:
+        self._problem, self._settings = problem, settings
+        self._unweight = np.linalg.inv(problem.factor.T)
+        self.errors_before = self.errors(model.here)
+        self.reached_before = self._reached(self.errors_before)
+        self.done_before = self.reached_before
+        force = model.J.T @ model.here.residual
+        flat = norm(force) <= STATIONARY * model.jacobian_length * model.here.length
+        self.stationary = logic_and(flat, logic_not(self.reached_before))
+        if problem.has_criterion:
+            still = model.null_length <= settings[2] * fmax(1, model.gradient_length)
+            self.done_before = logic_and(self.reached_before, logic_or(still, settings[3] == 0))
+
+    def errors(self, point: Point) -> tuple[Expression, Expression]:
+        """Norm of the position rows [m] and of the orientation rows [rad] of the error."""
+        error = self._unweight @ point.residual
+        rows = range(self._problem.m)
+        linear = [error[i] for i in rows if self._problem.linear[i]]
+        angular = [error[i] for i in rows if not self._problem.linear[i]]
+        return norm(vertcat(*linear)) if linear else 0, norm(vertcat(*angular)) if angular else 0
+
+    def _reached(self, errors: tuple[Expression, Expression]) -> Expression:
+        return logic_and(errors[0] <= self._settings[0], errors[1] <= self._settings[1])
+
+    def done_after(self, point: Point) -> Expression:
+        """Whether arriving there ends the solve without another look at the criterion."""
+        reached = self._reached(self.errors(point))
+        return logic_and(reached, self._settings[3] == 0) if self._problem.has_criterion else reached

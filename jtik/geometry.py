@@ -1,0 +1,84 @@
+"""Shapes in the workspace and signed distances to them, as CasADi expressions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jtik.errors import ArgumentError
+from jtik.symbolic import TINY, Expression, dot, fmax, fmin, norm, sumsqr
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Ball:
+    """All points within ``radius`` [m] of ``center`` [m]; radius 0 is a point. Circle in the plane, Sphere in space."""
+
+    center: Array
+    radius: float
+
+    dimensions = (2, 3)
+
+    def __init__(self, center: ArrayLike, radius: float = 0.0) -> None:
+        array = np.array(center, dtype=float)
+        sizes = " or ".join(f"({size},)" for size in self.dimensions)
+        if array.shape not in [(size,) for size in self.dimensions] or not np.all(np.isfinite(array)):
+            raise ArgumentError("center", center, f"finite coordinates [m] of shape {sizes}")
+        if not (np.isscalar(radius) and np.isfinite(radius) and radius >= 0):
+            raise ArgumentError("radius", radius, "a finite length [m] from 0")
+        array.setflags(write=False)
+        object.__setattr__(self, "center", array)
+        object.__setattr__(self, "radius", float(radius))
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}(center={tuple(self.center.tolist())}, radius={self.radius})"
+
+
+class Point(Ball):
+    """A point obstacle, as in the paper, in the plane or in space."""
+
+    def __init__(self, center: ArrayLike) -> None:
+        super().__init__(center, 0.0)
+
+
+class Circle(Ball):
+    """A disc in the plane of a planar robot: center (2,) [m] and radius [m]."""
+
+    dimensions = (2,)
+
+
+class Sphere(Ball):
+    """A ball in space: center (3,) [m] and radius [m]."""
+
+    dimensions = (3,)
+
+
+Obstacle: TypeAlias = Ball
+
+
+def centers_and_radii(obstacles: Iterable[Obstacle], dimension: int) -> tuple[Array, Array]:
+    """Centres (k, dimension) and radii (k,) of obstacles. Raises ArgumentError for shapes of another dimension."""
+    chosen = list(obstacles)
+    for obstacle in chosen:
+        if not isinstance(obstacle, Ball) or obstacle.center.shape != (dimension,):
+            wanted = "jtik.Point or jtik.Circle with center (2,)" if dimension == 2 else "jtik.Point or jtik.Sphere"
+            raise ArgumentError("obstacles", obstacle, f"{wanted} on this {dimension}-dimensional robot")
+    centers = np.array([obstacle.center for obstacle in chosen]).reshape(-1, dimension)
+    return centers, np.array([obstacle.radius for obstacle in chosen])
+
+
+def point_to_ball(point: Expression, center: Expression, radius: Expression) -> Expression:
+    """Signed distance [m] from a point to a ball's surface; negative inside."""
+    return norm(point - center) - radius
+
+
+def segment_to_ball(start: Expression, end: Expression, center: Expression, radius: Expression) -> Expression:
+    """Signed distance [m] from the closest point of a segment to a ball's surface; negative inside."""
+    along = end - start
+    parameter = fmin(fmax(dot(center - start, along) / (sumsqr(along) + TINY), 0), 1)
+    return point_to_ball(start + parameter * along, center, radius)

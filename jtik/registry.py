@@ -1,0 +1,123 @@
+"""Names to plugins: the strategies and criteria that come with jtik, and those of third parties.
+
+Built-ins register by decorator when their package is first needed; third parties name theirs in the entry-point groups
+``jtik.strategies`` and ``jtik.criteria`` of their own distribution.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Iterator, Mapping
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any, Generic, TypeVar
+
+from jtik.criterion import Criterion
+from jtik.errors import ArgumentError, JtikError, UnknownNameError
+from jtik.strategy import Strategy
+
+_BUILT_IN = "jtik_formulations"
+
+T = TypeVar("T")
+
+
+class PluginError(JtikError):
+    """A plugin that could not be loaded. Attributes: plugin, distribution, reason."""
+
+    def __init__(self, plugin: str, distribution: str, reason: str) -> None:
+        super().__init__(f"plugin {plugin!r} of distribution {distribution!r} could not be loaded: {reason}")
+        self.plugin = plugin
+        self.distribution = distribution
+        self.reason = reason
+
+
+class Registry(Mapping[str, type[T]], Generic[T]):
+    """A mapping from name to class. Plugins load when it is first read."""
+
+    def __init__(self, kind: str, base: type, group: str) -> None:
+        self._kind = kind
+        self._base: type[Any] = base
+        self._group = group
+        self._classes: dict[str, type[T]] = {}
+        self._loaded = False
+
+    def add(self, name: str, plugin: type[T]) -> None:
+        """Register a class. Raises ArgumentError for a duplicate name or a class of another kind."""
+        if not (isinstance(plugin, type) and issubclass(plugin, self._base)):
+            raise ArgumentError(name, plugin, f"a subclass of {self._base.__name__}")
+        if name in self._classes and self._classes[name] is not plugin:
+            known = self._classes[name]
+            raise ArgumentError(
+                f"{self._kind} name", name, f"a name not yet taken by {known.__module__}.{known.__qualname__}"
+            )
+        self._classes[name] = plugin
+
+    def _load(self) -> None:
+        if self._loaded:
+            return
+        self._loaded = True
+        importlib.import_module(_BUILT_IN)
+        for entry in entry_points(group=self._group):
+            self.add(entry.name, _loaded(entry))
+
+    def __getitem__(self, name: str) -> type[T]:
+        self._load()
+        if name not in self._classes:
+            raise UnknownNameError(self._kind, name, self._classes)
+        return self._classes[name]
+
+    def __iter__(self) -> Iterator[str]:
+        self._load()
+        return iter(sorted(self._classes))
+
+    def __len__(self) -> int:
+        self._load()
+        return len(self._classes)
+
+
+def _loaded(entry: EntryPoint) -> Any:
+    """The class an entry point names; whatever goes wrong is told with the distribution it came from."""
+    try:
+        return entry.load()
+    except Exception as error:
+        distribution = entry.dist.name if entry.dist else "unknown"
+        raise PluginError(entry.name, distribution, f"{type(error).__name__}: {error}") from error
+
+
+strategies: Registry[Strategy] = Registry("strategy", Strategy, "jtik.strategies")
+"""All registered strategies by name."""
+
+criteria: Registry[Criterion] = Registry("criterion", Criterion, "jtik.criteria")
+"""All registered criteria by name."""
+
+S = TypeVar("S", bound=type[Strategy])
+C = TypeVar("C", bound=type[Criterion])
+
+
+def register_strategy(name: str) -> Callable[[S], S]:
+    """Class decorator: make a Strategy available as ``strategy="name"``."""
+
+    def register(plugin: S) -> S:
+        strategies.add(name, plugin)
+        plugin.name = name
+        return plugin
+
+    return register
+
+
+def register_criterion(name: str) -> Callable[[C], C]:
+    """Class decorator: make a Criterion known by name, for the command line and for studies."""
+
+    def register(plugin: C) -> C:
+        criteria.add(name, plugin)
+        return plugin
+
+    return register
+
+
+def strategy_of(given: str | Strategy) -> Strategy:
+    """The strategy object a name stands for. Raises UnknownNameError or ArgumentError."""
+    if isinstance(given, Strategy):
+        return given
+    if isinstance(given, str):
+        return strategies[given]()
+    raise ArgumentError("strategy", given, f"a jtik.Strategy or one of the names {sorted(strategies)}")

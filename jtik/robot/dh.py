@@ -1,0 +1,117 @@
+"""Denavit-Hartenberg parameters, in both conventions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Literal, TypeAlias, get_args
+
+import numpy as np
+
+from jtik.errors import ArgumentError, Array, finite_array
+from jtik.robot.joints import JointType
+
+Convention: TypeAlias = Literal["standard", "modified"]
+DHJoint: TypeAlias = Literal["revolute", "prismatic", "fixed"]
+
+JOINT_TYPES: dict[str, JointType] = {
+    "revolute": JointType.HINGE,
+    "prismatic": JointType.SLIDE,
+    "fixed": JointType.FIXED,
+}
+
+
+@dataclass(frozen=True)
+class DHRow:
+    """One row of a Denavit-Hartenberg table.
+
+    In the standard convention ``a`` and ``alpha`` are link i's; in the modified one (Craig), link i-1's.
+
+    Attributes:
+        a: link length [m].
+        alpha: link twist [rad].
+        d: link offset [m]; of a prismatic joint, the offset at q = 0.
+        theta: joint angle [rad]; of a revolute joint, the angle at q = 0.
+        joint: "revolute", "prismatic" or "fixed".
+        lower: lower limit of q [rad] or [m].
+        upper: upper limit of q [rad] or [m].
+        velocity_limit: greatest speed [rad/s] or [m/s].
+
+    Raises:
+        ArgumentError: when a parameter is not finite or the joint is of another kind.
+    """
+
+    a: float
+    alpha: float
+    d: float = 0.0
+    theta: float = 0.0
+    joint: DHJoint = "revolute"
+    lower: float = -math.inf
+    upper: float = math.inf
+    velocity_limit: float = math.inf
+
+    def __post_init__(self) -> None:
+        for name in ("a", "alpha", "d", "theta"):
+            object.__setattr__(self, name, float(finite_array(f"DHRow.{name}", getattr(self, name), ())))
+        if self.joint not in JOINT_TYPES:
+            raise ArgumentError("DHRow.joint", self.joint, ", ".join(get_args(DHJoint)))
+
+    def before_joint(self, convention: Convention) -> Array:
+        """The constant part of the row's transform ahead of the joint's motion, shape (4, 4)."""
+        offset = turn_z(self.theta) @ shift(0, 0, self.d)
+        if convention == "modified":
+            return turn_x(self.alpha) @ shift(self.a, 0, 0) @ offset
+        # Rz(theta) and Tz(d) commute, so all of the offset may stand ahead of either motion.
+        return offset
+
+    def after_joint(self, convention: Convention) -> Array:
+        """The constant part after the joint's motion, shape (4, 4)."""
+        return np.eye(4) if convention == "modified" else shift(self.a, 0, 0) @ turn_x(self.alpha)
+
+
+Row: TypeAlias = DHRow | Mapping[str, Any] | Sequence[float]
+
+
+def as_row(index: int, row: Row) -> DHRow:
+    """Row number ``index`` (from 1) as a `DHRow`.
+
+    Raises:
+        ArgumentError: when it is none of the forms accepted.
+    """
+    if isinstance(row, DHRow):
+        return row
+    names = [field.name for field in fields(DHRow)]
+    if isinstance(row, Mapping):
+        if not {"a", "alpha"} <= set(row) <= set(names):
+            raise ArgumentError(
+                f"rows, row {index}", f"keys {list(row)}", f"a and alpha, perhaps {names[2:]}"
+            )
+        return DHRow(**row)
+    a, alpha, d, theta = (float(value) for value in finite_array(f"rows, row {index}", row, (4,)))
+    return DHRow(a, alpha, d, theta)
+
+
+def _turn(angle: float, first: int, second: int) -> Array:
+    pose = np.eye(4)
+    pose[first, first] = pose[second, second] = math.cos(angle)
+    pose[second, first] = math.sin(angle)
+    pose[first, second] = -pose[second, first]
+    return pose
+
+
+def turn_x(angle: float) -> Array:
+    """A turn by ``angle`` [rad] about x, shape (4, 4)."""
+    return _turn(angle, 1, 2)
+
+
+def turn_z(angle: float) -> Array:
+    """A turn by ``angle`` [rad] about z, shape (4, 4)."""
+    return _turn(angle, 0, 1)
+
+
+def shift(x: float, y: float, z: float) -> Array:
+    """A translation [m], shape (4, 4)."""
+    pose = np.eye(4)
+    pose[:3, 3] = x, y, z
+    return pose

@@ -1,0 +1,193 @@
+"""Joints as data, and the checks that make a list of them a tree."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from jtik.errors import ArgumentError, Array, UnknownNameError, finite_array
+from jtik.robot.joints import JointType
+
+UNIT_TOLERANCE = 1e-9
+"""How far an axis may be from unit length and a rotation from orthonormal: rounding, not mistakes."""
+
+
+def frozen(array: Array) -> Array:
+    """``array`` itself, made read-only."""
+    array.flags.writeable = False
+    return array
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """A joint that follows another one: its position is ``multiplier * position(joint) + offset``.
+
+    Attributes:
+        joint: name of the joint that is followed; a hinge or a slide that does not follow another itself.
+        multiplier: ratio of the positions; not zero.
+        offset: position [rad] or [m] when the other joint is at zero.
+    """
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        finite_array("Mimic.offset", self.offset, ())
+        if float(finite_array("Mimic.multiplier", self.multiplier, ())) == 0.0:
+            raise ArgumentError("Mimic.multiplier", self.multiplier, "a non-zero number")
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """One joint and the frame it carries: T_parent_child(q) = origin . motion(q).
+
+    Attributes:
+        name: unique among the joints.
+        type: see `JointType`.
+        parent: name of the frame it hangs on.
+        child: name of the frame it moves; unique among the frames.
+        origin: pose of the joint in the parent frame, (4, 4) [m]; the identity by default.
+        axis: unit vector (3,) in the joint's frame, of a hinge or a slide; z by default.
+        lower: lower limit [rad] or [m] of a hinge or a slide; -inf when there is none.
+        upper: upper limit [rad] or [m]; inf when there is none.
+        velocity_limit: greatest speed of each velocity entry [rad/s] or [m/s]; inf when there is none.
+        mimic: the joint that it follows, for a hinge or a slide without a position of its own.
+
+    Raises:
+        ArgumentError: when a value cannot be used; the message names the joint.
+    """
+
+    name: str
+    type: JointType
+    parent: str
+    child: str
+    origin: Array = field(default_factory=lambda: np.eye(4), kw_only=True)
+    axis: Array = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]), kw_only=True)
+    lower: float = field(default=-math.inf, kw_only=True)
+    upper: float = field(default=math.inf, kw_only=True)
+    velocity_limit: float = field(default=math.inf, kw_only=True)
+    mimic: Mimic | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        who = f"joint {self.name!r}"
+        if not isinstance(self.type, JointType):
+            raise ArgumentError(f"{who} type", self.type, ", ".join(str(kind) for kind in JointType))
+        object.__setattr__(self, "origin", frozen(_pose(f"{who} origin", self.origin)))
+        object.__setattr__(self, "axis", frozen(_unit(f"{who} axis", self.axis)))
+        lower, upper, speed = float(self.lower), float(self.upper), float(self.velocity_limit)
+        if not (lower <= upper and lower < math.inf and upper > -math.inf):
+            raise ArgumentError(
+                f"{who} limits", f"lower {lower:g}, upper {upper:g}", "lower <= upper, no NaN"
+            )
+        if not speed > 0:
+            raise ArgumentError(f"{who} velocity_limit", speed, "a positive number or inf")
+        for attribute, value in (("lower", lower), ("upper", upper), ("velocity_limit", speed)):
+            object.__setattr__(self, attribute, value)
+        if not self.type.is_scalar:
+            if math.isfinite(lower) or math.isfinite(upper):
+                given = f"lower {lower:g}, upper {upper:g} on a {self.type.value} joint"
+                raise ArgumentError(f"{who} limits", given, "limits on hinge and slide joints only")
+            if self.mimic is not None:
+                raise ArgumentError(f"{who} mimic", f"a {self.type.value} joint", "a hinge or slide joint")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Rebuilt through the constructor: a plain copy of the state would thaw the arrays.
+        return partial(type(self), **{f.name: getattr(self, f.name) for f in fields(self)}), ()
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether it can move: everything but a fixed joint."""
+        return self.type is not JointType.FIXED
+
+    @property
+    def is_independent(self) -> bool:
+        """Whether it has a position of its own in q: it moves and follows no other joint."""
+        return self.is_moving and self.mimic is None
+
+
+def _pose(argument: str, value: object) -> Array:
+    pose = finite_array(argument, value, (4, 4))
+    rotation = pose[:3, :3]
+    error = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
+    volume = float(np.linalg.det(rotation))
+    if error > UNIT_TOLERANCE or volume < 0:
+        raise ArgumentError(
+            argument,
+            f"a rotation part off orthonormal by {error:.3g}, of determinant {volume:.3g}",
+            "a right-handed rotation and a translation",
+        )
+    if not np.array_equal(pose[3], [0.0, 0.0, 0.0, 1.0]):
+        raise ArgumentError(argument, f"last row {pose[3].tolist()}", "last row [0, 0, 0, 1]")
+    return pose
+
+
+def _unit(argument: str, value: object) -> Array:
+    axis = finite_array(argument, value, (3,))
+    length = float(np.linalg.norm(axis))
+    if abs(length - 1.0) > UNIT_TOLERANCE:
+        raise ArgumentError(argument, f"{axis.tolist()} of length {length:g}", "a vector of length 1")
+    return axis / length
+
+
+def check_tree(joints: Sequence[Joint], base: str) -> None:
+    """Refuse joints that are no tree on the frame ``base``.
+
+    Raises:
+        ArgumentError: on duplicate names, a cycle, or nothing that moves.
+        UnknownNameError: when a parent frame or a mimicked joint does not exist.
+    """
+    _check_unique("joint name", [joint.name for joint in joints])
+    _check_unique("frame name", [base, *(joint.child for joint in joints)])
+    if not any(joint.is_independent for joint in joints):
+        raise ArgumentError(
+            "joints", f"{len(joints)} joints, none of which moves", "at least one moving joint"
+        )
+    parent_of = {joint.child: joint.parent for joint in joints}
+    for joint in joints:
+        if joint.parent != base and joint.parent not in parent_of:
+            raise UnknownNameError(f"parent frame of joint {joint.name!r}", joint.parent, [base, *parent_of])
+    for frame in parent_of:
+        seen = [frame]
+        while seen[-1] != base:
+            above = parent_of[seen[-1]]
+            if above in seen:
+                raise ArgumentError("joints", f"a cycle {' -> '.join([*seen, above])}", f"a tree on {base!r}")
+            seen.append(above)
+    leaders = {joint.name: joint for joint in joints if joint.is_independent and joint.type.is_scalar}
+    for joint in joints:
+        if joint.mimic is not None and joint.mimic.joint not in leaders:
+            raise UnknownNameError(f"joint for {joint.name!r} to mimic", joint.mimic.joint, leaders)
+
+
+def check_planar(joints: Sequence[Joint]) -> None:
+    """Refuse joints that leave the x-y plane.
+
+    Raises:
+        ArgumentError: naming the first joint that does.
+    """
+    for joint in joints:
+        along = abs(float(joint.axis[2]))
+        stays = {
+            JointType.FIXED: True,
+            JointType.HINGE: abs(along - 1.0) <= UNIT_TOLERANCE,
+            JointType.SLIDE: along <= UNIT_TOLERANCE,
+        }.get(joint.type, False)
+        level = abs(abs(joint.origin[2, 2]) - 1.0) <= UNIT_TOLERANCE and joint.origin[2, 3] == 0.0
+        if not (stays and level):
+            raise ArgumentError(
+                "planar",
+                f"True, but joint {joint.name!r} leaves the x-y plane",
+                "hinges about z and slides in the plane, with origins in the plane",
+            )
+
+
+def _check_unique(what: str, names: Sequence[str]) -> None:
+    repeated = sorted({name for name in names if names.count(name) > 1})
+    if repeated:
+        raise ArgumentError("joints", f"{what} {repeated[0]!r} more than once", f"each {what} once")

@@ -1,0 +1,165 @@
+"""Results that explain themselves: why a solve stopped, what it reached, and how it got there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Status(Enum):
+    """Why a solve stopped. The value is the sentence a Solution prints."""
+
+    CONVERGED = "converged: on target, and the criterion cannot fall further without leaving it"
+    REACHED = "reached the target; the criterion could still fall"
+    LOCAL_MINIMUM = "out of reach, or a local minimum of the error: this is the closest posture nearby"
+    LIMITS = "held by joint limits: the error could fall if the joints at their limits could move on"
+    SINGULAR = "stopped at a singularity: no direction the robot can move in brings the target nearer"
+    STALLED = "stalled: no step the strategy tried brought the target nearer"
+    ITERATION_LIMIT = "reached the iteration limit before the target"
+    NOT_FINITE = "error or criterion is not a finite number here; q is the last configuration where they were"
+
+
+@dataclass(frozen=True)
+class Trace:
+    """What happened, iteration by iteration. Row k belongs to the call that started at ``q[k]``.
+
+    Attributes:
+        q: configurations, (iterations + 1, nq): the last row is where the solve ended.
+        error: norm of the task error at ``q[k]``, in [m] and [rad] together, (iterations + 1,).
+        figures: one array a figure, (iterations,): V, H, V2, alpha, beta, predicted_decrease and actual_decrease of V,
+            accepted, null_residual, sigma_min (of the weighted Jacobian of the joints that were free to move), leakage (``|J nu| / |nu|`` of the
+            null-space step nu; NaN where there is none), escaped. A law without a gain has NaN there.
+    """
+
+    q: Array
+    error: Array
+    figures: Mapping[str, Array]
+
+    def __getattr__(self, name: str) -> Array:
+        figures: Mapping[str, Array] = object.__getattribute__(self, "figures")
+        if name in figures:
+            return figures[name]
+        raise AttributeError(f"a trace has q, error, {', '.join(figures)}; not {name!r}")
+
+    def __len__(self) -> int:
+        return len(self.q) - 1
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Where a solve ended and why.
+
+    Attributes:
+        q: configuration, (nq,) [rad] and [m].
+        status: why it stopped; ``status.value`` is a sentence.
+        converged: whether what was asked for was achieved (with ``until="reached"``, arriving is enough).
+        error: task error e at q, (m,), rows in [m] or [rad].
+        position_error, orientation_error: norms of its position rows [m] and orientation rows [rad].
+        iterations: steps tried, accepted or not.
+        escapes: how often a singular stall was left by a second-order step.
+        cost: H at q, the weighted sum of the criteria.
+        criteria: weighted value of each criterion by name.
+        jacobian: of the task error, (m, n).
+        gradient: of H with respect to the velocity, (n,).
+        null_space_residual: norm of (I - J+ J) dH/dv over the joints that no limit holds, in the unit of H per [rad] or [m].
+        active_limits: names of the joints that stand at a limit.
+        seconds: wall time of the solve.
+        trace: the iterations, when asked for.
+    """
+
+    q: Array
+    status: Status
+    converged: bool
+    error: Array
+    position_error: float
+    orientation_error: float
+    iterations: int
+    escapes: int
+    cost: float
+    criteria: Mapping[str, float]
+    jacobian: Array
+    gradient: Array
+    null_space_residual: float
+    active_limits: tuple[str, ...]
+    seconds: float
+    trace: Trace | None = None
+
+    @cached_property
+    def condition(self) -> float:
+        """Condition number of the task's Jacobian; infinite at a singular pose."""
+        sigma = np.linalg.svd(self.jacobian, compute_uv=False)
+        return float(sigma[0] / sigma[-1]) if sigma[-1] > np.finfo(float).eps * sigma[0] else float("inf")
+
+    def __repr__(self) -> str:
+        lines = [
+            f"Solution: {self.status.value}",
+            f"  q           {np.array2string(self.q, precision=4, suppress_small=True, max_line_width=100)}",
+            f"  error       {self.position_error:.3g} m, {self.orientation_error:.3g} rad",
+            f"  iterations  {self.iterations} in {1e3 * self.seconds:.3g} ms",
+            f"  condition   {self.condition:.3g}",
+        ]
+        if self.escapes:
+            lines.append(f"  escapes     {self.escapes} from a singular stall, by a second-order step")
+        if self.criteria:
+            terms = ", ".join(f"{name} {value:.4g}" for name, value in self.criteria.items())
+            lines.append(f"  H           {self.cost:.6g} ({terms}); null-space residual {self.null_space_residual:.2g}")
+        if self.active_limits:
+            lines.append(f"  at limit    {', '.join(self.active_limits)}")
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Step:
+    """One update: for controllers.
+
+    Attributes:
+        q: configuration after the step, (nq,).
+        position_error, orientation_error: norms of the task error there [m], [rad].
+        accepted: whether the step was taken; a refused one leaves q, and the next call tries a smaller one.
+        done: whether there is nothing left to do at the tolerances asked for.
+        escaped: whether a singular stall was left by a second-order step.
+    """
+
+    q: Array
+    position_error: float
+    orientation_error: float
+    accepted: bool
+    done: bool
+    escaped: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Joint motion along a path of targets.
+
+    Attributes:
+        times: (k,) [s].
+        q: (k, nq) [rad] and [m].
+        errors: norm of the task error at each target, (k,) [m] and [rad] together.
+        statuses: how the solve at each target ended.
+    """
+
+    times: Array
+    q: Array
+    errors: Array
+    statuses: tuple[Status, ...]
+
+    @property
+    def converged(self) -> bool:
+        """Whether every target was reached."""
+        return all(status in (Status.CONVERGED, Status.REACHED) for status in self.statuses)
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def __repr__(self) -> str:
+        reached = sum(status in (Status.CONVERGED, Status.REACHED) for status in self.statuses)
+        worst = float(self.errors.max()) if len(self) else 0.0
+        return f"Trajectory: {reached} of {len(self)} targets reached, {self.times[-1]:.3g} s, largest error {worst:.3g}"

@@ -1,0 +1,345 @@
+"""InverseKinematics: one robot, its tasks, its criteria and a strategy, compiled once; then step, solve and track."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterable, Sequence
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jtik.compile import bind
+from jtik.criterion import Criterion, CriterionSum, CriterionTerms, Parameters
+from jtik.diagnosis import Diagnosis
+from jtik.errors import ArgumentError, finite_array
+from jtik.fused import OUTCOME, Code, FusedStep, Problem, fused_step
+from jtik.registry import strategy_of
+from jtik.rescue import Rescue
+from jtik.robot import Robot
+from jtik.solution import Solution, Status, Step, Trace, Trajectory
+from jtik.strategy import Strategy
+from jtik.task import Task, TaskStack
+
+Array = NDArray[np.float64]
+Until = Literal["steady", "reached"]
+Record = tuple[Array, Array]
+"""Configuration before a call, and the figures of the call."""
+
+MOST_ESCAPES = 20
+"""Second-order steps a solve may take out of singular stalls."""
+
+
+class _Runner:
+    """The fused step on memory of its own. Calls alternate between two memories, so that nothing is copied."""
+
+    def __init__(self, fused: FusedStep, inputs: Sequence[Array], nq: int) -> None:
+        self.fused = fused
+        self.first_state = fused.first_state
+        self.q = (np.zeros(nq), np.zeros(nq))
+        self.state = (self.first_state.copy(), self.first_state.copy())
+        self.outcome = np.zeros(OUTCOME.size)
+        self.record = np.zeros(fused.record.size)
+        records = [self.record] if fused.record.size else []
+        self.calls = tuple(
+            bind(
+                fused.function,
+                [self.q[a], *inputs, self.state[a]],
+                [self.q[1 - a], self.state[1 - a], self.outcome, *records],
+            )
+            for a in (0, 1)
+        )
+        self.view = memoryview(self.outcome)
+
+    def start(self, q: ArrayLike) -> None:
+        """Begin afresh at ``q``."""
+        self.q[0][:] = q
+        self.state[0][:] = self.first_state
+
+
+class InverseKinematics:
+    """Joint positions for what the tip must do and what the freedom left over should do.
+
+    Building one compiles the step; afterwards targets, parameters and tolerances are numbers that cost nothing to change.
+    An object works on memory of its own and belongs to one thread.
+
+    Args:
+        robot: the robot.
+        task: a Task, or several, each with a name of its own.
+        criteria: what to minimise with the freedom left: a Criterion or a weighted sum of them.
+        strategy: name of a registered strategy, or a Strategy object.
+        limits: whether the robot's joint limits hold.
+
+    Attributes:
+        parameters: live parameters of the criteria by name: ``ik.parameters["joint_centering.weight"] = 2.0``.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        task: Task | Iterable[Task],
+        *,
+        criteria: Criterion | CriterionSum | None = None,
+        strategy: str | Strategy = "hybrid",
+        limits: bool = True,
+    ) -> None:
+        if not isinstance(robot, Robot):
+            raise ArgumentError("robot", robot, "a jtik.Robot")
+        self.robot = robot
+        self.tasks = TaskStack.of(robot, task)
+        self.strategy = strategy_of(strategy)
+        terms = CriterionTerms.of(robot, criteria)
+        self.parameters: Parameters = terms.parameters
+        self._names = [name for name, _, _ in terms.named]
+        self._lower = robot.lower.copy() if limits else np.full(robot.nq, -np.inf)
+        self._upper = robot.upper.copy() if limits else np.full(robot.nq, np.inf)
+        bounded = tuple(
+            (int(i), int(j))
+            for i, j in zip(robot.scalar_q, robot.scalar_v, strict=True)
+            if self._lower[i] > -np.inf or self._upper[i] < np.inf or robot.velocity_limit[j] < np.inf
+        )
+        self._problem = Problem(robot, self.tasks, terms, bounded)
+        self._target = np.zeros(self.tasks.target_size)
+        # targets that are their own numbers skip the reading in `step`
+        self._plain_target = self._target.shape if self.tasks.plain else None
+        self._settings = np.array([1e-6, 1e-6, 1e-6, 1.0])
+        self._inputs = [self._target, self.parameters.memory, self._lower, self._upper, self._settings]
+        self._runner = _Runner(fused_step(self._problem, self.strategy), self._inputs, robot.nq)
+        self._recorder: _Runner | None = None
+        self._stepper: _Runner | None = None
+        self._rescue = Rescue(self._problem)
+        self._diagnosis = Diagnosis(self._problem, self._rescue)
+
+    def __repr__(self) -> str:
+        names = " + ".join(self._names) or "no criterion"
+        return f"InverseKinematics({self.robot!r}, {list(self.tasks.tasks)}, {names}, {self.strategy!r})"
+
+    def solve(
+        self,
+        target: Any,
+        *,
+        q0: ArrayLike | None = None,
+        max_iterations: int = 1000,
+        position_tolerance: float = 1e-6,
+        orientation_tolerance: float = 1e-6,
+        optimality_tolerance: float = 1e-6,
+        until: Until = "steady",
+        trace: bool = False,
+    ) -> Solution:
+        """Iterate to the target; always returns a Solution, which says why it stopped.
+
+        Args:
+            target: what the task reads as one, such as (x, y); with several tasks a dict of targets by name.
+            q0: where to start, (nq,); the robot's neutral configuration by default. Outside the limits it is led back.
+            max_iterations: most steps to try.
+            position_tolerance: norm of the position error to reach [m].
+            orientation_tolerance: norm of the orientation error to reach [rad].
+            optimality_tolerance: norm of (I - J+ J) dH/dv to reach, relative to max(1, |dH/dv|).
+            until: "steady" goes on until the criterion cannot fall further, "reached" stops on arrival.
+            trace: keep every iteration in ``solution.trace``.
+
+        Raises:
+            ArgumentError: for an argument of wrong shape, NaN or infinity, naming it.
+        """
+        begin = time.perf_counter()
+        self._target[:] = self.tasks.read_target(target)
+        start = self._configuration("q0", q0)
+        self._settings[:] = (
+            _positive("position_tolerance", position_tolerance),
+            _positive("orientation_tolerance", orientation_tolerance),
+            _positive("optimality_tolerance", optimality_tolerance),
+            _steady(until),
+        )
+        if not isinstance(max_iterations, (int, np.integer)) or max_iterations < 0:
+            raise ArgumentError("max_iterations", max_iterations, "an integer from 0")
+        runner = self._recording() if trace else self._runner
+        runner.start(start)
+        record: list[Record] | None = [] if trace else None
+        q, code, iterations, escapes = self._iterate(runner, int(max_iterations), record)
+        return self._solution(q, code, iterations, escapes, record, begin)
+
+    def step(self, q: ArrayLike, target: Any) -> Step:
+        """One update from ``q``, for controllers; what the strategy remembers goes on from the last call.
+
+        A refused step leaves q where it is and the next call tries a smaller one. ``reset()`` forgets the past.
+
+        Args:
+            q: configuration, (nq,). Outside the limits it is led back.
+            target: what the task reads as one.
+
+        Raises:
+            ArgumentError: for an argument of wrong shape, NaN or infinity, naming it.
+        """
+        runner = self._stepper
+        if runner is None:
+            runner = self._stepper = _Runner(self._runner.fused, self._inputs, self.robot.nq)
+            runner.start(self.robot.neutral)
+        if type(target) is np.ndarray and target.shape == self._plain_target and math.isfinite(target.dot(target)):
+            self._target[:] = target
+        else:
+            self._target[:] = self.tasks.read_target(target)
+        memory = runner.q[0]
+        if type(q) is np.ndarray and q.shape == memory.shape and math.isfinite(q.dot(q)):
+            memory[:] = q
+        else:
+            memory[:] = finite_array("q", q, memory.shape)
+        runner.calls[0]()
+        code, tried, accepted, position, orientation, _ = runner.view
+        escaped = False
+        if tried:
+            runner.state[0][:] = runner.state[1]
+        if code == Code.STALLED:
+            escaped = self._rescue.escape(runner.q[1], self._inputs)
+            runner.state[0][:] = runner.first_state
+        return Step(runner.q[1].copy(), position, orientation, accepted == 1, code == Code.DONE, escaped)
+
+    def reset(self) -> None:
+        """Forget what ``step`` remembers of earlier calls, as after a jump of the target."""
+        if self._stepper is not None:
+            self._stepper.start(self.robot.neutral)
+
+    def track(
+        self,
+        targets: Iterable[Any],
+        *,
+        q0: ArrayLike | None = None,
+        dt: float = 0.02,
+        max_iterations: int = 100,
+        position_tolerance: float = 1e-6,
+        orientation_tolerance: float = 1e-6,
+        optimality_tolerance: float = 1e-6,
+        until: Until = "reached",
+    ) -> Trajectory:
+        """Follow a path of targets, ``dt`` [s] apart, each solve starting where the last one ended.
+
+        The robot's velocity limits hold from one target to the next; a target that they keep out of reach is followed as
+        far as they allow. Options are those of ``solve``; ``until="steady"`` also lets the criterion settle at each target.
+
+        Raises:
+            ArgumentError: for an argument of wrong shape, NaN or infinity, naming it.
+        """
+        dt = _positive("dt", dt)
+        wanted = list(targets)
+        if not wanted:
+            raise ArgumentError("targets", "none", "at least one target")
+        q = self._configuration("q0", q0)
+        reach = np.full(self.robot.nq, np.inf)
+        reach[self.robot.scalar_q] = self.robot.velocity_limit[self.robot.scalar_v] * dt
+        lower, upper = self._lower.copy(), self._upper.copy()
+        solutions = []
+        try:
+            for target in wanted:
+                down, up = q - reach, q + reach
+                # outside the position limits the box is what the velocity limits allow on the way back
+                self._lower[:] = np.minimum(np.maximum(lower, down), up)
+                self._upper[:] = np.maximum(np.minimum(upper, up), down)
+                solution = self.solve(
+                    target,
+                    q0=q,
+                    max_iterations=max_iterations,
+                    position_tolerance=position_tolerance,
+                    orientation_tolerance=orientation_tolerance,
+                    optimality_tolerance=optimality_tolerance,
+                    until=until,
+                )
+                solutions.append(solution)
+                q = solution.q
+        finally:
+            self._lower[:], self._upper[:] = lower, upper
+        return Trajectory(
+            times=dt * np.arange(1, len(wanted) + 1),
+            q=np.array([solution.q for solution in solutions]),
+            errors=np.array([np.linalg.norm(solution.error) for solution in solutions]),
+            statuses=tuple(solution.status for solution in solutions),
+        )
+
+    def _configuration(self, argument: str, q: ArrayLike | None) -> Array:
+        return self.robot.neutral if q is None else finite_array(argument, q, (self.robot.nq,))
+
+    def _recording(self) -> _Runner:
+        if self._recorder is None:
+            fused = fused_step(self._problem, self.strategy, recorded=True)
+            self._recorder = _Runner(fused, self._inputs, self.robot.nq)
+        return self._recorder
+
+    def _iterate(self, runner: _Runner, limit: int, record: list[Record] | None) -> tuple[Array, Code, int, int]:
+        """The loop, written once for every strategy: call until the code says otherwise."""
+        calls, view = runner.calls, runner.view
+        code, escapes, k, at = Code.GO_ON, 0, 0, 0
+        while k < limit:
+            before = runner.q[at].copy() if record is not None else None
+            calls[at]()
+            at = 1 - at
+            k += 1
+            if record is not None and before is not None:
+                record.append((before, runner.record.copy()))
+            if view[0] == 0.0:
+                continue
+            code = Code(int(view[0]))
+            if not view[OUTCOME.tried]:  # it stopped before it tried anything
+                k -= 1
+                if record is not None:
+                    record.pop()
+            if code is Code.STALLED and escapes < MOST_ESCAPES and self._rescue.escape(runner.q[at], self._inputs):
+                escapes += 1
+                runner.start(runner.q[at].copy())
+                code, at = Code.GO_ON, 0
+                continue
+            break
+        return runner.q[at].copy(), code, k, escapes
+
+    def _solution(
+        self, q: Array, code: Code, iterations: int, escapes: int, record: list[Record] | None, begin: float
+    ) -> Solution:
+        report = self._diagnosis.report(q, self._inputs)
+        status = self._diagnosis.status(q, code, report, self._inputs)
+        return Solution(
+            q=q,
+            status=status,
+            converged=status is Status.CONVERGED or (status is Status.REACHED and not self._settings[3]),
+            error=report.error,
+            position_error=report.position_error,
+            orientation_error=report.orientation_error,
+            iterations=iterations,
+            escapes=escapes,
+            cost=float(report.values.sum()),
+            criteria=dict(zip(self._names, report.values.tolist(), strict=True)),
+            jacobian=report.jacobian,
+            gradient=report.gradient,
+            null_space_residual=report.null_residual,
+            active_limits=report.active_limits,
+            seconds=time.perf_counter() - begin,
+            trace=None if record is None else self._trace(q, record),
+        )
+
+    def _trace(self, end: Array, record: list[Record]) -> Trace:
+        """Figures by name, and those that need a factorisation of the recorded Jacobians."""
+        assert self._recorder is not None
+        q = np.array([before for before, _ in record] + [end])
+        table = np.array([figures for _, figures in record]).reshape(len(record), self._recorder.record.size)
+        columns = {name: table[:, where] for name, where in self._recorder.fused.record.slices.items()}
+        J = columns.pop("J").reshape(len(record), self.robot.n, -1).transpose(0, 2, 1)
+        null, dq = columns.pop("null_step"), columns.pop("dq")
+        figures = {name: column[:, 0] for name, column in columns.items()}
+        figures["sigma_min"] = np.array([np.linalg.svd(each, compute_uv=False)[-1] for each in J])
+        length = np.linalg.norm(null, axis=1)
+        moved = np.linalg.norm(np.einsum("kmn,kn->km", J, null), axis=1)
+        figures["leakage"] = np.divide(moved, length, out=np.full(len(record), np.nan), where=length > 0)
+        figures["step_length"] = np.linalg.norm(dq, axis=1)
+        errors = np.array([np.linalg.norm(self._diagnosis.error(each, self._inputs)) for each in q])
+        return Trace(q=q, error=errors, figures=figures)
+
+
+def _positive(argument: str, value: float) -> float:
+    """The value as a float. Raises ArgumentError unless it is finite and positive."""
+    number = float(finite_array(argument, value, ()))
+    if not number > 0:
+        raise ArgumentError(argument, value, "a positive number")
+    return number
+
+
+def _steady(until: str) -> float:
+    if until not in ("steady", "reached"):
+        raise ArgumentError("until", until, "'steady' or 'reached'")
+    return 1.0 if until == "steady" else 0.0

@@ -1,0 +1,67 @@
+"""What a strategy is: the symbolic law of one update, and the state it carries from one update to the next."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jtik.strategy.model import LocalModel, Point
+from jtik.symbolic import Expression
+
+Array = NDArray[np.float64]
+State = Mapping[str, Expression]
+"""Named state of a strategy, each entry a column of expressions."""
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Sizes a state may depend on: n velocities, m residual rows, and whether there is a criterion."""
+
+    n: int
+    m: int
+    has_criterion: bool
+
+
+@dataclass(frozen=True)
+class Update:
+    """One update of the configuration.
+
+    Attributes:
+        point: where the update arrives, if it is accepted.
+        accepted: 1 if the step is taken, 0 if the configuration stays and only the state changes.
+        state: the state after the update, with the names of the state before.
+        dq: the step to ``point`` (n, 1).
+        null_step: the part of it meant to move only the null space (n, 1).
+        figures: what a Trace reports, such as alpha and beta; scalars by name.
+    """
+
+    point: Point
+    accepted: Expression
+    state: State
+    dq: Expression
+    null_step: Expression
+    figures: Mapping[str, Expression] = field(default_factory=dict)
+
+
+class Strategy(ABC):
+    """An update law. Subclasses are frozen, keyword-only dataclasses; a registry name stands for their defaults.
+
+    ``summary`` is one line for lists; ``source`` names the paper.
+    """
+
+    name: ClassVar[str] = ""
+    summary: ClassVar[str] = ""
+    source: ClassVar[str] = ""
+
+    def initial_state(self, shape: Shape) -> Mapping[str, Array]:
+        """The state a solve starts from: one-dimensional arrays by name."""
+        return {}
+
+    @abstractmethod
+    def update(self, model: LocalModel, state: State) -> Update:
+        """The law: from the local model and the state to the next configuration and state."""

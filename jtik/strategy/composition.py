@@ -1,0 +1,198 @@
+"""Strategies made of two parts: a task step that moves the tip, and a secondary term that moves only the null space.
+
+Acceptance, the third part, is here because it is the same for all of them (formulations/merit.md):
+
+- ``"merit"``: outside a tube about the target only V counts, and the null-space motion may not spoil its decrease; inside the
+  tube the exact penalty H + mu |r| must fall. Without a criterion this is plain monotone decrease of V.
+- ``"task"``: V must fall by the task step alone; the null-space term is added unchecked (the paper's beta rules bound it).
+- ``"always"``: every step is taken, as the paper prints it.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jtik.strategy.base import Shape, State, Strategy, Update
+from jtik.strategy.model import LocalModel, Point
+from jtik.symbolic import Expression, dot, fabs, fmax, if_else, logic_and, logic_or, norm, sumsqr, zeros
+
+Array = NDArray[np.float64]
+Acceptance = Literal["merit", "task", "always"]
+
+SUFFICIENT = 1e-4
+"""Fraction of the predicted decrease an accepted step must bring (Armijo 1966)."""
+
+ROUNDING = 1e-14
+"""Relative error of an evaluated H + mu |r|: a smaller change says nothing."""
+
+
+@dataclass(frozen=True)
+class TaskMove:
+    """A proposed task step ``dq`` (n, 1) and the gain ``alpha`` a trace reports (NaN for laws without one)."""
+
+    dq: Expression
+    alpha: Expression
+
+
+@dataclass(frozen=True)
+class NullMove:
+    """A proposed null-space step ``dq`` (n, 1), its length, and its gain ``beta``."""
+
+    dq: Expression
+    length: Expression
+    beta: Expression
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a proposal: ``accepted`` 0 or 1, ``ratio`` of actual to predicted decrease, both parts as judged."""
+
+    accepted: Expression
+    ratio: Expression
+    task_step: Expression
+    null: NullMove
+
+
+class TaskStep(ABC):
+    """The part of an update that moves the tip."""
+
+    def initial_state(self, shape: Shape) -> Mapping[str, Array]:
+        """State carried between updates."""
+        return {}
+
+    @abstractmethod
+    def propose(self, model: LocalModel, state: State) -> TaskMove:
+        """A step towards the target."""
+
+    def adapt(self, model: LocalModel, state: State, move: TaskMove, outcome: Outcome) -> State:
+        """The state after the outcome is known."""
+        return {}
+
+
+class SecondaryTerm(ABC):
+    """The part of an update that lowers H without moving the tip, to first order."""
+
+    def initial_state(self, shape: Shape) -> Mapping[str, Array]:
+        """State carried between updates."""
+        return {}
+
+    @abstractmethod
+    def propose(self, model: LocalModel, state: State, task_step: Expression) -> NullMove:
+        """A step in the null space of J."""
+
+    def adapt(self, model: LocalModel, state: State, move: NullMove, outcome: Outcome) -> State:
+        """The state after the outcome is known."""
+        return {}
+
+
+class Composition(Strategy):
+    """Task step x secondary term x acceptance. Subclasses say which."""
+
+    @abstractmethod
+    def task_step(self) -> TaskStep:
+        """The part that moves the tip."""
+
+    @abstractmethod
+    def secondary_term(self) -> SecondaryTerm:
+        """The part that moves the null space."""
+
+    @abstractmethod
+    def acceptance(self) -> Acceptance:
+        """How a step is judged."""
+
+    def initial_state(self, shape: Shape) -> Mapping[str, Array]:
+        """States of both parts, and the penalty mu."""
+        state = dict(self.task_step().initial_state(shape))
+        if shape.has_criterion:
+            state |= self.secondary_term().initial_state(shape)
+            state["penalty"] = np.zeros(1)
+        return state
+
+    def update(self, model: LocalModel, state: State) -> Update:
+        """Propose, join, judge, adapt."""
+        task_step, secondary, rule = self.task_step(), self.secondary_term(), self.acceptance()
+        task = task_step.propose(model, state)
+        task_dq = model.within_limits(task.dq)
+        null = NullMove(zeros(model.robot.n), 0, 0)
+        if model.has_criterion:
+            null = secondary.propose(model, state, task_dq)
+            null = _shortened(model, task_dq, null)
+        dq = task_dq + null.dq
+        point = model.moved(dq)
+
+        predicted = model.predicted_decrease(task_dq)
+        judged = model.moved(task_dq) if rule == "task" and model.has_criterion else point
+        actual = model.here.V - judged.V
+        falls = logic_and(predicted > 0, actual >= SUFFICIENT * predicted)
+        penalty = None
+        if rule == "always":
+            accepted = actual == actual  # a NaN is never taken
+        elif rule == "merit" and model.has_criterion:
+            accepted, penalty = _weigh(model, state["penalty"], point, task_dq, null.dq, falls)
+        elif rule == "task" and model.has_criterion:
+            accepted = logic_or(falls, logic_and(model.near, judged.length <= model.tube))
+        else:
+            accepted = falls
+        ratio = actual / if_else(predicted > 0, predicted, 1)
+        if rule == "merit" and model.has_criterion:
+            ratio = if_else(model.near, accepted, ratio)
+        outcome = Outcome(accepted, ratio, task_dq, null)
+        after = dict(task_step.adapt(model, state, task, outcome))
+        if model.has_criterion:
+            after |= secondary.adapt(model, state, null, outcome)
+            after["penalty"] = state["penalty"] if penalty is None else penalty
+        figures = {
+            "alpha": task.alpha,
+            "beta": null.beta,
+            "V2": sumsqr(null.dq) / 2,
+            "predicted_decrease": predicted,
+            "actual_decrease": model.here.V - point.V,
+        }
+        return Update(point, accepted, after, dq, null.dq, figures)
+
+
+def _shortened(model: LocalModel, task_dq: Expression, null: NullMove) -> NullMove:
+    """The null step shortened as a whole, so that it keeps its direction and the sum ends inside the limits."""
+    if not model.bounded:
+        return null
+    scale: Expression = 1
+    for i, j in model.bounded:
+        step = null.dq[j]
+        up = model.upper[i] - model.here.q[i] - task_dq[j]
+        down = model.lower[i] - model.here.q[i] - task_dq[j]
+        room = if_else(step > 0, up, down)
+        moves = fabs(step) > 0
+        ratio = room / if_else(moves, step, 1)
+        blocked = logic_and(moves, ratio < scale)
+        scale = if_else(blocked, fmax(ratio, 0), scale)
+    return NullMove(scale * null.dq, scale * null.length, scale * null.beta)
+
+
+def _weigh(
+    model: LocalModel,
+    before: Expression,
+    point: Point,
+    task_dq: Expression,
+    null_dq: Expression,
+    falls: Expression,
+) -> tuple[Expression, Expression]:
+    """Acceptance by V outside the tube, by H + mu |r| inside it; and the new mu."""
+    here, g = model.here, model.gradient
+    slope = -dot(g, task_dq) - dot(g, null_dq)
+    reach = here.length - norm(here.residual + model.J @ task_dq)
+    enough = 1.5 * norm(model.multipliers) + 0.1 * model.gradient_length / model.jacobian_length
+    falls_first = logic_and(slope < 0, reach > 0)
+    needed = if_else(falls_first, -slope / if_else(falls_first, 0.5 * reach, 1), 0)
+    penalty = fmax(fmax(enough, 0.5 * before), if_else(needed > 100 * enough, 100 * enough, needed))
+    predicted = penalty * reach + slope
+    merit, after = here.H + penalty * here.length, point.H + penalty * point.length
+    noise = ROUNDING * (fabs(here.H) + fabs(merit))
+    better = logic_and(predicted > 0, merit - after >= SUFFICIENT * predicted - noise)
+    inside = logic_and(point.length <= model.tube, better)
+    return if_else(model.near, inside, falls), penalty

@@ -1,0 +1,142 @@
+"""The local model: everything an update law may look at, at one configuration, as shared CasADi expressions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jtik.factorization import RowSpace
+from jtik.robot import Robot
+from jtik.symbolic import Expression, Function, fmax, fmin, norm, sumsqr, vertcat
+
+
+@dataclass(frozen=True)
+class Point:
+    """Task and criterion at one configuration, without derivatives.
+
+    Attributes: q (nq, 1); residual r = L' e with Kp = L L' (m, 1); V = 1/2 |r|^2 = 1/2 e' Kp e; H, the weighted sum of the
+    criteria (0 without any).
+    """
+
+    q: Expression
+    residual: Expression
+    H: Expression
+
+    @cached_property
+    def V(self) -> Expression:
+        """The Lyapunov function of the task, 1/2 e' Kp e."""
+        return sumsqr(self.residual) / 2
+
+    @cached_property
+    def length(self) -> Expression:
+        """|r| = sqrt(2 V)."""
+        return norm(self.residual)
+
+
+@dataclass(frozen=True)
+class LocalModel:
+    """What an update law sees. ``J`` and ``gradient`` have zero columns for joints held at their limits.
+
+    Weighting is already inside: with r = L' e and J = L' dx/dv, the paper's e' Kp J ... J' Kp e reads r' J J' r.
+
+    Attributes:
+        here: task and criterion at q.
+        J: Jacobian of the residual with respect to the velocity v, (m, n).
+        gradient: dH/dv, (n, 1); zeros without a criterion.
+        has_criterion: whether H can differ from zero at all.
+        near: 1 inside the tube about the target in which the criterion is weighed against the task, else 0.
+        tube: its size, in the unit of the residual.
+        lower, upper: box on the configuration (nq, 1), read only where ``bounded``.
+        bounded: (q index, v index) of the joints that have a limit.
+    """
+
+    robot: Robot
+    here: Point
+    J: Expression
+    gradient: Expression
+    has_criterion: bool
+    near: Expression
+    tube: Expression
+    lower: Expression
+    upper: Expression
+    bounded: tuple[tuple[int, int], ...]
+    residual_function: Function
+    criterion_function: Function
+    target: Expression
+    parameters: Expression
+
+    @cached_property
+    def rows(self) -> RowSpace:
+        """Row space of J: the pseudo-inverse and the null-space projector, factored once."""
+        return RowSpace(self.J)
+
+    @cached_property
+    def null_gradient(self) -> Expression:
+        """h = (I - J+ J) dH/dv: the part of the criterion's gradient the task leaves free, (n, 1)."""
+        return self.rows.project(self.gradient)
+
+    @cached_property
+    def gradient_length(self) -> Expression:
+        """|dH/dv|."""
+        return norm(self.gradient)
+
+    @cached_property
+    def jacobian_length(self) -> Expression:
+        """Frobenius norm of J."""
+        return norm(self.J)
+
+    @cached_property
+    def null_length(self) -> Expression:
+        """|h|."""
+        return norm(self.null_gradient)
+
+    @cached_property
+    def multipliers(self) -> Expression:
+        """lambda = -(J')+ dH/dv: what a unit of residual costs in H, (m, 1)."""
+        return -self.rows.multipliers(self.gradient)
+
+    @property
+    def rotational(self) -> NDArray[np.bool_]:
+        """Which velocity entries are rotations, (n,)."""
+        return self.robot.rotational
+
+    @cached_property
+    def turning(self) -> list[int]:
+        """Indices of the velocity entries that are rotations."""
+        return [int(i) for i in np.flatnonzero(self.rotational)]
+
+    def rotation_size(self, dq: Expression) -> Expression:
+        """The paper's Q: the norm of the rotational part of a step [rad]."""
+        return norm(dq[self.turning]) if self.turning else 0
+
+    def residual(self, q: Expression) -> Expression:
+        """The residual at another configuration."""
+        return self.residual_function(q, self.target)
+
+    def within_limits(self, dq: Expression) -> Expression:
+        """The step shortened joint by joint so that it ends inside the limits."""
+        if not self.bounded:
+            return dq
+        entries = [dq[i] for i in range(self.robot.n)]
+        for i, j in self.bounded:
+            room_down, room_up = self.lower[i] - self.here.q[i], self.upper[i] - self.here.q[i]
+            entries[j] = fmin(fmax(entries[j], room_down), room_up)
+        return vertcat(*entries)
+
+    def moved(self, dq: Expression) -> Point:
+        """Task and criterion after the step ``dq``, which must end within the limits."""
+        q = self.robot.integrate(self.here.q, dq)
+        if self.bounded:  # rounding of q + (limit - q) must not leave the box
+            entries = [q[i] for i in range(self.robot.nq)]
+            for i, _ in self.bounded:
+                entries[i] = fmin(fmax(entries[i], self.lower[i]), self.upper[i])
+            q = vertcat(*entries)
+        H = self.criterion_function(q, self.parameters) if self.has_criterion else 0
+        return Point(q, self.residual(q), H)
+
+    def predicted_decrease(self, dq: Expression) -> Expression:
+        """Decrease of V that the linear model promises for ``dq``."""
+        return self.here.V - sumsqr(self.here.residual + self.J @ dq) / 2

@@ -1,0 +1,90 @@
+"""The one thin door to CasADi: expression types and the small operations jtik builds on.
+
+CasADi carries no types a checker could use, so every ``Any`` of the project lives here under a name. All
+helpers are safe to differentiate: no branch that is not taken may produce a NaN.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, TypeAlias
+
+import casadi
+
+Expression: TypeAlias = Any
+"""A CasADi expression (``casadi.SX`` or ``casadi.MX``), scalar or matrix."""
+
+Function: TypeAlias = Any
+"""A ``casadi.Function``."""
+
+SX: Any = casadi.SX
+vertcat: Any = casadi.vertcat
+horzcat: Any = casadi.horzcat
+cos: Any = casadi.cos
+sin: Any = casadi.sin
+atan2: Any = casadi.atan2
+sqrt: Any = casadi.sqrt
+log: Any = casadi.log
+fmax: Any = casadi.fmax
+fmin: Any = casadi.fmin
+fabs: Any = casadi.fabs
+dot: Any = casadi.dot
+cross: Any = casadi.cross
+sumsqr: Any = casadi.sumsqr
+if_else: Any = casadi.if_else
+jacobian: Any = casadi.jacobian
+gradient: Any = casadi.gradient
+logic_and: Any = casadi.logic_and
+logic_or: Any = casadi.logic_or
+logic_not: Any = casadi.logic_not
+symvar: Any = casadi.symvar
+substitute: Any = casadi.substitute
+is_equal: Any = casadi.is_equal
+reshape: Any = casadi.reshape
+
+TINY = 1e-300
+"""Added under a square root or a division where zero is a legal value; below every figure that matters."""
+
+
+def symbol(name: str, rows: int, columns: int = 1) -> Expression:
+    """A matrix of free symbols, shape (rows, columns)."""
+    return SX.sym(name, rows, columns)
+
+
+def zeros(rows: int, columns: int = 1) -> Expression:
+    """A dense matrix of zeros, shape (rows, columns)."""
+    return SX.zeros(rows, columns)
+
+
+def is_symbolic(value: object) -> bool:
+    """Whether ``value`` is a CasADi expression rather than numbers."""
+    return isinstance(value, (casadi.SX, casadi.MX))
+
+
+def function(
+    name: str,
+    inputs: Sequence[Expression],
+    outputs: Sequence[Expression],
+    input_names: Sequence[str] = (),
+    output_names: Sequence[str] = (),
+) -> Function:
+    """One ``casadi.Function`` with common subexpressions removed; all outputs dense."""
+    dense = [casadi.densify(output) for output in outputs]
+    names = [list(input_names), list(output_names)] if input_names else []
+    return casadi.Function(name, list(inputs), dense, *names, {"cse": True})
+
+
+def norm(vector: Expression) -> Expression:
+    """Euclidean norm whose derivative is zero, not NaN, at the zero vector."""
+    return sqrt(sumsqr(vector) + TINY)
+
+
+def is_finite(value: Expression) -> Expression:
+    """1 where every entry of ``value`` is finite, else 0."""
+    total = casadi.sum1(casadi.vec(value)) * 0
+    return total == 0
+
+
+def stack(rows: Sequence[Sequence[Expression | float]]) -> Expression:
+    """A matrix from its rows of scalars."""
+    return vertcat(*[horzcat(*row) for row in rows])
