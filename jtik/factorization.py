@@ -1,7 +1,7 @@
 """Complete orthogonal decomposition of a Jacobian: pseudo-inverse and null-space projector at any rank.
 
-``J = L Q``: the rows of Q are an orthonormal basis of the row space of J (modified Gram-Schmidt), L is lower
-trapezoidal. One rank decision is made per row: a row whose part outside the span of the rows before it is
+``J = L Q``: the rows of Q are an orthogonal basis of the row space of J (modified Gram-Schmidt), L is lower
+trapezoidal with ones where a row is independent. One rank decision is made per row: a row whose part outside the span of the rows before it is
 shorter than ``RANK_THRESHOLD`` times the Frobenius norm of J is dependent and spans nothing. With all rows independent L
 is triangular and everything is a substitution; with dependent rows the columns of L are orthogonalised too, and
 the least-squares solution of least norm results, as an SVD truncated at the same threshold would give it.
@@ -26,24 +26,24 @@ class RowSpace:
 
     def __init__(self, J: Expression, *, threshold: float = RANK_THRESHOLD) -> None:
         self._m, self._n = J.shape
-        limit = threshold**2 * sumsqr(J)
+        self.squared_length = sum(sumsqr(J[i, :].T) for i in range(self._m))
+        limit = threshold**2 * self.squared_length
         self._basis: list[Expression] = []
-        self._pivot: list[Expression] = []
+        self._inverse: list[Expression] = []
         self._lower: list[list[Expression]] = []
         self._independent: list[Expression] = []
         for i in range(self._m):
             row = J[i, :].T
             coefficients = []
-            for basis in self._basis:
-                coefficient = dot(basis, row)
+            for basis, inverse in zip(self._basis, self._inverse, strict=True):
+                coefficient = dot(basis, row) * inverse
                 row = row - coefficient * basis
                 coefficients.append(coefficient)
             squared = sumsqr(row)
             independent = squared > limit
-            length = sqrt(if_else(independent, squared, 1))
-            self._basis.append(row * if_else(independent, 1 / length, 0))
-            self._pivot.append(length)
-            self._lower.append([*coefficients, if_else(independent, length, 0)])
+            self._basis.append(row)
+            self._inverse.append(if_else(independent, 1 / if_else(independent, squared, 1), 0))
+            self._lower.append([*coefficients, independent])
             self._independent.append(independent)
 
     @cached_property
@@ -69,9 +69,12 @@ class RowSpace:
             R[j].append(length)
         return U, R
 
-    def least_squares(self, r: Expression) -> Expression:
-        """``J+ r``: of all x that minimise ``|J x - r|`` the shortest, shape (n, 1)."""
+    def least_squares(self, r: Expression) -> tuple[Expression, Expression]:
+        """``x = J+ r``, of all x that minimise ``|J x - r|`` the shortest, (n, 1), and ``J x`` (m, 1)."""
         U, R = self._column_space
+        image = zeros(self._m)
+        for unit in U:
+            image = image + dot(unit, r) * unit
         y: list[Expression] = [0] * self._m
         for i in reversed(range(self._m)):
             total = dot(U[i], r)
@@ -79,26 +82,25 @@ class RowSpace:
                 total = total - R[i][j - i] * y[j]
             y[i] = total / R[i][0]
         solution = zeros(self._n)
-        for component, basis in zip(y, self._basis, strict=True):
-            solution = solution + component * basis
-        return solution
+        for component, basis, inverse in zip(y, self._basis, self._inverse, strict=True):
+            solution = solution + (component * inverse) * basis
+        return solution, image
 
-    def multipliers(self, g: Expression) -> Expression:
-        """``(J')+ g``: the least-squares solution of ``J' x = g``, shape (m, 1)."""
+    def split(self, g: Expression) -> tuple[Expression, Expression]:
+        """``(I - J+ J) g``, the part of g that moves nothing to first order, (n, 1), and ``(J')+ g`` (m, 1)."""
+        coefficients = []
+        for basis, inverse in zip(self._basis, self._inverse, strict=True):
+            coefficient = dot(basis, g) * inverse
+            g = g - coefficient * basis
+            coefficients.append(coefficient)
         U, R = self._column_space
         y: list[Expression] = []
         for i in range(self._m):
-            total = dot(self._basis[i], g)
+            total = coefficients[i]
             for j in range(i):
                 total = total - R[j][i - j] * y[j]
             y.append(total / R[i][0])
         solution = zeros(self._m)
         for component, unit in zip(y, U, strict=True):
             solution = solution + component * unit
-        return solution
-
-    def project(self, g: Expression) -> Expression:
-        """``(I - J+ J) g``: the part of g that moves nothing to first order, shape (n, 1)."""
-        for basis in [*self._basis, *reversed(self._basis[:-1])]:
-            g = g - dot(basis, g) * basis
-        return g
+        return g, solution

@@ -225,17 +225,19 @@ def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False) 
     residual = problem.residual(symbolic_q, target)
     J = problem.jacobian(residual, symbolic_q)
     H = problem.criterion(symbolic_q, parameters)
-    slope = problem.gradient(H, symbolic_q)
-    residual, J, H, slope = (substitute(x, symbolic_q, q) for x in (residual, J, H, slope))
+    gradient_H = problem.gradient(H, symbolic_q)
+    residual, J, H, gradient_H = (
+        substitute(x, symbolic_q, q) for x in (residual, J, H, gradient_H)
+    )
     here = Point(q, residual, H)
     size = norm(J)
     tube = if_else(state["tube"] > 0, state["tube"], TUBE * size)
-    held, free = _held(problem, state, q, lower, upper, J, slope, here, tube)
+    held, free = _held(problem, state, q, lower, upper, J, gradient_H, here, tube)
     model = LocalModel(
         robot=robot,
         here=here,
         J=_columns(J, free),
-        gradient=slope * free if bounded else slope,
+        gradient=gradient_H * free if bounded else gradient_H,
         has_criterion=problem.has_criterion,
         near=here.length <= tube,
         tube=tube,
@@ -284,8 +286,8 @@ def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False) 
             "accepted": accepted,
             "null_residual": model.null_length if problem.has_criterion else 0,
             **update.figures,
-            "dq": update.dq,
-            "null_step": update.null_step,
+            "term": update.term,
+            "null_term": update.null_term,
             "J": vertcat(*[model.J[:, j] for j in range(robot.n)]),
         }
         record = Layout.of({name: _rows(value) for name, value in figures.items()})
@@ -325,7 +327,7 @@ def _held(
     lower: Expression,
     upper: Expression,
     J: Expression,
-    slope: Expression,
+    gradient_H: Expression,
     here: Point,
     tube: Expression,
 ) -> tuple[Expression, Expression]:
@@ -338,8 +340,8 @@ def _held(
         return None, None
     force = J.T @ here.residual
     if problem.has_criterion:
-        c = (12 * norm(state["multipliers"]) + norm(slope) / norm(J)) / tube
-        force = slope + J.T @ (state["multipliers"] + c * here.residual)
+        c = (12 * norm(state["multipliers"]) + norm(gradient_H) / norm(J)) / tube
+        force = gradient_H + J.T @ (c * here.residual - state["multipliers"])
     held, free = [], [1] * problem.robot.n
     for k, (i, j) in enumerate(problem.bounded):
         pressed_up = logic_and(q[i] >= upper[i] - AT_LIMIT, force[j] < 0)
@@ -363,7 +365,7 @@ def _limit_memory(
     q = model.here.q
     for k, (i, j) in enumerate(problem.bounded):
         at = logic_or(q[i] >= model.upper[i] - AT_LIMIT, q[i] <= model.lower[i] + AT_LIMIT)
-        pushed = logic_and(logic_and(at, logic_not(held[k])), update.dq[j] == 0)
+        pushed = logic_and(logic_and(at, logic_not(held[k])), update.term[j] == 0)
         blocked.append(if_else(accepted, 0, logic_or(state["blocked"][k], pushed)))
     multipliers = model.multipliers if problem.has_criterion else zeros(problem.m)
     return {"blocked": vertcat(*blocked), "multipliers": multipliers}
@@ -378,8 +380,7 @@ class _Stop:
         self.errors_before = self.errors(model.here)
         self.reached_before = self._reached(self.errors_before)
         self.done_before = self.reached_before
-        force = model.J.T @ model.here.residual
-        flat = norm(force) <= STATIONARY * model.jacobian_length * model.here.length
+        flat = norm(model.task_gradient) <= STATIONARY * model.jacobian_length * model.here.length
         self.stationary = logic_and(flat, logic_not(self.reached_before))
         if problem.has_criterion:
             still = model.null_length <= settings[2] * fmax(1, model.gradient_length)

@@ -320,13 +320,13 @@ class InverseKinematics:
         table = np.array([figures for _, figures in record]).reshape(len(record), self._recorder.record.size)
         columns = {name: table[:, where] for name, where in self._recorder.fused.record.slices.items()}
         J = columns.pop("J").reshape(len(record), self.robot.n, -1).transpose(0, 2, 1)
-        null, dq = columns.pop("null_step"), columns.pop("dq")
+        null, term = columns.pop("null_term"), columns.pop("term")
         figures = {name: column[:, 0] for name, column in columns.items()}
         figures["sigma_min"] = np.array([np.linalg.svd(each, compute_uv=False)[-1] for each in J])
         length = np.linalg.norm(null, axis=1)
         moved = np.linalg.norm(np.einsum("kmn,kn->km", J, null), axis=1)
         figures["leakage"] = np.divide(moved, length, out=np.full(len(record), np.nan), where=length > 0)
-        figures["step_length"] = np.linalg.norm(dq, axis=1)
+        figures["step_length"] = np.linalg.norm(term, axis=1)
         errors = np.array([np.linalg.norm(self._diagnosis.error(each, self._inputs)) for each in q])
         return Trace(q=q, error=errors, figures=figures)
 

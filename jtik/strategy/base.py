@@ -35,16 +35,16 @@ class Update:
         point: where the update arrives, if it is accepted.
         accepted: 1 if the step is taken, 0 if the configuration stays and only the state changes.
         state: the state after the update, with the names of the state before.
-        dq: the step to ``point`` (n, 1).
-        null_step: the part of it meant to move only the null space (n, 1).
+        term: what the step to ``point`` subtracts from q (n, 1), the two terms of the paper's law together.
+        null_term: the part of it meant to move only the null space (n, 1).
         figures: what a Trace reports, such as alpha and beta; scalars by name.
     """
 
     point: Point
     accepted: Expression
     state: State
-    dq: Expression
-    null_step: Expression
+    term: Expression
+    null_term: Expression
     figures: Mapping[str, Expression] = field(default_factory=dict)
 
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from jtik.strategy.base import Shape, State, Strategy, Update
 from jtik.strategy.model import LocalModel, Point
-from jtik.symbolic import Expression, dot, fabs, fmax, if_else, logic_and, logic_or, norm, sumsqr, zeros
+from jtik.symbolic import Expression, dot, fabs, fmax, if_else, logic_and, logic_or, sqrt, sumsqr, zeros
 
 Array = NDArray[np.float64]
 Acceptance = Literal["merit", "task", "always"]
@@ -34,28 +34,31 @@ ROUNDING = 1e-14
 
 @dataclass(frozen=True)
 class TaskMove:
-    """A proposed task step ``dq`` (n, 1) and the gain ``alpha`` a trace reports (NaN for laws without one)."""
+    """The ``term`` (n, 1) a law subtracts from q to move the tip, its ``image`` J term (m, 1), and the gain ``alpha``.
 
-    dq: Expression
+    alpha is what a trace reports, NaN for laws without one.
+    """
+
+    term: Expression
+    image: Expression
     alpha: Expression
 
 
 @dataclass(frozen=True)
 class NullMove:
-    """A proposed null-space step ``dq`` (n, 1), its length, and its gain ``beta``."""
+    """The ``term`` (n, 1) a law subtracts from q to lower H, such as beta h, its length, and its gain ``beta``."""
 
-    dq: Expression
+    term: Expression
     length: Expression
     beta: Expression
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a proposal: ``accepted`` 0 or 1, ``ratio`` of actual to predicted decrease, both parts as judged."""
+    """What became of a proposal: ``accepted`` 0 or 1, ``ratio`` of actual to predicted decrease, the null part as judged."""
 
     accepted: Expression
     ratio: Expression
-    task_step: Expression
     null: NullMove
 
 
@@ -83,7 +86,7 @@ class SecondaryTerm(ABC):
         return {}
 
     @abstractmethod
-    def propose(self, model: LocalModel, state: State, task_step: Expression) -> NullMove:
+    def propose(self, model: LocalModel, state: State, task_term: Expression) -> NullMove:
         """A step in the null space of J."""
 
     def adapt(self, model: LocalModel, state: State, move: NullMove, outcome: Outcome) -> State:
@@ -118,23 +121,23 @@ class Composition(Strategy):
         """Propose, join, judge, adapt."""
         task_step, secondary, rule = self.task_step(), self.secondary_term(), self.acceptance()
         task = task_step.propose(model, state)
-        task_dq = model.within_limits(task.dq)
+        task_term = model.within_limits(task.term)
         null = NullMove(zeros(model.robot.n), 0, 0)
         if model.has_criterion:
-            null = secondary.propose(model, state, task_dq)
-            null = _shortened(model, task_dq, null)
-        dq = task_dq + null.dq
-        point = model.moved(dq)
+            null = secondary.propose(model, state, task_term)
+            null = _shortened(model, task_term, null)
+        term = task_term + null.term
+        point = model.moved(term)
 
-        predicted = model.predicted_decrease(task_dq)
-        judged = model.moved(task_dq) if rule == "task" and model.has_criterion else point
+        predicted = model.predicted_decrease(model.J @ task_term if model.bounded else task.image)
+        judged = model.moved(task_term) if rule == "task" and model.has_criterion else point
         actual = model.here.V - judged.V
         falls = logic_and(predicted > 0, actual >= SUFFICIENT * predicted)
         penalty = None
         if rule == "always":
             accepted = actual == actual  # a NaN is never taken
         elif rule == "merit" and model.has_criterion:
-            accepted, penalty = _weigh(model, state["penalty"], point, task_dq, null.dq, falls)
+            accepted, penalty = _weigh(model, state["penalty"], point, task_term, null, predicted, falls)
         elif rule == "task" and model.has_criterion:
             accepted = logic_or(falls, logic_and(model.near, judged.length <= model.tube))
         else:
@@ -142,7 +145,7 @@ class Composition(Strategy):
         ratio = actual / if_else(predicted > 0, predicted, 1)
         if rule == "merit" and model.has_criterion:
             ratio = if_else(model.near, accepted, ratio)
-        outcome = Outcome(accepted, ratio, task_dq, null)
+        outcome = Outcome(accepted, ratio, null)
         after = dict(task_step.adapt(model, state, task, outcome))
         if model.has_criterion:
             after |= secondary.adapt(model, state, null, outcome)
@@ -150,49 +153,50 @@ class Composition(Strategy):
         figures = {
             "alpha": task.alpha,
             "beta": null.beta,
-            "V2": sumsqr(null.dq) / 2,
+            "V2": null.length**2 / 2,
             "predicted_decrease": predicted,
             "actual_decrease": model.here.V - point.V,
         }
-        return Update(point, accepted, after, dq, null.dq, figures)
+        return Update(point, accepted, after, term, null.term, figures)
 
 
-def _shortened(model: LocalModel, task_dq: Expression, null: NullMove) -> NullMove:
+def _shortened(model: LocalModel, task_term: Expression, null: NullMove) -> NullMove:
     """The null step shortened as a whole, so that it keeps its direction and the sum ends inside the limits."""
     if not model.bounded:
         return null
     scale: Expression = 1
     for i, j in model.bounded:
-        step = null.dq[j]
-        up = model.upper[i] - model.here.q[i] - task_dq[j]
-        down = model.lower[i] - model.here.q[i] - task_dq[j]
+        step = -null.term[j]
+        up = model.upper[i] - model.here.q[i] + task_term[j]
+        down = model.lower[i] - model.here.q[i] + task_term[j]
         room = if_else(step > 0, up, down)
         moves = fabs(step) > 0
         ratio = room / if_else(moves, step, 1)
         blocked = logic_and(moves, ratio < scale)
         scale = if_else(blocked, fmax(ratio, 0), scale)
-    return NullMove(scale * null.dq, scale * null.length, scale * null.beta)
+    return NullMove(scale * null.term, scale * null.length, scale * null.beta)
 
 
 def _weigh(
     model: LocalModel,
     before: Expression,
     point: Point,
-    task_dq: Expression,
-    null_dq: Expression,
+    task_term: Expression,
+    null: NullMove,
+    predicted: Expression,
     falls: Expression,
 ) -> tuple[Expression, Expression]:
     """Acceptance by V outside the tube, by H + mu |r| inside it; and the new mu."""
-    here, g = model.here, model.gradient
-    slope = -dot(g, task_dq) - dot(g, null_dq)
-    reach = here.length - norm(here.residual + model.J @ task_dq)
-    enough = 1.5 * norm(model.multipliers) + 0.1 * model.gradient_length / model.jacobian_length
+    here = model.here
+    slope = null.beta * model.null_length**2 + dot(model.gradient, task_term)
+    reach = here.length - sqrt(fmax(2 * (here.V - predicted), 0))
+    enough = 1.5 * sumsqr(model.multipliers) ** 0.5 + 0.1 * model.gradient_length / model.jacobian_length
     falls_first = logic_and(slope < 0, reach > 0)
     needed = if_else(falls_first, -slope / if_else(falls_first, 0.5 * reach, 1), 0)
     penalty = fmax(fmax(enough, 0.5 * before), if_else(needed > 100 * enough, 100 * enough, needed))
-    predicted = penalty * reach + slope
+    promised = penalty * reach + slope
     merit, after = here.H + penalty * here.length, point.H + penalty * point.length
     noise = ROUNDING * (fabs(here.H) + fabs(merit))
-    better = logic_and(predicted > 0, merit - after >= SUFFICIENT * predicted - noise)
+    better = logic_and(promised > 0, merit - after >= SUFFICIENT * promised - noise)
     inside = logic_and(point.length <= model.tube, better)
     return if_else(model.near, inside, falls), penalty

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from jtik.factorization import RowSpace
 from jtik.robot import Robot
-from jtik.symbolic import Expression, Function, fmax, fmin, norm, sumsqr, vertcat
+from jtik.symbolic import TINY, Expression, Function, dot, fmax, fmin, norm, sqrt, sumsqr, vertcat
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Point:
 
 @dataclass(frozen=True)
 class LocalModel:
-    """What an update law sees. ``J`` and ``gradient`` have zero columns for joints held at their limits.
+    """What an update law sees. ``J`` and ``gradient`` are zero for joints held at their limits.
 
     Weighting is already inside: with r = L' e and J = L' dx/dv, the paper's e' Kp J ... J' Kp e reads r' J J' r.
 
@@ -74,9 +74,13 @@ class LocalModel:
         return RowSpace(self.J)
 
     @cached_property
+    def _split(self) -> tuple[Expression, Expression]:
+        return self.rows.split(self.gradient)
+
+    @cached_property
     def null_gradient(self) -> Expression:
-        """h = (I - J+ J) dH/dv: the part of the criterion's gradient the task leaves free, (n, 1)."""
-        return self.rows.project(self.gradient)
+        """h = (I - J+ J) dH/dv: the part of the criterion's gradient that the task leaves free, (n, 1)."""
+        return self._split[0]
 
     @cached_property
     def gradient_length(self) -> Expression:
@@ -86,7 +90,7 @@ class LocalModel:
     @cached_property
     def jacobian_length(self) -> Expression:
         """Frobenius norm of J."""
-        return norm(self.J)
+        return sqrt(self.rows.squared_length + TINY)
 
     @cached_property
     def null_length(self) -> Expression:
@@ -95,13 +99,18 @@ class LocalModel:
 
     @cached_property
     def multipliers(self) -> Expression:
-        """lambda = -(J')+ dH/dv: what a unit of residual costs in H, (m, 1)."""
-        return -self.rows.multipliers(self.gradient)
+        """(J')+ dH/dv: what a unit of residual is worth in H, (m, 1); minus the Lagrange multipliers."""
+        return self._split[1]
 
     @property
     def rotational(self) -> NDArray[np.bool_]:
         """Which velocity entries are rotations, (n,)."""
         return self.robot.rotational
+
+    @cached_property
+    def task_gradient(self) -> Expression:
+        """dV/dv = J' r: against the joint torques of a spring of stiffness Kp between tip and target, (n, 1)."""
+        return self.J.T @ self.here.residual
 
     @cached_property
     def turning(self) -> list[int]:
@@ -112,23 +121,27 @@ class LocalModel:
         """The paper's Q: the norm of the rotational part of a step [rad]."""
         return norm(dq[self.turning]) if self.turning else 0
 
+    def rotation_dot(self, a: Expression, b: Expression) -> Expression:
+        """Inner product of the rotational parts of two steps [rad^2]."""
+        return dot(a[self.turning], b[self.turning]) if self.turning else 0
+
     def residual(self, q: Expression) -> Expression:
         """The residual at another configuration."""
         return self.residual_function(q, self.target)
 
-    def within_limits(self, dq: Expression) -> Expression:
-        """The step shortened joint by joint so that it ends inside the limits."""
+    def within_limits(self, term: Expression) -> Expression:
+        """The term shortened joint by joint so that the step -term ends inside the limits."""
         if not self.bounded:
-            return dq
-        entries = [dq[i] for i in range(self.robot.n)]
+            return term
+        entries = [term[i] for i in range(self.robot.n)]
         for i, j in self.bounded:
-            room_down, room_up = self.lower[i] - self.here.q[i], self.upper[i] - self.here.q[i]
-            entries[j] = fmin(fmax(entries[j], room_down), room_up)
+            room_down, room_up = self.here.q[i] - self.lower[i], self.here.q[i] - self.upper[i]
+            entries[j] = fmin(fmax(entries[j], room_up), room_down)
         return vertcat(*entries)
 
-    def moved(self, dq: Expression) -> Point:
-        """Task and criterion after the step ``dq``, which must end within the limits."""
-        q = self.robot.integrate(self.here.q, dq)
+    def moved(self, term: Expression) -> Point:
+        """Task and criterion after the step -term, which must end within the limits."""
+        q = self.robot.integrate(self.here.q, -term)
         if self.bounded:  # rounding of q + (limit - q) must not leave the box
             entries = [q[i] for i in range(self.robot.nq)]
             for i, _ in self.bounded:
@@ -137,6 +150,6 @@ class LocalModel:
         H = self.criterion_function(q, self.parameters) if self.has_criterion else 0
         return Point(q, self.residual(q), H)
 
-    def predicted_decrease(self, dq: Expression) -> Expression:
-        """Decrease of V that the linear model promises for ``dq``."""
-        return self.here.V - sumsqr(self.here.residual + self.J @ dq) / 2
+    def predicted_decrease(self, image: Expression) -> Expression:
+        """Decrease of V that the linear model promises for a step -term with ``image`` = J term."""
+        return self.here.V - sumsqr(self.here.residual - image) / 2

@@ -45,21 +45,24 @@ class DoglegStep(TaskStep):
     def propose(self, model: LocalModel, state: State) -> TaskMove:
         """The dogleg point."""
         radius = state["radius"]
-        transpose, alpha, s = cauchy_step(model, radius)
-        newton = newton_step(model)
-        leg = newton - transpose
-        turning = model.turning
-        a = sumsqr(leg[turning]) if turning else 0
-        b = dot(transpose[turning], leg[turning]) if turning else 0
-        c = sumsqr(transpose[turning]) - radius**2 if turning else 0
-        bends = a > 0
-        root = fmax(b**2 - a * c, 0) ** 0.5
-        along = (root - b) / if_else(bends, a, 1)
-        along = if_else(logic_and(bends, along < 1), fmax(along, 0), 1)
-        dq = transpose + if_else(s < 1, 0, along) * leg
+        transpose = cauchy_step(model, radius)
+        gain = transpose.gain
+        newton, image = newton_step(model)
         if self._mixed(model):
-            dq = state["fraction"] * dq
-        return TaskMove(dq, alpha)
+            tt = gain**2 * model.rotation_dot(transpose.direction, transpose.direction)
+            tn = gain * model.rotation_dot(transpose.direction, newton)
+        else:  # from products already at hand: the direction is J' r
+            tt, tn = gain**2 * sumsqr(model.task_gradient), gain * dot(model.here.residual, image)
+        nn = model.rotation_dot(newton, newton)
+        a, b, c = tt - 2 * tn + nn, tn - tt, tt - radius**2  # |t + along (n - t)|^2 = radius^2
+        bends = a > 0
+        along = (fmax(b**2 - a * c, 0) ** 0.5 - b) / if_else(bends, a, 1)
+        along = if_else(logic_and(bends, along < 1), fmax(along, 0), 1)
+        along = if_else(transpose.s < 1, 0, along)
+        fraction = state["fraction"] if self._mixed(model) else 1
+        back, on = fraction * (1 - along) * gain, fraction * along
+        term = back * transpose.direction + on * newton
+        return TaskMove(term, back * transpose.image + on * image, transpose.alpha)
 
     @staticmethod
     def _mixed(model: LocalModel) -> bool:
@@ -68,7 +71,7 @@ class DoglegStep(TaskStep):
     def adapt(self, model: LocalModel, state: State, move: TaskMove, outcome: Outcome) -> State:
         """A quarter of the step taken after a poor prediction, twice the radius after a good one at its edge."""
         radius, fraction = state["radius"], state["fraction"]
-        size = model.rotation_size(move.dq)
+        size = model.rotation_size(move.term)
         poor = logic_or(outcome.accepted == 0, outcome.ratio < POOR)
         good = logic_and(outcome.ratio > GOOD, size > 0.99 * radius)
         smaller = fmin(if_else(size > 0, size, radius), radius) / 4

@@ -29,9 +29,9 @@ from jtik_formulations.strategies.transpose import backtracked, judged
 Array = NDArray[np.float64]
 
 
-def newton_step(model: LocalModel) -> Expression:
-    """-J+ r: of all steps that minimise |r + J dq| the shortest, (n, 1)."""
-    return -model.rows.least_squares(model.here.residual)
+def newton_step(model: LocalModel) -> tuple[Expression, Expression]:
+    """x = J+ r, of all x that minimise |r - J x| the shortest, (n, 1), and J x (m, 1)."""
+    return model.rows.least_squares(model.here.residual)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,12 +47,13 @@ class NewtonStep(TaskStep):
 
     def propose(self, model: LocalModel, state: State) -> TaskMove:
         """-J+ r, as a whole scaled down to the Q limit: its direction, and so the tip's, stays."""
-        dq = newton_step(model)
+        term, image = newton_step(model)
+        scale: Expression = state["fraction"] if self.backtracking else 1
         if math.isfinite(self.q_limit):
-            size = model.rotation_size(dq)
+            size = model.rotation_size(term)
             longer = size > self.q_limit
-            dq = if_else(longer, self.q_limit / if_else(longer, size, 1), 1) * dq
-        return TaskMove(state["fraction"] * dq if self.backtracking else dq, math.nan)
+            scale = scale * if_else(longer, self.q_limit / if_else(longer, size, 1), 1)
+        return TaskMove(scale * term, scale * image, math.nan)
 
     def adapt(self, model: LocalModel, state: State, move: TaskMove, outcome: Outcome) -> State:
         """Half the step after a refusal, twice the fraction after an acceptance."""

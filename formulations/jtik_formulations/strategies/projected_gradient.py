@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from jtik.errors import ArgumentError
 from jtik.strategy import LocalModel, NullMove, Outcome, SecondaryTerm, Shape, State
-from jtik.symbolic import Expression, dot, fmax, fmin, if_else, logic_and, norm, sumsqr
+from jtik.symbolic import Expression, dot, fmax, fmin, if_else, logic_and
 
 Array = NDArray[np.float64]
 
@@ -52,7 +52,8 @@ class ProjectedGradient(SecondaryTerm):
         return {
             "null_cap": np.full(1, self.step_limit),
             "null_gradient": np.zeros(shape.n),
-            "null_step": np.zeros(shape.n),
+            "null_length": np.zeros(1),
+            "gain": np.zeros(1),
             "beta": np.full(1, self.beta_max),
         }
 
@@ -66,27 +67,30 @@ class ProjectedGradient(SecondaryTerm):
             beta = self._barzilai_borwein(h, state)
             cap = state["null_cap"]
             gain = fmin(beta, if_else(moves, cap / length, 0))
-            return NullMove(-gain * h, gain * length, beta)
+            return NullMove(gain * h, gain * length, gain)
         if self.rule == "sqrt":
             energy = fmax(state["null_energy"], self.floor**2)
             beta = fmin(fmin(self.beta_max, (energy**0.5) / length), self.step_limit / length)
         else:
             energy = state["null_energy"]
             beta = if_else(squared > energy, energy / if_else(moves, squared, 1), self.beta_max)
-        return NullMove(if_else(moves, -beta, 0) * h, beta * length, beta)
+        return NullMove(if_else(moves, beta, 0) * h, beta * length, beta)
 
     def _barzilai_borwein(self, h: Expression, state: State) -> Expression:
-        """s's / s'y of the last null step s, along which the projected gradient changed by y; as before after a refusal."""
-        s, y = state["null_step"], h - state["null_gradient"]
-        length, curvature = sumsqr(s), dot(s, y)
+        """s's / s'y of the last null step s, along which the projected gradient changed by y; as before after a refusal.
+
+        With s = -gain h0 and y = h - h0 this is gain |h0|^2 / (|h0|^2 - h0'h), without a bound where H is not convex.
+        """
+        squared = state["null_length"] ** 2
+        curvature = squared - dot(state["null_gradient"], h)
         convex = curvature > 0
-        known = if_else(convex, length / if_else(convex, curvature, 1), _UNBOUNDED)
-        return if_else(length > 0, known, state["beta"])
+        known = if_else(convex, state["gain"] * squared / if_else(convex, curvature, 1), _UNBOUNDED)
+        return if_else(state["gain"] > 0, known, state["beta"])
 
     def adapt(self, model: LocalModel, state: State, move: NullMove, outcome: Outcome) -> State:
         """Cap and memory after the step was judged; or the energy V2 the next step may have."""
         if self.rule != "merit":
-            energy = move.beta**2 * sumsqr(model.null_gradient)
+            energy = move.length**2
             return {"null_energy": if_else(outcome.accepted, energy, state["null_energy"])}
         cap, accepted = state["null_cap"], outcome.accepted
         size = outcome.null.length
@@ -94,6 +98,7 @@ class ProjectedGradient(SecondaryTerm):
         return {
             "null_cap": if_else(accepted, fmin(2 * cap, self.step_limit), shorter),
             "null_gradient": model.null_gradient,
-            "null_step": if_else(accepted, 1, 0) * outcome.null.dq,
+            "null_length": model.null_length,
+            "gain": if_else(accepted, outcome.null.beta, 0),
             "beta": move.beta,
         }

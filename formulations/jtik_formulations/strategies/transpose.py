@@ -22,61 +22,71 @@ from jtik.strategy import (
     TaskMove,
     TaskStep,
 )
-from jtik.symbolic import Expression, fmin, if_else, sumsqr, vertcat
+from jtik.symbolic import Expression, dot, fmin, if_else, sumsqr, vertcat
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
 Array = NDArray[np.float64]
 
 
-def optimal_gain(g: Expression, J: Expression) -> Expression:
-    """alpha = N / 2D = g'g / |J g|^2 for g = J' r: the minimum of the linear model of V along -g; 0 where g is 0."""
-    moved = sumsqr(J @ g)
+def optimal_gain(slope: Expression, image: Expression) -> Expression:
+    """alpha = N / 2D = u'Mu / |image|^2, the minimum of the linear model of V along a step with J dq = -alpha image."""
+    moved = sumsqr(image)
     moves = moved > 0
-    return if_else(moves, sumsqr(g) / if_else(moves, moved, 1), 0)
+    return if_else(moves, slope / if_else(moves, moved, 1), 0)
 
 
-def cauchy_step(model: LocalModel, limit: Expression) -> tuple[Expression, Expression, Expression]:
-    """(-alpha S J' r, alpha, s): the transpose step whose rotational part is at most ``limit`` [rad] long.
+@dataclass(frozen=True)
+class CauchyStep:
+    """The transpose step -gain * direction, with direction = S J' r.
+
+    Attributes: direction (n, 1); image J direction (m, 1); gain; the paper's alpha; s, the entry of S for rotational joints.
+    """
+
+    direction: Expression
+    image: Expression
+    gain: Expression
+    alpha: Expression
+    s: Expression
+
+
+def cauchy_step(model: LocalModel, limit: Expression) -> CauchyStep:
+    """The transpose step whose rotational part is at most ``limit`` [rad] long.
 
     S = diag(1 for prismatic, s for rotational joints) with s = min(1, limit / Q), Q from the step with S = I; then
     alpha = min(alpha0, alpha*(S)), so that the linear model of V falls and the limit holds on mixed arms too.
     """
-    J = model.J
-    g = J.T @ model.here.residual
-    alpha = optimal_gain(g, J)
-    size = alpha * model.rotation_size(g)
-    longer = size > limit
-    s = if_else(longer, limit / if_else(longer, size, 1), 1)
+    J, g = model.J, model.task_gradient
+    image = J @ g
+    alpha = optimal_gain(sumsqr(g), image)
+    Q = alpha * model.rotation_size(g)
+    longer = Q > limit
+    s = if_else(longer, limit / if_else(longer, Q, 1), 1)
     if len(model.turning) == model.robot.n:
-        return -alpha * s * g, alpha, s
+        return CauchyStep(g, image, alpha * s, alpha, s)
     limited = _scaled(model, s, g)
-    moved = sumsqr(J @ limited)
-    moves = moved > 0
-    slope = sumsqr(_scaled(model, s**0.5, g))
-    alpha = fmin(alpha, if_else(moves, slope / if_else(moves, moved, 1), 0))
-    return -alpha * limited, alpha, s
+    image = J @ limited
+    alpha = fmin(alpha, optimal_gain(dot(g, limited), image))
+    return CauchyStep(limited, image, alpha, alpha, s)
+
+
+def printed_step(model: LocalModel, limit: float) -> CauchyStep:
+    """The step as the paper prints it: s = 1/Q whenever Q exceeds the limit, and S inside N and D.
+
+    On an all-revolute arm alpha(S) S does not depend on S, so the printed S changes nothing there.
+    """
+    J, g = model.J, model.task_gradient
+    Q = optimal_gain(sumsqr(g), J @ g) * model.rotation_size(g)
+    longer = Q > limit
+    s = if_else(longer, 1 / if_else(longer, Q, 1), 1)
+    limited = _scaled(model, s, g)
+    image = J @ limited
+    alpha = optimal_gain(dot(g, limited), image)
+    return CauchyStep(limited, image, alpha, alpha, s)
 
 
 def _scaled(model: LocalModel, s: Expression, g: Expression) -> Expression:
     """S g."""
     return vertcat(*[(s if model.rotational[i] else 1) * g[i] for i in range(model.robot.n)])
-
-
-def printed_step(model: LocalModel, limit: float) -> tuple[Expression, Expression]:
-    """(-alpha S J' r, alpha) as the paper prints it: s = 1/Q whenever Q exceeds the limit, and S inside N and D.
-
-    On an all-revolute arm alpha(S) S does not depend on S, so the printed S changes nothing there.
-    """
-    J = model.J
-    g = J.T @ model.here.residual
-    Q = optimal_gain(g, J) * model.rotation_size(g)
-    longer = Q > limit
-    s = if_else(longer, 1 / if_else(longer, Q, 1), 1)
-    limited = _scaled(model, s, g)
-    moved = sumsqr(J @ limited)
-    moves = moved > 0
-    alpha = if_else(moves, sumsqr(_scaled(model, s**0.5, g)) / if_else(moves, moved, 1), 0)
-    return -alpha * limited, alpha
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,11 +103,10 @@ class TransposeStep(TaskStep):
 
     def propose(self, model: LocalModel, state: State) -> TaskMove:
         """-alpha S J' r."""
-        if self.rule == "paper":
-            dq, alpha = printed_step(model, self.q_limit)
-        else:
-            dq, alpha, _ = cauchy_step(model, self.q_limit)
-        return TaskMove(state["fraction"] * dq if self.backtracking else dq, alpha)
+        rule = printed_step if self.rule == "paper" else cauchy_step
+        step = rule(model, self.q_limit)
+        gain = state["fraction"] * step.gain if self.backtracking else step.gain
+        return TaskMove(gain * step.direction, gain * step.image, step.alpha)
 
     def adapt(self, model: LocalModel, state: State, move: TaskMove, outcome: Outcome) -> State:
         """Half the step after a refusal, twice the fraction after an acceptance."""
