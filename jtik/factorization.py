@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from functools import cached_property
 
-from jtik.symbolic import Expression, dot, if_else, sqrt, sumsqr, vertcat, zeros
+from jtik.symbolic import TINY, Expression, dot, ratio, sqrt, sumsqr, vertcat, zeros
 
 RANK_THRESHOLD = 1e-8
 """Relative length below which a row of J counts as dependent on the rows before it."""
@@ -42,7 +42,7 @@ class RowSpace:
             squared = sumsqr(row)
             independent = squared > limit
             self._basis.append(row)
-            self._inverse.append(if_else(independent, 1 / if_else(independent, squared, 1), 0))
+            self._inverse.append(ratio(independent, squared))
             self._lower.append([*coefficients, independent])
             self._independent.append(independent)
 
@@ -63,9 +63,8 @@ class RowSpace:
                 coefficient = dot(unit, column)
                 column = column - coefficient * unit
                 R[i].append(coefficient)
-            kept = self._independent[j]
-            length = sqrt(if_else(kept, sumsqr(column), 1))
-            U.append(column * if_else(kept, 1 / length, 0))
+            length = sqrt(sumsqr(column) + TINY)  # a dependent row left a column of zeros
+            U.append(column / length)
             R[j].append(length)
         return U, R
 

@@ -80,6 +80,11 @@ def norm(vector: Expression) -> Expression:
     return sqrt(sumsqr(vector) + TINY)
 
 
+def ratio(numerator: Expression, denominator: Expression) -> Expression:
+    """``numerator / denominator`` for a denominator from 0: 0 / 0 is 0."""
+    return numerator / (denominator + TINY)
+
+
 def is_finite(value: Expression) -> Expression:
     """1 where every entry of ``value`` is finite, else 0."""
     total = casadi.sum1(casadi.vec(value)) * 0

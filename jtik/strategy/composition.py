@@ -20,7 +20,20 @@ from numpy.typing import NDArray
 
 from jtik.strategy.base import Shape, State, Strategy, Update
 from jtik.strategy.model import LocalModel, Point
-from jtik.symbolic import Expression, dot, fabs, fmax, if_else, logic_and, logic_or, sqrt, sumsqr, zeros
+from jtik.symbolic import (
+    Expression,
+    dot,
+    fabs,
+    fmax,
+    fmin,
+    if_else,
+    logic_and,
+    logic_or,
+    ratio,
+    sqrt,
+    sumsqr,
+    zeros,
+)
 
 Array = NDArray[np.float64]
 Acceptance = Literal["merit", "task", "always"]
@@ -142,10 +155,10 @@ class Composition(Strategy):
             accepted = logic_or(falls, logic_and(model.near, judged.length <= model.tube))
         else:
             accepted = falls
-        ratio = actual / if_else(predicted > 0, predicted, 1)
+        gained = ratio(actual, fmax(predicted, 0))
         if rule == "merit" and model.has_criterion:
-            ratio = if_else(model.near, accepted, ratio)
-        outcome = Outcome(accepted, ratio, null)
+            gained = if_else(model.near, accepted, gained)
+        outcome = Outcome(accepted, gained, null)
         after = dict(task_step.adapt(model, state, task, outcome))
         if model.has_criterion:
             after |= secondary.adapt(model, state, null, outcome)
@@ -191,9 +204,8 @@ def _weigh(
     slope = null.beta * model.null_length**2 + dot(model.gradient, task_term)
     reach = here.length - sqrt(fmax(2 * (here.V - predicted), 0))
     enough = 1.5 * sumsqr(model.multipliers) ** 0.5 + 0.1 * model.gradient_length / model.jacobian_length
-    falls_first = logic_and(slope < 0, reach > 0)
-    needed = if_else(falls_first, -slope / if_else(falls_first, 0.5 * reach, 1), 0)
-    penalty = fmax(fmax(enough, 0.5 * before), if_else(needed > 100 * enough, 100 * enough, needed))
+    needed = fmin(ratio(-slope, 0.5 * fmax(reach, 0)), 100 * enough)
+    penalty = fmax(fmax(enough, 0.5 * before), needed)
     promised = penalty * reach + slope
     merit, after = here.H + penalty * here.length, point.H + penalty * point.length
     noise = ROUNDING * (fabs(here.H) + fabs(merit))

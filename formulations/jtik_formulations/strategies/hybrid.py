@@ -21,7 +21,7 @@ from jtik.strategy import (
     TaskMove,
     TaskStep,
 )
-from jtik.symbolic import dot, fmax, fmin, if_else, logic_and, logic_or, sumsqr
+from jtik.symbolic import dot, fmax, fmin, if_else, logic_and, logic_or, ratio, sqrt, sumsqr
 from jtik_formulations.strategies.newton import newton_step
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 from jtik_formulations.strategies.transpose import cauchy_step, judged
@@ -55,10 +55,8 @@ class DoglegStep(TaskStep):
             tt, tn = gain**2 * sumsqr(model.task_gradient), gain * dot(model.here.residual, image)
         nn = model.rotation_dot(newton, newton)
         a, b, c = tt - 2 * tn + nn, tn - tt, tt - radius**2  # |t + along (n - t)|^2 = radius^2
-        bends = a > 0
-        along = (fmax(b**2 - a * c, 0) ** 0.5 - b) / if_else(bends, a, 1)
-        along = if_else(logic_and(bends, along < 1), fmax(along, 0), 1)
-        along = if_else(transpose.s < 1, 0, along)
+        along = ratio(sqrt(fmax(b**2 - a * c, 0)) - b, fmax(a, 0))
+        along = if_else(transpose.s < 1, 0, if_else(nn <= radius**2, 1, along))
         fraction = state["fraction"] if self._mixed(model) else 1
         back, on = fraction * (1 - along) * gain, fraction * along
         term = back * transpose.direction + on * newton

@@ -22,7 +22,7 @@ from jtik.strategy import (
     TaskMove,
     TaskStep,
 )
-from jtik.symbolic import Expression, if_else
+from jtik.symbolic import Expression, fmin, ratio
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 from jtik_formulations.strategies.transpose import backtracked, judged
 
@@ -50,9 +50,7 @@ class NewtonStep(TaskStep):
         term, image = newton_step(model)
         scale: Expression = state["fraction"] if self.backtracking else 1
         if math.isfinite(self.q_limit):
-            size = model.rotation_size(term)
-            longer = size > self.q_limit
-            scale = scale * if_else(longer, self.q_limit / if_else(longer, size, 1), 1)
+            scale = scale * fmin(1, ratio(self.q_limit, model.rotation_size(term)))
         return TaskMove(scale * term, scale * image, math.nan)
 
     def adapt(self, model: LocalModel, state: State, move: TaskMove, outcome: Outcome) -> State:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from jtik.errors import ArgumentError
 from jtik.strategy import LocalModel, NullMove, Outcome, SecondaryTerm, Shape, State
-from jtik.symbolic import Expression, dot, fmax, fmin, if_else, logic_and
+from jtik.symbolic import TINY, Expression, dot, fmax, fmin, if_else, ratio
 
 Array = NDArray[np.float64]
 
@@ -61,20 +61,18 @@ class ProjectedGradient(SecondaryTerm):
         """The step, capped."""
         h = model.null_gradient
         length = model.null_length
-        squared = length**2
-        moves = length > 1e-100
         if self.rule == "merit":
             beta = self._barzilai_borwein(h, state)
             cap = state["null_cap"]
-            gain = fmin(beta, if_else(moves, cap / length, 0))
+            gain = fmin(beta, cap / length)
             return NullMove(gain * h, gain * length, gain)
         if self.rule == "sqrt":
             energy = fmax(state["null_energy"], self.floor**2)
             beta = fmin(fmin(self.beta_max, (energy**0.5) / length), self.step_limit / length)
         else:
             energy = state["null_energy"]
-            beta = if_else(squared > energy, energy / if_else(moves, squared, 1), self.beta_max)
-        return NullMove(if_else(moves, beta, 0) * h, beta * length, beta)
+            beta = if_else(length**2 > energy, ratio(energy, length**2), self.beta_max)
+        return NullMove(beta * h, beta * length, beta)
 
     def _barzilai_borwein(self, h: Expression, state: State) -> Expression:
         """s's / s'y of the last null step s, along which the projected gradient changed by y; as before after a refusal.
@@ -83,8 +81,7 @@ class ProjectedGradient(SecondaryTerm):
         """
         squared = state["null_length"] ** 2
         curvature = squared - dot(state["null_gradient"], h)
-        convex = curvature > 0
-        known = if_else(convex, state["gain"] * squared / if_else(convex, curvature, 1), _UNBOUNDED)
+        known = state["gain"] * squared / fmax(curvature, squared / _UNBOUNDED + TINY)
         return if_else(state["gain"] > 0, known, state["beta"])
 
     def adapt(self, model: LocalModel, state: State, move: NullMove, outcome: Outcome) -> State:
@@ -94,7 +91,7 @@ class ProjectedGradient(SecondaryTerm):
             return {"null_energy": if_else(outcome.accepted, energy, state["null_energy"])}
         cap, accepted = state["null_cap"], outcome.accepted
         size = outcome.null.length
-        shorter = if_else(logic_and(size > 0, size < cap), size, cap) / 4
+        shorter = if_else(size > 0, fmin(size, cap), cap) / 4
         return {
             "null_cap": if_else(accepted, fmin(2 * cap, self.step_limit), shorter),
             "null_gradient": model.null_gradient,

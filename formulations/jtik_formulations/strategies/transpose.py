@@ -22,7 +22,7 @@ from jtik.strategy import (
     TaskMove,
     TaskStep,
 )
-from jtik.symbolic import Expression, dot, fmin, if_else, sumsqr, vertcat
+from jtik.symbolic import Expression, dot, fmin, if_else, ratio, sumsqr, vertcat
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
 Array = NDArray[np.float64]
@@ -30,9 +30,7 @@ Array = NDArray[np.float64]
 
 def optimal_gain(slope: Expression, image: Expression) -> Expression:
     """alpha = N / 2D = u'Mu / |image|^2, the minimum of the linear model of V along a step with J dq = -alpha image."""
-    moved = sumsqr(image)
-    moves = moved > 0
-    return if_else(moves, slope / if_else(moves, moved, 1), 0)
+    return ratio(slope, sumsqr(image))
 
 
 @dataclass(frozen=True)
@@ -58,9 +56,7 @@ def cauchy_step(model: LocalModel, limit: Expression) -> CauchyStep:
     J, g = model.J, model.task_gradient
     image = J @ g
     alpha = optimal_gain(sumsqr(g), image)
-    Q = alpha * model.rotation_size(g)
-    longer = Q > limit
-    s = if_else(longer, limit / if_else(longer, Q, 1), 1)
+    s = fmin(1, ratio(limit, alpha * model.rotation_size(g)))
     if len(model.turning) == model.robot.n:
         return CauchyStep(g, image, alpha * s, alpha, s)
     limited = _scaled(model, s, g)
@@ -76,7 +72,7 @@ def printed_step(model: LocalModel, limit: float) -> CauchyStep:
     """
     J, g = model.J, model.task_gradient
     Q = optimal_gain(sumsqr(g), J @ g) * model.rotation_size(g)
-    longer = Q > limit
+    longer = limit < Q
     s = if_else(longer, 1 / if_else(longer, Q, 1), 1)
     limited = _scaled(model, s, g)
     image = J @ limited
