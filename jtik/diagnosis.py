@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from jtik.compile import Compiled
 from jtik.factorization import RANK_THRESHOLD
-from jtik.fused import AT_LIMIT, Code, Problem
+from jtik.fused import Code
+from jtik.limits import AT_LIMIT
+from jtik.problem import Problem
 from jtik.rescue import NEGATIVE, Rescue
 from jtik.solution import Status
 

@@ -13,21 +13,16 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.criterion import CriterionTerms
-from jtik.robot import Robot
-from jtik.strategy import LocalModel, Point, Shape, Strategy, Update
+from jtik.limits import WorkingSet, inside
+from jtik.problem import Problem
+from jtik.strategy import LocalModel, Point, Shape, Strategy
 from jtik.symbolic import (
     Expression,
     Function,
-    dot,
     fmax,
-    fmin,
     function,
-    gradient,
-    horzcat,
     if_else,
     is_finite,
-    jacobian,
     logic_and,
     logic_not,
     logic_or,
@@ -35,9 +30,7 @@ from jtik.symbolic import (
     substitute,
     symbol,
     vertcat,
-    zeros,
 )
-from jtik.task import TaskStack
 
 Array = NDArray[np.float64]
 
@@ -52,9 +45,6 @@ REFUSALS = 40
 
 STAGNANT, STAGNATIONS = 1e-10, 20
 """Relative decrease of V that is no progress, and how many such steps in a row are a stall."""
-
-AT_LIMIT = 1e-9
-"""Distance [rad] or [m] at which a joint is at its limit."""
 
 
 class Code(IntEnum):
@@ -116,97 +106,6 @@ class FusedStep:
     record: Layout
 
 
-class Problem:
-    """Robot, tasks, criteria and limits as CasADi functions of (q, target, parameters).
-
-    Attributes:
-        linear: for each task row, whether it is a length [m] rather than an angle [rad].
-        factor: L with Kp = L L', (m, m).
-        error, residual: (q, target) -> e and L' e, (m, 1).
-        criterion, values: (q, parameters) -> H, and the weighted value of each criterion.
-        bounded: (q index, v index) of the joints that have a limit.
-    """
-
-    def __init__(
-        self, robot: Robot, tasks: TaskStack, terms: CriterionTerms, bounded: tuple[tuple[int, int], ...]
-    ) -> None:
-        self.robot, self.tasks, self.terms, self.bounded = robot, tasks, terms, bounded
-        q, target, parameters = self.symbols()
-        kinematics = robot.at(q)
-        rows = tasks.rows(kinematics, target)
-        values = terms.values(kinematics, parameters)
-        self.linear = rows.linear
-        self.factor = tasks.weight_factor()
-        self.error = function("error", [q, target], [rows.error])
-        self.residual = function("residual", [q, target], [self.factor.T @ rows.error])
-        self.criterion = function("criterion", [q, parameters], [sum(values, zeros(1))])
-        self.values = function("criteria", [q, parameters], [vertcat(*values)])
-
-    def symbols(self) -> tuple[Expression, Expression, Expression]:
-        """Fresh symbols for q, target and parameters."""
-        return (
-            symbol("q", self.robot.nq),
-            symbol("target", self.tasks.target_size),
-            self.terms.parameters.symbols(),
-        )
-
-    @property
-    def m(self) -> int:
-        """Number of task rows."""
-        return len(self.linear)
-
-    @property
-    def has_criterion(self) -> bool:
-        """Whether there is anything to minimise."""
-        return len(self.terms.named) > 0
-
-    def jacobian(self, expression: Expression, q: Expression) -> Expression:
-        """Derivative with respect to the velocity: (d/dq) T(q)."""
-        return jacobian(expression, q) @ self.robot.tangent(q)
-
-    def gradient(self, expression: Expression, q: Expression) -> Expression:
-        """The same for a scalar, as a column, in reverse mode."""
-        return self.robot.tangent(q).T @ gradient(expression, q)
-
-    def report(self) -> Function:
-        """(q, target, parameters) -> error, its Jacobian, value of each criterion, dH/dv, residual, its Jacobian."""
-        q, target, parameters = self.symbols()
-        error, residual = self.error(q, target), self.residual(q, target)
-        H = self.criterion(q, parameters)
-        return function(
-            "report",
-            [q, target, parameters],
-            [
-                error,
-                self.jacobian(error, q),
-                self.values(q, parameters),
-                self.gradient(H, q),
-                residual,
-                self.jacobian(residual, q),
-            ],
-        )
-
-    def curvature(self) -> Function:
-        """(q, target, parameters) -> V, dV/dv, d2V/dv2, dH/dv: for poses where the first derivative says nothing."""
-        q, target, parameters = self.symbols()
-        v = symbol("v", self.robot.n)
-        moved = self.residual(self.robot.integrate(q, v), target)
-        V = dot(moved, moved) / 2
-        slope = gradient(V, v)
-        bend = jacobian(slope, v)
-        still = zeros(self.robot.n)
-        return function(
-            "curvature",
-            [q, target, parameters],
-            [
-                substitute(V, v, still),
-                substitute(slope, v, still),
-                substitute(bend, v, still),
-                self.gradient(self.criterion(q, parameters), q),
-            ],
-        )
-
-
 def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False) -> FusedStep:
     """Join problem and strategy into one function; ``recorded`` adds the figures of a trace to its outputs."""
     robot, m, bounded = problem.robot, problem.m, problem.bounded
@@ -220,7 +119,7 @@ def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False) 
     column = symbol("state", layout.size)
     state = layout.split(column)
 
-    q = _inside(start, lower, upper, bounded)
+    q = inside(start, lower, upper, bounded)
     symbolic_q = symbol("at", robot.nq)
     residual = problem.residual(symbolic_q, target)
     J = problem.jacobian(residual, symbolic_q)
@@ -232,14 +131,15 @@ def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False) 
     here = Point(q, residual, H)
     size = norm(J)
     tube = if_else(state["tube"] > 0, state["tube"], TUBE * size)
-    held, free = _held(problem, state, q, lower, upper, J, gradient_H, here, tube)
+    near = here.length <= tube
+    working = WorkingSet(problem, state, here, near, J, gradient_H, lower, upper) if bounded else None
     model = LocalModel(
         robot=robot,
         here=here,
-        J=_columns(J, free),
-        gradient=gradient_H * free if bounded else gradient_H,
+        J=working.masked(J) if working else J,
+        gradient=working.masked(gradient_H.T).T if working else gradient_H,
         has_criterion=problem.has_criterion,
-        near=here.length <= tube,
+        near=near,
         tube=tube,
         lower=lower,
         upper=upper,
@@ -250,7 +150,7 @@ def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False) 
         parameters=parameters,
     )
 
-    stop = _Stop(problem, model, settings)
+    stop = _Stop(problem, model, settings, working)
     update = strategy.update(model, {name[9:]: part for name, part in state.items() if name.startswith("strategy.")})
     finite = logic_and(is_finite(here.V + here.H), is_finite(model.gradient_length + model.jacobian_length))
     tried = logic_and(finite, logic_not(logic_or(stop.done_before, stop.stationary)))
@@ -264,8 +164,8 @@ def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False) 
     code = if_else(finite, if_else(done, Code.DONE, if_else(stalled, Code.STALLED, Code.GO_ON)), Code.NOT_FINITE)
 
     after = {"tube": tube, "refused": refused, "stagnant": stagnant}
-    if bounded:
-        after |= _limit_memory(problem, model, state, update, held, accepted)
+    if working:
+        after["held"] = working.after(model, update, accepted)
     after |= {f"strategy.{name}": part for name, part in update.state.items()}
     outcome = vertcat(
         code,
@@ -303,87 +203,27 @@ def _rows(value: Expression) -> int:
 def _engine_state(problem: Problem) -> dict[str, Array]:
     state = {"tube": np.zeros(1), "refused": np.zeros(1), "stagnant": np.zeros(1)}
     if problem.bounded:
-        state["blocked"] = np.zeros(len(problem.bounded))
-        state["multipliers"] = np.zeros(problem.m)
+        state["held"] = np.zeros(len(problem.bounded))
     return state
-
-
-def _inside(q: Expression, lower: Expression, upper: Expression, bounded: tuple[tuple[int, int], ...]) -> Expression:
-    """q led back into the box."""
-    entries = [q[i] for i in range(q.shape[0])]
-    for i, _ in bounded:
-        entries[i] = fmin(fmax(entries[i], lower[i]), upper[i])
-    return vertcat(*entries)
-
-
-def _columns(J: Expression, free: Expression) -> Expression:
-    return horzcat(*[J[:, j] * free[j] for j in range(J.shape[1])]) if free is not None else J
-
-
-def _held(
-    problem: Problem,
-    state: Mapping[str, Expression],
-    q: Expression,
-    lower: Expression,
-    upper: Expression,
-    J: Expression,
-    gradient_H: Expression,
-    here: Point,
-    tube: Expression,
-) -> tuple[Expression, Expression]:
-    """Which joints stand at a limit that descent presses them against (0 or 1 each), and the mask of all the others.
-
-    Descent is that of the augmented Lagrangian H + lambda' r + 1/2 c |r|^2 with the multipliers of the last update, of V alone
-    without a criterion; so far from the target the task decides, near it the signs of the limits' own multipliers do.
-    """
-    if not problem.bounded:
-        return None, None
-    force = J.T @ here.residual
-    if problem.has_criterion:
-        c = (12 * norm(state["multipliers"]) + norm(gradient_H) / norm(J)) / tube
-        force = gradient_H + J.T @ (c * here.residual - state["multipliers"])
-    held, free = [], [1] * problem.robot.n
-    for k, (i, j) in enumerate(problem.bounded):
-        pressed_up = logic_and(q[i] >= upper[i] - AT_LIMIT, force[j] < 0)
-        pressed_down = logic_and(q[i] <= lower[i] + AT_LIMIT, force[j] > 0)
-        joint = logic_or(logic_or(pressed_up, pressed_down), state["blocked"][k])
-        held.append(joint)
-        free[j] = logic_not(joint)
-    return vertcat(*held), vertcat(*free)
-
-
-def _limit_memory(
-    problem: Problem,
-    model: LocalModel,
-    state: Mapping[str, Expression],
-    update: Update,
-    held: Expression,
-    accepted: Expression,
-) -> dict[str, Expression]:
-    """Multipliers, and the joints that a refused step pushed against a limit they stand at: held in the next try."""
-    blocked = []
-    q = model.here.q
-    for k, (i, j) in enumerate(problem.bounded):
-        at = logic_or(q[i] >= model.upper[i] - AT_LIMIT, q[i] <= model.lower[i] + AT_LIMIT)
-        pushed = logic_and(logic_and(at, logic_not(held[k])), update.term[j] == 0)
-        blocked.append(if_else(accepted, 0, logic_or(state["blocked"][k], pushed)))
-    multipliers = model.multipliers if problem.has_criterion else zeros(problem.m)
-    return {"blocked": vertcat(*blocked), "multipliers": multipliers}
 
 
 class _Stop:
     """The tests of arrival, steadiness and stationarity. settings: position, orientation and optimality tolerance, steady."""
 
-    def __init__(self, problem: Problem, model: LocalModel, settings: Expression) -> None:
+    def __init__(
+        self, problem: Problem, model: LocalModel, settings: Expression, working: WorkingSet | None
+    ) -> None:
         self._problem, self._settings = problem, settings
         self._unweight = np.linalg.inv(problem.factor.T)
         self.errors_before = self.errors(model.here)
         self.reached_before = self._reached(self.errors_before)
         self.done_before = self.reached_before
-        flat = norm(model.task_gradient) <= STATIONARY * model.jacobian_length * model.here.length
+        slope = working.task_slope if working else norm(model.task_gradient)
+        flat = slope <= STATIONARY * model.jacobian_length * model.here.length
         self.stationary = logic_and(flat, logic_not(self.reached_before))
         if problem.has_criterion:
-            still = model.null_length <= settings[2] * fmax(1, model.gradient_length)
+            residual = fmax(model.null_length, working.wrong(model)) if working else model.null_length
+            still = residual <= settings[2] * fmax(1, model.gradient_length)
             self.done_before = logic_and(self.reached_before, logic_or(still, settings[3] == 0))
 
     def errors(self, point: Point) -> tuple[Expression, Expression]:

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.compile import Compiled
-from jtik.fused import AT_LIMIT, Problem
+from jtik.limits import AT_LIMIT
+from jtik.problem import Problem
 from jtik.symbolic import function, sumsqr, symbol
 
 Array = NDArray[np.float64]

@@ -14,7 +14,8 @@ from jtik.compile import bind
 from jtik.criterion import Criterion, CriterionSum, CriterionTerms, Parameters
 from jtik.diagnosis import Diagnosis
 from jtik.errors import ArgumentError, finite_array
-from jtik.fused import OUTCOME, Code, FusedStep, Problem, fused_step
+from jtik.fused import OUTCOME, Code, FusedStep, fused_step
+from jtik.problem import Problem
 from jtik.registry import strategy_of
 from jtik.rescue import Rescue
 from jtik.robot import Robot

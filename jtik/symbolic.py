@@ -25,7 +25,6 @@ sin: Any = casadi.sin
 atan2: Any = casadi.atan2
 sqrt: Any = casadi.sqrt
 log: Any = casadi.log
-asinh: Any = casadi.asinh
 fmax: Any = casadi.fmax
 fmin: Any = casadi.fmin
 fabs: Any = casadi.fabs

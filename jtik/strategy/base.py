@@ -36,6 +36,7 @@ class Update:
         accepted: 1 if the step is taken, 0 if the configuration stays and only the state changes.
         state: the state after the update, with the names of the state before.
         term: what the step to ``point`` subtracts from q (n, 1), the two terms of the paper's law together.
+        wanted: the same before limits shortened it (n, 1).
         null_term: the part of it meant to move only the null space (n, 1).
         figures: what a Trace reports, such as alpha and beta; scalars by name.
     """
@@ -44,6 +45,7 @@ class Update:
     accepted: Expression
     state: State
     term: Expression
+    wanted: Expression
     null_term: Expression
     figures: Mapping[str, Expression] = field(default_factory=dict)
 

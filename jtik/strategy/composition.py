@@ -135,10 +135,11 @@ class Composition(Strategy):
         task_step, secondary, rule = self.task_step(), self.secondary_term(), self.acceptance()
         task = task_step.propose(model, state)
         task_term = model.within_limits(task.term)
-        null = NullMove(zeros(model.robot.n), 0, 0)
+        proposed = NullMove(zeros(model.robot.n), 0, 0)
         if model.has_criterion:
-            null = secondary.propose(model, state, task_term)
-            null = _shortened(model, task_term, null)
+            proposed = secondary.propose(model, state, task_term)
+        wanted = task.term + proposed.term
+        null = _shortened(model, task_term, proposed)
         term = task_term + null.term
         point = model.moved(term)
 
@@ -161,7 +162,7 @@ class Composition(Strategy):
         outcome = Outcome(accepted, gained, null)
         after = dict(task_step.adapt(model, state, task, outcome))
         if model.has_criterion:
-            after |= secondary.adapt(model, state, null, outcome)
+            after |= secondary.adapt(model, state, proposed, outcome)
             after["penalty"] = state["penalty"] if penalty is None else penalty
         figures = {
             "alpha": task.alpha,
@@ -170,12 +171,12 @@ class Composition(Strategy):
             "predicted_decrease": predicted,
             "actual_decrease": model.here.V - point.V,
         }
-        return Update(point, accepted, after, term, null.term, figures)
+        return Update(point, accepted, after, term, wanted, null.term, figures)
 
 
 def _shortened(model: LocalModel, task_term: Expression, null: NullMove) -> NullMove:
     """The null step shortened as a whole, so that it keeps its direction and the sum ends inside the limits."""
-    if not model.bounded:
+    if not (model.bounded and model.has_criterion):
         return null
     scale: Expression = 1
     for i, j in model.bounded:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping
 from typing import Literal
 
@@ -12,17 +11,16 @@ from jtik import Criterion, register_criterion
 from jtik.errors import ArgumentError
 from jtik.geometry import Obstacle, centers_and_radii, point_to_ball, segment_to_ball
 from jtik.robot import Kinematics, Robot
-from jtik.symbolic import Expression, asinh
+from jtik.symbolic import Expression, fmax, log
 
 
 @register_criterion("obstacle_avoidance")
 class ObstacleAvoidance(Criterion):
     """H = -gain * sum of ln d over all joints and all obstacles, d the distance [m] to the obstacle's surface.
 
-    Each joint is pushed away by the force gain / d. The logarithm is written as asinh(d / 2 softening) + ln(softening), which
-    is ln d up to (softening / d)^2 and goes on smoothly through the surface: inside, too, the force is finite and points
-    outwards. Joints alone let links sweep through an obstacle: ``bodies="links"`` takes the closest point of each
-    link instead, ``"both"`` takes both.
+    Each joint is pushed away by the force gain / d. Nearer than ``floor``, and inside, the logarithm goes on as its
+    own second-order expansion, so that value and force stay finite and the force still points outwards. Joints alone
+    let links sweep through an obstacle: ``bodies="links"`` takes the closest point of each link, ``"both"`` takes both.
 
     Live parameters: ``obstacle_avoidance.gain``, ``.centers`` (k, 2 or 3) [m] and ``.radii`` (k,) [m].
 
@@ -30,7 +28,7 @@ class ObstacleAvoidance(Criterion):
         obstacles: points, circles (planar robots) or spheres.
         gain: the paper's K_obs; the unit of H.
         bodies: "joints", "links" or "both".
-        softening: distance [m] at which the force stops growing, at gain / (2 softening).
+        floor: distance [m] below which the logarithm is continued.
         name: how its parameters are addressed.
 
     Source: Das, Slotine and Sheridan (1988), (2.2), the term K_obs, whose printed sign attracts.
@@ -45,13 +43,13 @@ class ObstacleAvoidance(Criterion):
         *,
         gain: float = 1.0,
         bodies: Literal["joints", "links", "both"] = "joints",
-        softening: float = 1e-6,
+        floor: float = 1e-3,
         name: str = "obstacle_avoidance",
     ) -> None:
         self._obstacles = [obstacles] if isinstance(obstacles, Obstacle) else list(obstacles)
         self._gain = float(gain)
         self._bodies = bodies
-        self._softening = float(softening)
+        self._floor = float(floor)
         self.name = name
         if not self._obstacles:
             raise ArgumentError("obstacles", "none", "at least one jtik.Point, jtik.Circle or jtik.Sphere")
@@ -59,8 +57,8 @@ class ObstacleAvoidance(Criterion):
             raise ArgumentError("bodies", bodies, "'joints', 'links' or 'both'")
         if not self._gain >= 0:
             raise ArgumentError("gain", gain, "a number from 0")
-        if not self._softening > 0:
-            raise ArgumentError("softening", softening, "a positive length [m]")
+        if not self._floor > 0:
+            raise ArgumentError("floor", floor, "a positive length [m]")
 
     def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
         """Gain, centres and radii."""
@@ -84,11 +82,11 @@ class ObstacleAvoidance(Criterion):
         return bodies
 
     def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
-        """-gain * sum of ln d, softened."""
+        """-gain * sum of ln d, continued below the floor."""
         total: Expression = 0
-        bodies = self.distances(kinematics, parameters)
-        for distances in bodies:
+        for distances in self.distances(kinematics, parameters):
             for distance in distances:
-                total = total - asinh(distance * (0.5 / self._softening))
-        pairs = sum(len(distances) for distances in bodies)
-        return parameters["gain"] * (total - pairs * math.log(self._softening))
+                safe = fmax(distance, self._floor)
+                below = (safe - distance) * (1 / self._floor)
+                total = total + below * (1 + below / 2) - log(safe)
+        return parameters["gain"] * total

@@ -1,0 +1,110 @@
+"""Robot, tasks, criteria and limits as CasADi functions: what every strategy solves."""
+
+from __future__ import annotations
+
+from jtik.criterion import CriterionTerms
+from jtik.robot import Robot
+from jtik.symbolic import (
+    Expression,
+    Function,
+    dot,
+    function,
+    gradient,
+    jacobian,
+    substitute,
+    symbol,
+    vertcat,
+    zeros,
+)
+from jtik.task import TaskStack
+
+
+class Problem:
+    """Robot, tasks, criteria and limits as CasADi functions of (q, target, parameters).
+
+    Attributes:
+        linear: for each task row, whether it is a length [m] rather than an angle [rad].
+        factor: L with Kp = L L', (m, m).
+        error, residual: (q, target) -> e and L' e, (m, 1).
+        criterion, values: (q, parameters) -> H, and the weighted value of each criterion.
+        bounded: (q index, v index) of the joints that have a limit.
+    """
+
+    def __init__(
+        self, robot: Robot, tasks: TaskStack, terms: CriterionTerms, bounded: tuple[tuple[int, int], ...]
+    ) -> None:
+        self.robot, self.tasks, self.terms, self.bounded = robot, tasks, terms, bounded
+        q, target, parameters = self.symbols()
+        kinematics = robot.at(q)
+        rows = tasks.rows(kinematics, target)
+        values = terms.values(kinematics, parameters)
+        self.linear = rows.linear
+        self.factor = tasks.weight_factor()
+        self.error = function("error", [q, target], [rows.error])
+        self.residual = function("residual", [q, target], [self.factor.T @ rows.error])
+        self.criterion = function("criterion", [q, parameters], [sum(values, zeros(1))])
+        self.values = function("criteria", [q, parameters], [vertcat(*values)])
+
+    def symbols(self) -> tuple[Expression, Expression, Expression]:
+        """Fresh symbols for q, target and parameters."""
+        return (
+            symbol("q", self.robot.nq),
+            symbol("target", self.tasks.target_size),
+            self.terms.parameters.symbols(),
+        )
+
+    @property
+    def m(self) -> int:
+        """Number of task rows."""
+        return len(self.linear)
+
+    @property
+    def has_criterion(self) -> bool:
+        """Whether there is anything to minimise."""
+        return len(self.terms.named) > 0
+
+    def jacobian(self, expression: Expression, q: Expression) -> Expression:
+        """Derivative with respect to the velocity: (d/dq) T(q)."""
+        return jacobian(expression, q) @ self.robot.tangent(q)
+
+    def gradient(self, expression: Expression, q: Expression) -> Expression:
+        """The same for a scalar, as a column, in reverse mode."""
+        return self.robot.tangent(q).T @ gradient(expression, q)
+
+    def report(self) -> Function:
+        """(q, target, parameters) -> error, its Jacobian, value of each criterion, dH/dv, residual, its Jacobian."""
+        q, target, parameters = self.symbols()
+        error, residual = self.error(q, target), self.residual(q, target)
+        H = self.criterion(q, parameters)
+        return function(
+            "report",
+            [q, target, parameters],
+            [
+                error,
+                self.jacobian(error, q),
+                self.values(q, parameters),
+                self.gradient(H, q),
+                residual,
+                self.jacobian(residual, q),
+            ],
+        )
+
+    def curvature(self) -> Function:
+        """(q, target, parameters) -> V, dV/dv, d2V/dv2, dH/dv: for poses where the first derivative says nothing."""
+        q, target, parameters = self.symbols()
+        v = symbol("v", self.robot.n)
+        moved = self.residual(self.robot.integrate(q, v), target)
+        V = dot(moved, moved) / 2
+        slope = gradient(V, v)
+        bend = jacobian(slope, v)
+        still = zeros(self.robot.n)
+        return function(
+            "curvature",
+            [q, target, parameters],
+            [
+                substitute(V, v, still),
+                substitute(slope, v, still),
+                substitute(bend, v, still),
+                self.gradient(self.criterion(q, parameters), q),
+            ],
+        )
