@@ -28,7 +28,9 @@ from jtik.symbolic import (
     fmin,
     if_else,
     logic_and,
+    logic_not,
     logic_or,
+    norm,
     ratio,
     sqrt,
     sumsqr,
@@ -68,11 +70,18 @@ class NullMove:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a proposal: ``accepted`` 0 or 1, ``ratio`` of actual to predicted decrease, the null part as judged."""
+    """What became of a proposal.
+
+    Attributes: accepted, 0 or 1; ratio of actual to predicted decrease; null, the null-space part as judged;
+    task_blamed and null_blamed: which part is to be shortened after a poor outcome. It is the longer one, so that
+    neither pays for the other.
+    """
 
     accepted: Expression
     ratio: Expression
     null: NullMove
+    task_blamed: Expression
+    null_blamed: Expression
 
 
 class TaskStep(ABC):
@@ -159,7 +168,9 @@ class Composition(Strategy):
         gained = ratio(actual, fmax(predicted, 0))
         if rule == "merit" and model.has_criterion:
             gained = if_else(model.near, accepted, gained)
-        outcome = Outcome(accepted, gained, null)
+        null_blamed = null.length > norm(task.term) if model.has_criterion else 0
+        task_blamed = logic_not(null_blamed) if model.has_criterion else 1
+        outcome = Outcome(accepted, gained, null, task_blamed, null_blamed)
         after = dict(task_step.adapt(model, state, task, outcome))
         if model.has_criterion:
             after |= secondary.adapt(model, state, proposed, outcome)

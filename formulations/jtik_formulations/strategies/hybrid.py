@@ -24,7 +24,7 @@ from jtik.strategy import (
 from jtik.symbolic import dot, fmax, fmin, if_else, logic_and, logic_or, ratio, sqrt, sumsqr
 from jtik_formulations.strategies.newton import newton_step
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
-from jtik_formulations.strategies.transpose import cauchy_step, judged
+from jtik_formulations.strategies.transpose import backtracked, cauchy_step, judged
 
 Array = NDArray[np.float64]
 
@@ -70,13 +70,13 @@ class DoglegStep(TaskStep):
         """A quarter of the step taken after a poor prediction, twice the radius after a good one at its edge."""
         radius, fraction = state["radius"], state["fraction"]
         size = model.rotation_size(move.term)
-        poor = logic_or(outcome.accepted == 0, outcome.ratio < POOR)
+        poor = logic_and(outcome.task_blamed, logic_or(outcome.accepted == 0, outcome.ratio < POOR))
         good = logic_and(outcome.ratio > GOOD, size > 0.99 * radius)
         smaller = fmin(if_else(size > 0, size, radius), radius) / 4
         larger = fmin(2 * radius, self.q_limit)
         after = {"radius": if_else(poor, smaller, if_else(good, larger, radius)), "fraction": fraction}
         if self._mixed(model):
-            after["fraction"] = if_else(outcome.accepted, fmin(1, 2 * fraction), fraction / 2)
+            after |= backtracked(state, outcome)
         return after
 
 

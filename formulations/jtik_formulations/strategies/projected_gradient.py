@@ -91,7 +91,7 @@ class ProjectedGradient(SecondaryTerm):
             return {"null_energy": if_else(outcome.accepted, energy, state["null_energy"])}
         cap, accepted = state["null_cap"], outcome.accepted
         size = outcome.null.length
-        shorter = if_else(size > 0, fmin(size, cap) / 4, cap)  # a step the limits left nothing of says nothing
+        shorter = if_else(outcome.null_blamed, fmin(size, cap) / 4, cap)
         return {
             "null_cap": if_else(accepted, fmin(2 * cap, self.step_limit), shorter),
             "null_gradient": model.null_gradient,

@@ -112,7 +112,8 @@ class TransposeStep(TaskStep):
 def backtracked(state: State, outcome: Outcome) -> State:
     """Fraction of the step to try next."""
     fraction = state["fraction"]
-    return {"fraction": if_else(outcome.accepted, fmin(1, 2 * fraction), fraction / 2)}
+    shorter = if_else(outcome.task_blamed, fraction / 2, fraction)
+    return {"fraction": if_else(outcome.accepted, fmin(1, 2 * fraction), shorter)}
 
 
 def judged(backtracking: bool, secondary: SecondaryTerm) -> Acceptance:
