@@ -43,7 +43,7 @@ class ObstacleAvoidance(Criterion):
         *,
         gain: float = 1.0,
         bodies: Literal["joints", "links", "both"] = "joints",
-        floor: float = 1e-3,
+        floor: float = 0.01,
         name: str = "obstacle_avoidance",
     ) -> None:
         self._obstacles = [obstacles] if isinstance(obstacles, Obstacle) else list(obstacles)

@@ -17,6 +17,9 @@ Array = NDArray[np.float64]
 
 _UNBOUNDED = 1e30
 
+NOISE = 1e-13
+"""|h| / |grad H| below which h is rounding, not a direction."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class ProjectedGradient(SecondaryTerm):
@@ -64,7 +67,7 @@ class ProjectedGradient(SecondaryTerm):
         if self.rule == "merit":
             beta = self._barzilai_borwein(h, state)
             cap = state["null_cap"]
-            gain = fmin(beta, cap / length)
+            gain = if_else(length > NOISE * model.gradient_length, fmin(beta, cap / length), 0)
             return NullMove(gain * h, gain * length, gain)
         if self.rule == "sqrt":
             energy = fmax(state["null_energy"], self.floor**2)
@@ -97,5 +100,5 @@ class ProjectedGradient(SecondaryTerm):
             "null_gradient": model.null_gradient,
             "null_length": model.null_length,
             "gain": if_else(accepted, outcome.null.beta, 0),
-            "beta": move.beta,
+            "beta": if_else(move.beta > 0, move.beta, state["beta"]),
         }
