@@ -1,18 +1,28 @@
 """From a CasADi function to a call that costs what the arithmetic costs.
 
 An ordinary CasADi call converts its arguments and allocates its results, 20 to 40 microseconds a time. Through
-the *buffer* interface memory is bound once and a call is the evaluation alone.
+the *buffer* interface memory is bound once and a call is the evaluation alone. Where there is a C compiler the
+evaluation itself can be generated C instead of CasADi's virtual machine.
 """
 
 from __future__ import annotations
 
+import hashlib
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.symbolic import Function
+from jtik.errors import JtikError
+from jtik.symbolic import Function, c_source, external
 
 Array = NDArray[np.float64]
 
@@ -27,7 +37,7 @@ def bind(function: Function, arguments: list[Array], results: list[Array]) -> Ca
     for set_memory, arrays in ((buffer.set_arg, arguments), (buffer.set_res, results)):
         for position, array in enumerate(arrays):
             if array.size:
-                set_memory(position, memoryview(array))
+                set_memory(position, array.data)
     evaluate.memory = (buffer, *arguments, *results)
     return cast(Callable[[], None], evaluate)
 
@@ -46,6 +56,7 @@ class Compiled:
         self._evaluate = bind(function, self._arguments, self._results)
 
     def __call__(self, *arguments: Any) -> tuple[Array, ...]:
+        """One new array an output."""
         for memory, argument in zip(self._arguments, arguments, strict=True):
             memory[:] = np.asarray(argument, dtype=float).ravel(order="F")
         self._evaluate()
@@ -53,3 +64,52 @@ class Compiled:
             result.copy() if columns == 1 else result.reshape((rows, columns), order="F").copy()
             for result, (rows, columns) in zip(self._results, self._shapes, strict=True)
         )
+
+
+class CompilerError(JtikError):
+    """No C compiler was found, or it refused the generated code. Attributes: command, output."""
+
+    def __init__(self, command: str, output: str) -> None:
+        super().__init__(f"{command}: {output}")
+        self.command = command
+        self.output = output
+
+
+def to_c(function: Function) -> Function:
+    """The same function as a shared library of generated C, three to five times faster than the virtual machine.
+
+    Compiling takes about a second; libraries are kept in the user's cache folder (``$XDG_CACHE_HOME/jtik``) under
+    the hash of their code, so that an unchanged function is compiled once. The compiler is ``$CC``, ``cc``, ``gcc``,
+    ``clang`` or the package ``ziglang``.
+
+    Raises:
+        CompilerError: when there is no compiler, or it fails; with its output.
+    """
+    command = _compiler()
+    source = c_source(function)
+    name = "jtik_" + hashlib.sha256(" ".join([*command, source]).encode()).hexdigest()[:16]
+    folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "jtik"
+    library = folder / f"{name}.so"
+    if not library.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=folder) as scratch:
+            code, built = Path(scratch) / f"{name}.c", Path(scratch) / library.name
+            # the prefix keeps the symbols of several libraries, and libc's own "step", apart
+            code.write_text(source.replace(function.name(), name))
+            call = [*command, "-O1", "-shared", "-fPIC", str(code), "-o", str(built), "-lm"]
+            run = subprocess.run(call, capture_output=True, text=True, check=False)
+            if run.returncode:
+                raise CompilerError(" ".join(command), run.stderr.strip())
+            built.replace(library)
+    return external(name, str(library))
+
+
+def _compiler() -> list[str]:
+    if os.environ.get("CC"):
+        return os.environ["CC"].split()
+    for name in ("cc", "gcc", "clang"):
+        if shutil.which(name):
+            return [name]
+    if importlib.util.find_spec("ziglang"):
+        return [sys.executable, "-m", "ziglang", "cc"]
+    raise CompilerError("compiled=True", "no C compiler found; install one, or: pip install ziglang")

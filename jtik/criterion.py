@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jtik.errors import ArgumentError, JtikError, UnknownNameError
+from jtik.errors import ArgumentError, JtikError, UnknownNameError, finite_array
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import SX, Expression, is_symbolic, reshape, symbol, symvar
 
@@ -47,6 +47,9 @@ class Criterion(ABC):
     def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
         """Names and first values of the live parameters on this robot; scalars, vectors or matrices."""
         return {}
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}(name={self.name!r})"
 
     @abstractmethod
     def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
@@ -84,9 +87,10 @@ class CriterionSum:
         return CriterionSum(self.terms + CriterionSum.of(other).terms)
 
     def __mul__(self, weight: float) -> CriterionSum:
-        if not (np.isscalar(weight) and np.isreal(weight) and np.isfinite(weight) and float(weight) >= 0):
+        factor = float(finite_array("weight", weight, ()))
+        if factor < 0:
             raise ArgumentError("weight", weight, "a finite number from 0")
-        return CriterionSum(tuple((float(weight) * own, criterion) for own, criterion in self.terms))
+        return CriterionSum(tuple((factor * own, criterion) for own, criterion in self.terms))
 
     __rmul__ = __mul__
 
@@ -241,6 +245,7 @@ class FunctionCriterion(Criterion):
         self.__doc__ = function.__doc__
 
     def __call__(self, **defaults: ArrayLike) -> FunctionCriterion:
+        """The same criterion with other first values. Raises UnknownNameError for a parameter it does not have."""
         unknown = sorted(set(defaults) - set(self._defaults))
         if unknown:
             raise UnknownNameError("parameter", unknown[0], self._defaults)

@@ -26,9 +26,9 @@ FLAT = 1e-5
 class Report:
     """Task and criteria at one configuration, with what may still move there.
 
-    Attributes: error (m,), its norms by kind, jacobian (m, n), values of the criteria, gradient of H (n,), active limits by
-    joint name, free joints (n,), whether the target is reached and H steady, and the flatness of V over all and over
-    the free joints.
+    Attributes: error (m,), its norms by kind, jacobian (m, n), values of the criteria, gradient of H (n,), active
+    limits by joint name, free joints (n,), whether the target is reached and H steady, and the flatness of V over
+    all and over the free joints.
     """
 
     error: Array
@@ -97,7 +97,7 @@ class Diagnosis:
     def _settled(
         J: Array, gradient: Array, at_upper: list[int], at_lower: list[int]
     ) -> tuple[NDArray[np.bool_], Array]:
-        """Joints that limits do not hold, and the reduced gradient dH/dv + J' lambda: held are those it presses outwards."""
+        """Joints that limits do not hold, and the reduced gradient dH/dv + J' lambda, which presses held ones out."""
         free = np.ones(J.shape[1], dtype=bool)
         free[[*at_upper, *at_lower]] = False
         for _ in range(len(at_upper) + len(at_lower) + 1):

@@ -1,10 +1,11 @@
 """Complete orthogonal decomposition of a Jacobian: pseudo-inverse and null-space projector at any rank.
 
 ``J = L Q``: the rows of Q are an orthogonal basis of the row space of J (modified Gram-Schmidt), L is lower
-trapezoidal with ones where a row is independent. One rank decision is made per row: a row whose part outside the span of the rows before it is
-shorter than ``RANK_THRESHOLD`` times the Frobenius norm of J is dependent and spans nothing. With all rows independent L
-is triangular and everything is a substitution; with dependent rows the columns of L are orthogonalised too, and
-the least-squares solution of least norm results, as an SVD truncated at the same threshold would give it.
+trapezoidal with ones where a row is independent. One rank decision is made per row: a row whose part outside the
+span of the rows before it is shorter than ``RANK_THRESHOLD`` times the Frobenius norm of J is dependent and spans
+nothing. With all rows independent L is triangular and everything is a substitution; with dependent rows the columns
+of L are orthogonalised too, and the least-squares solution of least norm results, as an SVD truncated at the same
+threshold would give it.
 
 No Gram matrix is formed, so a condition number of 1e8 is as harmless as 1e4 is to a Cholesky factor of ``J J'``.
 

@@ -1,7 +1,8 @@
 """One update as one CasADi function: (q, target, parameters, box, settings, state) -> (q', state', outcome, record).
 
-Kinematics, error, Jacobian, criterion, gradient, the strategy's law, joint limits, acceptance and the stop code are joined
-here into a single expression graph, so that a step costs one call and the loop round it is trivial in any language.
+Kinematics, error, Jacobian, criterion, gradient, the strategy's law, joint limits, acceptance and the stop code are
+joined here into a single expression graph, so that a step costs one call and the loop round it is trivial in any
+language.
 """
 
 from __future__ import annotations
@@ -125,9 +126,7 @@ def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False) 
     J = problem.jacobian(residual, symbolic_q)
     H = problem.criterion(symbolic_q, parameters)
     gradient_H = problem.gradient(H, symbolic_q)
-    residual, J, H, gradient_H = (
-        substitute(x, symbolic_q, q) for x in (residual, J, H, gradient_H)
-    )
+    residual, J, H, gradient_H = (substitute(x, symbolic_q, q) for x in (residual, J, H, gradient_H))
     here = Point(q, residual, H)
     size = norm(J)
     tube = if_else(state["tube"] > 0, state["tube"], TUBE * size)
@@ -171,10 +170,7 @@ def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False) 
         code,
         tried,
         accepted,
-        *[
-            if_else(accepted, new, old)
-            for new, old in zip(stop.errors(update.point), stop.errors_before, strict=True)
-        ],
+        *[if_else(accepted, new, old) for new, old in zip(stop.errors(update.point), stop.errors_before, strict=True)],
         if_else(accepted, update.point.V, here.V),
     )
     outputs = [if_else(accepted, update.point.q, q), layout.join(after), outcome]
@@ -208,11 +204,12 @@ def _engine_state(problem: Problem) -> dict[str, Array]:
 
 
 class _Stop:
-    """The tests of arrival, steadiness and stationarity. settings: position, orientation and optimality tolerance, steady."""
+    """The tests of arrival, steadiness and stationarity.
 
-    def __init__(
-        self, problem: Problem, model: LocalModel, settings: Expression, working: WorkingSet | None
-    ) -> None:
+    ``settings`` are the tolerances of position, orientation and optimality, and whether to wait for H to be steady.
+    """
+
+    def __init__(self, problem: Problem, model: LocalModel, settings: Expression, working: WorkingSet | None) -> None:
         self._problem, self._settings = problem, settings
         self._unweight = np.linalg.inv(problem.factor.T)
         self.errors_before = self.errors(model.here)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jtik.errors import ArgumentError
+from jtik.errors import ArgumentError, finite_array
 from jtik.symbolic import TINY, Expression, dot, fmax, fmin, norm, sumsqr
 
 Array = NDArray[np.float64]
@@ -22,18 +22,19 @@ class Ball:
     center: Array
     radius: float
 
-    dimensions = (2, 3)
+    dimensions: ClassVar[tuple[int, ...]] = (2, 3)
 
     def __init__(self, center: ArrayLike, radius: float = 0.0) -> None:
         array = np.array(center, dtype=float)
         sizes = " or ".join(f"({size},)" for size in self.dimensions)
         if array.shape not in [(size,) for size in self.dimensions] or not np.all(np.isfinite(array)):
             raise ArgumentError("center", center, f"finite coordinates [m] of shape {sizes}")
-        if not (np.isscalar(radius) and np.isfinite(radius) and radius >= 0):
+        length = float(finite_array("radius", radius, ()))
+        if length < 0:
             raise ArgumentError("radius", radius, "a finite length [m] from 0")
         array.setflags(write=False)
         object.__setattr__(self, "center", array)
-        object.__setattr__(self, "radius", float(radius))
+        object.__setattr__(self, "radius", length)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}(center={tuple(self.center.tolist())}, radius={self.radius})"

@@ -1,12 +1,14 @@
 """Joint limits inside the fused step: which joints a limit holds, so that the others go on without them.
 
-A joint at a limit that descent presses it against is *held*: its columns of J and of the gradient are zero, and the law works
-with the joints that are left. Who is held is the working set, part of the state (formulations/joint_limits.md):
+A joint at a limit that descent presses it against is *held*: its columns of J and of the gradient are zero, and the
+law works with the joints that are left. Who is held is the working set, part of the state
+(formulations/joint_limits.md):
 
-- Far from the target, or without a criterion, the task decides: held is whom -J' r presses outwards, and after a refused step
-  also whom that step pushed outwards.
-- Near the target the working set of an active-set method is kept: a joint enters when a step pushes it outwards, and one
-  joint at a time leaves, the one whose multiplier has the most wrong sign, once that is larger than the projected gradient.
+- Far from the target, or without a criterion, the task decides: held is whom -J' r presses outwards, and after a
+  refused step also whom that step pushed outwards.
+- Near the target the working set of an active-set method is kept: a joint enters when a step pushes it outwards, and
+  one joint at a time leaves, the one whose multiplier has the most wrong sign, once that is larger than the
+  projected gradient.
 """
 
 from __future__ import annotations
@@ -117,9 +119,7 @@ class WorkingSet:
         """The working set the next step starts from, (bounded, 1)."""
         q = if_else(accepted, update.point.q, self._here.q)
         pushed = [logic_and(at, out) for at, out in zip(self._at(q), self._outwards(update.wanted, q), strict=True)]
-        blocked = [
-            if_else(accepted, 0, logic_or(held, push)) for held, push in zip(self.held, pushed, strict=True)
-        ]
+        blocked = [if_else(accepted, 0, logic_or(held, push)) for held, push in zip(self.held, pushed, strict=True)]
         if not self._problem.has_criterion:
             return vertcat(*blocked)
         wrong, largest = self._wrong(model), self.wrong(model)

@@ -1,7 +1,8 @@
 """The way out of an exact singular stall: a second-order step where the first derivative of V says nothing.
 
-A straight arm with its target on its own line feels no torque: J' r = 0 with r != 0. Whether that is a closest posture or a saddle, the
-Hessian of V tells; along its most negative eigenvector V falls to second order. Deterministic: no noise is added.
+A straight arm with its target on its own line feels no torque: J' r = 0 with r != 0. Whether that is a closest
+posture or a saddle, the Hessian of V tells; along its most negative eigenvector V falls to second order.
+Deterministic: no noise is added.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ class Rescue:
         return Compiled(function("moved", [q, v, target], [there, V]))
 
     def lowest_curvature(self, q: Array, inputs: Sequence[Array]) -> tuple[float, Array, Array]:
-        """Relative lowest eigenvalue of d2V/dv2 over the joints not at a limit, its eigenvector (n,), and dH/dv (n,)."""
+        """Relative lowest eigenvalue of d2V/dv2 over joints not at a limit, its eigenvector (n,), and dH/dv (n,)."""
         target, parameters, lower, upper, _ = inputs
         _, _, bend, criterion = self._curvature(q, target, parameters)
         inside = np.ones(self._problem.robot.n, dtype=bool)

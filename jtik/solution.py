@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,8 +35,9 @@ class Trace:
         q: configurations, (iterations + 1, nq): the last row is where the solve ended.
         error: norm of the task error at ``q[k]``, in [m] and [rad] together, (iterations + 1,).
         figures: one array a figure, (iterations,): V, H, V2, alpha, beta, predicted_decrease and actual_decrease of V,
-            accepted, null_residual, sigma_min (of the weighted Jacobian of the joints that were free to move), leakage (``|J nu| / |nu|`` of the
-            null-space step nu; NaN where there is none), escaped. A law without a gain has NaN there.
+            accepted, null_residual, sigma_min (of the weighted Jacobian of the joints that were free to move),
+            leakage (``|J nu| / |nu|`` of the null-space step nu; NaN where there is none), escaped. A law without a
+            gain has NaN there.
     """
 
     q: Array
@@ -68,7 +70,8 @@ class Solution:
         criteria: weighted value of each criterion by name.
         jacobian: of the task error, (m, n).
         gradient: of H with respect to the velocity, (n,).
-        null_space_residual: norm of (I - J+ J) dH/dv over the joints that no limit holds, in the unit of H per [rad] or [m].
+        null_space_residual: norm of (I - J+ J) dH/dv over the joints that no limit holds, in the unit of H per [rad]
+        or [m].
         active_limits: names of the joints that stand at a limit.
         seconds: wall time of the solve.
         trace: the iterations, when asked for.
@@ -115,8 +118,7 @@ class Solution:
         return "\n".join(lines)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Step:
+class Step(NamedTuple):
     """One update: for controllers.
 
     Attributes:
@@ -162,4 +164,6 @@ class Trajectory:
     def __repr__(self) -> str:
         reached = sum(status in (Status.CONVERGED, Status.REACHED) for status in self.statuses)
         worst = float(self.errors.max()) if len(self) else 0.0
-        return f"Trajectory: {reached} of {len(self)} targets reached, {self.times[-1]:.3g} s, largest error {worst:.3g}"
+        return (
+            f"Trajectory: {reached} of {len(self)} targets reached, {self.times[-1]:.3g} s, largest error {worst:.3g}"
+        )

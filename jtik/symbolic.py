@@ -37,6 +37,7 @@ gradient: Any = casadi.gradient
 logic_and: Any = casadi.logic_and
 logic_or: Any = casadi.logic_or
 logic_not: Any = casadi.logic_not
+external: Any = casadi.external
 symvar: Any = casadi.symvar
 substitute: Any = casadi.substitute
 is_equal: Any = casadi.is_equal
@@ -72,6 +73,13 @@ def function(
     dense = [casadi.densify(output) for output in outputs]
     names = [list(input_names), list(output_names)] if input_names else []
     return casadi.Function(name, list(inputs), dense, *names, {"cse": True})
+
+
+def c_source(function: Function) -> str:
+    """The function as C, all names prefixed with its own."""
+    generator = casadi.CodeGenerator(function.name())
+    generator.add(function)
+    return str(generator.dump())
 
 
 def norm(vector: Expression) -> Expression:

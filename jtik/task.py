@@ -65,8 +65,8 @@ class FrameTask(Task):
     """Bring a frame of the robot to a target: its position, its orientation, or both.
 
     Error: position in world axes, ``p(q) - p_target`` [m]; orientation in the *target's* axes, the logarithm of
-    ``R_target' R(q)`` [rad], so that dropping its z row frees the spin about the tool's z axis. On a planar robot a position is (x, y)
-    and an orientation is one angle, with an error in (-pi, pi].
+    ``R_target' R(q)`` [rad], so that dropping its z row frees the spin about the tool's z axis. On a planar robot a
+    position is (x, y) and an orientation is one angle, with an error in (-pi, pi].
 
     Args:
         frame: name of the frame.
@@ -255,7 +255,9 @@ class TaskStack:
 
     def rows(self, kinematics: Kinematics, target: Expression) -> TaskRows:
         """The rows of all tasks."""
-        errors, linear, start = [], [], 0
+        errors: list[Expression] = []
+        linear: list[bool] = []
+        start = 0
         for task in self.tasks:
             size = task.target_size(self.robot)
             rows = task.rows(kinematics, target[start : start + size])

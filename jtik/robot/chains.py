@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import operator
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, TypeAlias, get_args, overload
+from typing import TypeAlias, get_args
 
 import numpy as np
 
@@ -14,60 +13,13 @@ from jtik.robot.dh import JOINT_TYPES, Convention, Row, as_row, shift
 from jtik.robot.joints import JointType
 from jtik.robot.tree import Joint
 
-if TYPE_CHECKING:
-    from jtik.robot.model import Robot
-
 Bounds: TypeAlias = tuple[object, object, object]
 """Lower limits, upper limits and speed limits, each one number for all joints or one for each."""
 
 
-class PlanarBuilder:
-    """``Robot.planar``, asked of the class: builds a planar arm."""
-
-    def __init__(self, owner: type[Robot]) -> None:
-        self._owner = owner
-
-    def __call__(
-        self,
-        links: object,
-        *,
-        lower: object = -math.inf,
-        upper: object = math.inf,
-        velocity_limit: object = math.inf,
-        name: str | None = None,
-    ) -> Robot:
-        """A planar arm of hinges "joint1" ... at frames "link1" ..., ending in the frame "tip".
-
-        At q = 0 it lies stretched along x. Positions are (x, y).
-
-        Args:
-            links: number of unit links, or their lengths [m].
-            lower: lower limits [rad], one for all joints or one each.
-            upper: upper limits [rad].
-            velocity_limit: greatest speeds [rad/s].
-            name: what to call the robot.
-
-        Raises:
-            ArgumentError: when a length is not positive or limits are crossed.
-        """
-        joints = arm_joints("base", _lengths(links), (lower, upper, velocity_limit))
-        return self._owner(joints, name=name or f"planar{len(joints) - 1}", planar=True)
-
-
-class PlanarAttribute:
-    """``planar``: of the class `Robot` the builder of planar arms, of a robot whether it is planar.
-
-    Both names belong to the public surface; a descriptor lets each be what its reader expects.
-    """
-
-    @overload
-    def __get__(self, robot: None, owner: type[Robot]) -> PlanarBuilder: ...
-
-    @overload
-    def __get__(self, robot: Robot, owner: type[Robot]) -> bool: ...
-
-    def __get__(self, robot: Robot | None, owner: type[Robot]) -> PlanarBuilder | bool:
-        return PlanarBuilder(owner) if robot is None else robot.dimension == 2
+def planar_joints(links: object, bounds: Bounds) -> list[Joint]:
+    """A planar arm of unit links or given lengths [m] on the frame "base"."""
+    return arm_joints("base", _lengths(links), bounds)
 
 
 def arm_joints(parent: str, lengths: Array, bounds: Bounds) -> list[Joint]:

@@ -84,9 +84,7 @@ def as_row(index: int, row: Row) -> DHRow:
     names = [field.name for field in fields(DHRow)]
     if isinstance(row, Mapping):
         if not {"a", "alpha"} <= set(row) <= set(names):
-            raise ArgumentError(
-                f"rows, row {index}", f"keys {list(row)}", f"a and alpha, perhaps {names[2:]}"
-            )
+            raise ArgumentError(f"rows, row {index}", f"keys {list(row)}", f"a and alpha, perhaps {names[2:]}")
         return DHRow(**row)
     a, alpha, d, theta = (float(value) for value in finite_array(f"rows, row {index}", row, (4,)))
     return DHRow(a, alpha, d, theta)

@@ -73,7 +73,7 @@ class Kinematics:
             UnknownNameError: when there is no such frame.
         """
         origin = self._place(self._robot.frame(frame)).origin
-        return origin[:2] if self._robot.planar else origin
+        return origin[:2] if self._robot.dimension == 2 else origin
 
     def jacobian(self, frame: str | None = None) -> Expression:
         """The geometric Jacobian, shape (6, n): velocity of the frame's origin, then angular velocity.

@@ -76,8 +76,7 @@ class Layout:
         scalar = [joint for joint in independent if joint.type.is_scalar]
         rotational = np.concatenate([np.array(joint.type.rotational, dtype=bool) for joint in independent])
         indices = [
-            np.array([slices[joint.name].start for joint in scalar], dtype=np.intp)
-            for slices in (q_slices, v_slices)
+            np.array([slices[joint.name].start for joint in scalar], dtype=np.intp) for slices in (q_slices, v_slices)
         ]
         for index in (rotational, *indices):
             index.flags.writeable = False

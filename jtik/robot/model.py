@@ -10,7 +10,7 @@ import numpy as np
 
 from jtik.errors import ArgumentError, ImmutableError, UnknownNameError
 from jtik.robot import skeleton
-from jtik.robot.chains import PlanarAttribute, dh_joints, vehicle_joints
+from jtik.robot.chains import dh_joints, planar_joints, vehicle_joints
 from jtik.robot.dh import Convention, Row
 from jtik.robot.kinematics import Kinematics
 from jtik.robot.layout import Layout
@@ -86,7 +86,32 @@ class Robot(ConfigurationSpace):
     def __repr__(self) -> str:
         return f"Robot({self.name!r}, n={self.n}, nq={self.nq}, tip={self.tip!r})"
 
-    planar = PlanarAttribute()
+    @classmethod
+    def planar(
+        cls,
+        links: object,
+        *,
+        lower: object = -np.inf,
+        upper: object = np.inf,
+        velocity_limit: object = np.inf,
+        name: str | None = None,
+    ) -> Robot:
+        """A planar arm of hinges "joint1" ... at frames "link1" ..., ending in the frame "tip".
+
+        At q = 0 it lies stretched along x. Positions are (x, y).
+
+        Args:
+            links: number of unit links, or their lengths [m].
+            lower: lower limits [rad], one for all joints or one each.
+            upper: upper limits [rad].
+            velocity_limit: greatest speeds [rad/s].
+            name: what to call the robot.
+
+        Raises:
+            ArgumentError: when a length is not positive or limits are crossed.
+        """
+        joints = planar_joints(links, (lower, upper, velocity_limit))
+        return cls(joints, name=name or f"planar{len(joints) - 1}", planar=True)
 
     @classmethod
     def from_dh(

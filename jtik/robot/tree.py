@@ -82,9 +82,7 @@ class Joint:
         object.__setattr__(self, "axis", frozen(_unit(f"{who} axis", self.axis)))
         lower, upper, speed = float(self.lower), float(self.upper), float(self.velocity_limit)
         if not (lower <= upper and lower < math.inf and upper > -math.inf):
-            raise ArgumentError(
-                f"{who} limits", f"lower {lower:g}, upper {upper:g}", "lower <= upper, no NaN"
-            )
+            raise ArgumentError(f"{who} limits", f"lower {lower:g}, upper {upper:g}", "lower <= upper, no NaN")
         if not speed > 0:
             raise ArgumentError(f"{who} velocity_limit", speed, "a positive number or inf")
         for attribute, value in (("lower", lower), ("upper", upper), ("velocity_limit", speed)):
@@ -145,9 +143,7 @@ def check_tree(joints: Sequence[Joint], base: str) -> None:
     _check_unique("joint name", [joint.name for joint in joints])
     _check_unique("frame name", [base, *(joint.child for joint in joints)])
     if not any(joint.is_independent for joint in joints):
-        raise ArgumentError(
-            "joints", f"{len(joints)} joints, none of which moves", "at least one moving joint"
-        )
+        raise ArgumentError("joints", f"{len(joints)} joints, none of which moves", "at least one moving joint")
     parent_of = {joint.child: joint.parent for joint in joints}
     for joint in joints:
         if joint.parent != base and joint.parent not in parent_of:

@@ -52,18 +52,14 @@ class Twins:
         key = (quantity, None)
         if key not in self._compiled:
             inputs = [symbol(name, self._size(name)) for name in names]
-            self._compiled[key] = function(
-                quantity, inputs, [self._build(quantity, *inputs)], names, [quantity]
-            )
+            self._compiled[key] = function(quantity, inputs, [self._build(quantity, *inputs)], names, [quantity])
         if any(isinstance(value, SX) for value in checked):
             return self._build(quantity, *[SX(value) for value in checked])
         return _answer(self._compiled[key], checked)
 
     def _build(self, quantity: LayoutQuantity, *values: Expression) -> Expression:
         joints = self._robot.independent_joints
-        places = [
-            (joint, self._robot.q_slice(joint.name), self._robot.v_slice(joint.name)) for joint in joints
-        ]
+        places = [(joint, self._robot.q_slice(joint.name), self._robot.v_slice(joint.name)) for joint in joints]
         if quantity == "tangent":
             (q,) = values
             total = SX(self._robot.nq, self._robot.n)

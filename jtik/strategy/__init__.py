@@ -1,4 +1,4 @@
-"""Strategies: the local model an update law sees, the law itself, and laws composed of a task step and a null-space term."""
+"""Strategies: the local model a law sees, the law, and laws composed of a task step and a null-space term."""
 
 from jtik.strategy.base import Shape, State, Strategy, Update
 from jtik.strategy.composition import (

@@ -2,9 +2,10 @@
 
 Acceptance, the third part, is here because it is the same for all of them (formulations/merit.md):
 
-- ``"merit"``: outside a tube about the target only V counts, and the null-space motion may not spoil its decrease; inside the
-  tube the exact penalty H + mu |r| must fall. Without a criterion this is plain monotone decrease of V.
-- ``"task"``: V must fall by the task step alone; the null-space term is added unchecked (the paper's beta rules bound it).
+- ``"merit"``: outside a tube about the target only V counts, and the null-space motion may not spoil its decrease;
+  inside the tube the exact penalty H + mu |r| must fall. Without a criterion this is plain monotone decrease of V.
+- ``"task"``: V must fall by the task step alone; the null-space term is added unchecked (the paper's beta rules
+  bound it).
 - ``"always"``: every step is taken, as the paper prints it.
 """
 

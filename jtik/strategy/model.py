@@ -17,8 +17,8 @@ from jtik.symbolic import TINY, Expression, Function, dot, fmax, fmin, norm, sqr
 class Point:
     """Task and criterion at one configuration, without derivatives.
 
-    Attributes: q (nq, 1); residual r = L' e with Kp = L L' (m, 1); V = 1/2 |r|^2 = 1/2 e' Kp e; H, the weighted sum of the
-    criteria (0 without any).
+    Attributes: q (nq, 1); residual r = L' e with Kp = L L' (m, 1); V = 1/2 |r|^2 = 1/2 e' Kp e; H, the weighted sum
+    of the criteria (0 without any).
     """
 
     q: Expression

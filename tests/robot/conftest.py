@@ -33,9 +33,7 @@ def make_mixed():
                 lower=-1.0,
                 upper=2.0,
             ),
-            Joint(
-                "mount", JointType.FIXED, "turret", "mount", origin=pose((0.0, 0.4, -0.1), (0.0, 1.1, 0.2))
-            ),
+            Joint("mount", JointType.FIXED, "turret", "mount", origin=pose((0.0, 0.4, -0.1), (0.0, 1.1, 0.2))),
             Joint(
                 "boom",
                 JointType.SLIDE,
@@ -48,9 +46,7 @@ def make_mixed():
                 velocity_limit=0.5,
             ),
             Joint("shoulder", JointType.BALL, "boom", "arm", origin=pose((0.0, 0.3, 0.0), (0.7, 0.0, 0.0))),
-            Joint(
-                "side", JointType.HINGE, "hull", "side", origin=pose((-0.3, 0.0, 0.2)), axis=unit(0, -1, 0)
-            ),
+            Joint("side", JointType.HINGE, "hull", "side", origin=pose((-0.3, 0.0, 0.2)), axis=unit(0, -1, 0)),
             Joint(
                 "elbow",
                 JointType.HINGE,
@@ -59,9 +55,7 @@ def make_mixed():
                 origin=pose((0.5, 0.0, 0.0), (0.0, np.pi / 2, 0.0)),
                 axis=unit(1, 0, 0),
             ),
-            Joint(
-                "wrist", JointType.HINGE, "forearm", "hand", origin=pose((0.4, 0.1, 0.0)), axis=unit(-1, 0, 0)
-            ),
+            Joint("wrist", JointType.HINGE, "forearm", "hand", origin=pose((0.4, 0.1, 0.0)), axis=unit(-1, 0, 0)),
             Joint("tool", JointType.FIXED, "hand", "tool", origin=pose((0.0, 0.1, 0.2), (0.4, 0.4, 0.0))),
         ],
         name="mixed",

@@ -34,7 +34,7 @@ def test_a_planar_arm_adds_up_its_links(links):
 
 def test_a_planar_arm_describes_itself():
     arm = Robot.planar(3, lower=-1.0, upper=[1.0, 2.0, 3.0], velocity_limit=2.0)
-    assert arm.planar
+    assert arm.dimension == 2
     assert arm.dimension == 2
     assert arm.joint_names == ("joint1", "joint2", "joint3")
     assert arm.frame_names == ("base", "link1", "link2", "link3", "tip")
@@ -178,7 +178,7 @@ def test_a_vehicle_carries_its_arm(heading):
     assert robot.lower.tolist() == [-4.0] * len(moving) + [-np.inf] * 2
     assert robot.upper.tolist() == [np.inf] * len(moving) + [2.0] * 2
     assert robot.velocity_limit.tolist() == [1.5] * len(moving) + [np.inf] * 2
-    assert robot.planar
+    assert robot.dimension == 2
     q = robot.random_configuration(6)
     angles = np.cumsum(q[2:])[-2:]
     expected = q[:2] + np.array([np.cos(angles) @ lengths, np.sin(angles) @ lengths])

@@ -131,9 +131,7 @@ def test_changing_the_expression_in_place_does_not_confuse_the_cache():
     own = casadi.SX(q)
     arm.position(own)
     own[0] = 2 * q
-    assert function("f", [q], [arm.position(own)])(0.5).full().ravel() == pytest.approx(
-        [np.cos(1), np.sin(1)]
-    )
+    assert function("f", [q], [arm.position(own)])(0.5).full().ravel() == pytest.approx([np.cos(1), np.sin(1)])
 
 
 def test_parallel_and_antiparallel_axes_merge_whatever_lies_between():

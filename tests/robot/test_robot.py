@@ -80,7 +80,7 @@ def test_copies_answer_alike_and_stay_frozen(name, again):
     before = robot.jacobian(q)
     twin = again(robot)
     assert np.array_equal(twin.jacobian(q), before)
-    assert (twin.name, twin.planar, twin.base, twin.tip) == (robot.name, robot.planar, robot.base, robot.tip)
+    assert (twin.name, twin.dimension, twin.base, twin.tip) == (robot.name, robot.dimension, robot.base, robot.tip)
     assert not twin.joints[0].origin.flags.writeable
     assert not twin.lower.flags.writeable
     assert twin.moving_frames == robot.moving_frames
@@ -158,9 +158,7 @@ def test_points_that_stand_still_or_coincide_are_left_out():
 
 
 def test_a_piston_is_a_link_but_a_rail_on_the_ground_is_none():
-    piston = Robot.from_dh(
-        [{"a": 0, "alpha": np.pi / 2, "d": 0.4}, {"a": 0, "alpha": 0, "joint": "prismatic"}]
-    )
+    piston = Robot.from_dh([{"a": 0, "alpha": np.pi / 2, "d": 0.4}, {"a": 0, "alpha": 0, "joint": "prismatic"}])
     assert piston.moving_frames == ("tip",)
     assert piston.segments == (("base", "link1"), ("link1", "tip"))
     rail = Robot(
@@ -253,7 +251,7 @@ def test_a_mimic_that_leaves_its_leader_no_room_is_refused():
 def test_a_planar_robot_stays_in_its_plane(joint):
     with pytest.raises(ArgumentError, match="planar: given True, but joint 'out' leaves the x-y plane"):
         Robot([joint], planar=True)
-    assert not Robot([joint]).planar
+    assert Robot([joint]).dimension == 3
 
 
 def test_a_subset_locks_the_other_joints_where_they_are(robot):
@@ -262,7 +260,7 @@ def test_a_subset_locks_the_other_joints_where_they_are(robot):
         part = robot.subset([name], at=q)
         assert part.joint_names == (name,)
         assert part.frame_names == robot.frame_names
-        assert (part.planar, part.base, part.tip) == (robot.planar, robot.base, robot.tip)
+        assert (part.dimension, part.base, part.tip) == (robot.dimension, robot.base, robot.tip)
         moved = q.copy()
         moved[robot.q_slice(name)] = robot.random_configuration(9)[robot.q_slice(name)]
         own = moved[robot.q_slice(name)]

@@ -17,14 +17,16 @@ Array = NDArray[np.float64]
 
 @register_criterion("joint_centering")
 class JointCentering(Criterion):
-    """H = 1/2 (q - q_preferred)' K (q - q_preferred) over the hinge and slide joints; unit: that of K times [rad^2] or [m^2].
+    """H = 1/2 (q - q_preferred)' K (q - q_preferred) over the hinge and slide joints; unit: that of K times [rad^2]
+    or [m^2].
 
     The shaping of the paper's Figure 2.2 is the default: zero angles, K = I. Live parameters:
     ``joint_centering.stiffness`` (nq,) and ``joint_centering.preferred`` (nq,).
 
     Args:
         stiffness: diagonal of K, a scalar or one value a joint, from 0.
-        preferred: preferred joint values [rad] or [m]; the robot's neutral configuration (zeros within limits) by default.
+        preferred: preferred joint values [rad] or [m]; the robot's neutral configuration (zeros within limits) by
+        default.
         name: how its parameters are addressed.
 
     Source: Das, Slotine and Sheridan (1988), (2.2), the term K q~.

@@ -1,0 +1,1 @@
+"""Update laws, one module each."""

@@ -63,8 +63,8 @@ class NewtonStep(TaskStep):
 class Newton(Composition):
     """dq = -J+ e - beta (I - J+ J) grad H, each step limited in length.
 
-    Quadratic near the target. With ``q_limit=math.inf, backtracking=False`` it is the undamped method the paper warns of,
-    which jumps near singular poses.
+    Quadratic near the target. With ``q_limit=math.inf, backtracking=False`` it is the undamped method the paper
+    warns of, which jumps near singular poses.
 
     Attributes:
         q_limit: limit of Q, the length of the rotational part of a step [rad].

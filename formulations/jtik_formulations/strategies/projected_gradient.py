@@ -1,4 +1,4 @@
-"""The paper's null-space term -beta (I - J+ J) grad H, with three rules for beta (formulations/projected_gradient.md)."""
+"""The null-space term -beta (I - J+ J) grad H, with three rules for beta (formulations/projected_gradient.md)."""
 
 from __future__ import annotations
 
@@ -78,7 +78,8 @@ class ProjectedGradient(SecondaryTerm):
         return NullMove(beta * h, beta * length, beta)
 
     def _barzilai_borwein(self, h: Expression, state: State) -> Expression:
-        """s's / s'y of the last null step s, along which the projected gradient changed by y; as before after a refusal.
+        """s's / s'y of the last null step s, along which the projected gradient changed by y; as before after a
+        refusal.
 
         With s = -gain h0 and y = h - h0 this is gain |h0|^2 / (|h0|^2 - h0'h), without a bound where H is not convex.
         """

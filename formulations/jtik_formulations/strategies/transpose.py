@@ -1,4 +1,4 @@
-"""The Jacobian-transpose method with the gains alpha and S of its discrete stability proof (formulations/transpose.md)."""
+"""The Jacobian-transpose method with alpha and S from its discrete stability proof (formulations/transpose.md)."""
 
 from __future__ import annotations
 
@@ -37,7 +37,8 @@ def optimal_gain(slope: Expression, image: Expression) -> Expression:
 class CauchyStep:
     """The transpose step -gain * direction, with direction = S J' r.
 
-    Attributes: direction (n, 1); image J direction (m, 1); gain; the paper's alpha; s, the entry of S for rotational joints.
+    Attributes: direction (n, 1); image J direction (m, 1); gain; the paper's alpha; s, the entry of S for rotational
+    joints.
     """
 
     direction: Expression
@@ -129,8 +130,8 @@ def judged(backtracking: bool, secondary: SecondaryTerm) -> Acceptance:
 class Transpose(Composition):
     """dq = -alpha S J' Kp e - beta (I - J+ J) grad H.
 
-    Prefer it to study the paper, or where a bounded step without any factorisation matters more than the number of steps:
-    it is steepest descent on V, exact for one task coordinate and slow for ill-conditioned J.
+    Prefer it to study the paper, or where a bounded step without any factorisation matters more than the number of
+    steps: it is steepest descent on V, exact for one task coordinate and slow for ill-conditioned J.
 
     Attributes:
         rule: ``"optimal"`` (alpha from S = I, then S, then the smaller alpha) or ``"paper"`` (as printed).
