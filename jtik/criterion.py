@@ -7,11 +7,12 @@ follows; nobody writes it. Parameters stay inputs of the compiled step, so chang
 from __future__ import annotations
 
 import inspect
+import re
 import traceback
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, MutableMapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -38,11 +39,20 @@ class CriterionError(JtikError):
 class Criterion(ABC):
     """A function H(q) to minimise. Subclass it where a decorated function is not enough.
 
-    ``name`` is how its parameters are addressed (``ik.parameters["name.parameter"]``) and how a Solution lists it.
+    ``name`` is how its parameters are addressed (``ik.parameters["name.parameter"]``) and how a Solution lists it; the
+    class's own name in lower case with underscores, unless the subclass sets another. ``summary`` is one line for
+    lists, ``source`` names the paper.
     Criteria add and scale: ``1.0 * A() + 0.3 * B()``; a bigger weight is a stronger pull.
     """
 
     name: str
+    summary: ClassVar[str] = ""
+    source: ClassVar[str] = ""
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if "name" not in vars(cls):
+            cls.name = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).lower()
 
     def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
         """Names and first values of the live parameters on this robot; scalars, vectors or matrices."""

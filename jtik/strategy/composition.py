@@ -62,10 +62,15 @@ class TaskMove:
 
 @dataclass(frozen=True)
 class NullMove:
-    """The ``term`` (n, 1) a law subtracts from q to lower H, such as beta h, its length, and its gain ``beta``."""
+    """The ``term`` (n, 1) a law subtracts from q to lower H, such as beta h.
+
+    Attributes: term; its length; the decrease of H it promises to first order, (dH/dv)' term; the gain beta a trace
+    reports.
+    """
 
     term: Expression
     length: Expression
+    decrease: Expression
     beta: Expression
 
 
@@ -145,7 +150,7 @@ class Composition(Strategy):
         task_step, secondary, rule = self.task_step(), self.secondary_term(), self.acceptance()
         task = task_step.propose(model, state)
         task_term = model.within_limits(task.term)
-        proposed = NullMove(zeros(model.robot.n), 0, 0)
+        proposed = NullMove(zeros(model.robot.n), 0, 0, 0)
         if model.has_criterion:
             proposed = secondary.propose(model, state, task_term)
         wanted = task.term + proposed.term
@@ -197,10 +202,10 @@ def _shortened(model: LocalModel, task_term: Expression, null: NullMove) -> Null
         down = model.lower[i] - model.here.q[i] + task_term[j]
         room = if_else(step > 0, up, down)
         moves = fabs(step) > 0
-        ratio = room / if_else(moves, step, 1)
-        blocked = logic_and(moves, ratio < scale)
-        scale = if_else(blocked, fmax(ratio, 0), scale)
-    return NullMove(scale * null.term, scale * null.length, scale * null.beta)
+        fraction = room / if_else(moves, step, 1)
+        blocked = logic_and(moves, fraction < scale)
+        scale = if_else(blocked, fmax(fraction, 0), scale)
+    return NullMove(scale * null.term, scale * null.length, scale * null.decrease, scale * null.beta)
 
 
 def _weigh(
@@ -214,7 +219,7 @@ def _weigh(
 ) -> tuple[Expression, Expression]:
     """Acceptance by V outside the tube, by H + mu |r| inside it; and the new mu."""
     here = model.here
-    slope = null.beta * model.null_length**2 + dot(model.gradient, task_term)
+    slope = null.decrease + dot(model.gradient, task_term)
     reach = here.length - sqrt(fmax(2 * (here.V - predicted), 0))
     enough = 1.5 * sumsqr(model.multipliers) ** 0.5 + 0.1 * model.gradient_length / model.jacobian_length
     needed = fmin(ratio(-slope, 0.5 * fmax(reach, 0)), 100 * enough)

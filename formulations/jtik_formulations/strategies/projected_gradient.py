@@ -68,14 +68,14 @@ class ProjectedGradient(SecondaryTerm):
             beta = self._barzilai_borwein(h, state)
             cap = state["null_cap"]
             gain = if_else(length > NOISE * model.gradient_length, fmin(beta, cap / length), 0)
-            return NullMove(gain * h, gain * length, gain)
+            return _along(h, length, gain)
         if self.rule == "sqrt":
             energy = fmax(state["null_energy"], self.floor**2)
             beta = fmin(fmin(self.beta_max, (energy**0.5) / length), self.step_limit / length)
         else:
             energy = state["null_energy"]
             beta = if_else(length**2 > energy, ratio(energy, length**2), self.beta_max)
-        return NullMove(beta * h, beta * length, beta)
+        return _along(h, length, beta)
 
     def _barzilai_borwein(self, h: Expression, state: State) -> Expression:
         """s's / s'y of the last null step s, along which the projected gradient changed by y; as before after a
@@ -103,3 +103,8 @@ class ProjectedGradient(SecondaryTerm):
             "gain": if_else(accepted, outcome.null.beta, 0),
             "beta": if_else(move.beta > 0, move.beta, state["beta"]),
         }
+
+
+def _along(h: Expression, length: Expression, beta: Expression) -> NullMove:
+    """beta h, with what it promises: (dH/dv)' h = |h|^2, because h is a projection of dH/dv."""
+    return NullMove(term=beta * h, length=beta * length, decrease=beta * length**2, beta=beta)
