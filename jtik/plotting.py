@@ -27,10 +27,12 @@ Figure: TypeAlias = Any
 COLORMAP = "YlGnBu"
 LIGHTEST = 0.26
 """Where in the colour map a sequence starts; paler colours are lost on white."""
-BACKGROUND, INK, THIN = "#fdfdfb", "#2b2f36", "#c3c7cc"
+BACKGROUND, INK, MUTED, THIN = "#fdfdfb", "#2b2f36", "#6b7078", "#c3c7cc"
 OBSTACLE_FACE, OBSTACLE_EDGE = "#f3d2ae", "#bf7a3a"
-LINK_WIDTH = 0.11
+LINK_WIDTH = 0.09
 """Drawn width of a link [m]."""
+MARGIN = 0.006
+"""Rim around the frame, of the figure's width."""
 
 
 class Skeleton:
@@ -58,7 +60,7 @@ class Skeleton:
 
 
 def blank_figure(window: Window, width: float = 16.0) -> tuple[Figure, Axes]:
-    """A figure without margins and its axes, which show ``window`` at equal scale.
+    """A figure with a narrow rim and its axes, which show ``window`` at equal scale.
 
     Args:
         window: (left, right, bottom, top) [m].
@@ -72,22 +74,27 @@ def blank_figure(window: Window, width: float = 16.0) -> tuple[Figure, Axes]:
     left, right, bottom, top = finite_array("window", window, (4,)).tolist()
     if not (left < right and bottom < top):
         raise ArgumentError("window", window, "(left, right, bottom, top) [m] with left < right, bottom < top")
-    figure = figure_class(figsize=(width, width * (top - bottom) / (right - left)), facecolor=BACKGROUND)
+    scale = width * (1 - 2 * MARGIN) / (right - left)
+    rim = width * MARGIN
+    height = scale * (top - bottom) + 2 * rim
+    figure = figure_class(figsize=(width, height), facecolor=BACKGROUND)
     canvas_class(figure)
-    axes = figure.add_axes((0, 0, 1, 1))
+    axes = figure.add_axes((MARGIN, rim / height, 1 - 2 * MARGIN, 1 - 2 * rim / height))
     axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal", facecolor=BACKGROUND)
+    frame_axes(axes)
     return figure, axes
 
 
 def label_axes(axes: Axes, size: float = 13.0) -> None:
-    """A thin frame with ticks and units inside it, where they take no room from the picture."""
-    axes.set(xlabel="x [m]", ylabel="y [m]")
-    axes.tick_params(direction="in", length=5, color=THIN, labelcolor="#6b7078", labelsize=size, pad=-6)
+    """Ticks and units inside the frame, where they take no room from the picture."""
+    axes.tick_params(direction="in", length=0.4 * size, color=THIN, labelcolor=MUTED, labelsize=size, pad=-0.5 * size)
+    style = {"textcoords": "offset points", "color": MUTED, "fontsize": size}
+    axes.annotate("x [m]", (1, 0), (-0.6 * size, 0.5 * size), xycoords="axes fraction", ha="right", **style)
+    axes.annotate("y [m]", (0, 1), (0.5 * size, -0.6 * size), xycoords="axes fraction", va="top", **style)
     for label in axes.get_xticklabels():
         label.set_verticalalignment("bottom")
     for label in axes.get_yticklabels():
         label.set_horizontalalignment("left")
-    frame_axes(axes)
 
 
 def frame_axes(axes: Axes) -> None:
@@ -190,7 +197,12 @@ def shades(count: int, colormap: str = COLORMAP) -> list[Any]:
 
 
 def draw_postures(
-    axes: Axes, robot: Robot | Skeleton, configurations: ArrayLike, *, colormap: str = COLORMAP, width: float = LINK_WIDTH
+    axes: Axes,
+    robot: Robot | Skeleton,
+    configurations: ArrayLike,
+    *,
+    colormap: str = COLORMAP,
+    width: float = LINK_WIDTH,
 ) -> list[DrawnArm]:
     """Configurations (k, nq) from light (first) to dark (last). Raises ArgumentError for a robot out of the plane."""
     skeleton = robot if isinstance(robot, Skeleton) else Skeleton(robot)
@@ -258,7 +270,13 @@ def posture_figure(
 
 
 def write_animation(
-    path: str | Path, figure: Figure, draw: Callable[[int], None], frames: int, *, seconds: float = 0.06, hold: float = 1.2
+    path: str | Path,
+    figure: Figure,
+    draw: Callable[[int], None],
+    frames: int,
+    *,
+    seconds: float = 0.06,
+    hold: float = 1.2,
 ) -> None:
     """A GIF that repeats: ``draw(k)`` changes the figure to frame k of ``frames``.
 
