@@ -146,12 +146,16 @@ class Trajectory:
         q: (k, nq) [rad] and [m].
         errors: norm of the task error at each target, (k,) [m] and [rad] together.
         statuses: how the solve at each target ended.
+        iterations: steps tried for each target, (k,).
+        seconds: wall time of each solve, (k,) [s].
     """
 
     times: Array
     q: Array
     errors: Array
     statuses: tuple[Status, ...]
+    iterations: NDArray[np.int64]
+    seconds: Array
 
     @property
     def converged(self) -> bool:

@@ -237,6 +237,8 @@ class InverseKinematics:
             q=np.array([solution.q for solution in solutions]),
             errors=np.array([np.linalg.norm(solution.error) for solution in solutions]),
             statuses=tuple(solution.status for solution in solutions),
+            iterations=np.array([solution.iterations for solution in solutions], dtype=np.int64),
+            seconds=np.array([solution.seconds for solution in solutions]),
         )
 
     def _configuration(self, argument: str, q: ArrayLike | None) -> Array:

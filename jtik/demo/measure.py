@@ -1,0 +1,166 @@
+"""What the demo measures, by means that know nothing of the formulations: plain NumPy distances and a clock."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jtik.demo.scene import Scene
+from jtik.geometry import Obstacle
+from jtik.plotting import Skeleton
+from jtik.solution import Solution, Status
+from jtik.solver import InverseKinematics
+
+Array = NDArray[np.float64]
+
+POSITION_TOLERANCE = 1e-6
+"""Of every solve of the demo [m]."""
+V_ROUNDING = POSITION_TOLERANCE**2 / 2
+"""A rise of V = |error|^2 / 2 [m^2] below this one is no rise: both ends are on target."""
+MOST_ITERATIONS = 2000
+
+
+@dataclass(frozen=True)
+class PathResult:
+    """The arm led along the path, a row a target.
+
+    Attributes:
+        q: configurations (k, n) [rad].
+        statuses: how each solve ended.
+        residuals: distance of the tip from its target (k,) [m].
+        iterations: (k,).
+        seconds: all solves together [s].
+        joint_clearance: from the nearest joint or the tip to the nearest obstacle's surface (k,) [m].
+        link_clearance: the same for the nearest point of any link.
+    """
+
+    q: Array
+    statuses: tuple[Status, ...]
+    residuals: Array
+    iterations: NDArray[np.int_]
+    seconds: float
+    joint_clearance: Array
+    link_clearance: Array
+
+    @property
+    def reached(self) -> int:
+        """Targets reached to the tolerance."""
+        return int((self.residuals <= POSITION_TOLERANCE).sum())
+
+    @property
+    def complete(self) -> bool:
+        """Whether every target was reached."""
+        return self.reached == len(self.residuals)
+
+    @property
+    def step_seconds(self) -> float:
+        """Solve time over iterations [s]."""
+        return self.seconds / max(int(self.iterations.sum()), 1)
+
+
+@dataclass(frozen=True)
+class StrategyResult:
+    """One strategy's solve of the final target from the scene's start.
+
+    Attributes:
+        strategy: its name.
+        status: how it ended.
+        iterations: how many.
+        residual: distance of the tip from the target [m].
+        largest_rise: of V = |error|^2 / 2 from one iteration to the next [m^2]; 0 where V never rises.
+        H: criterion at the end.
+        joint_clearance, link_clearance: at the end [m].
+        step_seconds: solve time over iterations, median of several warm solves [s].
+        q: the end (n,) [rad].
+    """
+
+    strategy: str
+    status: Status
+    iterations: int
+    residual: float
+    largest_rise: float
+    H: float
+    joint_clearance: float
+    link_clearance: float
+    step_seconds: float
+    q: Array
+
+
+def clearances(links: ArrayLike, obstacles: Sequence[Obstacle]) -> tuple[Array, Array]:
+    """Distances of links (..., links, 2, 2) [m] from the surfaces of obstacles.
+
+    Returns:
+        For the outer ends of the links, and for the links: (..., links, obstacles) [m], negative inside.
+    """
+    ends = np.asarray(links, dtype=float)[..., None, :, :]
+    inner, outer = ends[..., 0, :], ends[..., 1, :]
+    along = outer - inner
+    centers = np.array([obstacle.center for obstacle in obstacles])
+    radii = np.array([obstacle.radius for obstacle in obstacles])
+    share = ((centers - inner) * along).sum(-1) / (along**2).sum(-1)
+    nearest = inner + np.clip(share, 0, 1)[..., None] * along
+    return np.linalg.norm(outer - centers, axis=-1) - radii, np.linalg.norm(nearest - centers, axis=-1) - radii
+
+
+def follow_path(
+    scene: Scene, targets: Array, *, avoid: bool = True, advance: Callable[[], object] = lambda: None
+) -> PathResult:
+    """Solve target after target, each from where the last one ended; ``advance`` is called after each."""
+    ik = scene.solver(avoid=avoid)
+    q: ArrayLike = scene.start
+    solutions: list[Solution] = []
+    for target in targets:
+        solution = ik.solve(target, q0=q, max_iterations=MOST_ITERATIONS, position_tolerance=POSITION_TOLERANCE)
+        solutions.append(solution)
+        q = solution.q
+        advance()
+    table = np.array([solution.q for solution in solutions])
+    joints, links = clearances(Skeleton(scene.robot).links(table), scene.obstacles)
+    return PathResult(
+        q=table,
+        statuses=tuple(solution.status for solution in solutions),
+        residuals=np.array([solution.position_error for solution in solutions]),
+        iterations=np.array([solution.iterations for solution in solutions]),
+        seconds=sum(solution.seconds for solution in solutions),
+        joint_clearance=joints.min((1, 2)),
+        link_clearance=links.min((1, 2)),
+    )
+
+
+def try_strategy(scene: Scene, name: str, target: Array, runs: int) -> StrategyResult:
+    """Solve ``target`` from the scene's start with one strategy, traced once for V and ``runs`` times for time."""
+    ik = scene.solver(name)
+    traced = _solved(ik, target, scene.start, trace=True)
+    assert traced.trace is not None
+    V = traced.trace.error**2 / 2
+    rise = float(np.diff(V).max(initial=0.0))
+    joints, links = clearances(Skeleton(scene.robot).links(traced.q), scene.obstacles)
+    return StrategyResult(
+        strategy=name,
+        status=traced.status,
+        iterations=traced.iterations,
+        residual=traced.position_error,
+        largest_rise=rise if rise > V_ROUNDING else 0.0,
+        H=traced.cost,
+        joint_clearance=float(joints.min()),
+        link_clearance=float(links.min()),
+        step_seconds=step_time(ik, target, scene.start, runs),
+        q=traced.q,
+    )
+
+
+def step_time(ik: InverseKinematics, target: ArrayLike, q0: ArrayLike, runs: int) -> float:
+    """Solve time over iterations [s]: median of ``runs`` untraced solves after one that warms up."""
+    times = []
+    for _ in range(runs + 1):
+        solution = ik.solve(target, q0=q0, max_iterations=MOST_ITERATIONS, position_tolerance=POSITION_TOLERANCE)
+        times.append(solution.seconds / max(solution.iterations, 1))
+    return statistics.median(times[1:])
+
+
+def _solved(ik: InverseKinematics, target: ArrayLike, q0: ArrayLike, trace: bool = False) -> Solution:
+    return ik.solve(target, q0=q0, max_iterations=MOST_ITERATIONS, position_tolerance=POSITION_TOLERANCE, trace=trace)

@@ -1,0 +1,106 @@
+"""The numbers of the demo, as tables for people and as JSON for programs."""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from jtik.demo.measure import PathResult, StrategyResult
+from jtik.demo.scene import Scene
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+
+_STYLE: dict[str, Any] = {"title_justify": "left", "title_style": "bold", "pad_edge": False}
+
+
+def path_table(result: PathResult) -> Table:
+    """One row a figure of the way through the field."""
+    from rich import box
+    from rich.table import Table
+
+    table = Table(title="The way through the field", show_header=False, box=box.SIMPLE, **_STYLE)
+    table.add_column(style="bold")
+    table.add_column(justify="right")
+    for name, text in (
+        ("targets reached", f"{result.reached} of {len(result.q)}"),
+        ("worst residual", f"{result.residuals.max():.1e} m"),
+        ("least joint clearance", f"{result.joint_clearance.min():.3f} m"),
+        ("least link clearance", f"{result.link_clearance.min():.3f} m"),
+        ("mean iterations a target", f"{result.iterations.mean():.0f}"),
+        ("time a step", f"{1e6 * result.step_seconds:.1f} µs"),
+    ):
+        table.add_row(name, text)
+    return table
+
+
+def strategy_table(results: Sequence[StrategyResult]) -> Table:
+    """One row a strategy."""
+    from rich import box
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table(
+        title="The last target from the same start, by strategy",
+        box=box.HORIZONTALS,
+        show_edge=False,
+        padding=0,
+        **_STYLE,
+    )
+    table.add_column("strategy", style="bold", no_wrap=True)
+    table.add_column("status", overflow="fold", min_width=len("converged"))
+    headings = (
+        "steps",
+        "residual [m]",
+        "V rises by [m²]",
+        "H",
+        "joint gap [m]",
+        "link gap [m]",
+        "a step [µs]",
+    )
+    for heading in headings:
+        table.add_column(escape(heading), justify="right", overflow="fold", min_width=max(map(len, heading.split())))
+    for result in results:
+        table.add_row(
+            result.strategy,
+            result.status.name.lower().replace("_", " "),
+            str(result.iterations),
+            f"{result.residual:.1e}",
+            f"{result.largest_rise:.0e}" if result.largest_rise else "never",
+            f"{result.H:.1f}",
+            f"{result.joint_clearance:.3f}",
+            f"{result.link_clearance:.3f}",
+            f"{1e6 * result.step_seconds:.1f}",
+        )
+    return table
+
+
+def write_results(path: Path, scene: Scene, way: PathResult, strategies: Sequence[StrategyResult]) -> Path:
+    """Everything measured, with the scene it was measured in, as JSON; lengths [m], angles [rad], times [s]."""
+    document: dict[str, Any] = {
+        "machine": f"{platform.machine()}, Python {platform.python_version()}",
+        "scene": {
+            "robot": repr(scene.robot),
+            "start": list(scene.start),
+            "obstacles": [{"center": o.center.tolist(), "radius": o.radius} for o in scene.obstacles],
+            "weights": {"joint_centering": scene.centering, "obstacle_avoidance": scene.avoidance},
+        },
+        "path": {
+            "targets": len(way.q),
+            "reached": way.reached,
+            "worst_residual": float(way.residuals.max()),
+            "least_joint_clearance": float(way.joint_clearance.min()),
+            "least_link_clearance": float(way.link_clearance.min()),
+            "mean_iterations": float(way.iterations.mean()),
+            "step_seconds": way.step_seconds,
+            "statuses": [status.name for status in way.statuses],
+            "q": way.q.tolist(),
+        },
+        "strategies": [{**vars(result), "status": result.status.name, "q": result.q.tolist()} for result in strategies],
+    }
+    path.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+    return path
