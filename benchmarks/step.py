@@ -1,0 +1,217 @@
+"""What one fused step costs, and what the loop in ``solve`` and the call ``ik.step`` add to it.
+
+Ten unit links in the plane, six circles to avoid and joint centring. Every figure is the median over interleaved
+rounds, with the tenth and the ninetieth percentile, so that a slow minute of the machine falls on all rows alike.
+
+    python benchmarks/step.py [--repeats 60] [--compiled] [--json FILE]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import platform
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+
+import casadi
+import numpy as np
+
+import jtik
+from jtik.compile import bind, to_c
+from jtik.symbolic import function
+from jtik_formulations import JointCentering, ObstacleAvoidance
+
+LINKS = 10
+CALLS = 2000
+"""Calls timed together: some milliseconds, far above the resolution of the clock."""
+ITERATIONS = 1000
+"""Length of the solve that the overhead of the loop is taken from."""
+EDGE = (9.999, 0.0)
+"""A target the transpose method approaches for thousands of iterations."""
+REACHED = (6.0, 3.0)
+
+Timer = Callable[[], float]
+"""Runs a batch and returns the time of one call [s]."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """Time of one call [us]: median, tenth and ninetieth percentile over the rounds."""
+
+    name: str
+    median: float
+    p10: float
+    p90: float
+
+
+def field() -> list[jtik.Circle]:
+    """Six circles about the arm."""
+    return [jtik.Circle(center=(1.0 + 1.4 * k, 2.5 if k % 2 else -2.0), radius=0.3 + 0.05 * k) for k in range(6)]
+
+
+def solver(strategy: str, options: dict[str, bool], *, criteria: bool = True) -> jtik.InverseKinematics:
+    """The ten-link problem, with or without its two criteria."""
+    wanted = 1.0 * JointCentering() + 0.3 * ObstacleAvoidance(field()) if criteria else None
+    arm = jtik.Robot.planar(LINKS)
+    return jtik.InverseKinematics(arm, jtik.FrameTask("tip"), criteria=wanted, strategy=strategy, **options)
+
+
+def repeated(call: Callable[[], object]) -> Timer:
+    """Time of one call out of CALLS in a row."""
+
+    def batch() -> float:
+        begin = time.perf_counter()
+        for _ in range(CALLS):
+            call()
+        return (time.perf_counter() - begin) / CALLS
+
+    return batch
+
+
+def bare(ik: jtik.InverseKinematics, q: np.ndarray, target: tuple[float, float]) -> Timer:
+    """The fused step alone, always from the same configuration and the first state."""
+    ik.solve(target, q0=q, max_iterations=0)  # puts target and tolerances where the step reads them
+    runner = ik._runner
+    runner.start(q)
+    return repeated(runner.calls[0])
+
+
+def base(ik: jtik.InverseKinematics, q: np.ndarray, target: tuple[float, float], *, compiled: bool) -> Timer:
+    """Residual, its Jacobian, H and grad H in one function: what any method that uses them has to pay."""
+    problem = ik._problem
+    at, goal, parameters = problem.symbols()
+    residual, H = problem.residual(at, goal), problem.criterion(at, parameters)
+    outputs = [residual, problem.jacobian(residual, at), H, problem.gradient(H, at)]
+    model = function("jtik_base", [at, goal, parameters], outputs)
+    model = to_c(model) if compiled else model
+    results = [np.zeros(model.numel_out(i)) for i in range(model.n_out())]
+    return repeated(bind(model, [q.copy(), np.array(target), ik.parameters.memory], results))
+
+
+def looped(ik: jtik.InverseKinematics, q: np.ndarray) -> Timer:
+    """One iteration of a long solve: ITERATIONS of them less a solve of one, which costs the same around the loop."""
+
+    def seconds(iterations: int) -> tuple[float, int]:
+        begin = time.perf_counter()
+        solution = ik.solve(EDGE, q0=q, max_iterations=iterations)
+        return time.perf_counter() - begin, solution.iterations
+
+    def batch() -> float:
+        (long, spent), (short, one) = seconds(ITERATIONS), seconds(1)
+        if spent != ITERATIONS or one != 1:
+            raise RuntimeError(f"the solve stopped after {spent} iterations; it was to run {ITERATIONS}")
+        return (long - short) / (ITERATIONS - 1)
+
+    return batch
+
+
+def once(ik: jtik.InverseKinematics, q: np.ndarray) -> Timer:
+    """A solve of one iteration: reading the arguments, one step, the diagnosis and the Solution."""
+
+    def batch() -> float:
+        begin = time.perf_counter()
+        for _ in range(CALLS // 50):
+            ik.solve(EDGE, q0=q, max_iterations=1)
+        return (time.perf_counter() - begin) / (CALLS // 50)
+
+    return batch
+
+
+def stepped(ik: jtik.InverseKinematics, q: np.ndarray, target: tuple[float, float]) -> Timer:
+    """``ik.step`` as a controller calls it, with arrays."""
+    goal = np.array(target)
+    return repeated(lambda: ik.step(q, goal))
+
+
+def interleaved(timers: dict[str, Timer], rounds: int) -> dict[str, np.ndarray]:
+    """Times [us] of every round, by name: each round runs every timer once, in turn, the first round is thrown away."""
+    times: dict[str, list[float]] = {name: [] for name in timers}
+    names = list(timers)
+    for k in range(rounds + 1):
+        for name in names[k % len(names) :] + names[: k % len(names)]:
+            times[name].append(1e6 * timers[name]())
+    return {name: np.array(each[1:]) for name, each in times.items()}
+
+
+def figure(name: str, times: np.ndarray) -> Figure:
+    """Median and spread."""
+    p10, median, p90 = np.percentile(times, [10, 50, 90])
+    return Figure(name, float(median), float(p10), float(p90))
+
+
+def show(title: str, rows: list[Figure], reference: Figure, column: str) -> None:
+    """A table with the ratio to ``reference``."""
+    width = max(len(row.name) for row in rows)
+    print(f"\n{title}\n{'':{width}}  median [us]     10 %     90 %  {column}")
+    for row in rows:
+        print(
+            f"{row.name:{width}}  {row.median:11.2f}  {row.p10:7.2f}  {row.p90:7.2f}"
+            f"  {row.median / reference.median:{len(column)}.2f}"
+        )
+
+
+def main() -> None:
+    """Measure, print, and perhaps write."""
+    parser = argparse.ArgumentParser(description="Cost of a fused step and of what surrounds it.")
+    parser.add_argument("--repeats", type=int, default=60, help="rounds (default %(default)s)")
+    parser.add_argument("--compiled", action="store_true", help="generate C and compile it")
+    parser.add_argument("--json", metavar="FILE", help="also write the figures to FILE, '-' for standard output")
+    arguments = parser.parse_args()
+    if arguments.repeats < 1:
+        parser.error("--repeats must be at least 1")
+    options = {"compiled": True} if arguments.compiled else {}
+    q = np.linspace(0.05, 0.3, LINKS)
+
+    names = list(jtik.strategies)
+    steps = {name: solver(name, options) for name in names}
+    alone = base(steps[names[0]], q, REACHED, compiled=arguments.compiled)
+    timers = {"kinematics, H and grad H alone": alone}
+    timers |= {name: bare(ik, q, REACHED) for name, ik in steps.items()}
+    times = interleaved(timers, arguments.repeats)
+    fused = [figure(name, each) for name, each in times.items()]
+    kind = "compiled C" if arguments.compiled else "virtual machine"
+    show(f"ten links, six circles, two criteria: one step ({kind})", fused, fused[0], "x alone")
+
+    plain = solver("transpose", options, criteria=False)
+    apart = solver("transpose", options, criteria=False)
+    timers = {
+        "the step, called bare": bare(plain, q, EDGE),
+        "one iteration of solve": looped(plain, q),
+        "one ik.step": stepped(apart, q, EDGE),
+        "a solve of one iteration": once(plain, q),
+    }
+    times = interleaved(timers, arguments.repeats)
+    around = [figure(name, each) for name, each in times.items()]
+    show(f"ten links, transpose, no criterion: what surrounds a step ({kind})", around, around[0], "x bare")
+    bare_times = times["the step, called bare"]
+    added = [
+        figure("added by the loop, an iteration", times["one iteration of solve"] - bare_times),
+        figure("added by ik.step, a call", times["one ik.step"] - bare_times),
+    ]
+    show("differences, round by round", added, around[0], "x bare")
+
+    if arguments.json:
+        record = {
+            "machine": f"{platform.machine()}, {platform.system()}",
+            "python": platform.python_version(),
+            "casadi": casadi.__version__,
+            "compiled": arguments.compiled,
+            "repeats": arguments.repeats,
+            "unit": "us",
+            "steps": [asdict(row) for row in fused],
+            "around": [asdict(row) for row in around],
+            "added": [asdict(row) for row in added],
+        }
+        if arguments.json == "-":
+            json.dump(record, sys.stdout, indent=2)
+            print()
+        else:
+            with open(arguments.json, "w", encoding="utf-8") as file:
+                json.dump(record, file, indent=2)
+
+
+if __name__ == "__main__":
+    main()
