@@ -45,7 +45,7 @@ def bind(function: Function, arguments: list[Array], results: list[Array]) -> Ca
 class Compiled:
     """A function with memory of its own: arrays in, arrays out, at about a microsecond over the arithmetic.
 
-    Calling it with one array an input returns one new array an output, in the output's shape ((n,) for a column).
+    Calling it with one array an input returns one new array (rows, columns) an output.
     """
 
     def __init__(self, function: Function) -> None:
@@ -61,8 +61,7 @@ class Compiled:
             memory[:] = np.asarray(argument, dtype=float).ravel(order="F")
         self._evaluate()
         return tuple(
-            result.copy() if columns == 1 else result.reshape((rows, columns), order="F").copy()
-            for result, (rows, columns) in zip(self._results, self._shapes, strict=True)
+            result.reshape(shape, order="F").copy() for result, shape in zip(self._results, self._shapes, strict=True)
         )
 
 
@@ -97,7 +96,10 @@ def to_c(function: Function) -> Function:
             # the prefix keeps the symbols of several libraries, and libc's own "step", apart
             code.write_text(source.replace(function.name(), name))
             call = [*command, "-O1", "-shared", "-fPIC", str(code), "-o", str(built), "-lm"]
-            run = subprocess.run(call, capture_output=True, text=True, check=False)
+            try:
+                run = subprocess.run(call, capture_output=True, text=True, check=False)
+            except OSError as error:
+                raise CompilerError(" ".join(command), str(error)) from error
             if run.returncode:
                 raise CompilerError(" ".join(command), run.stderr.strip())
             built.replace(library)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import inspect
 import re
 import traceback
+import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, MutableMapping
 from dataclasses import dataclass
@@ -19,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from jtik.errors import ArgumentError, JtikError, UnknownNameError, finite_array
 from jtik.robot import Kinematics, Robot
-from jtik.symbolic import SX, Expression, is_symbolic, reshape, symbol, symvar
+from jtik.symbolic import SX, Expression, is_symbolic, no_silent_float, reshape, symbol, symvar
 
 Array = NDArray[np.float64]
 
@@ -109,11 +110,15 @@ class CriterionSum:
 
     def named(self) -> list[tuple[str, float, Criterion]]:
         """(name, weight, criterion) of each term; a name that comes again gets a number: ``name_2``."""
-        seen: dict[str, int] = {}
-        result = []
+        result: list[tuple[str, float, Criterion]] = []
+        taken: set[str] = set()
         for weight, criterion in self.terms:
-            seen[criterion.name] = count = seen.get(criterion.name, 0) + 1
-            result.append((criterion.name if count == 1 else f"{criterion.name}_{count}", weight, criterion))
+            name, count = criterion.name, 1
+            while name in taken:
+                count += 1
+                name = f"{criterion.name}_{count}"
+            taken.add(name)
+            result.append((name, weight, criterion))
         return result
 
 
@@ -206,8 +211,8 @@ class CriterionTerms:
                 for parameter in criterion.parameters(self.robot)
             }
             H = _trace(name, lambda c=criterion, p=own: c.value(kinematics, p))  # type: ignore[misc]
-            known = {symbol.name() for symbol in (*symvar(kinematics.q), *symvar(column))}
-            foreign = [str(symbol) for symbol in symvar(H) if symbol.name() not in known]
+            known = {symbol.element_hash() for symbol in (*symvar(kinematics.q), *symvar(column))}
+            foreign = [str(symbol) for symbol in symvar(H) if symbol.element_hash() not in known]
             if foreign:
                 raise CriterionError(name, f"depends on symbols that are not its own: {', '.join(foreign)}")
             result.append(self.parameters.take(column, f"{name}.weight") * H)
@@ -217,18 +222,24 @@ class CriterionTerms:
 def _trace(name: str, call: Callable[[], Any]) -> Expression:
     """The criterion's expression; what goes wrong while tracing is told with the line it went wrong in."""
     try:
-        H = call()
+        with warnings.catch_warnings():
+            # numpy.sin(q) is welcome here; CasADi's notice about numpy functions of its expressions is not news
+            warnings.filterwarnings("ignore", r"\s*casadi: a numpy function", FutureWarning)
+            with no_silent_float():
+                H = call()
     except JtikError:
         raise
     except Exception as error:
         frames = traceback.extract_tb(error.__traceback__)
-        own = [frame for frame in frames if "casadi" not in frame.filename and "numpy" not in frame.filename]
+        libraries = ("casadi", "numpy", __package__ + "/symbolic")
+        own = [frame for frame in frames if not any(library in frame.filename for library in libraries)]
         line = (own or frames)[-1]
+        reason = (str(error).strip() or type(error).__name__).splitlines()[0]
         raise CriterionError(
             name,
-            f"CasADi cannot trace the operation `{line.line}` (line {line.lineno} of {line.filename}): "
-            f"{str(error).splitlines()[0]}. Use operations that accept expressions, such as numpy.sin, casadi.norm_2, "
-            "casadi.fmax and casadi.if_else, in place of math functions, comparisons in `if` and numpy.linalg",
+            f"CasADi cannot trace the operation `{line.line}` (line {line.lineno} of {line.filename}): {reason}. "
+            "Use operations that accept expressions, such as numpy.sin, casadi.norm_2, casadi.fmax and casadi.if_else, "
+            "in place of math functions, comparisons in `if` and numpy.linalg",
         ) from error
     if not is_symbolic(H):
         try:

@@ -1,9 +1,10 @@
-"""Why a solve stopped: from the last configuration and the fused function's code to a Status."""
+"""Why a solve stopped: what the fused function's code and the last configuration say, as a Report and a Status."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,36 +14,91 @@ from jtik.factorization import RANK_THRESHOLD
 from jtik.fused import Code
 from jtik.limits import AT_LIMIT
 from jtik.problem import Problem
-from jtik.rescue import NEGATIVE, Rescue
+from jtik.rescue import FLAT, NEGATIVE, Rescue
 from jtik.solution import Status
 
 Array = NDArray[np.float64]
 
-FLAT = 1e-5
-"""|J' r| / (|J| |r|) below which the error cannot fall to first order."""
 
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Report:
-    """Task and criteria at one configuration, with what may still move there.
+    """Task and criteria at one configuration; what takes a factorisation is worked out when it is asked for.
 
-    Attributes: error (m,), its norms by kind, jacobian (m, n), values of the criteria, gradient of H (n,), active
-    limits by joint name, free joints (n,), whether the target is reached and H steady, and the flatness of V over
-    all and over the free joints.
+    Attributes: error e (m,), its Jacobian (m, n), which rows are lengths; weighted residual (m,) and its Jacobian;
+    values of the criteria by name; gradient dH/dv (n,); velocity indices of the joints at their upper and at their
+    lower limit; names of all joints at a limit; the tolerances of position, orientation and optimality.
     """
 
     error: Array
-    position_error: float
-    orientation_error: float
     jacobian: Array
-    values: Array
+    linear: NDArray[np.bool_]
+    residual: Array
+    weighted: Array
+    values: Mapping[str, float]
     gradient: Array
-    null_residual: float
+    at_upper: tuple[int, ...]
+    at_lower: tuple[int, ...]
     active_limits: tuple[str, ...]
-    reached: bool
-    steady: bool
-    flatness: float
-    free_flatness: float
+    tolerances: tuple[float, float, float]
+
+    @cached_property
+    def position_error(self) -> float:
+        """Norm of the position rows [m]."""
+        return float(np.linalg.norm(self.error[self.linear]))
+
+    @cached_property
+    def orientation_error(self) -> float:
+        """Norm of the orientation rows [rad]."""
+        return float(np.linalg.norm(self.error[~self.linear]))
+
+    @property
+    def reached(self) -> bool:
+        """Whether both are within their tolerances."""
+        return self.position_error <= self.tolerances[0] and self.orientation_error <= self.tolerances[1]
+
+    @property
+    def finite(self) -> bool:
+        """Whether error, Jacobian, criteria and gradient are all finite numbers."""
+        figures = (self.error, self.jacobian, self.gradient, np.array(list(self.values.values())))
+        return all(bool(np.isfinite(figure).all()) for figure in figures)
+
+    @cached_property
+    def null_space_residual(self) -> float:
+        """Norm of (I - J+ J) dH/dv over the joints that no limit holds; NaN where something is not finite."""
+        if not self.finite:
+            return float("nan")
+        free, reduced = self._settled()
+        return float(np.linalg.norm(reduced[free]))
+
+    @property
+    def steady(self) -> bool:
+        """Whether that is within the optimality tolerance."""
+        return self.null_space_residual <= self.tolerances[2] * max(1.0, float(np.linalg.norm(self.gradient)))
+
+    def _settled(self) -> tuple[NDArray[np.bool_], Array]:
+        """Joints that limits do not hold, and the reduced gradient dH/dv + J' lambda, which presses held ones out."""
+        J, gradient = self.weighted, self.gradient
+        free = np.ones(J.shape[1], dtype=bool)
+        free[[*self.at_upper, *self.at_lower]] = False
+        reduced = gradient
+        for _ in range(len(self.at_upper) + len(self.at_lower) + 1):
+            multipliers = -np.linalg.pinv(J[:, free].T, rcond=RANK_THRESHOLD) @ gradient[free]
+            reduced = gradient + J.T @ multipliers
+            inward = [j for j in self.at_upper if not free[j] and reduced[j] > 0]
+            inward += [j for j in self.at_lower if not free[j] and reduced[j] < 0]
+            if not inward:
+                break
+            free[max(inward, key=lambda j: abs(reduced[j]))] = True
+        return free, reduced
+
+    @property
+    def flatness(self) -> tuple[float, float]:
+        """|J' r| / (|J| |r|) over all joints, and over those that a limit does not keep from following -J' r."""
+        force = self.weighted.T @ self.residual
+        free = np.ones(len(force), dtype=bool)
+        free[[j for j in self.at_upper if force[j] < 0] + [j for j in self.at_lower if force[j] > 0]] = False
+        scale = float(np.linalg.norm(self.weighted) * np.linalg.norm(self.residual)) or 1.0
+        return float(np.linalg.norm(force)) / scale, float(np.linalg.norm(force[free])) / scale
 
 
 class Diagnosis:
@@ -52,77 +108,51 @@ class Diagnosis:
         self._problem, self._rescue = problem, rescue
         self._evaluate = Compiled(problem.report())
         self._error = Compiled(problem.error)
+        self._linear = np.array(problem.linear, dtype=bool)
+        self._q_index = np.array([i for i, _ in problem.bounded], dtype=int)
+        self._v_index = np.array([j for _, j in problem.bounded], dtype=int)
+        self._criteria = [name for name, _, _ in problem.terms.named]
+        robot = problem.robot
+        self._joints = {robot.v_slice(name).start: name for name in robot.joint_names}
 
     def report(self, q: Array, inputs: Sequence[Array]) -> Report:
         """Everything a Solution tells of the configuration q."""
         target, parameters, lower, upper, settings = inputs
         error, jacobian, values, gradient, residual, weighted = self._evaluate(q, target, parameters)
-        linear = np.array(self._problem.linear)
-        position, orientation = float(np.linalg.norm(error[linear])), float(np.linalg.norm(error[~linear]))
-        at_upper = [j for i, j in self._problem.bounded if q[i] >= upper[i] - AT_LIMIT]
-        at_lower = [j for i, j in self._problem.bounded if q[i] <= lower[i] + AT_LIMIT]
-        reached = bool(position <= settings[0] and orientation <= settings[1])
-        force = weighted.T @ residual
-        everything = np.ones(self._problem.robot.n, dtype=bool)
-        free = everything.copy()
-        if reached:
-            free, reduced = self._settled(weighted, gradient, at_upper, at_lower)
-        else:
-            reduced = force
-            free[[j for j in at_upper if force[j] < 0] + [j for j in at_lower if force[j] > 0]] = False
-        null = float(np.linalg.norm(reduced[free])) if reached else _null_residual(weighted, gradient)
-        scale = float(np.linalg.norm(weighted) * np.linalg.norm(residual)) or 1.0
-        robot = self._problem.robot
-        names = {robot.v_slice(name).start: name for name in robot.joint_names}
+        at_upper: tuple[int, ...] = ()
+        at_lower: tuple[int, ...] = ()
+        if self._q_index.size:
+            own = q[self._q_index]
+            at_upper = tuple(self._v_index[own >= upper[self._q_index] - AT_LIMIT].tolist())
+            at_lower = tuple(self._v_index[own <= lower[self._q_index] + AT_LIMIT].tolist())
         return Report(
-            error=error,
-            position_error=position,
-            orientation_error=orientation,
+            error=error[:, 0],
             jacobian=jacobian,
-            values=values,
-            gradient=gradient,
-            null_residual=null,
-            active_limits=tuple(names[j] for j in sorted({*at_upper, *at_lower})),
-            reached=reached,
-            steady=bool(null <= settings[2] * max(1.0, float(np.linalg.norm(gradient)))),
-            flatness=float(np.linalg.norm(force)) / scale,
-            free_flatness=float(np.linalg.norm(force[free])) / scale,
+            linear=self._linear,
+            residual=residual[:, 0],
+            weighted=weighted,
+            values=dict(zip(self._criteria, values[:, 0].tolist(), strict=True)),
+            gradient=gradient[:, 0],
+            at_upper=at_upper,
+            at_lower=at_lower,
+            active_limits=tuple(self._joints[j] for j in sorted({*at_upper, *at_lower})),
+            tolerances=(float(settings[0]), float(settings[1]), float(settings[2])),
         )
 
     def error(self, q: Array, inputs: Sequence[Array]) -> Array:
         """The task error at q, (m,)."""
-        return self._error(q, inputs[0])[0]
-
-    @staticmethod
-    def _settled(
-        J: Array, gradient: Array, at_upper: list[int], at_lower: list[int]
-    ) -> tuple[NDArray[np.bool_], Array]:
-        """Joints that limits do not hold, and the reduced gradient dH/dv + J' lambda, which presses held ones out."""
-        free = np.ones(J.shape[1], dtype=bool)
-        free[[*at_upper, *at_lower]] = False
-        for _ in range(len(at_upper) + len(at_lower) + 1):
-            multipliers = -np.linalg.pinv(J[:, free].T, rcond=RANK_THRESHOLD) @ gradient[free]
-            reduced = gradient + J.T @ multipliers
-            inward = [j for j in at_upper if not free[j] and reduced[j] > 0]
-            inward += [j for j in at_lower if not free[j] and reduced[j] < 0]
-            if not inward:
-                break
-            free[max(inward, key=lambda j: abs(reduced[j]))] = True
-        return free, reduced
+        return self._error(q, inputs[0])[0][:, 0]
 
     def status(self, q: Array, code: Code, report: Report, inputs: Sequence[Array]) -> Status:
         """The reason, in the order a user would ask for it."""
-        if code is Code.NOT_FINITE:
+        if code is Code.NOT_FINITE or not report.finite:
             return Status.NOT_FINITE
         if report.reached:
-            return Status.CONVERGED if report.steady else Status.REACHED
+            return Status.CONVERGED if not self._criteria or report.steady else Status.REACHED
         if code is Code.GO_ON:
             return Status.ITERATION_LIMIT
-        if report.flatness > FLAT:
-            return Status.LIMITS if report.free_flatness <= FLAT else Status.STALLED
-        lowest, _, _ = self._rescue.lowest_curvature(q, inputs)
+        everything, free = report.flatness
+        if everything > FLAT:
+            return Status.LIMITS if free <= FLAT else Status.STALLED
+        lowest = self._rescue.lowest_curvature(q, inputs)[0]
         return Status.LOCAL_MINIMUM if lowest > -NEGATIVE else Status.SINGULAR
-
-
-def _null_residual(J: Array, gradient: Array) -> float:
-    return float(np.linalg.norm(gradient - np.linalg.pinv(J, rcond=RANK_THRESHOLD) @ (J @ gradient)))

@@ -41,7 +41,7 @@ class ArgumentError(JtikError, ValueError):
         return f"{self.argument}: given {shown}; accepted: {self.accepted}"
 
 
-class UnknownNameError(JtikError, LookupError):
+class UnknownNameError(JtikError, KeyError):
     """A frame, joint, strategy ... of that name does not exist.
 
     Attributes:

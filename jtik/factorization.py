@@ -93,7 +93,7 @@ class RowSpace:
             coefficient = dot(basis, g) * inverse
             g = g - coefficient * basis
             coefficients.append(coefficient)
-        # once more: near a constrained optimum g is nearly all in the row space, and what rounding left of it would leak
+        # once more: near a constrained optimum g lies nearly in the row space, and what rounding left of it would leak
         for basis, inverse in zip(self._basis, self._inverse, strict=True):
             g = g - (dot(basis, g) * inverse) * basis
         U, R = self._column_space

@@ -11,6 +11,7 @@ from jtik.symbolic import (
     function,
     gradient,
     jacobian,
+    norm,
     substitute,
     symbol,
     vertcat,
@@ -90,7 +91,7 @@ class Problem:
         )
 
     def curvature(self) -> Function:
-        """(q, target, parameters) -> V, dV/dv, d2V/dv2, dH/dv: for poses where the first derivative says nothing."""
+        """(q, target, parameters) -> |J| |r|, dV/dv, d2V/dv2, dH/dv: for poses where the first derivative is silent."""
         q, target, parameters = self.symbols()
         v = symbol("v", self.robot.n)
         moved = self.residual(self.robot.integrate(q, v), target)
@@ -102,7 +103,7 @@ class Problem:
             "curvature",
             [q, target, parameters],
             [
-                substitute(V, v, still),
+                norm(substitute(jacobian(moved, v), v, still)) * norm(self.residual(q, target)),
                 substitute(slope, v, still),
                 substitute(bend, v, still),
                 self.gradient(self.criterion(q, parameters), q),

@@ -25,6 +25,12 @@ FIRST_STEP = 0.5
 
 HALVINGS = 20
 
+PROJECTIONS = 100
+"""Projected power iterations for the direction of most negative curvature among those that limits allow."""
+
+FLAT = 1e-5
+"""|J' r| / (|J| |r|) below which the error cannot fall to first order."""
+
 NEGATIVE = 1e-9
 """An eigenvalue counts as negative below this fraction of the largest magnitude."""
 
@@ -52,19 +58,37 @@ class Rescue:
         return Compiled(function("moved", [q, v, target], [there, V]))
 
     def lowest_curvature(self, q: Array, inputs: Sequence[Array]) -> tuple[float, Array, Array]:
-        """Relative lowest eigenvalue of d2V/dv2 over joints not at a limit, its eigenvector (n,), and dH/dv (n,)."""
+        """A low v' (d2V/dv2) v over the unit v that limits allow, relative to the largest eigenvalue; v; dH/dv (n,).
+
+        The joints inside their limits come first: their lowest eigenvector, where it is negative. Only if it is not do
+        joints at a limit join in, each in the direction it can still move. Where V can fall to first order the answer
+        is 0: there is nothing to escape from.
+        """
         target, parameters, lower, upper, _ = inputs
-        _, _, bend, criterion = self._curvature(q, target, parameters)
-        inside = np.ones(self._problem.robot.n, dtype=bool)
+        scale, slope, bend, criterion = self._curvature(q, target, parameters)
+        n = self._problem.robot.n
+        down, up = np.ones(n, dtype=bool), np.ones(n, dtype=bool)
         for i, j in self._problem.bounded:
-            inside[j] = lower[i] + AT_LIMIT < q[i] < upper[i] - AT_LIMIT
-        vector = np.zeros(self._problem.robot.n)
-        if not inside.any() or not np.isfinite(bend).all():
-            return 0.0, vector, criterion
-        values, vectors = np.linalg.eigh(bend[np.ix_(inside, inside)])
-        scale = max(np.abs(values).max(), np.finfo(float).tiny)
-        vector[inside] = vectors[:, 0]
-        return float(values[0] / scale), vector, criterion
+            down[j], up[j] = q[i] > lower[i] + AT_LIMIT, q[i] < upper[i] - AT_LIMIT
+        lowest, best = 0.0, np.zeros(n)
+        pressed = (~down & (slope[:, 0] > 0)) | (~up & (slope[:, 0] < 0))
+        stationary = np.linalg.norm(slope[~pressed]) <= FLAT * scale[0, 0]
+        if not (np.isfinite(bend).all() and stationary):
+            return lowest, best, criterion[:, 0]
+        values, vectors = np.linalg.eigh(bend)
+        bend /= max(float(np.abs(values).max()), np.finfo(float).tiny)
+        inside = down & up
+        if inside.any():
+            inner_values, inner_vectors = np.linalg.eigh(bend[np.ix_(inside, inside)])
+            lowest, best[inside] = float(inner_values[0]), inner_vectors[:, 0]
+        if lowest <= -NEGATIVE or inside.all():
+            return lowest, best, criterion[:, 0]
+        for start in vectors[:, values < 0].T:
+            for sign in (1.0, -1.0):
+                v = _descend(bend, sign * start, down, up)
+                if v @ bend @ v < lowest:
+                    lowest, best = float(v @ bend @ v), v
+        return lowest, best, criterion[:, 0]
 
     def escape(self, q: Array, inputs: Sequence[Array]) -> bool:
         """Leave a saddle of V: move ``q`` in place and return True, or return False if V is least here."""
@@ -77,14 +101,26 @@ class Rescue:
             vector = -np.sign(slope) * vector
         elif vector[np.argmax(np.abs(vector))] < 0:
             vector = -vector
-        before = float(self._moved(q, 0 * vector, target)[1][0])
+        before = float(self._moved(q, 0 * vector, target)[1][0, 0])
         step = FIRST_STEP * vector
         for _ in range(HALVINGS):
             for sign in (1.0, -1.0):
                 there, V = self._moved(q, sign * step, target)
-                allowed = all(lower[i] <= there[i] <= upper[i] for i, _ in self._problem.bounded)
-                if allowed and V[0] < (1 - WORTH) * before:
-                    q[:] = there
+                allowed = all(lower[i] <= there[i, 0] <= upper[i] for i, _ in self._problem.bounded)
+                if allowed and V[0, 0] < (1 - WORTH) * before:
+                    q[:] = there[:, 0]
                     return True
             step /= 2
         return False
+
+
+def _descend(bend: Array, v: Array, down: NDArray[np.bool_], up: NDArray[np.bool_]) -> Array:
+    """From v down v' bend v on the unit sphere, keeping each entry to the signs that limits allow; |bend| is 1."""
+    for _ in range(PROJECTIONS):
+        v = v - bend @ v
+        v = np.where(((v < 0) & ~down) | ((v > 0) & ~up), 0.0, v)
+        length = float(np.linalg.norm(v))
+        if length == 0.0:
+            return v
+        v = v / length
+    return v

@@ -6,10 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from jtik.diagnosis import Report
 
 Array = NDArray[np.float64]
 
@@ -36,8 +39,8 @@ class Trace:
         error: norm of the task error at ``q[k]``, in [m] and [rad] together, (iterations + 1,).
         figures: one array a figure, (iterations,): V, H, V2, alpha, beta, predicted_decrease and actual_decrease of V,
             accepted, null_residual, sigma_min (of the weighted Jacobian of the joints that were free to move),
-            leakage (``|J nu| / |nu|`` of the null-space step nu; NaN where there is none), escaped. A law without a
-            gain has NaN there.
+            leakage (``|J nu| / |nu|`` of the null-space step nu; NaN where there is none), step_length, escaped (1
+            where the iteration ended in a second-order step out of a singular stall). A law without a gain has NaN.
     """
 
     q: Array
@@ -54,7 +57,7 @@ class Trace:
         return len(self.q) - 1
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Solution:
     """Where a solve ended and why.
 
@@ -62,41 +65,72 @@ class Solution:
         q: configuration, (nq,) [rad] and [m].
         status: why it stopped; ``status.value`` is a sentence.
         converged: whether what was asked for was achieved (with ``until="reached"``, arriving is enough).
-        error: task error e at q, (m,), rows in [m] or [rad].
-        position_error, orientation_error: norms of its position rows [m] and orientation rows [rad].
         iterations: steps tried, accepted or not.
         escapes: how often a singular stall was left by a second-order step.
-        cost: H at q, the weighted sum of the criteria.
-        criteria: weighted value of each criterion by name.
-        jacobian: of the task error, (m, n).
-        gradient: of H with respect to the velocity, (n,).
-        null_space_residual: norm of (I - J+ J) dH/dv over the joints that no limit holds, in the unit of H per [rad]
-        or [m].
-        active_limits: names of the joints that stand at a limit.
-        seconds: wall time of the solve.
+        seconds: wall time of the solve [s].
+        report: task and criteria at q, from which the properties below are read.
         trace: the iterations, when asked for.
     """
 
     q: Array
     status: Status
     converged: bool
-    error: Array
-    position_error: float
-    orientation_error: float
     iterations: int
     escapes: int
-    cost: float
-    criteria: Mapping[str, float]
-    jacobian: Array
-    gradient: Array
-    null_space_residual: float
-    active_limits: tuple[str, ...]
     seconds: float
+    report: Report
     trace: Trace | None = None
+
+    @property
+    def error(self) -> Array:
+        """Task error e at q, (m,), rows in [m] or [rad]."""
+        return self.report.error
+
+    @property
+    def position_error(self) -> float:
+        """Norm of the error's position rows [m]."""
+        return self.report.position_error
+
+    @property
+    def orientation_error(self) -> float:
+        """Norm of the error's orientation rows [rad]."""
+        return self.report.orientation_error
+
+    @property
+    def cost(self) -> float:
+        """H at q, the weighted sum of the criteria."""
+        return sum(self.report.values.values())
+
+    @property
+    def criteria(self) -> Mapping[str, float]:
+        """Weighted value of each criterion by name."""
+        return self.report.values
+
+    @property
+    def jacobian(self) -> Array:
+        """Jacobian of the task error with respect to the velocity, (m, n)."""
+        return self.report.jacobian
+
+    @property
+    def gradient(self) -> Array:
+        """Gradient of H with respect to the velocity, (n,)."""
+        return self.report.gradient
+
+    @property
+    def null_space_residual(self) -> float:
+        """Norm of (I - J+ J) dH/dv over the joints that no limit holds, in the unit of H per [rad] or [m]."""
+        return self.report.null_space_residual
+
+    @property
+    def active_limits(self) -> tuple[str, ...]:
+        """Names of the joints that stand at a limit."""
+        return self.report.active_limits
 
     @cached_property
     def condition(self) -> float:
-        """Condition number of the task's Jacobian; infinite at a singular pose."""
+        """Condition number of the task's Jacobian; infinite at a singular pose, NaN where it is not finite."""
+        if not np.isfinite(self.jacobian).all():
+            return float("nan")
         sigma = np.linalg.svd(self.jacobian, compute_uv=False)
         return float(sigma[0] / sigma[-1]) if sigma[-1] > np.finfo(float).eps * sigma[0] else float("inf")
 

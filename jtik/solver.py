@@ -17,18 +17,19 @@ from jtik.diagnosis import Diagnosis
 from jtik.errors import ArgumentError, finite_array
 from jtik.fused import OUTCOME, Code, fused_step
 from jtik.problem import Problem
+from jtik.recorder import Recorder
 from jtik.registry import strategy_of
 from jtik.rescue import Rescue
 from jtik.robot import Robot
 from jtik.runner import Runner
-from jtik.solution import Solution, Status, Step, Trace, Trajectory
+from jtik.solution import Solution, Status, Step, Trajectory
 from jtik.strategy import Strategy
 from jtik.task import Task, TaskStack
 
 Array = NDArray[np.float64]
 Until = Literal["steady", "reached"]
-Record = tuple[Array, Array]
-"""Configuration before a call, and the figures of the call."""
+DEFAULTS = (1e-6, 1e-6, 1e-6, 1.0)
+"""Tolerances of position, orientation and optimality, and 1 to wait until the criterion is steady."""
 
 MOST_ESCAPES = 20
 """Second-order steps a solve may take out of singular stalls."""
@@ -83,8 +84,10 @@ class InverseKinematics:
         self._target = np.zeros(self.tasks.target_size)
         # targets that are their own numbers skip the reading in `step`
         self._plain_target = self._target.shape if self.tasks.plain else None
-        self._settings = np.array([1e-6, 1e-6, 1e-6, 1.0])
+        self._plain_q = robot.nq == robot.n
+        self._settings = np.array(DEFAULTS)
         self._inputs = [self._target, self.parameters.memory, self._lower, self._upper, self._settings]
+        self._step_inputs = [*self._inputs[:-1], np.array(DEFAULTS)]
         fused = fused_step(self._problem, self.strategy)
         if compiled:
             fused = replace(fused, function=to_c(fused.function))
@@ -137,15 +140,27 @@ class InverseKinematics:
         if not isinstance(max_iterations, (int, np.integer)) or max_iterations < 0:
             raise ArgumentError("max_iterations", max_iterations, "an integer from 0")
         runner = self._recording() if trace else self._runner
-        runner.start(start)
-        record: list[Record] | None = [] if trace else None
-        q, code, iterations, escapes = self._iterate(runner, int(max_iterations), record)
-        return self._solution(q, code, iterations, escapes, record, begin)
+        runner.start(self._led_back(start))
+        recorder = Recorder(runner) if trace else None
+        q, code, iterations, escapes = self._iterate(runner, int(max_iterations), recorder)
+        report = self._diagnosis.report(q, self._inputs)
+        status = self._diagnosis.status(q, code, report, self._inputs)
+        return Solution(
+            q=q,
+            status=status,
+            converged=status is Status.CONVERGED or (status is Status.REACHED and until == "reached"),
+            iterations=iterations,
+            escapes=escapes,
+            seconds=time.perf_counter() - begin,
+            report=report,
+            trace=recorder.trace(q, lambda at: self._diagnosis.error(at, self._inputs)) if recorder else None,
+        )
 
     def step(self, q: ArrayLike, target: Any) -> Step:
         """One update from ``q``, for controllers; what the strategy remembers goes on from the last call.
 
-        A refused step leaves q where it is and the next call tries a smaller one. ``reset()`` forgets the past.
+        A refused step leaves q where it is and the next call tries a smaller one. ``reset()`` forgets the past. A step
+        is done at the default tolerances of ``solve``, with the criterion steady.
 
         Args:
             q: configuration, (nq,). Outside the limits it is led back.
@@ -156,7 +171,7 @@ class InverseKinematics:
         """
         runner = self._stepper
         if runner is None:
-            runner = self._stepper = Runner(self._runner.fused, self._inputs, self.robot.nq)
+            runner = self._stepper = Runner(self._runner.fused, self._step_inputs, self.robot.nq)
             runner.start(self.robot.neutral)
         if type(target) is np.ndarray and target.shape == self._plain_target and math.isfinite(target.dot(target)):
             self._target[:] = target
@@ -164,18 +179,21 @@ class InverseKinematics:
             self._target[:] = self.tasks.read_target(target)
         at = runner.at
         memory = runner.q[at]
-        if type(q) is np.ndarray and q.shape == memory.shape and math.isfinite(q.dot(q)):
+        if self._plain_q and type(q) is np.ndarray and q.shape == memory.shape and math.isfinite(q.dot(q)):
             memory[:] = q
         else:
-            memory[:] = finite_array("q", q, memory.shape)
+            memory[:] = self._configuration("q", q)
         runner.calls[at]()
         after = runner.q[1 - at]
         code, tried, accepted, position, orientation, _ = runner.view
         if tried:
             runner.at = 1 - at
-        escaped = code == Code.STALLED and self._rescue.escape(after, self._inputs)
+        escaped = False
         if code == Code.STALLED:
+            escaped = self._rescue.escape(after, self._step_inputs)
             runner.start(after)
+            report = self._diagnosis.report(after, self._step_inputs)
+            return Step(after.copy(), report.position_error, report.orientation_error, False, False, escaped)
         return Step(after.copy(), position, orientation, accepted == 1.0, code == 1.0, escaped)
 
     def reset(self) -> None:
@@ -228,6 +246,8 @@ class InverseKinematics:
                     optimality_tolerance=optimality_tolerance,
                     until=until,
                 )
+                if self.robot.nq != self.robot.n:
+                    solution = self._slowed(q, solution, dt)
                 solutions.append(solution)
                 q = solution.q
         finally:
@@ -241,8 +261,30 @@ class InverseKinematics:
             seconds=np.array([solution.seconds for solution in solutions]),
         )
 
+    def _slowed(self, start: Array, solution: Solution, dt: float) -> Solution:
+        """The solution, or how far the way to it leads in dt if a ball or free joint is too fast for the rest."""
+        way = self.robot.difference(start, solution.q)
+        allowed = self.robot.velocity_limit * dt
+        share = float(np.min(np.divide(allowed, np.abs(way), out=np.ones(len(way)), where=np.abs(way) > allowed)))
+        if share >= 1:
+            return solution
+        q = self.robot.integrate(start, share * way)
+        report = self._diagnosis.report(q, self._inputs)
+        status = self._diagnosis.status(q, Code.GO_ON, report, self._inputs)
+        return replace(solution, q=q, status=status, report=report, converged=False)
+
     def _configuration(self, argument: str, q: ArrayLike | None) -> Array:
-        return self.robot.neutral if q is None else finite_array(argument, q, (self.robot.nq,))
+        """The configuration given, checked; raises ArgumentError for a wrong shape, NaN or a zero quaternion."""
+        if q is None:
+            return self.robot.neutral
+        return self.robot.configuration(q, argument=argument)
+
+    def _led_back(self, q: Array) -> Array:
+        """The configuration inside the limits."""
+        scalar = self.robot.scalar_q
+        q = q.copy()
+        q[scalar] = np.clip(q[scalar], self._lower[scalar], self._upper[scalar])
+        return q
 
     def _recording(self) -> Runner:
         if self._recorder is None:
@@ -250,72 +292,34 @@ class InverseKinematics:
             self._recorder = Runner(fused, self._inputs, self.robot.nq)
         return self._recorder
 
-    def _iterate(self, runner: Runner, limit: int, record: list[Record] | None) -> tuple[Array, Code, int, int]:
+    def _iterate(self, runner: Runner, limit: int, recorder: Recorder | None) -> tuple[Array, Code, int, int]:
         """The loop, written once for every strategy: call until the code says otherwise."""
         calls, view = runner.calls, runner.view
         code, escapes, k, at = Code.GO_ON, 0, 0, 0
         while k < limit:
-            before = runner.q[at].copy() if record is not None else None
+            if recorder is not None:
+                recorder.before(runner.q[at])
             calls[at]()
             at = 1 - at
             k += 1
-            if record is not None and before is not None:
-                record.append((before, runner.record.copy()))
+            if recorder is not None:
+                recorder.after()
             if view[0] == 0.0:
                 continue
             code = Code(int(view[0]))
-            if not view[OUTCOME.tried]:  # it stopped before it tried anything
-                k -= 1
-                if record is not None:
-                    record.pop()
             if code is Code.STALLED and escapes < MOST_ESCAPES and self._rescue.escape(runner.q[at], self._inputs):
                 escapes += 1
+                if recorder is not None:
+                    recorder.escaped()
                 runner.start(runner.q[at].copy())
                 code, at = Code.GO_ON, 0
                 continue
+            if not view[OUTCOME.tried]:  # it stopped before it tried anything: no iteration
+                k -= 1
+                if recorder is not None:
+                    recorder.forget()
             break
         return runner.q[at].copy(), code, k, escapes
-
-    def _solution(
-        self, q: Array, code: Code, iterations: int, escapes: int, record: list[Record] | None, begin: float
-    ) -> Solution:
-        report = self._diagnosis.report(q, self._inputs)
-        status = self._diagnosis.status(q, code, report, self._inputs)
-        return Solution(
-            q=q,
-            status=status,
-            converged=status is Status.CONVERGED or (status is Status.REACHED and not self._settings[3]),
-            error=report.error,
-            position_error=report.position_error,
-            orientation_error=report.orientation_error,
-            iterations=iterations,
-            escapes=escapes,
-            cost=float(report.values.sum()),
-            criteria=dict(zip(self._names, report.values.tolist(), strict=True)),
-            jacobian=report.jacobian,
-            gradient=report.gradient,
-            null_space_residual=report.null_residual,
-            active_limits=report.active_limits,
-            seconds=time.perf_counter() - begin,
-            trace=None if record is None else self._trace(q, record),
-        )
-
-    def _trace(self, end: Array, record: list[Record]) -> Trace:
-        """Figures by name, and those that need a factorisation of the recorded Jacobians."""
-        assert self._recorder is not None
-        q = np.array([before for before, _ in record] + [end])
-        table = np.array([figures for _, figures in record]).reshape(len(record), self._recorder.record.size)
-        columns = {name: table[:, where] for name, where in self._recorder.fused.record.slices.items()}
-        J = columns.pop("J").reshape(len(record), self.robot.n, -1).transpose(0, 2, 1)
-        null, term = columns.pop("null_term"), columns.pop("term")
-        figures = {name: column[:, 0] for name, column in columns.items()}
-        figures["sigma_min"] = np.array([np.linalg.svd(each, compute_uv=False)[-1] for each in J])
-        length = np.linalg.norm(null, axis=1)
-        moved = np.linalg.norm(np.einsum("kmn,kn->km", J, null), axis=1)
-        figures["leakage"] = np.divide(moved, length, out=np.full(len(record), np.nan), where=length > 0)
-        figures["step_length"] = np.linalg.norm(term, axis=1)
-        errors = np.array([np.linalg.norm(self._diagnosis.error(each, self._inputs)) for each in q])
-        return Trace(q=q, error=errors, figures=figures)
 
 
 def _positive(argument: str, value: float) -> float:

@@ -6,7 +6,8 @@ helpers are safe to differentiate: no branch that is not taken may produce a NaN
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, TypeAlias
 
 import casadi
@@ -42,6 +43,9 @@ symvar: Any = casadi.symvar
 substitute: Any = casadi.substitute
 is_equal: Any = casadi.is_equal
 reshape: Any = casadi.reshape
+
+LARGEST = 1.7e308
+"""Just below the largest double: NaN and infinity compare false with ``<= LARGEST``."""
 
 TINY = 1e-300
 """Added under a square root or a division where zero is a legal value; below every figure that matters."""
@@ -94,10 +98,26 @@ def ratio(numerator: Expression, denominator: Expression) -> Expression:
 
 def is_finite(value: Expression) -> Expression:
     """1 where every entry of ``value`` is finite, else 0."""
-    total = casadi.sum1(casadi.vec(value)) * 0
-    return total == 0
+    return fabs(casadi.sum1(casadi.vec(value))) <= LARGEST
 
 
 def stack(rows: Sequence[Sequence[Expression | float]]) -> Expression:
     """A matrix from its rows of scalars."""
     return vertcat(*[horzcat(*row) for row in rows])
+
+
+@contextmanager
+def no_silent_float() -> Iterator[None]:
+    """Within it ``float`` of an expression with symbols raises TypeError; CasADi itself gives NaN without a word."""
+    original = SX.__float__
+
+    def guarded(expression: Expression) -> float:
+        if not expression.is_constant():
+            raise TypeError("a number is wanted where the value is an expression")
+        return float(original(expression))
+
+    SX.__float__ = guarded
+    try:
+        yield
+    finally:
+        SX.__float__ = original

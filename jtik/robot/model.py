@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from jtik.errors import ArgumentError, ImmutableError, UnknownNameError
+from jtik.errors import ArgumentError, Array, ImmutableError, UnknownNameError
 from jtik.robot import skeleton
 from jtik.robot.chains import dh_joints, planar_joints, vehicle_joints
 from jtik.robot.dh import Convention, Row
@@ -259,6 +259,15 @@ class Robot(ConfigurationSpace):
                 above = chain[-1].parent
             self._paths[frame] = (*self._paths[above], *reversed(chain))
         return self._paths[frame]
+
+    def configuration(self, q: object, *, argument: str = "q") -> Array:
+        """A checked copy of a configuration given as numbers, (nq,).
+
+        Raises:
+            ArgumentError: when it has another shape, is not finite, or has a zero quaternion; it names ``argument``.
+        """
+        array: Array = self._twins.checked(argument, np.asarray(q))
+        return array
 
     def at(self, q: Expression) -> Kinematics:
         """The kinematics at the symbolic configuration ``q`` (nq, 1); the same one again for the same ``q``.

@@ -48,7 +48,7 @@ class Twins:
     def of_layout(self, quantity: LayoutQuantity, *values: Expression) -> Any:
         """The tangent map, a step, or the displacement between two configurations."""
         names = _ARGUMENTS[quantity]
-        checked = [self._checked(name, value) for name, value in zip(names, values, strict=True)]
+        checked = [self.checked(name, value) for name, value in zip(names, values, strict=True)]
         key = (quantity, None)
         if key not in self._compiled:
             inputs = [symbol(name, self._size(name)) for name in names]
@@ -74,7 +74,8 @@ class Twins:
     def _size(self, argument: str) -> int:
         return self._robot.n if argument == "dq" else self._robot.nq
 
-    def _checked(self, argument: str, value: Expression) -> Expression:
+    def checked(self, argument: str, value: Expression) -> Expression:
+        """The argument as an array or an expression of the right shape; raises ArgumentError for anything else."""
         size = self._size(argument)
         if not is_symbolic(value):
             array = finite_array(argument, value, (size,))

@@ -28,6 +28,7 @@ from jtik.symbolic import (
     fmax,
     fmin,
     if_else,
+    is_finite,
     logic_and,
     logic_not,
     logic_or,
@@ -164,13 +165,14 @@ class Composition(Strategy):
         falls = logic_and(predicted > 0, actual >= SUFFICIENT * predicted)
         penalty = None
         if rule == "always":
-            accepted = actual == actual  # a NaN is never taken
+            accepted = 1
         elif rule == "merit" and model.has_criterion:
             accepted, penalty = _weigh(model, state["penalty"], point, task_term, null, predicted, falls)
         elif rule == "task" and model.has_criterion:
             accepted = logic_or(falls, logic_and(model.near, judged.length <= model.tube))
         else:
             accepted = falls
+        accepted = logic_and(accepted, is_finite(point.V + point.H))
         gained = ratio(actual, fmax(predicted, 0))
         if rule == "merit" and model.has_criterion:
             gained = if_else(model.near, accepted, gained)

@@ -1,0 +1,125 @@
+"""Robots, oracles and named tolerances that several tests share."""
+
+from __future__ import annotations
+
+import functools
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation as Turn
+
+import jtik
+from jtik.robot import JointType
+
+EXACT = 1e-12
+"""Rounding of some dozens of operations on numbers of order one."""
+
+DIFFERENCES = 1e-6
+"""Central differences with step 1e-5: truncation h^2 = 1e-10 and rounding eps / h = 2e-11, times third derivatives up to 1e4."""
+
+ACCEPTED_RISE = 1e-13
+"""Relative rise of V that is rounding of its evaluation, not a rise."""
+
+
+@functools.cache
+def planar(n, **options):
+    """The same arm again for the same arguments: a robot compiles its kinematics once."""
+    return jtik.Robot.planar(n, **options)
+
+
+@functools.cache
+def dh_arm(n=7, seed=0, limit=math.inf):
+    """A random spatial arm whose neighbouring axes are never parallel, with links of 0.1 to 0.5 m."""
+    rng = np.random.default_rng(seed)
+    rows = [
+        {
+            "a": rng.uniform(0.1, 0.4),
+            "alpha": rng.choice([-1, 1]) * rng.uniform(0.7, 1.6),
+            "d": rng.uniform(0.0, 0.3),
+            "theta": rng.uniform(-1, 1),
+            "lower": -limit,
+            "upper": limit,
+        }
+        for _ in range(n)
+    ]
+    return jtik.Robot.from_dh(rows, name=f"dh{n}-{seed}")
+
+
+def _pose(translation, rotvec=(0.0, 0.0, 0.0)):
+    pose = np.eye(4)
+    pose[:3, :3] = Turn.from_rotvec(rotvec).as_matrix()
+    pose[:3, 3] = translation
+    return pose
+
+
+@functools.cache
+def ball_arm():
+    """Shoulder and wrist are ball joints, between them an elbow and a limited slide: nq = 10, n = 8."""
+    y = np.array([0.0, 1.0, 0.0])
+    return jtik.Robot(
+        [
+            jtik.Joint("shoulder", JointType.BALL, "base", "upper", origin=_pose((0, 0, 0.3), (0.2, 0.1, 0))),
+            jtik.Joint("elbow", JointType.HINGE, "upper", "fore", origin=_pose((0.5, 0, 0)), axis=y),
+            jtik.Joint("slide", JointType.SLIDE, "fore", "rod", origin=_pose((0.3, 0, 0)), lower=-0.1, upper=0.2),
+            jtik.Joint("wrist", JointType.BALL, "rod", "hand", origin=_pose((0.2, 0.1, 0))),
+            jtik.Joint("tip", JointType.FIXED, "hand", "tip", origin=_pose((0.15, 0, 0.05), (0, 0.4, 0))),
+        ],
+        name="ball_arm",
+    )
+
+
+@functools.cache
+def floating_arm():
+    """A free base with a three-joint arm: nq = 10, n = 9."""
+    z, y = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
+    return jtik.Robot(
+        [
+            jtik.Joint("float", JointType.FREE, "base", "hull"),
+            jtik.Joint("one", JointType.HINGE, "hull", "l1", origin=_pose((0.2, 0, 0.1)), axis=z),
+            jtik.Joint("two", JointType.HINGE, "l1", "l2", origin=_pose((0.4, 0, 0)), axis=y, lower=-2.0, upper=2.0),
+            jtik.Joint("three", JointType.HINGE, "l2", "l3", origin=_pose((0.4, 0, 0)), axis=y),
+            jtik.Joint("tip", JointType.FIXED, "l3", "tip", origin=_pose((0.2, 0, 0))),
+        ],
+        name="floating_arm",
+    )
+
+
+def look(ik, q, target):
+    """What the solver says of the configuration ``q``: a Solution without a single step."""
+    return ik.solve(target, q0=q, max_iterations=0)
+
+
+def differences(function, robot, q, step=1e-5):
+    """Central differences of a vector-valued function along each velocity, shape (m, n)."""
+    columns = []
+    for unit in np.eye(robot.n):
+        ahead = np.atleast_1d(function(robot.integrate(q, step * unit)))
+        behind = np.atleast_1d(function(robot.integrate(q, -step * unit)))
+        columns.append((ahead - behind) / (2 * step))
+    return np.array(columns).T
+
+
+def planar_points(q, lengths=None):
+    """Ends of the links of a planar arm, (n, 2), in closed form."""
+    lengths = np.ones(len(q)) if lengths is None else np.asarray(lengths)
+    angle = np.cumsum(q)
+    return np.cumsum(np.stack([lengths * np.cos(angle), lengths * np.sin(angle)], axis=1), axis=0)
+
+
+def planar_jacobian(q, lengths=None):
+    """Jacobian (2, n) of the tip of a planar arm, in closed form."""
+    points = planar_points(q, lengths)
+    arms = points[-1] - np.vstack([np.zeros(2), points[:-1]])
+    return np.stack([-arms[:, 1], arms[:, 0]])
+
+
+def rises(trace):
+    """Relative change of V at every accepted step."""
+    V = np.append(trace.V, trace.error[-1] ** 2 / 2)
+    return ((V[1:] - V[:-1]) / np.maximum(V[:-1], np.finfo(float).tiny))[trace.accepted == 1]
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(20240607)

@@ -1,0 +1,26 @@
+"""The public contract, for every registered criterion: a new plugin is tested without editing tests."""
+
+from __future__ import annotations
+
+import pytest
+
+import jtik
+from jtik.testing import check_criterion, example_criterion
+
+from ..conftest import ball_arm, dh_arm, floating_arm, planar
+
+ROBOTS = {
+    "planar": lambda: planar(5),
+    "limited": lambda: planar(4, lower=-1.0, upper=0.5),
+    "vehicle": lambda: jtik.Robot.vehicle(3, heading=True),
+    "spatial": lambda: dh_arm(6, 3),
+    "ball": ball_arm,
+    "floating": floating_arm,
+}
+
+
+@pytest.mark.parametrize("name", sorted(jtik.criteria))
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_contract(name, robot):
+    body = ROBOTS[robot]()
+    check_criterion(example_criterion(jtik.criteria[name], body), body)

@@ -1,0 +1,191 @@
+"""Constrained optima beside SciPy's SLSQP: the same H or lower, and the conditions of Karush, Kuhn and Tucker."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear, minimize
+
+import jtik
+from jtik_formulations import JointCentering, ObstacleAvoidance
+
+from ..conftest import dh_arm, planar_jacobian, planar_points
+
+SAME = 1e-6
+"""Difference in H that two solvers, each stopped at 1e-6, may have."""
+
+STATIONARY = 2e-5
+"""Norm of the gradient of the Lagrangian: the tolerance 1e-6 relative to a gradient of up to 20."""
+
+DISTANCE = 0.02
+"""Clearance [m] above which the obstacle potential is the plain logarithm."""
+
+FIELD = np.array([[4.0, 2.5], [6.5, -1.0]])
+RADII = np.array([0.5, 0.8])
+GAIN = 0.3
+
+
+def planar_H(q):
+    """1/2 |q|^2 - gain sum of ln d, in numpy."""
+    distances = np.linalg.norm(planar_points(q)[:, None] - FIELD, axis=2) - RADII
+    return q @ q / 2 - GAIN * np.log(np.maximum(distances, 1e-12)).sum()
+
+
+def planar_gradient(q):
+    gradient = q.copy()
+    for j, point in enumerate(planar_points(q)):
+        J = np.zeros((2, len(q)))
+        J[:, : j + 1] = planar_jacobian(q[: j + 1])
+        for center, radius in zip(FIELD, RADII, strict=True):
+            x = point - center
+            length = np.linalg.norm(x)
+            gradient -= GAIN * J.T @ x / length / (length - radius)
+    return gradient
+
+
+def planar_solver(limit):
+    robot = jtik.Robot.planar(10, lower=-limit, upper=limit)
+    field = [jtik.Circle(center, radius) for center, radius in zip(FIELD, RADII, strict=True)]
+    criteria = JointCentering() + GAIN * ObstacleAvoidance(field)
+    return jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=criteria)
+
+
+def slsqp(H, gradient, error, jacobian, q0, lower, upper):
+    bounds = [(a if np.isfinite(a) else None, b if np.isfinite(b) else None) for a, b in zip(lower, upper, strict=True)]
+    return minimize(
+        H,
+        q0,
+        jac=gradient,
+        bounds=bounds,
+        constraints={"type": "eq", "fun": error, "jac": jacobian},
+        method="SLSQP",
+        options={"maxiter": 1000, "ftol": 1e-14},
+    )
+
+
+def kkt_residual(gradient, J, q, lower, upper):
+    """Least |dH + J' lambda + mu| with mu >= 0 at upper and mu <= 0 at lower limits; zero elsewhere."""
+    at_upper, at_lower = np.flatnonzero(q >= upper - 1e-8), np.flatnonzero(q <= lower + 1e-8)
+    unit = np.eye(len(q))
+    columns = np.hstack([J.T, unit[:, at_upper], -unit[:, at_lower]])
+    least = np.concatenate([np.full(len(J), -np.inf), np.zeros(len(at_upper) + len(at_lower))])
+    fit = lsq_linear(columns, -gradient, bounds=(least, np.inf), tol=1e-14)
+    return np.linalg.norm(columns @ fit.x + gradient)
+
+
+def planar_problems(limit, count, seed=0):
+    """Starts and targets away from obstacles, within the limits."""
+    rng = np.random.default_rng(seed)
+    found = 0
+    while found < count:
+        q0, goal = rng.uniform(-limit, limit, (2, 10)) * 0.6
+        if limit < 0.5:  # bent one way nearly as far as it goes, so that the limits matter
+            goal = rng.choice([-1, 1]) * rng.uniform(0.5, 1.0, 10) * limit
+        clear = [np.linalg.norm(planar_points(q)[:, None] - FIELD, axis=2) - RADII for q in (q0, goal)]
+        if min(c.min() for c in clear) > 0.2:
+            found += 1
+            yield q0, planar_points(goal)[-1]
+
+
+@pytest.mark.parametrize("limit", [np.inf, 0.8, 0.25])
+def test_ten_links_with_centering_and_obstacles(limit):
+    ik = planar_solver(limit)
+    lower, upper = np.full(10, -limit), np.full(10, limit)
+    lower_or_same = bound = 0
+    for q0, target in planar_problems(min(limit, 1.0), 20):
+        solution = ik.solve(target, q0=q0, max_iterations=3000)
+        q = solution.q
+        assert solution.position_error <= 1e-6
+        assert solution.status is jtik.Status.CONVERGED
+        assert solution.cost == pytest.approx(planar_H(q), abs=1e-7)
+        assert ((q >= lower) & (q <= upper)).all()
+        J, g = planar_jacobian(q), planar_gradient(q)
+        assert kkt_residual(g, J, q, lower, upper) <= STATIONARY
+        bound += bool(solution.active_limits)
+
+        def error(q, t=target):
+            return planar_points(q)[-1] - t
+
+        # an independent solver finds nothing better nearby
+        polished = slsqp(planar_H, planar_gradient, error, planar_jacobian, q, lower, upper)
+        if np.linalg.norm(error(polished.x)) < 1e-6 and np.linalg.norm(polished.x - q) < 0.1:
+            assert planar_H(q) <= polished.fun + SAME + 1e-6 * np.linalg.norm(np.linalg.pinv(J).T @ g)
+        # nor, as a rule, from the same start; H has many minima, and each finds one
+        other = slsqp(planar_H, planar_gradient, error, planar_jacobian, q0, lower, upper)
+        found = other.success and np.linalg.norm(error(other.x)) < 1e-6
+        lower_or_same += not found or planar_H(q) <= other.fun + SAME
+    assert lower_or_same >= 16
+    if limit < 0.5:
+        assert bound >= 10  # the limits did matter
+
+
+def test_one_basin_has_one_answer():
+    """With springs alone and a near target H is convex along the way: SLSQP and jtik agree on q."""
+    for limit in (np.inf, 0.3):
+        robot = jtik.Robot.planar(10, lower=-limit, upper=limit)
+        ik = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=JointCentering())
+        lower, upper = np.full(10, -limit), np.full(10, limit)
+        rng = np.random.default_rng(1)
+        for _ in range(10):
+            q0 = rng.uniform(0.0, 0.3, 10)
+            target = planar_points(rng.uniform(0.0, 0.3, 10))[-1]
+            solution = ik.solve(target, q0=q0, max_iterations=3000, optimality_tolerance=1e-8)
+            other = slsqp(
+                lambda q: q @ q / 2,
+                lambda q: q,
+                lambda q, t=target: planar_points(q)[-1] - t,
+                planar_jacobian,
+                q0,
+                lower,
+                upper,
+            )
+            assert other.success
+            assert solution.status is jtik.Status.CONVERGED
+            assert solution.q == pytest.approx(other.x, abs=1e-5)
+            assert solution.cost == pytest.approx(other.fun, abs=SAME)
+
+
+@pytest.mark.parametrize("kind", ["position", "pose"])
+@pytest.mark.parametrize("limit", [np.inf, 1.2])
+def test_a_spatial_arm(kind, limit):
+    robot = dh_arm(8, 3, limit)
+    sphere = jtik.Sphere((0.6, 0.6, 0.4), 0.1)
+    ik = jtik.InverseKinematics(
+        robot, jtik.FrameTask("tip", kind), criteria=JointCentering() + GAIN * ObstacleAvoidance(sphere)
+    )
+    # the functions handed to SLSQP are evaluated without limits, at configurations it chooses
+    free = jtik.InverseKinematics(
+        robot,
+        jtik.FrameTask("tip", kind),
+        criteria=JointCentering() + GAIN * ObstacleAvoidance(sphere),
+        limits=False,
+    )
+    rng = np.random.default_rng(4)
+    lower_or_same = 0
+    for _ in range(8):
+        q0 = rng.uniform(-0.8, 0.8, 8)
+        target = robot.pose(q0 + rng.uniform(-0.2, 0.2, 8))
+        solution = ik.solve(target, q0=q0, max_iterations=3000)
+        assert solution.converged
+        points = np.array([robot.position(solution.q, frame) for frame in robot.moving_frames])
+        distances = np.linalg.norm(points - sphere.center, axis=1) - sphere.radius
+        assert distances.min() > DISTANCE
+        H = solution.q @ solution.q / 2 - GAIN * np.log(distances).sum()
+        assert solution.cost == pytest.approx(H, abs=1e-9)
+        assert kkt_residual(solution.gradient, solution.jacobian, solution.q, robot.lower, robot.upper) <= STATIONARY
+
+        def look(q, t=target):
+            return free.solve(t, q0=q, max_iterations=0)
+
+        other = slsqp(
+            lambda q: look(q).cost,
+            lambda q: look(q).gradient,
+            lambda q: look(q).error,
+            lambda q: look(q).jacobian,
+            q0,
+            robot.lower,
+            robot.upper,
+        )
+        found = other.success and np.linalg.norm(look(other.x).error) < 1e-6
+        lower_or_same += not found or solution.cost <= other.fun + SAME
+    assert lower_or_same >= 7

@@ -1,0 +1,136 @@
+"""The null-space term -beta (I - J+ J) dH and its three rules for beta."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import jtik
+from jtik_formulations import Hybrid, JointCentering, Newton, ObstacleAvoidance, ProjectedGradient, Transpose
+
+from ..conftest import planar, planar_points
+
+LAWS = {"transpose": Transpose, "newton": Newton, "hybrid": Hybrid}
+FIELD = [jtik.Circle((4.0, 2.5), 0.5), jtik.Circle((6.5, -1.0), 0.8)]
+
+
+def solver(law, rule, criteria=None, n=10, **options):
+    strategy = LAWS[law](secondary=ProjectedGradient(rule=rule, **options))
+    criteria = criteria or JointCentering() + 0.3 * ObstacleAvoidance(FIELD)
+    return jtik.InverseKinematics(planar(n), jtik.FrameTask(), criteria=criteria, strategy=strategy)
+
+
+def run(law, rule, rng, iterations=150, **options):
+    q0 = rng.uniform(-0.6, 0.6, 10)
+    target = planar_points(rng.uniform(-0.5, 0.5, 10))[-1]
+    return solver(law, rule, **options).solve(target, q0=q0, max_iterations=iterations, trace=True)
+
+
+@pytest.mark.parametrize("rule", ["sqrt", "paper"])
+@pytest.mark.parametrize("law", LAWS)
+def test_V2_does_not_grow(law, rule, rng):
+    """V2 = 1/2 |beta h|^2, over the accepted steps; the floor of the rule "sqrt" is a level it may always return to."""
+    for _ in range(5):
+        solution = run(law, rule, rng, floor=1e-12)
+        V2 = solution.trace.V2[solution.trace.accepted == 1]
+        assert len(V2) > 3
+        assert V2[0] > 0
+        assert (V2[1:] <= V2[:-1] * (1 + 1e-9) + 1e-24).all()
+
+
+@pytest.mark.parametrize("rule", ["sqrt", "paper"])
+def test_beta_is_the_rule_as_derived_or_as_printed(rule, rng):
+    solution = run("newton", rule, rng, iterations=12, floor=1e-12, step_limit=100.0)
+    trace = solution.trace
+    assert (trace.accepted == 1).all()
+    h = trace.null_residual
+    energy, expected = np.inf, []
+    for length in h:
+        if rule == "paper":
+            beta = energy / length**2 if length**2 > energy else 1.0
+        else:
+            beta = min(1.0, np.sqrt(energy) / length)
+        expected.append(beta)
+        energy = (beta * length) ** 2
+    assert trace.beta == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("rule", ["paper", "sqrt"])
+def test_the_ratio_as_printed_collapses_doubly_exponentially_and_its_root_does_not(rule):
+    """|h| = 1 for ever: joint 4 does not move the frame of the task. The ratio squares itself, 0.9^(2^k)."""
+
+    @jtik.criterion
+    def downhill(q, robot):
+        return q[3]
+
+    secondary = ProjectedGradient(rule=rule, beta_max=0.9, step_limit=10.0)
+    law = Newton(secondary=secondary, backtracking=False)
+    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask("link3"), criteria=downhill, strategy=law)
+    q0 = np.array([0.3, 0.4, 0.5, 0.6])
+    trace = ik.solve(planar(4).position(q0, "link3"), q0=q0, max_iterations=10, trace=True).trace
+    assert trace.null_residual == pytest.approx(1.0)
+    expected = 0.9**2.0 ** np.arange(10) if rule == "paper" else np.full(10, 0.9)
+    assert trace.beta == pytest.approx(expected, rel=1e-9)
+
+
+def test_with_the_root_it_does_not_freeze():
+    """The same criterion, both rules: the root reaches the optimum, the ratio stops on the way."""
+    residuals = {}
+    for rule in ("sqrt", "paper"):
+        rng = np.random.default_rng(5)
+        options = {"criteria": JointCentering(1.0, np.full(10, 0.2)), "beta_max": 0.3}
+        residuals[rule] = [run("newton", rule, rng, iterations=600, **options).null_space_residual for _ in range(5)]
+    assert np.median(residuals["sqrt"]) < 1e-5
+    assert np.median(residuals["paper"]) > 1e-3
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_steps_are_no_longer_than_the_cap(law, rng):
+    for rule in ("merit", "sqrt"):
+        trace = run(law, rule, rng, step_limit=0.05).trace
+        assert np.sqrt(2 * trace.V2.max()) <= 0.05 * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("law", ["newton", "hybrid"])
+def test_a_start_at_the_optimum_of_H_does_not_freeze_the_motion(law):
+    """V2 is zero there; a rule that remembered it for ever would never move again."""
+    target = np.array([6.0, 3.0])
+    for rule in ("merit", "sqrt"):
+        ik = solver(law, rule, criteria=JointCentering())
+        solution = ik.solve(target, q0=np.full(10, 1e-9), max_iterations=400)
+        assert solution.status is jtik.Status.CONVERGED
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_merit_converges_to_an_optimum(law, rng):
+    for _ in range(5):
+        solution = run(law, "merit", rng, iterations=5000)
+        assert solution.position_error <= 1e-6
+        if law != "transpose":
+            assert solution.status is jtik.Status.CONVERGED
+
+
+@pytest.mark.parametrize("law", ["newton", "hybrid"])
+def test_merit_ends_lower_than_where_it_first_arrived(law, rng):
+    for _ in range(5):
+        q0 = rng.uniform(-1, 1, 10)
+        target = planar_points(rng.uniform(-0.5, 0.5, 10))[-1]
+        ik = solver(law, "merit")
+        arrived, settled = (ik.solve(target, q0=q0, until=until) for until in ("reached", "steady"))
+        # an error of 1e-6 is worth that many times the multipliers in H
+        assert settled.cost <= arrived.cost + 1e-5
+
+
+@pytest.mark.parametrize(
+    ("options", "argument"),
+    [
+        ({"rule": "armijo"}, "rule"),
+        ({"step_limit": 0.0}, "step_limit"),
+        ({"step_limit": np.nan}, "step_limit"),
+        ({"beta_max": -1.0}, "beta_max"),
+    ],
+)
+def test_options_out_of_range_are_refused(options, argument):
+    with pytest.raises(jtik.ArgumentError) as caught:
+        ProjectedGradient(**options)
+    assert caught.value.argument == argument

@@ -1,0 +1,114 @@
+"""Points, circles and spheres, and signed distances to them."""
+
+from __future__ import annotations
+
+import casadi
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+import jtik
+from jtik.geometry import centers_and_radii, point_to_ball, segment_to_ball
+
+from .conftest import EXACT
+
+
+def evaluate(distance, *arguments):
+    """Value and gradient with respect to all arguments but the radius."""
+    symbols = [casadi.SX.sym(f"a{i}", len(np.atleast_1d(a))) for i, a in enumerate(arguments)]
+    value = distance(*symbols)
+    everything = casadi.vertcat(*symbols[:-1])
+    function = casadi.Function("distance", symbols, [value, casadi.gradient(value, everything)])
+    value, slope = function(*arguments)
+    return float(value), slope.full()[:, 0]
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_point_to_ball(dimension, rng):
+    for _ in range(20):
+        point, center = rng.standard_normal((2, dimension))
+        value, slope = evaluate(point_to_ball, point, center, 0.3)
+        away = point - center
+        assert value == pytest.approx(np.linalg.norm(away) - 0.3, abs=EXACT)
+        assert slope[:dimension] == pytest.approx(away / np.linalg.norm(away), abs=EXACT)
+
+
+def test_at_its_centre_a_ball_is_entered_by_its_radius_and_pushes_nowhere():
+    value, slope = evaluate(point_to_ball, [1.0, 2.0], [1.0, 2.0], 0.5)
+    assert value == pytest.approx(-0.5, abs=EXACT)
+    assert np.isfinite(slope).all()
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_segment_to_ball_finds_the_closest_point(dimension, rng):
+    for _ in range(50):
+        start, end, center = rng.standard_normal((3, dimension))
+        value, _ = evaluate(segment_to_ball, start, end, center, 0.2)
+        best = minimize_scalar(
+            lambda t, s=start, e=end, c=center: np.sum((s + t * (e - s) - c) ** 2),
+            bounds=(0, 1),
+            method="bounded",
+            options={"xatol": 1e-12},
+        )
+        closest = min(best.fun, np.sum((start - center) ** 2), np.sum((end - center) ** 2))
+        assert value == pytest.approx(np.sqrt(closest) - 0.2, abs=1e-7)  # the bounded search stops at sqrt(eps)
+
+
+@pytest.mark.parametrize("center", [(0.5, 0.0), (0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (-1.0, 0.0), (0.5, 1.0)])
+def test_segment_to_ball_and_its_derivative_are_finite_everywhere(center):
+    for end in ((1.0, 0.0), (0.0, 0.0)):
+        value, slope = evaluate(segment_to_ball, (0.0, 0.0), end, center, 0.1)
+        assert np.isfinite(value)
+        assert np.isfinite(slope).all()
+
+
+def test_a_segment_of_length_zero_is_a_point():
+    assert evaluate(segment_to_ball, (1.0, 1.0), (1.0, 1.0), (4.0, 5.0), 1.0)[0] == pytest.approx(4.0, abs=EXACT)
+
+
+def test_shapes_keep_their_numbers_and_cannot_change():
+    center = np.array([1.0, 2.0])
+    circle = jtik.Circle(center=center, radius=0.5)
+    center[0] = 9.0
+    assert circle.center.tolist() == [1.0, 2.0]
+    assert circle.radius == 0.5
+    assert "(1.0, 2.0)" in repr(circle)
+    assert "0.5" in repr(circle)
+    with pytest.raises(ValueError, match="read-only"):
+        circle.center[0] = 3.0
+    with pytest.raises(AttributeError):
+        circle.radius = 1.0
+
+
+@pytest.mark.parametrize(
+    ("shape", "center"),
+    [
+        (jtik.Circle, (0, 0, 0)),
+        (jtik.Sphere, (0, 0)),
+        (jtik.Point, (0,)),
+        (jtik.Point, 3.0),
+        (jtik.Circle, (np.nan, 0)),
+        (jtik.Sphere, (0, 0, np.inf)),
+    ],
+)
+def test_a_centre_of_another_dimension_or_not_finite_is_refused(shape, center):
+    with pytest.raises(jtik.ArgumentError, match="center.*finite coordinates"):
+        shape(center)
+
+
+@pytest.mark.parametrize("radius", [-0.1, np.nan, np.inf, (1.0, 2.0)])
+def test_a_radius_is_a_finite_length(radius):
+    with pytest.raises(jtik.ArgumentError, match="radius"):
+        jtik.Circle((0, 0), radius)
+
+
+def test_centers_and_radii_of_a_mixed_field():
+    centers, radii = centers_and_radii([jtik.Point((1, 2)), jtik.Circle((3, 4), 0.5)], 2)
+    assert centers.tolist() == [[1, 2], [3, 4]]
+    assert radii.tolist() == [0.0, 0.5]
+
+
+@pytest.mark.parametrize(("obstacle", "dimension"), [(jtik.Circle((0, 0)), 3), (jtik.Sphere((0, 0, 0)), 2), ("x", 2)])
+def test_obstacles_of_another_dimension_are_refused(obstacle, dimension):
+    with pytest.raises(jtik.ArgumentError, match=f"obstacles.*{dimension}-dimensional"):
+        centers_and_radii([obstacle], dimension)
