@@ -50,14 +50,24 @@ class Registry(Mapping[str, type[T]], Generic[T]):
                 f"{self._kind} name", name, f"a name not yet taken by {known.__module__}.{known.__qualname__}"
             )
         self._classes[name] = plugin
+        if not vars(plugin).get("name"):
+            plugin.name = name  # type: ignore[attr-defined]
 
     def _load(self) -> None:
         if self._loaded:
             return
-        self._loaded = True
         importlib.import_module(_BUILT_IN)
         for entry in entry_points(group=self._group):
-            self.add(entry.name, _loaded(entry))
+            self._add_entry(entry)
+        self._loaded = True
+
+    def _add_entry(self, entry: EntryPoint) -> None:
+        """Load and add a third party's class; whatever goes wrong is told with the distribution it came from."""
+        try:
+            self.add(entry.name, entry.load())
+        except Exception as error:
+            distribution = entry.dist.name if entry.dist else "unknown"
+            raise PluginError(entry.name, distribution, f"{type(error).__name__}: {error}") from error
 
     def __getitem__(self, name: str) -> type[T]:
         self._load()
@@ -72,15 +82,6 @@ class Registry(Mapping[str, type[T]], Generic[T]):
     def __len__(self) -> int:
         self._load()
         return len(self._classes)
-
-
-def _loaded(entry: EntryPoint) -> Any:
-    """The class an entry point names; whatever goes wrong is told with the distribution it came from."""
-    try:
-        return entry.load()
-    except Exception as error:
-        distribution = entry.dist.name if entry.dist else "unknown"
-        raise PluginError(entry.name, distribution, f"{type(error).__name__}: {error}") from error
 
 
 strategies: Registry[Strategy] = Registry("strategy", Strategy, "jtik.strategies")
@@ -98,7 +99,6 @@ def register_strategy(name: str) -> Callable[[S], S]:
 
     def register(plugin: S) -> S:
         strategies.add(name, plugin)
-        plugin.name = name
         return plugin
 
     return register

@@ -153,7 +153,7 @@ class FrameTask(Task):
             raise ArgumentError("target", given, f"finite numbers: {self.accepted(robot)}")
         size = self.target_size(robot)
         if array.shape == (4, 4):
-            self._check_rotation(array[:3, :3], given)
+            self._check_pose(array, robot, given)
             position, R = array[: robot.dimension, 3], array[:3, :3]
         elif self.kind == "orientation" and array.shape == (3, 3):
             self._check_rotation(array, given)
@@ -168,6 +168,14 @@ class FrameTask(Task):
             return position
         turn = np.array([np.arctan2(R[1, 0], R[0, 0])]) if robot.dimension == 2 else R.ravel(order="F")
         return turn if self.kind == "orientation" else np.concatenate([position, turn])
+
+    def _check_pose(self, pose: Array, robot: Robot, given: object) -> None:
+        self._check_rotation(pose[:3, :3], given)
+        if np.abs(pose[3] - (0, 0, 0, 1)).max() > _ROTATION_TOLERANCE:
+            raise ArgumentError("target", given, "a pose with the last row (0, 0, 0, 1)")
+        off_plane = max(np.abs(pose[2, :3] - (0, 0, 1)).max(), abs(pose[2, 3]))
+        if robot.dimension == 2 and off_plane > _ROTATION_TOLERANCE:
+            raise ArgumentError("target", given, "a pose in the plane of this planar robot: z = 0, turned about z")
 
     @staticmethod
     def _check_rotation(R: Array, given: object) -> None:

@@ -16,7 +16,7 @@ EXACT = 1e-12
 """Rounding of some dozens of operations on numbers of order one."""
 
 DIFFERENCES = 1e-6
-"""Central differences with step 1e-5: truncation h^2 = 1e-10 and rounding eps / h = 2e-11, times third derivatives up to 1e4."""
+"""Central differences with step 1e-5: truncation 1e-10 and rounding 2e-11, times third derivatives up to 1e4."""
 
 ACCEPTED_RISE = 1e-13
 """Relative rise of V that is rounding of its evaluation, not a rise."""

@@ -7,7 +7,6 @@ import csv
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import fields
 from enum import Enum
 from pathlib import Path
 from typing import Any
@@ -75,6 +74,27 @@ def run(arguments: argparse.Namespace) -> int:
     return 0 if solution.converged else 1
 
 
+SHOWN = (
+    "q",
+    "status",
+    "converged",
+    "error",
+    "position_error",
+    "orientation_error",
+    "iterations",
+    "escapes",
+    "cost",
+    "criteria",
+    "jacobian",
+    "gradient",
+    "null_space_residual",
+    "condition",
+    "active_limits",
+    "seconds",
+)
+"""What of a Solution the JSON holds."""
+
+
 def as_json(problem: Problem, solution: Solution) -> dict[str, Any]:
     """Everything a solution holds but its trace; a number that is not finite becomes null."""
     robot = problem.ik.robot
@@ -84,8 +104,7 @@ def as_json(problem: Problem, solution: Solution) -> dict[str, Any]:
         "strategy": repr(problem.ik.strategy),
         "why": solution.status.value,
     }
-    values = {field.name: getattr(solution, field.name) for field in fields(solution) if field.name != "trace"}
-    return {**document, **_plain(values), "condition": _plain(solution.condition)}
+    return document | {name: _plain(getattr(solution, name)) for name in SHOWN}
 
 
 def _plain(value: Any) -> Any:
