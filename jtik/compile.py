@@ -69,9 +69,12 @@ class CompilerError(JtikError):
     """No C compiler was found, or it refused the generated code. Attributes: command, output."""
 
     def __init__(self, command: str, output: str) -> None:
-        super().__init__(f"{command}: {output}")
+        super().__init__(command, output)
         self.command = command
         self.output = output
+
+    def __str__(self) -> str:
+        return f"{self.command}: {self.output}"
 
 
 def to_c(function: Function) -> Function:

@@ -32,9 +32,12 @@ class CriterionError(JtikError):
     """
 
     def __init__(self, criterion: str, reason: str) -> None:
-        super().__init__(f"criterion {criterion!r}: {reason}")
+        super().__init__(criterion, reason)
         self.criterion = criterion
         self.reason = reason
+
+    def __str__(self) -> str:
+        return f"criterion {self.criterion!r}: {self.reason}"
 
 
 class Criterion(ABC):

@@ -24,10 +24,13 @@ class PluginError(JtikError):
     """A plugin that could not be loaded. Attributes: plugin, distribution, reason."""
 
     def __init__(self, plugin: str, distribution: str, reason: str) -> None:
-        super().__init__(f"plugin {plugin!r} of distribution {distribution!r} could not be loaded: {reason}")
+        super().__init__(plugin, distribution, reason)
         self.plugin = plugin
         self.distribution = distribution
         self.reason = reason
+
+    def __str__(self) -> str:
+        return f"plugin {self.plugin!r} of distribution {self.distribution!r} could not be loaded: {self.reason}"
 
 
 class Registry(Mapping[str, type[T]], Generic[T]):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Iterable
 from dataclasses import replace
@@ -173,13 +172,13 @@ class InverseKinematics:
         if runner is None:
             runner = self._stepper = Runner(self._runner.fused, self._step_inputs, self.robot.nq)
             runner.start(self.robot.neutral)
-        if type(target) is np.ndarray and target.shape == self._plain_target and math.isfinite(target.dot(target)):
+        if type(target) is np.ndarray and target.shape == self._plain_target:
             self._target[:] = target
         else:
             self._target[:] = self.tasks.read_target(target)
         at = runner.at
         memory = runner.q[at]
-        if self._plain_q and type(q) is np.ndarray and q.shape == memory.shape and math.isfinite(q.dot(q)):
+        if self._plain_q and type(q) is np.ndarray and q.shape == memory.shape:
             memory[:] = q
         else:
             memory[:] = self._configuration("q", q)
@@ -188,6 +187,9 @@ class InverseKinematics:
         code, tried, accepted, position, orientation, _ = runner.view
         if tried:
             runner.at = 1 - at
+        elif code == Code.NOT_FINITE:  # whose fault? the arrays above were taken unread
+            self._configuration("q", q)
+            self.tasks.read_target(target)
         escaped = False
         if code == Code.STALLED:
             escaped = self._rescue.escape(after, self._step_inputs)

@@ -122,7 +122,7 @@ def test_a_joint_that_left_its_limit_may_come_to_use(strategy):
     assert solution.converged
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=40)
 @given(st.integers(0, 2**32 - 1), st.sampled_from(STRATEGIES))
 def test_V_falls_at_every_accepted_step_between_limits(seed, strategy):
     rng = np.random.default_rng(seed)

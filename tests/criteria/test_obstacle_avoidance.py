@@ -100,7 +100,7 @@ def nearest(robot, q, center):
 @pytest.mark.parametrize("name", ["planar", "dh", "ball"])
 def test_a_step_against_the_gradient_goes_away_from_the_obstacle(name, rng):
     robot = {"planar": planar(4), "dh": dh_arm(6, 2), "ball": ball_arm()}[name]
-    for _ in range(10):
+    for _ in range(5):
         q = robot.random_configuration(rng)
         beside = robot.position(q, robot.moving_frames[-2]) + 0.02 * rng.standard_normal(robot.dimension)
         slope = at(solver(robot, jtik.Point(beside)), q).gradient
