@@ -14,12 +14,31 @@ Source: Golub and Van Loan, *Matrix Computations*, section 5.4 (complete orthogo
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 
 from jtik.symbolic import TINY, Expression, dot, ratio, sqrt, sumsqr, vertcat, zeros
 
 RANK_THRESHOLD = 1e-8
 """Relative length below which a row of J counts as dependent on the rows before it."""
+
+
+@dataclass(frozen=True)
+class LeastSquares:
+    """``x = J+ r`` (n, 1), its image ``J x`` (m, 1), and ``|x|^2``."""
+
+    x: Expression
+    image: Expression
+    squared_length: Expression
+
+
+@dataclass(frozen=True)
+class Split:
+    """``null = (I - J+ J) g`` (n, 1), ``multipliers = (J')+ g`` (m, 1), and ``|J+ J g|^2``, the square of the rest."""
+
+    null: Expression
+    multipliers: Expression
+    squared_rest: Expression
 
 
 class RowSpace:
@@ -31,6 +50,7 @@ class RowSpace:
         limit = threshold**2 * self.squared_length
         self._basis: list[Expression] = []
         self._inverse: list[Expression] = []
+        self._squared: list[Expression] = []
         self._lower: list[list[Expression]] = []
         self._independent: list[Expression] = []
         for i in range(self._m):
@@ -43,6 +63,7 @@ class RowSpace:
             squared = sumsqr(row)
             independent = squared > limit
             self._basis.append(row)
+            self._squared.append(squared)
             self._inverse.append(ratio(independent, squared))
             self._lower.append([*coefficients, independent])
             self._independent.append(independent)
@@ -69,8 +90,8 @@ class RowSpace:
             R[j].append(length)
         return U, R
 
-    def least_squares(self, r: Expression) -> tuple[Expression, Expression]:
-        """``x = J+ r``, of all x that minimise ``|J x - r|`` the shortest, (n, 1), and ``J x`` (m, 1)."""
+    def least_squares(self, r: Expression) -> LeastSquares:
+        """``x = J+ r``: of all x that minimise ``|J x - r|`` the shortest."""
         U, R = self._column_space
         image = zeros(self._m)
         for unit in U:
@@ -84,10 +105,11 @@ class RowSpace:
         solution = zeros(self._n)
         for component, basis, inverse in zip(y, self._basis, self._inverse, strict=True):
             solution = solution + (component * inverse) * basis
-        return solution, image
+        squared = sum(component**2 * inverse for component, inverse in zip(y, self._inverse, strict=True))
+        return LeastSquares(solution, image, squared)
 
-    def split(self, g: Expression) -> tuple[Expression, Expression]:
-        """``(I - J+ J) g``, the part of g that moves nothing to first order, (n, 1), and ``(J')+ g`` (m, 1)."""
+    def split(self, g: Expression) -> Split:
+        """g as the part that moves nothing to first order and the part in the row space."""
         coefficients = []
         for basis, inverse in zip(self._basis, self._inverse, strict=True):
             coefficient = dot(basis, g) * inverse
@@ -106,4 +128,5 @@ class RowSpace:
         solution = zeros(self._m)
         for component, unit in zip(y, U, strict=True):
             solution = solution + component * unit
-        return g, solution
+        inside = sum(c**2 * squared for c, squared in zip(coefficients, self._squared, strict=True))
+        return Split(g, solution, inside)

@@ -22,14 +22,19 @@ FACTOR = 1e3
 def compiled(m, n):
     J, r, g = (casadi.SX.sym(*size) for size in (("J", m, n), ("r", m), ("g", n)))
     rows = RowSpace(J)
-    return casadi.Function(
-        "rows", [J, r, g], [casadi.densify(x) for x in (*rows.least_squares(r), *rows.split(g), rows.rank)]
-    )
+    solved, split = rows.least_squares(r), rows.split(g)
+    vectors = (solved.x, solved.image, split.null, split.multipliers)
+    squares = (solved.squared_length, split.squared_rest)
+    outputs = [casadi.densify(x) for x in (*vectors, *squares, rows.rank)]
+    return casadi.Function("rows", [J, r, g], outputs)
 
 
 def answers(J, r, g):
     """x = J+ r, J x, (I - J+ J) g, (J')+ g, rank."""
-    *vectors, rank = (x.full()[:, 0] for x in compiled(*J.shape)(J, r, g))
+    *vectors, length, rest, rank = (x.full()[:, 0] for x in compiled(*J.shape)(J, r, g))
+    x, _, null, _ = vectors
+    assert length[0] == pytest.approx(x @ x, rel=1e-9, abs=1e-30)
+    assert rest[0] == pytest.approx((g - null) @ (g - null), rel=1e-9, abs=1e-30)
     return (*vectors, int(rank[0]))
 
 

@@ -179,8 +179,8 @@ class TestStrategies:
             """Newton's step and a drift in the null space, both deaf to limits."""
 
             def update(self, model, state):
-                drift = model.rows.split(casadi.SX.ones(model.robot.n))[0]
-                term = model.rows.least_squares(model.here.residual)[0] - 0.5 * drift
+                drift = model.rows.split(casadi.SX.ones(model.robot.n)).null
+                term = model.rows.least_squares(model.here.residual).x - 0.5 * drift
                 q = model.robot.integrate(model.here.q, -term)
                 point = type(super().update(model, state).point)(q, model.residual(q), 0)
                 return Update(**{**vars(super().update(model, state)), "point": point, "accepted": 1})

@@ -32,7 +32,6 @@ from jtik.symbolic import (
     logic_and,
     logic_not,
     logic_or,
-    norm,
     ratio,
     sqrt,
     sumsqr,
@@ -51,13 +50,14 @@ ROUNDING = 1e-14
 
 @dataclass(frozen=True)
 class TaskMove:
-    """The ``term`` (n, 1) a law subtracts from q to move the tip, its ``image`` J term (m, 1), and the gain ``alpha``.
+    """The ``term`` (n, 1) a law subtracts from q to move the tip.
 
-    alpha is what a trace reports, NaN for laws without one.
+    Attributes: term; its image J term (m, 1); its length; the gain alpha a trace reports, NaN for laws without one.
     """
 
     term: Expression
     image: Expression
+    length: Expression
     alpha: Expression
 
 
@@ -176,7 +176,7 @@ class Composition(Strategy):
         gained = ratio(actual, fmax(predicted, 0))
         if rule == "merit" and model.has_criterion:
             gained = if_else(model.near, accepted, gained)
-        null_blamed = null.length > norm(task.term) if model.has_criterion else 0
+        null_blamed = null.length > task.length if model.has_criterion else 0
         task_blamed = logic_not(null_blamed) if model.has_criterion else 1
         outcome = Outcome(accepted, gained, null, task_blamed, null_blamed)
         after = dict(task_step.adapt(model, state, task, outcome))

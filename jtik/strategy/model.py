@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.factorization import RowSpace
+from jtik.factorization import RowSpace, Split
 from jtik.robot import Robot
 from jtik.symbolic import TINY, Expression, Function, dot, fmax, fmin, norm, sqrt, sumsqr, vertcat
 
@@ -74,18 +74,18 @@ class LocalModel:
         return RowSpace(self.J)
 
     @cached_property
-    def _split(self) -> tuple[Expression, Expression]:
+    def _split(self) -> Split:
         return self.rows.split(self.gradient)
 
     @cached_property
     def null_gradient(self) -> Expression:
         """h = (I - J+ J) dH/dv: the part of the criterion's gradient that the task leaves free, (n, 1)."""
-        return self._split[0]
+        return self._split.null
 
     @cached_property
     def gradient_length(self) -> Expression:
-        """|dH/dv|."""
-        return norm(self.gradient)
+        """|dH/dv|, from its two orthogonal parts."""
+        return sqrt(self.null_length**2 + self._split.squared_rest)
 
     @cached_property
     def jacobian_length(self) -> Expression:
@@ -100,7 +100,7 @@ class LocalModel:
     @cached_property
     def multipliers(self) -> Expression:
         """(J')+ dH/dv: what a unit of residual is worth in H, (m, 1); minus the Lagrange multipliers."""
-        return self._split[1]
+        return self._split.multipliers
 
     @property
     def rotational(self) -> NDArray[np.bool_]:
@@ -117,9 +117,16 @@ class LocalModel:
         """Indices of the velocity entries that are rotations."""
         return [int(i) for i in np.flatnonzero(self.rotational)]
 
-    def rotation_size(self, dq: Expression) -> Expression:
-        """The paper's Q: the norm of the rotational part of a step [rad]."""
-        return norm(dq[self.turning]) if self.turning else 0
+    @property
+    def all_rotational(self) -> bool:
+        """Whether there is no prismatic joint."""
+        return len(self.turning) == self.robot.n
+
+    def rotation_size(self, term: Expression, squared_length: Expression | None = None) -> Expression:
+        """The paper's Q: the norm of the rotational part of a step [rad]. The squared norm of all of it saves work."""
+        if self.all_rotational and squared_length is not None:
+            return sqrt(squared_length)
+        return norm(term[self.turning]) if self.turning else 0
 
     def rotation_dot(self, a: Expression, b: Expression) -> Expression:
         """Inner product of the rotational parts of two steps [rad^2]."""

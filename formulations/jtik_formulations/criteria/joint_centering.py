@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from jtik import Criterion, register_criterion
 from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
-from jtik.symbolic import Expression, sumsqr
+from jtik.symbolic import Expression, dot
 
 Array = NDArray[np.float64]
 
@@ -61,4 +61,4 @@ class JointCentering(Criterion):
         """1/2 sum of k_i (q_i - preferred_i)^2."""
         scalar = [int(i) for i in kinematics.robot.scalar_q]
         away = (kinematics.q - parameters["preferred"])[scalar]
-        return sumsqr(parameters["stiffness"][scalar] ** 0.5 * away) / 2
+        return 0.5 * dot(parameters["stiffness"][scalar], away**2)

@@ -88,5 +88,5 @@ class ObstacleAvoidance(Criterion):
             for distance in distances:
                 safe = fmax(distance, self._floor)
                 below = (safe - distance) * (1 / self._floor)
-                total = total + below * (1 + below / 2) - log(safe)
+                total = total + below * (1 + 0.5 * below) - log(safe)
         return parameters["gain"] * total

@@ -47,35 +47,34 @@ class DoglegStep(TaskStep):
         radius = state["radius"]
         transpose = cauchy_step(model, radius)
         gain = transpose.gain
-        newton, image = newton_step(model)
-        if self._mixed(model):
+        newton = newton_step(model)
+        if model.all_rotational:  # from products already at hand: the direction is J' r
+            tt, tn = gain**2 * sumsqr(model.task_gradient), gain * dot(model.here.residual, newton.image)
+            nn = newton.squared_length
+        else:
             tt = gain**2 * model.rotation_dot(transpose.direction, transpose.direction)
-            tn = gain * model.rotation_dot(transpose.direction, newton)
-        else:  # from products already at hand: the direction is J' r
-            tt, tn = gain**2 * sumsqr(model.task_gradient), gain * dot(model.here.residual, image)
-        nn = model.rotation_dot(newton, newton)
+            tn = gain * model.rotation_dot(transpose.direction, newton.x)
+            nn = model.rotation_dot(newton.x, newton.x)
         a, b, c = tt - 2 * tn + nn, tn - tt, tt - radius**2  # |t + along (n - t)|^2 = radius^2
         along = ratio(sqrt(fmax(b**2 - a * c, 0)) - b, fmax(a, 0))
         along = if_else(transpose.s < 1, 0, if_else(nn <= radius**2, 1, along))
-        fraction = state["fraction"] if self._mixed(model) else 1
-        back, on = fraction * (1 - along) * gain, fraction * along
-        term = back * transpose.direction + on * newton
-        return TaskMove(term, back * transpose.image + on * image, transpose.alpha)
-
-    @staticmethod
-    def _mixed(model: LocalModel) -> bool:
-        return len(model.turning) < model.robot.n
+        fraction = 1 if model.all_rotational else state["fraction"]
+        back, on = fraction * (1 - along), fraction * along
+        term = back * gain * transpose.direction + on * newton.x
+        squared = back**2 * tt + 2 * back * on * tn + on**2 * nn if model.all_rotational else sumsqr(term)
+        image = back * gain * transpose.image + on * newton.image
+        return TaskMove(term, image, sqrt(fmax(squared, 0)), transpose.alpha)
 
     def adapt(self, model: LocalModel, state: State, move: TaskMove, outcome: Outcome) -> State:
         """A quarter of the step taken after a poor prediction, twice the radius after a good one at its edge."""
         radius, fraction = state["radius"], state["fraction"]
-        size = model.rotation_size(move.term)
+        size = model.rotation_size(move.term, move.length**2)
         poor = logic_and(outcome.task_blamed, logic_or(outcome.accepted == 0, outcome.ratio < POOR))
         good = logic_and(outcome.ratio > GOOD, size > 0.99 * radius)
         smaller = fmin(if_else(size > 0, size, radius), radius) / 4
         larger = fmin(2 * radius, self.q_limit)
         after = {"radius": if_else(poor, smaller, if_else(good, larger, radius)), "fraction": fraction}
-        if self._mixed(model):
+        if not model.all_rotational:
             after |= backtracked(state, outcome)
         return after
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from jtik import register_strategy
 from jtik.errors import ArgumentError
+from jtik.factorization import LeastSquares
 from jtik.strategy import (
     Acceptance,
     Composition,
@@ -22,15 +23,15 @@ from jtik.strategy import (
     TaskMove,
     TaskStep,
 )
-from jtik.symbolic import Expression, fmin, ratio
+from jtik.symbolic import Expression, fmin, ratio, sqrt
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 from jtik_formulations.strategies.transpose import backtracked, judged
 
 Array = NDArray[np.float64]
 
 
-def newton_step(model: LocalModel) -> tuple[Expression, Expression]:
-    """x = J+ r, of all x that minimise |r - J x| the shortest, (n, 1), and J x (m, 1)."""
+def newton_step(model: LocalModel) -> LeastSquares:
+    """x = J+ r: of all x that minimise |r - J x| the shortest."""
     return model.rows.least_squares(model.here.residual)
 
 
@@ -47,11 +48,11 @@ class NewtonStep(TaskStep):
 
     def propose(self, model: LocalModel, state: State) -> TaskMove:
         """-J+ r, as a whole scaled down to the Q limit: its direction, and so the tip's, stays."""
-        term, image = newton_step(model)
+        newton = newton_step(model)
         scale: Expression = state["fraction"] if self.backtracking else 1
         if math.isfinite(self.q_limit):
-            scale = scale * fmin(1, ratio(self.q_limit, model.rotation_size(term)))
-        return TaskMove(scale * term, scale * image, math.nan)
+            scale = scale * fmin(1, ratio(self.q_limit, model.rotation_size(newton.x, newton.squared_length)))
+        return TaskMove(scale * newton.x, scale * newton.image, scale * sqrt(newton.squared_length), math.nan)
 
     def adapt(self, model: LocalModel, state: State, move: TaskMove, outcome: Outcome) -> State:
         """Half the step after a refusal, twice the fraction after an acceptance."""

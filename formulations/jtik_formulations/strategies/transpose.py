@@ -22,7 +22,7 @@ from jtik.strategy import (
     TaskMove,
     TaskStep,
 )
-from jtik.symbolic import Expression, dot, fmin, if_else, ratio, sumsqr, vertcat
+from jtik.symbolic import Expression, dot, fmin, if_else, norm, ratio, sumsqr, vertcat
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
 Array = NDArray[np.float64]
@@ -58,7 +58,7 @@ def cauchy_step(model: LocalModel, limit: Expression) -> CauchyStep:
     image = J @ g
     alpha = optimal_gain(sumsqr(g), image)
     s = fmin(1, ratio(limit, alpha * model.rotation_size(g)))
-    if len(model.turning) == model.robot.n:
+    if model.all_rotational:
         return CauchyStep(g, image, alpha * s, alpha, s)
     limited = _scaled(model, s, g)
     image = J @ limited
@@ -103,7 +103,7 @@ class TransposeStep(TaskStep):
         rule = printed_step if self.rule == "paper" else cauchy_step
         step = rule(model, self.q_limit)
         gain = state["fraction"] * step.gain if self.backtracking else step.gain
-        return TaskMove(gain * step.direction, gain * step.image, step.alpha)
+        return TaskMove(gain * step.direction, gain * step.image, gain * norm(step.direction), step.alpha)
 
     def adapt(self, model: LocalModel, state: State, move: TaskMove, outcome: Outcome) -> State:
         """Half the step after a refusal, twice the fraction after an acceptance."""
