@@ -62,6 +62,8 @@ class Diagnosis:
 
     def status(self, q: Array, code: Code, report: Report, inputs: Sequence[Array]) -> Status:
         """The reason, in the order a user would ask for it."""
+        if code is Code.DONE and not self._criteria:
+            return Status.CONVERGED  # the step has tested it
         if code is Code.NOT_FINITE or not report.finite:
             return Status.NOT_FINITE
         if report.reached:

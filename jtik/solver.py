@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterable
 from dataclasses import replace
@@ -279,7 +280,11 @@ class InverseKinematics:
         """The configuration given, checked; raises ArgumentError for a wrong shape, NaN or a zero quaternion."""
         if q is None:
             return self.robot.neutral
-        return self.robot.configuration(q, argument=argument)
+        return (
+            finite_array(argument, q, (self.robot.nq,))
+            if self._plain_q
+            else self.robot.configuration(q, argument=argument)
+        )
 
     def _led_back(self, q: Array) -> Array:
         """The configuration inside the limits."""
@@ -326,6 +331,8 @@ class InverseKinematics:
 
 def _positive(argument: str, value: float) -> float:
     """The value as a float. Raises ArgumentError unless it is finite and positive."""
+    if type(value) is float and 0.0 < value < math.inf:
+        return value
     number = float(finite_array(argument, value, ()))
     if not number > 0:
         raise ArgumentError(argument, value, "a positive number")

@@ -231,7 +231,12 @@ class TaskStack:
     @classmethod
     def of(cls, robot: Robot, tasks: Task | Iterable[Task]) -> TaskStack:
         """From one task or several; raises ArgumentError for none, for something else, or for a repeated name."""
-        chosen = (tasks,) if isinstance(tasks, Task) else tuple(tasks)
+        if isinstance(tasks, Task):
+            chosen: tuple[Task, ...] = (tasks,)
+        elif isinstance(tasks, Iterable) and not isinstance(tasks, str):
+            chosen = tuple(tasks)
+        else:
+            raise ArgumentError("task", tasks, "a jtik.Task such as jtik.FrameTask, or a list of them")
         for task in chosen:
             if not isinstance(task, Task):
                 raise ArgumentError("task", task, "a jtik.Task such as jtik.FrameTask, or a list of them")
