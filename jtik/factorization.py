@@ -23,6 +23,11 @@ RANK_THRESHOLD = 1e-8
 """Relative length below which a row of J counts as dependent on the rows before it."""
 
 
+def squared_length(J: Expression) -> Expression:
+    """Square of the Frobenius norm, row by row, so that a factorisation shares its terms."""
+    return sum(sumsqr(J[i, :].T) for i in range(J.shape[0]))
+
+
 @dataclass(frozen=True)
 class LeastSquares:
     """``x = J+ r`` (n, 1), its image ``J x`` (m, 1), and ``|x|^2``."""
@@ -46,7 +51,7 @@ class RowSpace:
 
     def __init__(self, J: Expression, *, threshold: float = RANK_THRESHOLD) -> None:
         self._m, self._n = J.shape
-        self.squared_length = sum(sumsqr(J[i, :].T) for i in range(self._m))
+        self.squared_length = squared_length(J)
         limit = threshold**2 * self.squared_length
         self._basis: list[Expression] = []
         self._inverse: list[Expression] = []

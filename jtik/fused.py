@@ -14,10 +14,12 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik.factorization import squared_length
 from jtik.limits import WorkingSet, inside
 from jtik.problem import Problem
 from jtik.strategy import LocalModel, Point, Shape, Strategy
 from jtik.symbolic import (
+    TINY,
     Expression,
     Function,
     fmax,
@@ -28,6 +30,7 @@ from jtik.symbolic import (
     logic_not,
     logic_or,
     norm,
+    sqrt,
     substitute,
     symbol,
     vertcat,
@@ -128,8 +131,7 @@ def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False) 
     gradient_H = problem.gradient(H, symbolic_q)
     residual, J, H, gradient_H = (substitute(x, symbolic_q, q) for x in (residual, J, H, gradient_H))
     here = Point(q, residual, H)
-    size = norm(J)
-    tube = if_else(state["tube"] > 0, state["tube"], TUBE * size)
+    tube = if_else(state["tube"] > 0, state["tube"], TUBE * sqrt(squared_length(J) + TINY))
     near = here.length <= tube
     working = WorkingSet(problem, state, here, near, J, gradient_H, lower, upper) if bounded else None
     model = LocalModel(

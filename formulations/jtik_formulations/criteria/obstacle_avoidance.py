@@ -83,10 +83,13 @@ class ObstacleAvoidance(Criterion):
 
     def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
         """-gain * sum of ln d, continued below the floor."""
-        total: Expression = 0
+        logarithms: Expression = 0
+        first: Expression = 0
+        second: Expression = 0
         for distances in self.distances(kinematics, parameters):
             for distance in distances:
                 safe = fmax(distance, self._floor)
-                below = (safe - distance) * (1 / self._floor)
-                total = total + below * (1 + 0.5 * below) - log(safe)
-        return parameters["gain"] * total
+                below = safe - distance
+                logarithms, first, second = logarithms + log(safe), first + below, second + below**2
+        continued = first * (1 / self._floor) + second * (0.5 / self._floor**2)
+        return parameters["gain"] * (continued - logarithms)
