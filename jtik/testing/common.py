@@ -1,0 +1,30 @@
+"""What both contracts use."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jtik.criterion import criterion
+from jtik.robot import Robot
+from jtik.symbolic import Expression, sumsqr
+
+Array = NDArray[np.float64]
+
+
+def require(condition: bool | np.bool_, message: str) -> None:
+    """Raise AssertionError with the message unless the condition holds, also under ``python -O``."""
+    if not condition:
+        raise AssertionError(message)
+
+
+@criterion
+def posture(q: Expression, robot: Robot, *, preferred: float = 0.2) -> Expression:
+    """1/2 |q - preferred|^2 over the hinges and slides."""
+    return sumsqr(q[[int(i) for i in robot.scalar_q]] - preferred) / 2
+
+
+def moved(robot: Robot, q: Array, dq: Array) -> Array:
+    """q after the step dq, inside the limits."""
+    moved: Array = np.clip(robot.integrate(q, dq), robot.lower, robot.upper)
+    return moved

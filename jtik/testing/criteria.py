@@ -1,0 +1,178 @@
+"""The contract of a criterion: scalar, finite, its gradient right, its parameters live."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jtik.compile import Compiled
+from jtik.criterion import Criterion, CriterionTerms
+from jtik.errors import ArgumentError
+from jtik.geometry import Circle, Sphere
+from jtik.robot import Robot
+from jtik.solution import Status
+from jtik.solver import InverseKinematics
+from jtik.symbolic import function, gradient, symbol, symvar
+from jtik.task import FrameTask
+from jtik.testing.common import require
+
+Array = NDArray[np.float64]
+
+DIFFERENCE_STEPS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+"""Steps of the central differences [rad] or [m]: a right gradient agrees at one of them, however stiff H is."""
+
+DIFFERENCE_TOLERANCE = 1e-4
+"""Relative disagreement allowed between a gradient and its best central difference."""
+
+
+def check_criterion(
+    criterion: Criterion,
+    robot: Robot,
+    *,
+    samples: int | Iterable[ArrayLike] = 20,
+    rng: np.random.Generator | int = 0,
+) -> None:
+    """Check that a criterion is what a solver takes it for, on one robot.
+
+    It has a name and parameters that are the same whenever asked for; it is one scalar expression of q and of
+    these parameters, each of which it really reads, so that changing one acts at once; it and its gradient are
+    finite at every sample; the gradient agrees with central differences; and a solve with it ends.
+
+    Args:
+        criterion: the criterion.
+        robot: a robot it is meant for.
+        samples: how many random configurations to look at besides the neutral one, or these configurations (nq,).
+        rng: a seed, or a generator.
+
+    Raises:
+        AssertionError: when something does not hold; the message says what and where.
+        JtikError: when the solver refuses the criterion.
+    """
+    who = f"criterion {getattr(criterion, 'name', criterion)!r}"
+    require(isinstance(criterion, Criterion), f"{who} must be a jtik.Criterion, not {type(criterion).__name__}")
+    require(isinstance(getattr(criterion, "name", None), str) and bool(criterion.name), f"{who} must have a name")
+    _check_parameters(who, criterion, robot)
+    generator = np.random.default_rng(rng)
+    terms = CriterionTerms.of(robot, criterion)
+    q, parameters = symbol("q", robot.nq), terms.parameters.symbols()
+    (H,) = terms.values(robot.at(q), parameters)
+    read = {variable.name() for variable in symvar(H)}
+    for name in terms.parameters:
+        own = {variable.name() for variable in symvar(terms.parameters.take(parameters, name))}
+        require(
+            not own or bool(own & read),
+            f"{who} never reads its parameter {name!r}; use the expression it is given, not the number it began with",
+        )
+    slope = robot.tangent(q).T @ gradient(H, q)
+    evaluate = Compiled(function("criterion", [q, parameters], [H, slope]))
+    memory = terms.parameters.memory
+    for sample in _samples(robot, samples, generator):
+        value, analytic = (result[:, 0] for result in evaluate(sample, memory))
+        require(np.isfinite(value[0]), f"{who} is {value[0]} at q = {sample.tolist()}, not finite")
+        require(bool(np.isfinite(analytic).all()), f"the gradient of {who} is {analytic} at q = {sample.tolist()}")
+        require(
+            evaluate(sample, memory)[0][0, 0] == value[0],
+            f"{who} is not the same twice at q = {sample.tolist()}",
+        )
+        _check_gradient(who, robot, sample, analytic, lambda at: float(evaluate(at, memory)[0][0, 0]))
+    _check_use(who, criterion, robot, generator)
+
+
+def example_criterion(plugin: type[Criterion], robot: Robot) -> Criterion:
+    """An object of a criterion class, to put a registered class to the test on ``robot``.
+
+    A class whose arguments have no defaults offers a classmethod ``example(robot)``; the argument ``obstacles``
+    is known.
+
+    Raises:
+        ArgumentError: when nothing says how to make one.
+    """
+    offered = getattr(plugin, "example", None)
+    if offered is not None:
+        made: Criterion = offered(robot)
+        return made
+    required = [
+        name
+        for name, parameter in inspect.signature(plugin).parameters.items()
+        if parameter.default is parameter.empty
+        and parameter.kind not in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD)
+    ]
+    known: dict[str, Any] = {"obstacles": _obstacles(robot)}
+    unknown = [name for name in required if name not in known]
+    if unknown:
+        raise ArgumentError(
+            plugin.__name__,
+            f"arguments without a default: {unknown}",
+            "defaults for all arguments, or a classmethod example(robot)",
+        )
+    return plugin(**{name: known[name] for name in required})
+
+
+def _obstacles(robot: Robot) -> list[Circle | Sphere]:
+    if robot.dimension == 2:
+        return [Circle(center=(2.5, 1.5), radius=0.4), Circle(center=(-1.0, 2.0), radius=0.2)]
+    return [Sphere(center=(0.9, 0.4, 0.3), radius=0.1), Sphere(center=(-0.4, 0.2, 0.9), radius=0.2)]
+
+
+def _check_parameters(who: str, criterion: Criterion, robot: Robot) -> None:
+    first, second = criterion.parameters(robot), criterion.parameters(robot)
+    require(isinstance(first, Mapping), f"the parameters of {who} must be a mapping, not {type(first).__name__}")
+    require(
+        list(first) == list(second),
+        f"the parameters of {who} change their names: {list(first)}, {list(second)}",
+    )
+    for name, value in first.items():
+        require(isinstance(name, str) and name != "weight", f"{who} may not call a parameter {name!r}")
+        array, again = np.asarray(value, dtype=float), np.asarray(second[name], dtype=float)
+        require(
+            array.ndim <= 2,
+            f"parameter {name!r} of {who} must be a scalar, vector or matrix, not {array.ndim}-D",
+        )
+        require(bool(np.isfinite(array).all()), f"parameter {name!r} of {who} starts at {array}, not finite")
+        require(np.array_equal(array, again), f"parameter {name!r} of {who} starts at {array} and at {again}")
+
+
+def _samples(robot: Robot, samples: int | Iterable[ArrayLike], generator: np.random.Generator) -> list[Array]:
+    if not isinstance(samples, int):
+        return [np.array(sample, dtype=float) for sample in samples]
+    return [robot.neutral, *[robot.random_configuration(generator) for _ in range(samples)]]
+
+
+def _check_gradient(who: str, robot: Robot, q: Array, analytic: Array, value: Any) -> None:
+    scale = max(1.0, float(np.abs(analytic).max()))
+    for j, unit in enumerate(np.eye(robot.n)):
+        found = []
+        for step in DIFFERENCE_STEPS:
+            ahead, behind = robot.integrate(q, step * unit), robot.integrate(q, -step * unit)
+            found.append((value(ahead) - value(behind)) / (2 * step))
+        finite = [number for number in found if np.isfinite(number)]
+        best = min(finite, key=lambda number: abs(number - analytic[j]), default=np.nan)
+        require(
+            abs(best - analytic[j]) <= DIFFERENCE_TOLERANCE * scale,
+            f"gradient of {who} along velocity {j} is {analytic[j]}, by differences {best}, at q = {q.tolist()}",
+        )
+
+
+def _check_use(who: str, criterion: Criterion, robot: Robot, generator: np.random.Generator) -> None:
+    """A solve with it ends, does not raise H on a target already reached, and sees its parameters change."""
+    start = robot.random_configuration(generator)
+    ik = InverseKinematics(robot, FrameTask(robot.tip), criteria=criterion)
+    solution = ik.solve(robot.pose(start), q0=start, max_iterations=200)
+    require(bool(np.isfinite(solution.q).all()), f"a solve with {who} ends at q = {solution.q}")
+    require(solution.status is not Status.NOT_FINITE, f"a solve with {who} met a value that is not finite")
+    before = ik.solve(robot.pose(start), q0=start, max_iterations=0).cost
+    require(
+        solution.cost <= before + 1e-6 * max(1.0, abs(before)),
+        f"a solve that starts on the target raises {who} from {before} to {solution.cost}",
+    )
+    weight = f"{criterion.name}.weight"
+    ik.parameters[weight] = 2.0
+    doubled = ik.solve(robot.pose(start), q0=start, max_iterations=0).cost
+    require(
+        abs(doubled - 2 * before) <= 1e-9 * max(1.0, abs(before)),
+        f"{who} is {before} at weight 1 and {doubled} at weight 2",
+    )

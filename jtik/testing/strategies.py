@@ -1,0 +1,244 @@
+"""The contract of a strategy: it keeps its state's names, its limits and its claims, and never raises."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jtik.registry import strategy_of
+from jtik.robot import Joint, JointType, Robot
+from jtik.solution import Solution, Status
+from jtik.solver import InverseKinematics
+from jtik.strategy import LocalModel, Shape, State, Strategy, Update
+from jtik.symbolic import Expression
+from jtik.task import FrameTask, Task
+from jtik.testing.common import moved, posture, require
+
+Array = NDArray[np.float64]
+
+RISE = 1e-12
+"""Relative rise of V that is rounding of its evaluation."""
+
+EASY_TOLERANCE = 1e-3
+"""Error [m] and [rad] to which an easy target must be reached: steepest descent gets there, too."""
+
+
+def check_strategy(
+    strategy: str | Strategy,
+    *,
+    samples: int = 3,
+    rng: np.random.Generator | int = 0,
+    monotone: bool | None = None,
+    tolerance: float = EASY_TOLERANCE,
+    max_iterations: int = 5000,
+) -> None:
+    """Check that a strategy is what the loop takes it for, on planar, spatial, mixed and limited robots.
+
+    Its state keeps its names and sizes from one update to the next, its step and its figures have the right
+    shapes; it reaches near targets, with and without a criterion; no iterate is NaN or leaves the joint limits;
+    V never rises where it says so; a target out of reach and an exactly straight start end in a Solution; the
+    same question has the same answer; and nothing raises.
+
+    Args:
+        strategy: a registered name or a Strategy.
+        samples: starts on each robot.
+        rng: a seed, or a generator.
+        monotone: whether V may never rise in an accepted step without a criterion; by default what ``acceptance()``
+            of a Composition says, and no claim for any other strategy.
+        tolerance: error [m] and [rad] to which near targets must be reached.
+        max_iterations: in how many steps.
+
+    Raises:
+        AssertionError: when something does not hold; the message says what and where.
+        JtikError: when the solver refuses the strategy.
+    """
+    law = strategy_of(strategy)
+    claims_monotone = _claims_monotone(law) if monotone is None else monotone
+    generator = np.random.default_rng(rng)
+    for robot, task in _benches():
+        for criteria in (None, posture):
+            watched = _Watched(law)
+            ik = InverseKinematics(robot, task, criteria=criteria, strategy=watched)
+            where = f"strategy {law!r} on {robot!r} {'with' if criteria else 'without'} a criterion"
+            falls = claims_monotone and criteria is None
+            for _ in range(samples):
+                start = moved(robot, robot.neutral, generator.uniform(-0.6, 0.6, robot.n))
+                aim = moved(robot, start, generator.uniform(-0.15, 0.15, robot.n))
+                _check_near(where, ik, start, robot.pose(aim), tolerance, max_iterations, falls=falls)
+                _check_far(where, ik, start, falls=falls)
+            _check_straight(where, ik, falls=falls)
+
+
+def _benches() -> list[tuple[Robot, Task]]:
+    """Robots and tasks that between them have every property a law could stumble over."""
+    half = np.pi / 2
+    spatial = [(0.1, half, 0.3), (0.4, 0.3, 0.0), (0.0, -half, 0.1), (0.3, half, 0.3), (0.0, -half, 0.2)]
+    spatial += [(0.0, half, 0.0), (0.1, 0.0, 0.1)]
+    rows = [
+        {"a": a, "alpha": alpha, "d": d, "theta": 0.4 * (-1) ** i, "lower": -1.5, "upper": 1.5}
+        for i, (a, alpha, d) in enumerate(spatial)
+    ]
+    along_x = np.eye(4)
+    along_x[0, 3] = 0.5
+    tilted = np.array([0.0, 1.0, 0.0])
+    ball = Robot(
+        [
+            Joint("shoulder", JointType.BALL, "base", "upper"),
+            Joint("elbow", JointType.HINGE, "upper", "fore", origin=along_x, axis=tilted),
+            Joint("wrist", JointType.BALL, "fore", "hand", origin=along_x),
+            Joint("tip", JointType.FIXED, "hand", "tip", origin=along_x),
+        ],
+        name="ball",
+    )
+    return [
+        (Robot.planar(5), FrameTask("tip", "position")),
+        (Robot.planar(5), FrameTask("tip", "position", axes="x")),
+        (Robot.planar(5, lower=-0.7, upper=0.7), FrameTask("tip", "position", stiffness=[1.0, 4.0])),
+        (Robot.planar(4), FrameTask("tip", "pose")),
+        (Robot.vehicle(3, lower=-2.0, upper=2.0), FrameTask("tip", "position")),
+        (Robot.from_dh(rows), FrameTask("tip", "position")),
+        (Robot.from_dh(rows), FrameTask("tip", "pose", stiffness=[1.0] * 3 + [0.1] * 3)),
+        (ball, FrameTask("tip", "position")),
+    ]
+
+
+def _can_travel(robot: Robot) -> bool:
+    return any(
+        not robot.rotational[robot.v_slice(name).start] and np.isinf(robot.upper[robot.q_slice(name).start])
+        for name in robot.joint_names
+    )
+
+
+def _claims_monotone(strategy: Strategy) -> bool:
+    acceptance = getattr(strategy, "acceptance", None)
+    return acceptance is not None and acceptance() != "always"
+
+
+def _check_solution(where: str, robot: Robot, solution: Solution, *, falls: bool) -> None:
+    trace = solution.trace
+    assert trace is not None
+    start = trace.q[0].tolist()
+    require(bool(np.isfinite(trace.q).all()), f"{where} meets an iterate that is not finite from q0 = {start}")
+    require(
+        solution.status is not Status.NOT_FINITE,
+        f"{where} meets a figure that is not finite from q0 = {start}",
+    )
+    after = trace.q[1:]
+    inside = bool((after >= robot.lower).all() and (after <= robot.upper).all())
+    require(inside, f"{where} leaves the joint limits from q0 = {start}")
+    require(np.array_equal(solution.q, trace.q[-1]), f"{where} does not return its last iterate from q0 = {start}")
+    if falls and len(trace):
+        V = trace.V
+        rise = (V[1:] - V[:-1]) > RISE * V[:-1]
+        require(
+            not rise.any(),
+            f"{where} lets V rise at iterations {np.flatnonzero(rise).tolist()} from q0 = {start}",
+        )
+
+
+def _check_near(
+    where: str,
+    ik: InverseKinematics,
+    start: Array,
+    target: Array,
+    tolerance: float,
+    max_iterations: int,
+    *,
+    falls: bool,
+) -> None:
+    answers = [
+        ik.solve(
+            target,
+            q0=start,
+            max_iterations=max_iterations,
+            position_tolerance=tolerance,
+            orientation_tolerance=tolerance,
+            until="reached",
+            trace=trace,
+        )
+        for trace in (True, False)
+    ]
+    solution, again = answers
+    _check_solution(where, ik.robot, solution, falls=falls)
+    require(
+        solution.converged,
+        f"{where} does not reach a target within 0.15 rad of q0 = {start.tolist()}: {solution.status.value}",
+    )
+    require(np.array_equal(again.q, solution.q), f"{where} answers the same question differently")
+    ik.reset()
+    stepped = ik.step(start, target).q
+    require(bool(np.isfinite(stepped).all()), f"a step of {where} arrives at {stepped}")
+
+
+def _check_far(where: str, ik: InverseKinematics, start: Array, *, falls: bool) -> None:
+    """A kilometre away, unless the robot can drive there."""
+    if _can_travel(ik.robot):
+        return
+    away = ik.robot.pose(start)
+    away[:2, 3] += 1e3
+    lost = ik.solve(away, q0=start, max_iterations=200, trace=True)
+    _check_solution(where, ik.robot, lost, falls=falls)
+    require(not lost.converged, f"{where} claims to reach a target a kilometre away: {lost!r}")
+
+
+def _check_straight(where: str, ik: InverseKinematics, *, falls: bool) -> None:
+    """From the neutral configuration, for many robots a singular one, halfway in towards the base."""
+    robot = ik.robot
+    inward = robot.pose(robot.neutral)
+    inward[: robot.dimension, 3] *= 0.5
+    solution = ik.solve(inward, q0=robot.neutral, max_iterations=500, trace=True)
+    _check_solution(f"{where}, singular start", robot, solution, falls=falls)
+
+
+class _Watched(Strategy):
+    """A strategy as it is, whose state and updates are looked at while they are built."""
+
+    def __init__(self, strategy: Strategy) -> None:
+        self._strategy = strategy
+        self._who = f"strategy {strategy!r}"
+
+    def __repr__(self) -> str:
+        return repr(self._strategy)
+
+    def initial_state(self, shape: Shape) -> Mapping[str, Array]:
+        """That of the strategy, checked."""
+        state = self._strategy.initial_state(shape)
+        for name, value in state.items():
+            array = np.asarray(value, dtype=float)
+            require(
+                array.ndim == 1 and bool(np.isfinite(array).all()),
+                f"{self._who}: state {name!r} must start as a finite one-dimensional array, not {value!r}",
+            )
+        return state
+
+    def update(self, model: LocalModel, state: State) -> Update:
+        """That of the strategy, checked."""
+        update = self._strategy.update(model, state)
+        require(
+            isinstance(update, Update),
+            f"{self._who}: update must return an Update, not {type(update).__name__}",
+        )
+        before = {name: _rows(value) for name, value in state.items()}
+        after = {name: _rows(value) for name, value in update.state.items()}
+        require(
+            before == after,
+            f"{self._who}: the state begins with names and sizes {before} and after an update has {after}",
+        )
+        n = model.robot.n
+        for name in ("term", "null_term"):
+            rows = _rows(getattr(update, name))
+            require(rows == n, f"{self._who}: {name} must have shape ({n}, 1), not ({rows}, 1)")
+        require(
+            _rows(update.point.q) == model.robot.nq,
+            f"{self._who}: point.q must have shape ({model.robot.nq}, 1)",
+        )
+        require(_rows(update.accepted) == 1, f"{self._who}: accepted must be a scalar, 0 or 1")
+        for name, figure in update.figures.items():
+            require(_rows(figure) == 1, f"{self._who}: figure {name!r} must be a scalar")
+        return update
+
+
+def _rows(value: Expression) -> int:
+    return int(np.prod(getattr(value, "shape", (1, 1))))
