@@ -57,7 +57,7 @@ class DoglegStep(TaskStep):
             nn = model.rotation_dot(newton.x, newton.x)
         a, b, c = tt - 2 * tn + nn, tn - tt, tt - radius**2  # |t + along (n - t)|^2 = radius^2
         along = ratio(sqrt(fmax(b**2 - a * c, 0)) - b, fmax(a, 0))
-        along = if_else(transpose.s < 1, 0, if_else(nn <= radius**2, 1, along))
+        along = (transpose.s >= 1) * if_else(nn <= radius**2, 1, along)
         fraction = 1 if model.all_rotational else state["fraction"]
         back, on = fraction * (1 - along), fraction * along
         term = back * gain * transpose.direction + on * newton.x

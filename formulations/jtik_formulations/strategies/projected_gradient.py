@@ -67,7 +67,7 @@ class ProjectedGradient(SecondaryTerm):
         if self.rule == "merit":
             beta = self._barzilai_borwein(h, state)
             cap = state["null_cap"]
-            gain = if_else(length > NOISE * model.gradient_length, fmin(beta, cap / length), 0)
+            gain = (length > NOISE * model.gradient_length) * fmin(beta, ratio(cap, length))
             return _along(h, length, gain)
         if self.rule == "sqrt":
             energy = fmax(state["null_energy"], self.floor**2)
