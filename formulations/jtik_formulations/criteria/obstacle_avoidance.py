@@ -13,6 +13,9 @@ from jtik.geometry import Obstacle, centers_and_radii, point_to_ball, segment_to
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, fmax, log
 
+_FACTORS = 8
+"""Distances whose product is taken before its logarithm: logarithms are dear, and eight lengths cannot overflow."""
+
 
 @register_criterion("obstacle_avoidance")
 class ObstacleAvoidance(Criterion):
@@ -87,9 +90,12 @@ class ObstacleAvoidance(Criterion):
         first: Expression = 0
         second: Expression = 0
         for distances in self.distances(kinematics, parameters):
-            for distance in distances:
-                safe = fmax(distance, self._floor)
-                below = safe - distance
-                logarithms, first, second = logarithms + log(safe), first + below, second + below**2
+            for start in range(0, len(distances), _FACTORS):
+                product: Expression = 1
+                for distance in distances[start : start + _FACTORS]:
+                    safe = fmax(distance, self._floor)
+                    below = safe - distance
+                    product, first, second = product * safe, first + below, second + below**2
+                logarithms = logarithms + log(product)
         continued = first * (1 / self._floor) + second * (0.5 / self._floor**2)
         return parameters["gain"] * (continued - logarithms)
