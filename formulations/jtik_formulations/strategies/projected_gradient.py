@@ -78,8 +78,7 @@ class ProjectedGradient(SecondaryTerm):
         return _along(h, length, beta)
 
     def _barzilai_borwein(self, h: Expression, state: State) -> Expression:
-        """s's / s'y of the last null step s, along which the projected gradient changed by y; as before after a
-        refusal.
+        """s's / s'y of the last null step s, along which h changed by y; as before after a refusal.
 
         With s = -gain h0 and y = h - h0 this is gain |h0|^2 / (|h0|^2 - h0'h), without a bound where H is not convex.
         """
