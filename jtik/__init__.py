@@ -2,7 +2,7 @@
 
 from jtik.criterion import Criterion, CriterionError, CriterionSum, criterion
 from jtik.errors import ArgumentError, JtikError, MissingExtraError, UnknownNameError
-from jtik.geometry import Circle, Point, Sphere
+from jtik.geometry import Box, Capsule, Circle, Cylinder, Point, Sphere
 from jtik.registry import (
     PluginError,
     criteria,
@@ -20,10 +20,13 @@ __version__ = "0.1.0"
 
 __all__ = [
     "ArgumentError",
+    "Box",
+    "Capsule",
     "Circle",
     "Criterion",
     "CriterionError",
     "CriterionSum",
+    "Cylinder",
     "FrameTask",
     "InverseKinematics",
     "Joint",

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import ClassVar, TypeAlias
+from functools import partial
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,8 +16,12 @@ from jtik.symbolic import TINY, Expression, dot, fmax, fmin, norm, sumsqr
 Array = NDArray[np.float64]
 
 
+class Solid:
+    """A body in the workspace, or on a link of a robot in the coordinates of its frame."""
+
+
 @dataclass(frozen=True, init=False, eq=False)
-class Ball:
+class Ball(Solid):
     """All points within ``radius`` [m] of ``center`` [m]; radius 0 is a point. Circle in the plane, Sphere in space."""
 
     center: Array
@@ -57,6 +62,61 @@ class Sphere(Ball):
     """A ball in space: center (3,) [m] and radius [m]."""
 
     dimensions = (3,)
+
+
+@dataclass(frozen=True, eq=False)
+class _Rounded(Solid):
+    """A segment with a radius: ends (3,) [m] and radius [m]."""
+
+    start: Array
+    end: Array
+    radius: float
+
+    def __post_init__(self) -> None:
+        for name in ("start", "end"):
+            object.__setattr__(self, name, _read_only(finite_array(name, getattr(self, name), (3,))))
+        object.__setattr__(self, "radius", _positive("radius", self.radius))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return partial(type(self), self.start, self.end, self.radius), ()
+
+
+class Capsule(_Rounded):
+    """All points within ``radius`` [m] of the segment from ``start`` to ``end``, (3,) [m] each."""
+
+
+class Cylinder(_Rounded):
+    """A cylinder with flat ends: the ends of its axis ``start`` and ``end``, (3,) [m], and its ``radius`` [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Box(Solid):
+    """A box: the pose (4, 4) [m] of its centre, axes along its edges, and half of each edge's length, (3,) [m]."""
+
+    pose: Array
+    half: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "pose", _read_only(finite_array("pose", self.pose, (4, 4))))
+        half = finite_array("half", self.half, (3,))
+        if half.min() <= 0:
+            raise ArgumentError("half", half.tolist(), "three positive lengths [m]")
+        object.__setattr__(self, "half", _read_only(half))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return partial(type(self), self.pose, self.half), ()
+
+
+def _read_only(array: Array) -> Array:
+    array.flags.writeable = False
+    return array
+
+
+def _positive(argument: str, value: object) -> float:
+    length = float(finite_array(argument, value, ()))
+    if length <= 0:
+        raise ArgumentError(argument, value, "a positive length [m]")
+    return length
 
 
 Obstacle: TypeAlias = Ball

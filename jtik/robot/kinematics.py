@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from jtik.errors import ArgumentError
 from jtik.robot import quaternion
 from jtik.robot.joints import JointType
 from jtik.robot.rotation import Rotation
@@ -74,6 +75,45 @@ class Kinematics:
         """
         origin = self._place(self._robot.frame(frame)).origin
         return origin[:2] if self._robot.dimension == 2 else origin
+
+    def center_of_mass(self, _: str | None = None) -> Expression:
+        """The centre of mass in the base frame [m], shape (3, 1), or (2, 1) of a planar robot.
+
+        Raises:
+            ArgumentError: when the robot has no masses.
+        """
+        masses = self._robot.masses
+        if not masses:
+            raise ArgumentError("robot", self._robot, "a robot with masses")
+        total = sum(body.mass for body in masses.values())
+        moment: Expression = SX.zeros(3)
+        for frame, body in masses.items():
+            placed = self._place(frame)
+            moment += body.mass / total * (placed.origin + placed.rotation.apply(body.center))
+        return moment[:2] if self._robot.dimension == 2 else moment
+
+    def relative(self, frame: str, reference: str) -> tuple[Expression, Expression]:
+        """Rotation (3, 3) and origin (3, 1) [m] of ``frame`` in ``reference``; joints that carry both do not appear.
+
+        Raises:
+            UnknownNameError: when there is no such frame.
+        """
+        shared = 0
+        there, here = self._robot.path(frame), self._robot.path(reference)
+        while shared < min(len(there), len(here)) and there[shared] is here[shared]:
+            shared += 1
+        root = there[shared - 1].child if shared else self._robot.base
+        seen, base = self._from(root, frame), self._from(root, reference)
+        turn = base.rotation.matrix().T
+        return turn @ seen.rotation.matrix(), turn @ (seen.origin - base.origin)
+
+    def _from(self, root: str, frame: str) -> _Placement:
+        """The frame placed in ``root``, a frame that carries it."""
+        placed = _Placement(Rotation(), SX.zeros(3))
+        path = self._robot.path(frame)
+        for joint in path[len(self._robot.path(root)) :]:
+            placed = self._moved(placed, joint)
+        return placed
 
     def jacobian(self, frame: str | None = None) -> Expression:
         """The geometric Jacobian, shape (6, n): velocity of the frame's origin, then angular velocity.

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property, partial
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from jtik.errors import ArgumentError, Array, ImmutableError, UnknownNameError
+from jtik.geometry import Solid
 from jtik.robot import skeleton
+from jtik.robot.body import Mass, masses_on, shapes_on
 from jtik.robot.chains import dh_joints, planar_joints, vehicle_joints
 from jtik.robot.dh import Convention, Row
 from jtik.robot.kinematics import Kinematics
 from jtik.robot.layout import Layout
 from jtik.robot.space import ConfigurationSpace
 from jtik.robot.subset import locked_joints
-from jtik.robot.tree import Joint, check_planar, check_tree
+from jtik.robot.tree import Joint, check_planar, check_tree, frozen
 from jtik.robot.twins import Twins
 from jtik.symbolic import SX, Expression, is_equal
 
@@ -34,10 +37,13 @@ class Robot(ConfigurationSpace):
         planar: whether the workspace is the x-y plane, so that positions are (x, y).
         base: name of the root frame.
         tip: the frame that works; the last joint's child when None.
+        masses: the mass on each frame that has one, for the centre of mass.
+        shapes: solids on the frames, in the frames' coordinates, for clearances.
+        keyframes: named configurations (nq,).
 
     Raises:
         ArgumentError: when the joints are no tree, or leave the plane of a planar robot.
-        UnknownNameError: when a parent frame, a mimicked joint or the tip does not exist.
+        UnknownNameError: when a parent frame, a mimicked joint, the tip or the frame of a mass or shape does not exist.
     """
 
     _sealed = False
@@ -50,6 +56,9 @@ class Robot(ConfigurationSpace):
         planar: bool = False,
         base: str = "base",
         tip: str | None = None,
+        masses: Mapping[str, Mass] | None = None,
+        shapes: Mapping[str, Sequence[Solid]] | None = None,
+        keyframes: Mapping[str, object] | None = None,
     ) -> None:
         self._joints = tuple(joints)
         check_tree(self._joints, base)
@@ -62,7 +71,12 @@ class Robot(ConfigurationSpace):
         self._tip = self._joints[-1].child if tip is None else tip
         if self._tip not in self._carrier:
             raise UnknownNameError("tip frame", self._tip, self._carrier)
+        self._masses = masses_on(self.frame_names, masses)
+        self._shapes = shapes_on(self.frame_names, shapes)
         self._twins = Twins(self)
+        self._keyframes = {
+            key: frozen(self.configuration(q, argument=f"keyframes[{key!r}]")) for key, q in (keyframes or {}).items()
+        }
         self._latest: list[tuple[Expression, Kinematics]] = []
         self._sealed = True
 
@@ -80,6 +94,9 @@ class Robot(ConfigurationSpace):
             "planar": self._planar,
             "base": self.base,
             "tip": self.tip,
+            "masses": self._masses,
+            "shapes": self._shapes,
+            "keyframes": self._keyframes,
         }
         return partial(type(self), self._joints, **options), ()
 
@@ -191,7 +208,20 @@ class Robot(ConfigurationSpace):
             UnknownNameError: when there is no such joint.
         """
         kept = locked_joints(self, joints, at)
-        return type(self)(kept, name=self.name, planar=self._planar, base=self.base, tip=self.tip)
+        part = type(self)(
+            kept,
+            name=self.name,
+            planar=self._planar,
+            base=self.base,
+            tip=self.tip,
+            masses=self._masses,
+            shapes=self._shapes,
+        )
+        places = [self.q_slice(joint) for joint in part.joint_names]
+        part._keyframes.update(
+            {key: frozen(np.concatenate([q[place] for place in places])) for key, q in self._keyframes.items()}
+        )
+        return part
 
     @property
     def name(self) -> str:
@@ -222,6 +252,21 @@ class Robot(ConfigurationSpace):
     def tip(self) -> str:
         """The frame meant where none is named."""
         return self._tip
+
+    @property
+    def masses(self) -> Mapping[str, Mass]:
+        """The mass on each frame that has one."""
+        return MappingProxyType(self._masses)
+
+    @property
+    def shapes(self) -> Mapping[str, tuple[Solid, ...]]:
+        """The solids on each frame that has any, in the frame's coordinates."""
+        return MappingProxyType(self._shapes)
+
+    @property
+    def keyframes(self) -> Mapping[str, Array]:
+        """Named configurations (nq,), read-only; those of a subset are of its own joints."""
+        return MappingProxyType(self._keyframes)
 
     @cached_property
     def moving_frames(self) -> tuple[str, ...]:
@@ -312,6 +357,14 @@ class Robot(ConfigurationSpace):
             UnknownNameError: when there is no such frame.
         """
         return self._twins.of_frame("jacobian", q, frame)
+
+    def center_of_mass(self, q: Expression) -> Any:
+        """The centre of mass in the base frame [m], shape (3,), or (2,) of a planar robot.
+
+        Raises:
+            ArgumentError: when the robot has no masses, or ``q`` has another shape than (nq,) or is not finite.
+        """
+        return self._twins.of_frame("center_of_mass", q, None)
 
     def tangent(self, q: Expression) -> Any:
         """The tangent map T(q) with dq/dt = T(q) v, shape (nq, n).

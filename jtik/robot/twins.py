@@ -12,7 +12,7 @@ from jtik.symbolic import SX, Expression, Function, function, is_symbolic, symbo
 if TYPE_CHECKING:
     from jtik.robot.model import Robot
 
-FrameQuantity: TypeAlias = Literal["pose", "position", "jacobian"]
+FrameQuantity: TypeAlias = Literal["pose", "position", "jacobian", "center_of_mass"]
 LayoutQuantity: TypeAlias = Literal["tangent", "integrate", "difference"]
 
 _ARGUMENTS: dict[LayoutQuantity, tuple[str, ...]] = {
@@ -20,7 +20,7 @@ _ARGUMENTS: dict[LayoutQuantity, tuple[str, ...]] = {
     "integrate": ("q", "dq"),
     "difference": ("start", "end"),
 }
-_VECTORS = ("position", "integrate", "difference")
+_VECTORS = ("position", "center_of_mass", "integrate", "difference")
 
 
 class Twins:

@@ -1,0 +1,63 @@
+"""What hangs on the frames besides kinematics: masses for the centre of mass, shapes for clearances."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from jtik.errors import ArgumentError, Array, UnknownNameError, finite_array
+from jtik.geometry import Solid
+from jtik.robot.tree import frozen
+
+
+@dataclass(frozen=True, eq=False)
+class Mass:
+    """A point mass on a frame: enough for the centre of mass.
+
+    Attributes:
+        mass: [kg], from 0.
+        center: where it sits in its frame, (3,) [m].
+    """
+
+    mass: float
+    center: Array = field(default_factory=lambda: np.zeros(3))
+
+    def __post_init__(self) -> None:
+        mass = float(finite_array("Mass.mass", self.mass, ()))
+        if mass < 0:
+            raise ArgumentError("Mass.mass", mass, "a mass [kg] from 0")
+        object.__setattr__(self, "mass", mass)
+        object.__setattr__(self, "center", frozen(finite_array("Mass.center", self.center, (3,))))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return partial(type(self), self.mass, self.center), ()
+
+
+def masses_on(frames: Sequence[str], masses: Mapping[str, Mass] | None) -> dict[str, Mass]:
+    """The masses, each on a frame there is; none that weigh nothing."""
+    found = dict(masses or {})
+    for frame, mass in found.items():
+        _check_frame("mass", frame, frames)
+        if not isinstance(mass, Mass):
+            raise ArgumentError(f"masses[{frame!r}]", mass, "a jtik.robot.Mass")
+    return {frame: mass for frame, mass in found.items() if mass.mass > 0}
+
+
+def shapes_on(frames: Sequence[str], shapes: Mapping[str, Sequence[Solid]] | None) -> dict[str, tuple[Solid, ...]]:
+    """The shapes, each on a frame there is."""
+    found = {frame: tuple(solids) for frame, solids in (shapes or {}).items()}
+    for frame, solids in found.items():
+        _check_frame("shape", frame, frames)
+        for solid in solids:
+            if not isinstance(solid, Solid):
+                raise ArgumentError(f"shapes[{frame!r}]", solid, "a jtik.Sphere, Capsule, Cylinder or Box")
+    return {frame: solids for frame, solids in found.items() if solids}
+
+
+def _check_frame(what: str, frame: str, frames: Sequence[str]) -> None:
+    if frame not in frames:
+        raise UnknownNameError(f"frame of a {what}", frame, frames)
