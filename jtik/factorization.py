@@ -14,6 +14,7 @@ Source: Golub and Van Loan, *Matrix Computations*, section 5.4 (complete orthogo
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -28,26 +29,53 @@ def squared_length(J: Expression) -> Expression:
     return sum(sumsqr(J[i, :].T) for i in range(J.shape[0]))
 
 
-@dataclass(frozen=True)
-class LeastSquares:
-    """``x = J+ r`` (n, 1), its image ``J x`` (m, 1), and ``|x|^2``."""
+class RowVector:
+    """A vector of the row space by its coordinates in the basis: lengths and products cost m operations instead of n.
 
-    x: Expression
-    image: Expression
-    squared_length: Expression
+    ``vector`` (n, 1) is written out where it is asked for; ``image`` is J times it (m, 1).
+    """
+
+    def __init__(self, space: RowSpace, coordinates: Sequence[Expression]) -> None:
+        self._space = space
+        self.coordinates = tuple(coordinates)
+
+    @cached_property
+    def vector(self) -> Expression:
+        """The vector itself, (n, 1)."""
+        return self._space.combined(self.coordinates)
+
+    @cached_property
+    def image(self) -> Expression:
+        """J times the vector, (m, 1)."""
+        return self._space.image(self.coordinates)
+
+    @cached_property
+    def squared_length(self) -> Expression:
+        """Its squared Euclidean length."""
+        return self.dot(self)
+
+    def dot(self, other: RowVector) -> Expression:
+        """Inner product with another vector of the same row space."""
+        return self._space.inner(self.coordinates, other.coordinates)
+
+    def __rmul__(self, factor: Expression) -> RowVector:
+        return RowVector(self._space, [factor * c for c in self.coordinates])
+
+    def __add__(self, other: RowVector) -> RowVector:
+        return RowVector(self._space, [a + b for a, b in zip(self.coordinates, other.coordinates, strict=True)])
 
 
 @dataclass(frozen=True)
 class Split:
-    """``null = (I - J+ J) g`` (n, 1), ``multipliers = (J')+ g`` (m, 1), and ``|J+ J g|^2``, the square of the rest."""
+    """``null = (I - J+ J) g`` (n, 1), ``rest = J+ J g``, and ``multipliers = (J')+ g`` (m, 1)."""
 
     null: Expression
+    rest: RowVector
     multipliers: Expression
-    squared_rest: Expression
 
 
 class RowSpace:
-    """Row space of a symbolic ``J`` (m, n): ``J+ r``, ``(J')+ g`` and ``(I - J+ J) g`` from one factorisation."""
+    """Row space of a symbolic ``J`` (m, n), and what is asked of it, from one factorisation."""
 
     def __init__(self, J: Expression, *, threshold: float = RANK_THRESHOLD) -> None:
         self._m, self._n = J.shape
@@ -95,23 +123,38 @@ class RowSpace:
             R[j].append(length)
         return U, R
 
-    def least_squares(self, r: Expression) -> LeastSquares:
-        """``x = J+ r``: of all x that minimise ``|J x - r|`` the shortest."""
+    def combined(self, coordinates: Sequence[Expression]) -> Expression:
+        """The vector (n, 1) with these coordinates."""
+        total = zeros(self._n)
+        for component, basis in zip(coordinates, self._basis, strict=True):
+            total = total + component * basis
+        return total
+
+    def image(self, coordinates: Sequence[Expression]) -> Expression:
+        """J times the vector with these coordinates, (m, 1)."""
+        scaled = [c * squared for c, squared in zip(coordinates, self._squared, strict=True)]
+        return vertcat(*[sum(a * b for a, b in zip(row, scaled, strict=False)) for row in self._lower])
+
+    def inner(self, first: Sequence[Expression], second: Sequence[Expression]) -> Expression:
+        """Inner product of two vectors given by coordinates."""
+        # the length first: the square of a coordinate alone could overflow
+        return sum(a * length * b for a, b, length in zip(first, second, self._squared, strict=True))
+
+    def transposed(self, r: Expression) -> RowVector:
+        """``J' r``; what dependent rows would add is below the rank threshold and left out."""
+        m = self._m
+        return RowVector(self, [sum(self._lower[k][i] * r[k] for k in range(i, m)) for i in range(m)])
+
+    def least_squares(self, r: Expression) -> RowVector:
+        """``J+ r``: of all x that minimise ``|J x - r|`` the shortest."""
         U, R = self._column_space
-        image = zeros(self._m)
-        for unit in U:
-            image = image + dot(unit, r) * unit
         y: list[Expression] = [0] * self._m
         for i in reversed(range(self._m)):
             total = dot(U[i], r)
             for j in range(i + 1, self._m):
                 total = total - R[i][j - i] * y[j]
             y[i] = total / R[i][0]
-        solution = zeros(self._n)
-        for component, basis, inverse in zip(y, self._basis, self._inverse, strict=True):
-            solution = solution + (component * inverse) * basis
-        squared = sum(component**2 * inverse for component, inverse in zip(y, self._inverse, strict=True))
-        return LeastSquares(solution, image, squared)
+        return RowVector(self, [component * inverse for component, inverse in zip(y, self._inverse, strict=True)])
 
     def split(self, g: Expression) -> Split:
         """g as the part that moves nothing to first order and the part in the row space."""
@@ -133,5 +176,4 @@ class RowSpace:
         solution = zeros(self._m)
         for component, unit in zip(y, U, strict=True):
             solution = solution + component * unit
-        inside = sum(c**2 * squared for c, squared in zip(coefficients, self._squared, strict=True))
-        return Split(g, solution, inside)
+        return Split(g, RowVector(self, coefficients), solution)

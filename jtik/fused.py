@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from jtik.factorization import squared_length
 from jtik.limits import WorkingSet, inside
 from jtik.problem import Problem
-from jtik.strategy import LocalModel, Point, Shape, Strategy
+from jtik.strategy import LocalModel, Point, Shape, Strategy, Update
 from jtik.symbolic import (
     TINY,
     Expression,
@@ -176,7 +176,7 @@ def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False) 
         *[if_else(accepted, new, old) for new, old in zip(stop.errors(update.point), stop.errors_before, strict=True)],
         if_else(accepted, update.point.V, here.V),
     )
-    outputs = [if_else(accepted, update.point.q, q), layout.join(after), outcome]
+    outputs = [_arrived(model, update, accepted), layout.join(after), outcome]
     record = Layout.of({})
     if recorded:
         figures = {
@@ -193,6 +193,14 @@ def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False) 
         outputs.append(record.join(figures))
     inputs = [start, target, parameters, lower, upper, settings, column]
     return FusedStep(function("jtik_step", inputs, outputs), np.concatenate(list(first.values())), record)
+
+
+def _arrived(model: LocalModel, update: Update, accepted: Expression) -> Expression:
+    """q' of an update that may have been refused."""
+    q, robot = model.here.q, model.robot
+    if model.bounded or robot.nq != robot.n:
+        return if_else(accepted, update.point.q, q)
+    return q - vertcat(*[if_else(accepted, update.term[i], 0) for i in range(robot.n)])
 
 
 def _rows(value: Expression) -> int:
@@ -218,7 +226,7 @@ class _Stop:
         self.errors_before = self.errors(model.here)
         self.reached_before = self._reached(self.errors_before)
         self.done_before = self.reached_before
-        slope = working.task_slope if working else norm(model.task_gradient)
+        slope = working.task_slope if working else model.task_slope
         flat = slope <= STATIONARY * model.jacobian_length * model.here.length
         self.stationary = logic_and(flat, logic_not(self.reached_before))
         if problem.has_criterion:

@@ -23,8 +23,8 @@ def compiled(m, n):
     J, r, g = (casadi.SX.sym(*size) for size in (("J", m, n), ("r", m), ("g", n)))
     rows = RowSpace(J)
     solved, split = rows.least_squares(r), rows.split(g)
-    vectors = (solved.x, solved.image, split.null, split.multipliers)
-    squares = (solved.squared_length, split.squared_rest)
+    vectors = (solved.vector, solved.image, split.null, split.multipliers)
+    squares = (solved.squared_length, split.rest.squared_length)
     outputs = [casadi.densify(x) for x in (*vectors, *squares, rows.rank)]
     return casadi.Function("rows", [J, r, g], outputs)
 

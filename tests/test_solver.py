@@ -590,7 +590,7 @@ class Stubborn(jtik.Strategy):
     """A law that never takes its own step."""
 
     def update(self, model, state):
-        term = model.rows.least_squares(model.here.residual).x
+        term = model.rows.least_squares(model.here.residual).vector
         return Update(model.moved(term), 0, {}, term, term, 0 * term)
 
 
@@ -669,7 +669,7 @@ class TestStatuses:
     def test_a_law_that_goes_astray_ends_with_the_last_good_configuration(self):
         class Astray(jtik.Strategy):
             def update(self, model, state):
-                term = model.rows.least_squares(model.here.residual).x
+                term = model.rows.least_squares(model.here.residual).vector
                 return Update(model.moved(term * np.nan), 1, {}, term, term, 0 * term)
 
         solution = solver(planar(3), strategy=Astray()).solve([1.0, 1.5], q0=[0.3] * 3)

@@ -180,7 +180,7 @@ class TestStrategies:
 
             def update(self, model, state):
                 drift = model.rows.split(casadi.SX.ones(model.robot.n)).null
-                term = model.rows.least_squares(model.here.residual).x - 0.5 * drift
+                term = model.rows.least_squares(model.here.residual).vector - 0.5 * drift
                 q = model.robot.integrate(model.here.q, -term)
                 point = type(super().update(model, state).point)(q, model.residual(q), 0)
                 return Update(**{**vars(super().update(model, state)), "point": point, "accepted": 1})

@@ -19,6 +19,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik.factorization import RowVector
 from jtik.strategy.base import Shape, State, Strategy, Update
 from jtik.strategy.model import LocalModel, Point
 from jtik.symbolic import (
@@ -52,13 +53,20 @@ ROUNDING = 1e-14
 class TaskMove:
     """The ``term`` (n, 1) a law subtracts from q to move the tip.
 
-    Attributes: term; its image J term (m, 1); its length; the gain alpha a trace reports, NaN for laws without one.
+    Attributes: term; its image J term (m, 1); its length; the gain alpha a trace reports, NaN for laws without one;
+    the term in coordinates of the row space, from a law that has them.
     """
 
     term: Expression
     image: Expression
     length: Expression
     alpha: Expression
+    row_vector: RowVector | None = None
+
+    @classmethod
+    def along(cls, step: RowVector, alpha: Expression) -> TaskMove:
+        """A step in the row space of J."""
+        return cls(step.vector, step.image, sqrt(step.squared_length), alpha, step)
 
 
 @dataclass(frozen=True)
@@ -167,7 +175,9 @@ class Composition(Strategy):
         if rule == "always":
             accepted = 1
         elif rule == "merit" and model.has_criterion:
-            accepted, penalty = _weigh(model, state["penalty"], point, task_term, null, predicted, falls)
+            unhindered = None if model.bounded else task.row_vector
+            rise = model.slope_of_criterion(unhindered) if unhindered else dot(model.gradient, task_term)
+            accepted, penalty = _weigh(model, state["penalty"], point, null.decrease + rise, predicted, falls)
         elif rule == "task" and model.has_criterion:
             accepted = logic_or(falls, logic_and(model.near, judged.length <= model.tube))
         else:
@@ -214,14 +224,12 @@ def _weigh(
     model: LocalModel,
     before: Expression,
     point: Point,
-    task_term: Expression,
-    null: NullMove,
+    slope: Expression,
     predicted: Expression,
     falls: Expression,
 ) -> tuple[Expression, Expression]:
-    """Acceptance by V outside the tube, by H + mu |r| inside it; and the new mu."""
+    """Acceptance by V outside the tube, by H + mu |r| inside it, where ``slope`` = (dH/dv)' step; and the new mu."""
     here = model.here
-    slope = null.decrease + dot(model.gradient, task_term)
     reach = here.length - sqrt(fmax(2 * (here.V - predicted), 0))
     enough = 1.5 * sumsqr(model.multipliers) ** 0.5 + 0.1 * model.gradient_length / model.jacobian_length
     needed = fmin(ratio(-slope, 0.5 * fmax(reach, 0)), 100 * enough)

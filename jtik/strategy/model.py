@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.factorization import RowSpace, Split
+from jtik.factorization import RowSpace, RowVector, Split
 from jtik.robot import Robot
 from jtik.symbolic import TINY, Expression, Function, dot, fmax, fmin, norm, sqrt, sumsqr, vertcat
 
@@ -85,7 +85,7 @@ class LocalModel:
     @cached_property
     def gradient_length(self) -> Expression:
         """|dH/dv|, from its two orthogonal parts."""
-        return sqrt(self.null_length**2 + self._split.squared_rest)
+        return sqrt(self.null_length**2 + self._split.rest.squared_length)
 
     @cached_property
     def jacobian_length(self) -> Expression:
@@ -111,6 +111,20 @@ class LocalModel:
     def task_gradient(self) -> Expression:
         """dV/dv = J' r: against the joint torques of a spring of stiffness Kp between tip and target, (n, 1)."""
         return self.J.T @ self.here.residual
+
+    @cached_property
+    def force(self) -> RowVector:
+        """J' r in coordinates of the row space: for laws that factor J anyway."""
+        return self.rows.transposed(self.here.residual)
+
+    @cached_property
+    def task_slope(self) -> Expression:
+        """|J' r|."""
+        return sqrt(self.force.squared_length + TINY) if self.has_criterion else norm(self.task_gradient)
+
+    def slope_of_criterion(self, step: RowVector) -> Expression:
+        """(dH/dv)' step of a vector in the row space."""
+        return self._split.rest.dot(step)
 
     @cached_property
     def turning(self) -> list[int]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from jtik import register_strategy
 from jtik.errors import ArgumentError
+from jtik.factorization import RowVector
 from jtik.strategy import (
     Acceptance,
     Composition,
@@ -21,10 +22,10 @@ from jtik.strategy import (
     TaskMove,
     TaskStep,
 )
-from jtik.symbolic import dot, fmax, fmin, if_else, logic_and, logic_or, ratio, sqrt, sumsqr
+from jtik.symbolic import Expression, fmax, fmin, if_else, logic_and, logic_or, ratio, sqrt, sumsqr
 from jtik_formulations.strategies.newton import newton_step
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
-from jtik_formulations.strategies.transpose import backtracked, cauchy_step, judged
+from jtik_formulations.strategies.transpose import backtracked, cauchy_step, judged, optimal_gain
 
 Array = NDArray[np.float64]
 
@@ -45,25 +46,28 @@ class DoglegStep(TaskStep):
     def propose(self, model: LocalModel, state: State) -> TaskMove:
         """The dogleg point."""
         radius = state["radius"]
-        transpose = cauchy_step(model, radius)
-        gain = transpose.gain
         newton = newton_step(model)
-        if model.all_rotational:  # from products already at hand: the direction is J' r
-            tt, tn = gain**2 * sumsqr(model.task_gradient), gain * dot(model.here.residual, newton.image)
-            nn = newton.squared_length
-        else:
-            tt = gain**2 * model.rotation_dot(transpose.direction, transpose.direction)
-            tn = gain * model.rotation_dot(transpose.direction, newton.x)
-            nn = model.rotation_dot(newton.x, newton.x)
-        a, b, c = tt - 2 * tn + nn, tn - tt, tt - radius**2  # |t + along (n - t)|^2 = radius^2
-        along = ratio(sqrt(fmax(b**2 - a * c, 0)) - b, fmax(a, 0))
-        along = (transpose.s >= 1) * if_else(nn <= radius**2, 1, along)
-        fraction = 1 if model.all_rotational else state["fraction"]
+        if not model.all_rotational:
+            return self._mixed(model, state, newton)
+        force = model.force
+        alpha = optimal_gain(force.squared_length, force.image)
+        s = fmin(1, ratio(radius, alpha * sqrt(force.squared_length)))
+        transpose = (alpha * s) * force
+        tt, tn, nn = transpose.squared_length, transpose.dot(newton), newton.squared_length
+        along = _along(tt, tn, nn, radius, s)
+        return TaskMove.along((1 - along) * transpose + along * newton, alpha)
+
+    def _mixed(self, model: LocalModel, state: State, newton: RowVector) -> TaskMove:
+        """The dogleg of a robot with slides, whose rotational part alone the radius bounds."""
+        radius, fraction = state["radius"], state["fraction"]
+        transpose = cauchy_step(model, radius)
+        towards, step = transpose.gain * transpose.direction, newton.vector
+        tt, tn = model.rotation_dot(towards, towards), model.rotation_dot(towards, step)
+        along = _along(tt, tn, model.rotation_dot(step, step), radius, transpose.s)
         back, on = fraction * (1 - along), fraction * along
-        term = back * gain * transpose.direction + on * newton.x
-        squared = back**2 * tt + 2 * back * on * tn + on**2 * nn if model.all_rotational else sumsqr(term)
-        image = back * gain * transpose.image + on * newton.image
-        return TaskMove(term, image, sqrt(fmax(squared, 0)), transpose.alpha)
+        term = back * towards + on * step
+        image = back * transpose.gain * transpose.image + on * newton.image
+        return TaskMove(term, image, sqrt(sumsqr(term)), transpose.alpha)
 
     def adapt(self, model: LocalModel, state: State, move: TaskMove, outcome: Outcome) -> State:
         """A quarter of the step taken after a poor prediction, twice the radius after a good one at its edge."""
@@ -77,6 +81,16 @@ class DoglegStep(TaskStep):
         if not model.all_rotational:
             after |= backtracked(state, outcome)
         return after
+
+
+def _along(tt: Expression, tn: Expression, nn: Expression, radius: Expression, s: Expression) -> Expression:
+    """How far from the transpose point t to the Newton point n: 1 within the radius, else |t + along (n - t)| = radius.
+
+    From the products t't, t'n and n'n; 0 where S has already shortened the transpose step.
+    """
+    a, b, c = tt - 2 * tn + nn, tn - tt, tt - radius**2
+    along = ratio(sqrt(fmax(b**2 - a * c, 0)) - b, fmax(a, 0))
+    return (s >= 1) * if_else(nn <= radius**2, 1, along)
 
 
 @register_strategy("hybrid")

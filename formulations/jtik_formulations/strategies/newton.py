@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from jtik import register_strategy
 from jtik.errors import ArgumentError
-from jtik.factorization import LeastSquares
+from jtik.factorization import RowVector
 from jtik.strategy import (
     Acceptance,
     Composition,
@@ -23,14 +23,14 @@ from jtik.strategy import (
     TaskMove,
     TaskStep,
 )
-from jtik.symbolic import Expression, fmin, ratio, sqrt
+from jtik.symbolic import Expression, fmin, ratio
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 from jtik_formulations.strategies.transpose import backtracked, judged
 
 Array = NDArray[np.float64]
 
 
-def newton_step(model: LocalModel) -> LeastSquares:
+def newton_step(model: LocalModel) -> RowVector:
     """x = J+ r: of all x that minimise |r - J x| the shortest."""
     return model.rows.least_squares(model.here.residual)
 
@@ -51,8 +51,8 @@ class NewtonStep(TaskStep):
         newton = newton_step(model)
         scale: Expression = state["fraction"] if self.backtracking else 1
         if math.isfinite(self.q_limit):
-            scale = scale * fmin(1, ratio(self.q_limit, model.rotation_size(newton.x, newton.squared_length)))
-        return TaskMove(scale * newton.x, scale * newton.image, scale * sqrt(newton.squared_length), math.nan)
+            scale = scale * fmin(1, ratio(self.q_limit, model.rotation_size(newton.vector, newton.squared_length)))
+        return TaskMove.along(scale * newton, math.nan)
 
     def adapt(self, model: LocalModel, state: State, move: TaskMove, outcome: Outcome) -> State:
         """Half the step after a refusal, twice the fraction after an acceptance."""
