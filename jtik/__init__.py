@@ -1,7 +1,7 @@
 """jtik: redundancy resolution by any update law, with any criterion, in one fused compiled step."""
 
 from jtik.criterion import Criterion, CriterionError, CriterionSum, criterion
-from jtik.errors import ArgumentError, JtikError, MissingExtraError, UnknownNameError
+from jtik.errors import ArgumentError, JtikError, MissingExtraError, RobotFileError, UnknownNameError
 from jtik.geometry import Box, Capsule, Circle, Cylinder, Point, Sphere
 from jtik.registry import (
     PluginError,
@@ -36,6 +36,7 @@ __all__ = [
     "PluginError",
     "Point",
     "Robot",
+    "RobotFileError",
     "Solution",
     "Sphere",
     "Status",

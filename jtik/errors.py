@@ -84,6 +84,25 @@ class MissingExtraError(JtikError, ImportError):
         return f"{self.feature} needs {self.package}; install it with: pip install 'jtik[{self.extra}]'"
 
 
+class RobotFileError(JtikError, ValueError):
+    """A description of a robot that cannot be read.
+
+    Attributes:
+        file: the path, or what stands for it where the description was text or a model.
+        element: which part of it is wrong, for instance ``"joint 'elbow'"``; empty when it is the whole.
+        problem: what is wrong with it, and what would have been accepted.
+    """
+
+    def __init__(self, file: str, element: str, problem: str) -> None:
+        super().__init__(file, element, problem)
+        self.file = file
+        self.element = element
+        self.problem = problem
+
+    def __str__(self) -> str:
+        return ": ".join(part for part in (self.file, self.element, self.problem) if part)
+
+
 class ImmutableError(JtikError, AttributeError):
     """An attempt to change an object that cannot change.
 

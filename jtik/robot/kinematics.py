@@ -139,7 +139,7 @@ class Kinematics:
             first = self._robot.v_slice(joint.name).start
             for offset, column in enumerate(self._columns(joint, end)):
                 columns[first + offset] += gain * column
-        return horzcat(*columns)
+        return horzcat(SX(6, 0), *columns)  # still six rows where nothing moves
 
     def _columns(self, joint: Joint, end: Expression) -> Iterator[Expression]:
         placed = self._place(joint.child)

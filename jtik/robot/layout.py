@@ -72,9 +72,9 @@ class Layout:
             leader = joint.mimic.joint
             q_slices[joint.name], v_slices[joint.name] = q_slices[leader], v_slices[leader]
             _tighten(joint, q_slices[leader].start, v_slices[leader].start, lower, upper, speed)
-        neutral = np.concatenate([joint.type.neutral for joint in independent])
+        neutral = np.concatenate([np.zeros(0), *(joint.type.neutral for joint in independent)])
         scalar = [joint for joint in independent if joint.type.is_scalar]
-        rotational = np.concatenate([np.array(joint.type.rotational, dtype=bool) for joint in independent])
+        rotational = np.array([turns for joint in independent for turns in joint.type.rotational], dtype=bool)
         indices = [
             np.array([slices[joint.name].start for joint in scalar], dtype=np.intp) for slices in (q_slices, v_slices)
         ]

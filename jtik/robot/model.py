@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property, partial
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array, ImmutableError, UnknownNameError
+from jtik.errors import ArgumentError, Array, ImmutableError, RobotFileError, UnknownNameError
 from jtik.geometry import Solid
-from jtik.robot import skeleton
+from jtik.robot import gallery, skeleton
 from jtik.robot.body import Mass, masses_on, shapes_on
 from jtik.robot.chains import dh_joints, planar_joints, vehicle_joints
 from jtik.robot.dh import Convention, Row
@@ -19,9 +20,13 @@ from jtik.robot.kinematics import Kinematics
 from jtik.robot.layout import Layout
 from jtik.robot.space import ConfigurationSpace
 from jtik.robot.subset import locked_joints
-from jtik.robot.tree import Joint, check_planar, check_tree, frozen
+from jtik.robot.tree import Joint, check_moves, check_planar, check_tree, frozen
 from jtik.robot.twins import Twins
 from jtik.symbolic import SX, Expression, is_equal
+
+if TYPE_CHECKING:
+    from jtik.robot.loaders import Description
+    from jtik.robot.loaders.source import PathOrText
 
 
 class Robot(ConfigurationSpace):
@@ -32,7 +37,7 @@ class Robot(ConfigurationSpace):
     Frames that are None mean the tip. Robots cannot change, compare by identity and can be pickled.
 
     Args:
-        joints: the tree; q follows the order given. Fixed joints keep fixed frames.
+        joints: the tree; q follows the order given. Fixed joints keep fixed frames. Where none moves q is empty.
         name: what to call the robot.
         planar: whether the workspace is the x-y plane, so that positions are (x, y).
         base: name of the root frame.
@@ -68,8 +73,8 @@ class Robot(ConfigurationSpace):
         self._layout = Layout.of(self._joints)
         self._carrier = {joint.child: joint for joint in self._joints}
         self._paths: dict[str, tuple[Joint, ...]] = {base: ()}
-        self._tip = self._joints[-1].child if tip is None else tip
-        if self._tip not in self._carrier:
+        self._tip = self.frame_names[-1] if tip is None else tip
+        if self._tip not in self.frame_names[self.n > 0 :]:
             raise UnknownNameError("tip frame", self._tip, self._carrier)
         self._masses = masses_on(self.frame_names, masses)
         self._shapes = shapes_on(self.frame_names, shapes)
@@ -156,7 +161,9 @@ class Robot(ConfigurationSpace):
         Raises:
             ArgumentError: when a row, the convention or a transform cannot be used.
         """
-        return cls(dh_joints(rows, convention, base, tool), name=name)
+        joints = dh_joints(rows, convention, base, tool)
+        check_moves(joints)
+        return cls(joints, name=name)
 
     @classmethod
     def vehicle(
@@ -196,6 +203,114 @@ class Robot(ConfigurationSpace):
         joints = vehicle_joints(links, heading, arm, carriage)
         return cls(joints, name=name or f"vehicle{len(joints) - 1}", planar=True)
 
+    @classmethod
+    def from_urdf(
+        cls,
+        path_or_xml: PathOrText,
+        *,
+        tip: str | None = None,
+        name: str | None = None,
+        free_base: bool = False,
+    ) -> Robot:
+        """The robot of a URDF file or text.
+
+        Frames are the links, by their names; the root link is the base. Joints keep their names, limits and speeds;
+        ``mimic`` joints follow their leaders, floating joints are free, planar ones become the slides "NAME_TX" and
+        "NAME_TY" and the hinge "NAME_RZ". Limits that are all zero, and speeds of zero, count as none. Masses are
+        kept, and the primitives that collide become shapes; so do capsules around meshes whose STL or OBJ files are
+        found: no file needs to be there.
+
+        Args:
+            path_or_xml: the path of a file, or text that starts with "<".
+            tip: the frame that works; when None the first moving frame called like a tool ("tool0", "tcp", "ee" ...),
+                else the end of the longest chain of joints, fingers not counted.
+            name: what to call the robot; what the file says when None.
+            free_base: whether the root link moves freely, by the joint "free_base", in a frame "world".
+
+        Raises:
+            RobotFileError: when there is no such file, or it is no URDF, or an element cannot be used.
+            UnknownNameError: when ``tip`` is no frame.
+
+        Warns:
+            UserWarning: when a joint mimics one that it cannot follow, and stays independent.
+        """
+        from jtik.robot.loaders import load_urdf
+
+        return cls._described(load_urdf(path_or_xml, free_base=free_base), tip, name)
+
+    @classmethod
+    def from_mjcf(cls, path_or_xml: PathOrText, *, tip: str | None = None, name: str | None = None) -> Robot:
+        """The robot of a MuJoCo (MJCF) file or text.
+
+        Frames are the bodies and the sites, by their names, and "world" is the base; a site called like a body is
+        "NAME (site)". Several joints on a body are a chain whose inner frames have the joints' names. q is MuJoCo's
+        ``qpos`` without the joints that follow others: linear equalities of joints are folded into the joint that
+        leads. Limits of ball joints and loops that constraints close are left out. Masses and keyframes are kept, and
+        geoms become shapes: those that collide, or all where none does. Mesh files need not be there; a mesh weighs
+        what the file says, else nothing.
+
+        Args:
+            path_or_xml: the path of a file, or text that starts with "<".
+            tip: the frame that works; chosen as in `from_urdf` when None.
+            name: what to call the robot; what the file says when None.
+
+        Raises:
+            RobotFileError: when there is no such file, or it is no MJCF, or an element cannot be used.
+            UnknownNameError: when ``tip`` is no frame.
+
+        Warns:
+            UserWarning: when a joint follows another by a polynomial of higher order, and stays independent.
+        """
+        from jtik.robot.loaders import load_mjcf
+
+        return cls._described(load_mjcf(path_or_xml), tip, name)
+
+    @classmethod
+    def from_mujoco(cls, model: Any, *, tip: str | None = None, name: str | None = None) -> Robot:
+        """The robot of a compiled ``mujoco.MjModel``; see `from_mjcf`.
+
+        Args:
+            model: the model. Bodies that its compiler fused into others are gone.
+            tip: the frame that works; chosen as in `from_urdf` when None.
+            name: what to call the robot; the model's name when None.
+
+        Raises:
+            ArgumentError: when it is no ``mujoco.MjModel``.
+            RobotFileError: when it has no body, or a limit that is NaN.
+            UnknownNameError: when ``tip`` is no frame.
+        """
+        from jtik.robot.loaders import load_mujoco
+
+        return cls._described(load_mujoco(model), tip, name)
+
+    @classmethod
+    def _described(cls, description: Description, tip: str | None, name: str | None) -> Robot:
+        if description.notes:
+            warnings.warn(f"{description.label}: {'; '.join(description.notes)}", stacklevel=3)
+        arguments = description.arguments()
+        try:
+            return cls(**arguments, name=name or description.name, tip=description.tip if tip is None else tip)
+        except ArgumentError as error:
+            raise RobotFileError(description.label, "", str(error)) from error
+
+    @classmethod
+    def builtin(cls, name: str) -> Robot:
+        """A robot that comes with jtik, by its name.
+
+        "panda" (Franka Emika Panda with its hand), "ur5e" and "ur5" (Universal Robots), "iiwa14" (KUKA LBR iiwa 14
+        R820), "xarm7" (UFACTORY), "gen3" (Kinova, 7 joints), "jaco2" (Kinova, 6 joints), "vehicle_panda" (a Panda on an
+        omnidirectional vehicle), "vehicle3" (planar vehicle with three links) and "planar10" (ten unit links). Figures
+        are the makers': see `jtik.robot.gallery`, whose ``names()`` lists them. All have the frame "tip" and the
+        keyframe "home"; the real ones carry the solids of their links.
+
+        Args:
+            name: one of those names.
+
+        Raises:
+            UnknownNameError: when there is no such robot; it suggests the closest name.
+        """
+        return cls(**gallery.describe(name).arguments())
+
     def subset(self, joints: Iterable[str], *, at: object = None) -> Robot:
         """This robot with only ``joints`` free and every other one locked; all frames remain.
 
@@ -208,6 +323,7 @@ class Robot(ConfigurationSpace):
             UnknownNameError: when there is no such joint.
         """
         kept = locked_joints(self, joints, at)
+        check_moves(kept)
         part = type(self)(
             kept,
             name=self.name,

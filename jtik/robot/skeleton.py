@@ -28,6 +28,8 @@ def moving_frames(robot: Robot) -> tuple[str, ...]:
     are left out: they are places on a drawing, not parts of a robot.
     """
     nodes = [frame for frame in _nodes(robot) if frame != robot.base]
+    if not nodes:
+        return ()
     q = symbol("q", robot.nq)
     kinematics = robot.at(q)
     points = function("points", [q], [vertcat(*[kinematics.position(frame) for frame in nodes])])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from functools import partial
@@ -137,28 +138,38 @@ def check_tree(joints: Sequence[Joint], base: str) -> None:
     """Refuse joints that are no tree on the frame ``base``.
 
     Raises:
-        ArgumentError: on duplicate names, a cycle, or nothing that moves.
+        ArgumentError: on duplicate names or a cycle.
         UnknownNameError: when a parent frame or a mimicked joint does not exist.
     """
     _check_unique("joint name", [joint.name for joint in joints])
     _check_unique("frame name", [base, *(joint.child for joint in joints)])
-    if not any(joint.is_independent for joint in joints):
-        raise ArgumentError("joints", f"{len(joints)} joints, none of which moves", "at least one moving joint")
     parent_of = {joint.child: joint.parent for joint in joints}
     for joint in joints:
         if joint.parent != base and joint.parent not in parent_of:
             raise UnknownNameError(f"parent frame of joint {joint.name!r}", joint.parent, [base, *parent_of])
+    held = {base}
     for frame in parent_of:
-        seen = [frame]
-        while seen[-1] != base:
-            above = parent_of[seen[-1]]
-            if above in seen:
-                raise ArgumentError("joints", f"a cycle {' -> '.join([*seen, above])}", f"a tree on {base!r}")
-            seen.append(above)
+        way = [frame]
+        while way[-1] not in held:
+            above = parent_of[way[-1]]
+            if above in way:
+                raise ArgumentError("joints", f"a cycle {' -> '.join([*way, above])}", f"a tree on {base!r}")
+            way.append(above)
+        held.update(way)
     leaders = {joint.name: joint for joint in joints if joint.is_independent and joint.type.is_scalar}
     for joint in joints:
         if joint.mimic is not None and joint.mimic.joint not in leaders:
             raise UnknownNameError(f"joint for {joint.name!r} to mimic", joint.mimic.joint, leaders)
+
+
+def check_moves(joints: Sequence[Joint]) -> None:
+    """Refuse joints of which none moves.
+
+    Raises:
+        ArgumentError: when there is none that moves by itself.
+    """
+    if not any(joint.is_independent for joint in joints):
+        raise ArgumentError("joints", f"{len(joints)} joints, none of which moves", "at least one moving joint")
 
 
 def check_planar(joints: Sequence[Joint]) -> None:
@@ -184,6 +195,6 @@ def check_planar(joints: Sequence[Joint]) -> None:
 
 
 def _check_unique(what: str, names: Sequence[str]) -> None:
-    repeated = sorted({name for name in names if names.count(name) > 1})
+    repeated = sorted(name for name, count in Counter(names).items() if count > 1)
     if repeated:
         raise ArgumentError("joints", f"{what} {repeated[0]!r} more than once", f"each {what} once")

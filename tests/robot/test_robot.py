@@ -175,8 +175,6 @@ def test_a_piston_is_a_link_but_a_rail_on_the_ground_is_none():
 @pytest.mark.parametrize(
     ("joints", "complaint"),
     [
-        ([], "joints: given 0 joints, none of which moves"),
-        ([Joint("f", JointType.FIXED, "base", "f")], "none of which moves"),
         ([hinge("a", "base", "a"), hinge("a", "a", "b")], "joint name 'a' more than once"),
         ([hinge("a", "base", "x"), hinge("b", "base", "x")], "frame name 'x' more than once"),
         ([hinge("a", "base", "base")], "frame name 'base' more than once"),
@@ -186,6 +184,15 @@ def test_a_piston_is_a_link_but_a_rail_on_the_ground_is_none():
 def test_what_is_no_tree_is_refused(joints, complaint):
     with pytest.raises(ArgumentError, match=complaint):
         Robot(joints)
+
+
+def test_a_robot_that_stands_still_has_an_empty_configuration():
+    still = Robot([Joint("f", JointType.FIXED, "base", "f", origin=pose((0, 0, 1)))])
+    assert (still.n, still.nq, still.tip) == (0, 0, "f")
+    assert still.position([]).tolist() == [0.0, 0.0, 1.0]
+    assert still.jacobian([]).shape == (6, 0)
+    assert (still.moving_frames, still.segments) == ((), (("base", "f"),))
+    assert Robot([]).tip == "base"
 
 
 def test_unknown_parents_tips_and_leaders_are_refused():

@@ -1,0 +1,67 @@
+"""Arms on vehicles, and planar robots."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from jtik.geometry import Box, Solid
+from jtik.robot.chains import planar_joints, vehicle_joints
+from jtik.robot.gallery.description import Description, Fixture, fixed, place
+from jtik.robot.gallery.panda import panda
+from jtik.robot.joints import JointType
+from jtik.robot.tree import Joint
+
+_FREE = (-math.inf, math.inf, math.inf)
+
+# Clearpath Ridgeback data sheet (May 2025): 0.960 x 0.793 x 0.311 m, 1.1 m/s in every direction. Turning: the limit of
+# Clearpath's own controller, ridgeback_control.
+_LENGTH, _WIDTH, _HEIGHT = 0.960, 0.793, 0.311
+_SPEED, _TURNING = 1.1, 4.0
+
+
+def planar10() -> Description:
+    """Ten unit links in the plane, without limits."""
+    return Description(
+        name="planar10",
+        summary="planar arm of ten unit links",
+        source="Das, Slotine and Sheridan 1988, Figure 2.2",
+        joints=tuple(planar_joints(10, _FREE)),
+        planar=True,
+        home=(0.1,) * 10,
+    )
+
+
+def vehicle3() -> Description:
+    """A planar vehicle that turns, with three unit links, without limits."""
+    return Description(
+        name="vehicle3",
+        summary="planar vehicle (x, y, heading) with three unit links",
+        source="Das, Slotine and Sheridan 1988, Appendix B",
+        joints=tuple(vehicle_joints(3, True, _FREE, _FREE)),
+        planar=True,
+        home=(0.0, 0.0, 0.0, 0.5, 0.5, 0.5),
+    )
+
+
+def vehicle_panda() -> Description:
+    """An omnidirectional vehicle with a Panda on the middle of its deck; the arm's frames and joints as in `panda`."""
+    arm = panda()
+    chassis = Box(place((0.0, 0.0, _HEIGHT / 2)), np.array([_LENGTH, _WIDTH, _HEIGHT]) / 2)
+    shapes: dict[str, tuple[Solid, ...]] = {"vehicle": (chassis,)}
+    shapes |= {frame: tuple(solids) for frame, solids in arm.shapes.items()}
+    return Description(
+        name="vehicle_panda",
+        summary="Clearpath Ridgeback (x, y, heading) with a Panda, 10 joints",
+        source=f"Clearpath Ridgeback data sheet, May 2025; {arm.source}",
+        joints=(
+            Joint("x", JointType.SLIDE, "base", "slide_x", axis=np.array([1.0, 0.0, 0.0]), velocity_limit=_SPEED),
+            Joint("y", JointType.SLIDE, "slide_x", "slide_y", axis=np.array([0.0, 1.0, 0.0]), velocity_limit=_SPEED),
+            Joint("heading", JointType.HINGE, "slide_y", "vehicle", velocity_limit=_TURNING),
+            fixed(Fixture(arm.base, "vehicle", (0.0, 0.0, _HEIGHT))),
+            *arm.joints,
+        ),
+        shapes=shapes,
+        home=(0.0, 0.0, 0.0, *arm.home),
+    )

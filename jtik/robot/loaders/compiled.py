@@ -1,0 +1,197 @@
+"""A compiled MuJoCo model as frames, joints and what hangs on them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from jtik.errors import Array, RobotFileError
+from jtik.robot.body import Mass
+from jtik.robot.joints import JointType
+from jtik.robot.loaders.description import Description, Follow, Names
+from jtik.robot.loaders.meshes import MeshFile
+from jtik.robot.loaders.shapes import solids
+from jtik.robot.loaders.transforms import moved_by, placed, turned_by
+from jtik.robot.tree import Joint
+
+TYPES = {
+    mujoco.mjtJoint.mjJNT_FREE: JointType.FREE,
+    mujoco.mjtJoint.mjJNT_BALL: JointType.BALL,
+    mujoco.mjtJoint.mjJNT_SLIDE: JointType.SLIDE,
+    mujoco.mjtJoint.mjJNT_HINGE: JointType.HINGE,
+}
+"""MuJoCo's joint types."""
+
+
+class ModelReader:
+    """Reads one ``mujoco.MjModel``.
+
+    A body is a frame of its name, a site another. Several joints on a body are a chain in their order, as are the
+    frames between them, which are named after the joints; so is the frame of a joint whose anchor is not the
+    body's origin. What has no name is named after the body it is on.
+
+    Args:
+        model: the ``mujoco.MjModel``.
+        label: what errors call it.
+        root: number of the body that is the base: 0, the world, or its only child.
+        meshes: meshes that were taken out of the model, by the number of the geom in their place.
+        least_mass: [kg] masses up to it count as none.
+    """
+
+    def __init__(
+        self,
+        model: Any,
+        label: str,
+        *,
+        root: int = 0,
+        meshes: Mapping[int, MeshFile] | None = None,
+        least_mass: float = 0.0,
+    ) -> None:
+        self._model = model
+        self._label = label
+        self._root = root
+        self._meshes = meshes or {}
+        self._least_mass = least_mass
+        self._notes: list[str] = []
+        self._frames, self._joints = Names(), Names()
+        kind = mujoco.mjtObj
+        given = [self._given(kind.mjOBJ_BODY, body) for body in range(model.nbody)]
+        self._frames.reserve(given)
+        self._bodies = [name or self._frames.unique(f"body{body}") for body, name in enumerate(given)]
+        given = [self._given(kind.mjOBJ_JOINT, joint) for joint in range(model.njnt)]
+        self._joints.reserve(given)
+        self._joint_names = [
+            name or self._joints.unique(self._bodies[model.jnt_bodyid[joint]], "joint")
+            for joint, name in enumerate(given)
+        ]
+        given = [self._given(kind.mjOBJ_SITE, site) for site in range(model.nsite)]
+        self._sites = [self._frames.unique(name or f"site{site}", "site") for site, name in enumerate(given)]
+
+    def read(self) -> Description:
+        """The robot; see `Description`.
+
+        Raises:
+            RobotFileError: when a joint has limits that cannot be used.
+        """
+        joints: list[Joint] = []
+        for body in range(self._root + 1, self._model.nbody):
+            joints += self._chain(body)
+            joints += self._marks(body)
+        joints[:0] = self._marks(self._root)
+        return Description(
+            label=self._label,
+            name=self._model_name(),
+            base=self._bodies[self._root],
+            joints=tuple(joints),
+            follows=tuple(self._follows()),
+            masses=self._masses(),
+            shapes={self._bodies[body]: found for body, found in solids(self._model, self._meshes).items()},
+            keyframes=self._keyframes(),
+            notes=tuple(self._notes),
+        )
+
+    def _chain(self, body: int) -> Iterator[Joint]:
+        """The joints that carry a body, and its frame."""
+        model, name = self._model, self._bodies[body]
+        parent = self._bodies[model.body_parentid[body]]
+        ahead = placed(model.body_pos[body], model.body_quat[body])
+        first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
+        for number in range(first, first + count):
+            anchor = np.array(model.jnt_pos[number])
+            joint_type = TYPES[mujoco.mjtJoint(model.jnt_type[number])]
+            if joint_type in (JointType.FREE, JointType.SLIDE):
+                anchor = np.zeros(3)  # turns nothing, so it makes no difference
+            if joint_type is JointType.FREE:
+                ahead = np.eye(4)  # its position is the body's in the world
+            last = number == first + count - 1 and not anchor.any()
+            child = name if last else self._frames.unique(self._joint_names[number], "joint")
+            yield self._joint(number, joint_type, parent, child, ahead @ moved_by(anchor))
+            if last:
+                return
+            parent, ahead = child, moved_by(-anchor)
+        yield Joint(self._joints.unique(name, "fixed"), JointType.FIXED, parent, name, origin=ahead)
+
+    def _joint(self, number: int, kind: JointType, parent: str, child: str, origin: Array) -> Joint:
+        model, name = self._model, self._joint_names[number]
+        if not kind.is_scalar:
+            return Joint(name, kind, parent, child, origin=origin)
+        axis = np.array(model.jnt_axis[number])
+        at_zero = -float(model.qpos0[model.jnt_qposadr[number]])
+        shift = turned_by(axis, at_zero) if kind is JointType.HINGE else moved_by(at_zero * axis)
+        lower, upper = self._limits(number)
+        return Joint(name, kind, parent, child, origin=origin @ shift, axis=axis, lower=lower, upper=upper)
+
+    def _limits(self, number: int) -> tuple[float, float]:
+        lower, upper = map(float, self._model.jnt_range[number])
+        if math.isnan(lower) or math.isnan(upper):
+            where = f"joint {self._joint_names[number]!r}"
+            raise RobotFileError(self._label, where, f"its limits are {lower:g} and {upper:g}; accepted: no NaN")
+        return (lower, upper) if self._model.jnt_limited[number] else (-math.inf, math.inf)
+
+    def _marks(self, body: int) -> Iterator[Joint]:
+        model = self._model
+        for site in np.flatnonzero(model.site_bodyid == body):
+            frame = self._sites[site]
+            joint = self._joints.unique(frame, "fixed")
+            origin = placed(model.site_pos[site], model.site_quat[site])
+            yield Joint(joint, JointType.FIXED, self._bodies[body], frame, origin=origin)
+
+    def _follows(self) -> Iterator[Follow]:
+        """The joint equalities that are in force; those that are not linear are noted and left out."""
+        model = self._model
+        for number in np.flatnonzero(model.eq_type == mujoco.mjtEq.mjEQ_JOINT):
+            joint, leader = int(model.eq_obj1id[number]), int(model.eq_obj2id[number])
+            constant, slope, *higher = map(float, model.eq_data[number][:5])
+            if not model.eq_active0[number]:
+                continue
+            here = float(model.qpos0[model.jnt_qposadr[joint]])
+            if leader < 0:
+                yield Follow(joint=self._joint_names[joint], leader=None, multiplier=0.0, offset=here + constant)
+                continue
+            if any(higher):
+                text = (
+                    f"joint {self._joint_names[joint]!r} stays independent: it follows {self._joint_names[leader]!r} "
+                )
+                self._notes.append(text + "by a polynomial of higher order than one")
+                continue
+            there = float(model.qpos0[model.jnt_qposadr[leader]])
+            yield Follow(
+                joint=self._joint_names[joint],
+                leader=self._joint_names[leader],
+                multiplier=slope,
+                offset=here + constant - slope * there,
+            )
+
+    def _masses(self) -> dict[str, Mass]:
+        model = self._model
+        return {
+            self._bodies[body]: Mass(float(model.body_mass[body]), np.array(model.body_ipos[body]))
+            for body in range(self._root, model.nbody)
+            if model.body_mass[body] > self._least_mass
+        }
+
+    def _keyframes(self) -> dict[str, dict[str, Array]]:
+        model = self._model
+        names = Names()
+        found = {}
+        for key in range(model.nkey):
+            name = names.unique(self._given(mujoco.mjtObj.mjOBJ_KEY, key) or f"key{key}")
+            found[name] = {
+                self._joint_names[joint]: self._position(np.array(model.key_qpos[key]), joint)
+                for joint in range(model.njnt)
+            }
+        return found
+
+    def _position(self, q: Array, joint: int) -> Array:
+        first = self._model.jnt_qposadr[joint]
+        return q[first : first + TYPES[mujoco.mjtJoint(self._model.jnt_type[joint])].nq]
+
+    def _given(self, kind: Any, number: int) -> str:
+        return str(mujoco.mj_id2name(self._model, int(kind), int(number)) or "")
+
+    def _model_name(self) -> str:
+        return bytes(self._model.names).partition(b"\0")[0].decode()

@@ -1,0 +1,125 @@
+"""Meshes as the solids around them: found beside the robot's file, read by MuJoCo, wrapped in a capsule or a ball."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from jtik.errors import Array
+from jtik.geometry import Capsule, Solid, Sphere
+from jtik.robot.loaders.transforms import placed
+
+READABLE = (".stl", ".obj", ".msh")
+"""Endings of the mesh files that MuJoCo reads."""
+
+_ROUNDING = 1e-6
+"""By how much a solid is made too big, relative: MuJoCo keeps vertices in single precision."""
+
+
+@dataclass(frozen=True, eq=False)
+class MeshFile:
+    """A mesh of a description, not read yet.
+
+    Attributes:
+        paths: where its file may be, best first.
+        vertices: its vertices (n, 3) [m] when the description has them itself.
+        scale: factor of each coordinate, (3,).
+    """
+
+    paths: tuple[Path, ...]
+    vertices: Array
+    scale: Array
+
+    @classmethod
+    def of(cls, mesh: Any, spec: Any, folder: Path | None) -> MeshFile:
+        """The mesh of a ``mujoco.MjSpec`` whose file is in ``folder``."""
+        places = () if folder is None or not mesh.file else tuple(_places(mesh.file, folder, spec.meshdir))
+        return cls(places, np.array(list(mesh.uservert), dtype=float).reshape(-1, 3), np.array(mesh.scale))
+
+    @cached_property
+    def points(self) -> Array:
+        """Its vertices (n, 3) [m] in the geom's frame; none when its file is missing or MuJoCo cannot read it."""
+        if self.vertices.size:
+            return self.vertices * self.scale
+        path = next((path for path in self.paths if path.is_file()), None)
+        return np.zeros((0, 3)) if path is None else _read(path, self.scale)
+
+
+def _places(file: str, folder: Path, meshdir: str) -> Iterator[Path]:
+    """Where a file named in a description in ``folder`` may lie.
+
+    A ``package://`` address is looked for under the folder and under every folder above it, which is where
+    packages lie relative to their robots.
+    """
+    address = file.partition("://")
+    if not address[1]:
+        yield folder / meshdir / file
+        yield folder / file
+        return
+    inside = Path(address[2].lstrip("/"))
+    for above in (folder, *folder.parents):
+        yield above / inside
+        if above.name == inside.parts[0]:
+            yield above.joinpath(*inside.parts[1:])
+
+
+def _read(path: Path, scale: Array) -> Array:
+    if path.suffix.lower() not in READABLE:
+        return np.zeros((0, 3))
+    spec = mujoco.MjSpec()
+    mesh = spec.add_mesh(name="mesh", file=str(path), scale=scale)
+    mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="mesh", contype=0, conaffinity=0)
+    try:
+        model = spec.compile()
+    except ValueError:  # a file that MuJoCo refuses gives no shape, as a missing one
+        return np.zeros((0, 3))
+    return vertices_of(model, 0)
+
+
+def vertices_of(model: Any, geom: int) -> Array:
+    """Vertices (n, 3) [m] of a mesh geom of a ``mujoco.MjModel``, in the frame of its body."""
+    mesh = model.geom_dataid[geom]
+    first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
+    pose = placed(model.geom_pos[geom], model.geom_quat[geom])
+    vertices = np.array(model.mesh_vert[first : first + count], dtype=float)
+    return vertices @ pose[:3, :3].T + pose[:3, 3]
+
+
+def solid_around(points: Array) -> Solid:
+    """The smallest found of the capsules along the points' principal axes and coordinate axes, and a ball.
+
+    Args:
+        points: (n, 3) [m], at least one.
+    """
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    radius = float(np.linalg.norm(points - middle, axis=1).max())
+    best: Solid = Sphere(middle, radius * (1 + _ROUNDING))
+    least = radius**3 * 4 / 3
+    _, principal = np.linalg.eigh(np.cov(points.T, bias=True))
+    for axes in (principal, np.eye(3)):
+        for turned in (np.roll(axes, k, axis=1) for k in range(3)):
+            start, end, radius = _capsule(points, turned)
+            volume = radius**2 * (float(np.linalg.norm(end - start)) + radius * 4 / 3)
+            if 0 < volume < least:
+                best, least = Capsule(start, end, radius * (1 + _ROUNDING)), volume
+    return best
+
+
+def _capsule(points: Array, axes: Array) -> tuple[Array, Array, float]:
+    """Ends and radius of the shortest capsule around ``points`` whose axis is mid-way in the last two of ``axes``."""
+    local = points @ axes
+    middle = (local.min(axis=0) + local.max(axis=0)) / 2
+    away = np.linalg.norm(local[:, 1:] - middle[1:], axis=1)
+    radius = float(away.max())
+    room = np.sqrt(np.maximum(radius**2 - away**2, 0.0))
+    low, high = float((local[:, 0] + room).min()), float((local[:, 0] - room).max())
+    if low > high:
+        low = high = (low + high) / 2
+    return axes @ [low, *middle[1:]], axes @ [high, *middle[1:]], radius

@@ -1,0 +1,124 @@
+"""From a description that may lack its meshes to a MuJoCo model that is good enough for kinematics."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from jtik.errors import RobotFileError
+from jtik.robot.loaders.meshes import MeshFile
+from jtik.robot.loaders.source import Source
+
+LEAST_MASS = 1e-12
+"""[kg] What MuJoCo is made to give to moving bodies without a mass; up to it a mass counts as none."""
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """A MuJoCo model whose meshes were taken out.
+
+    Attributes:
+        model: the ``mujoco.MjModel``; a small sphere stands where a mesh was.
+        meshes: number of a geom to the mesh that it was.
+    """
+
+    model: Any
+    meshes: dict[int, MeshFile]
+
+
+def compile_source(source: Source, *, edit: Callable[[Any], None] | None = None) -> Compiled:
+    """The model of a description, without meshes, textures and anything else that kinematics does not need.
+
+    Where MuJoCo refuses inertias they are replaced by others, and where it refuses geoms they are given up; masses
+    and their centres stay.
+
+    Args:
+        source: the description.
+        edit: changes to make to the ``mujoco.MjSpec`` before it is compiled.
+
+    Raises:
+        RobotFileError: when MuJoCo refuses it even so; with its first words.
+    """
+    first: ValueError | None = None
+    with _silence():
+        for inertias, geoms in ((True, True), (False, True), (False, False)):
+            try:
+                return _compile(source, edit, inertias=inertias, geoms=geoms)
+            except ValueError as error:
+                first = first or error
+    raise RobotFileError(source.label, "", f"MuJoCo refuses it: {' '.join(str(first).split())}") from first
+
+
+def _compile(source: Source, edit: Callable[[Any], None] | None, *, inertias: bool, geoms: bool) -> Compiled:
+    """The model with or without its inertias and its geoms."""
+    if source.path is not None:
+        spec = mujoco.MjSpec.from_file(str(source.path))
+    else:
+        spec = mujoco.MjSpec.from_string(source.text)
+    if edit is not None:
+        edit(spec)
+    meshes = _take_out(spec, source.path)
+    if not inertias:
+        _replace_inertias(spec)
+    if not geoms:
+        for element in (*spec.pairs, *spec.geoms):
+            spec.delete(element)
+    compiler = spec.compiler
+    compiler.fusestatic = False
+    compiler.boundmass = max(compiler.boundmass, LEAST_MASS)
+    compiler.boundinertia = max(compiler.boundinertia, LEAST_MASS)
+    model = spec.compile()
+    kept = {geom.name: geom.id for geom in spec.geoms}
+    return Compiled(model, {kept[name]: mesh for name, mesh in meshes.items() if name in kept})
+
+
+def _replace_inertias(spec: Any) -> None:
+    for body in spec.bodies:
+        if body.explicitinertial:
+            body.mass = body.mass if body.mass > 0 else 0.0
+            body.fullinertia = np.full(6, np.nan)
+            body.inertia = np.ones(3)
+            body.iquat = np.array([1.0, 0.0, 0.0, 0.0])
+            body.ialt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
+
+
+def _take_out(spec: Any, path: Path | None) -> dict[str, MeshFile]:
+    """Put small spheres in the place of mesh geoms; name of each to its mesh."""
+    folder = None if path is None else path.resolve().parent
+    known = {mesh.name or Path(mesh.file).stem: MeshFile.of(mesh, spec, folder) for mesh in spec.meshes}
+    found = {}
+    for number, geom in enumerate(spec.geoms):
+        geom.material = ""
+        if geom.meshname:
+            mesh = known.get(geom.meshname)
+            geom.meshname, geom.type, geom.size = "", mujoco.mjtGeom.mjGEOM_SPHERE, np.full(3, 1e-3)
+            geom.mass = 0.0 if np.isnan(geom.mass) else geom.mass
+            geom.name = geom.name or f"mesh geom {number}"
+            if mesh is not None:
+                found[geom.name] = mesh
+        elif geom.type in (mujoco.mjtGeom.mjGEOM_HFIELD, mujoco.mjtGeom.mjGEOM_SDF):
+            spec.delete(geom)
+    for site in spec.sites:
+        site.material = ""
+    for tendon in spec.tendons:
+        tendon.material = ""
+    for element in (*spec.meshes, *spec.hfields, *spec.skins, *spec.materials, *spec.textures):
+        spec.delete(element)
+    return found
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Keep MuJoCo from writing its warnings to the screen and to a file."""
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda message: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(before)

@@ -1,0 +1,40 @@
+"""Transforms (4, 4) [m] as arrays, and quaternions (w, x, y, z) as MuJoCo writes them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from jtik.errors import Array
+
+
+def rotation_of(quaternion: Array) -> Array:
+    """The rotation (3, 3) of a quaternion (4,) other than zero."""
+    w, x, y, z = quaternion / np.linalg.norm(quaternion)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def placed(position: Array, quaternion: Array) -> Array:
+    """The pose at ``position`` (3,) [m] with the rotation of ``quaternion`` (4,)."""
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = rotation_of(quaternion), position
+    return pose
+
+
+def moved_by(offset: Array) -> Array:
+    """The translation by ``offset`` (3,) [m]."""
+    pose = np.eye(4)
+    pose[:3, 3] = offset
+    return pose
+
+
+def turned_by(axis: Array, angle: float) -> Array:
+    """The turn by ``angle`` [rad] about the unit vector ``axis`` (3,)."""
+    return placed(np.zeros(3), np.array([math.cos(angle / 2), *(math.sin(angle / 2) * axis)]))

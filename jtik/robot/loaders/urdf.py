@@ -1,0 +1,214 @@
+"""The joints of a URDF as its XML states them: what the way through MuJoCo does not keep.
+
+MuJoCo drops the names of fixed joints and the velocity limits, and how it reads limits, ``continuous`` and
+``mimic`` depends on its version. Origins, axes, masses and shapes come from MuJoCo.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from xml.etree.ElementTree import Element
+
+from jtik.errors import RobotFileError
+from jtik.robot.loaders.description import Follow
+from jtik.robot.loaders.source import Source
+
+TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+"""What the type of a joint may be."""
+
+_SCALAR = ("revolute", "continuous", "prismatic")
+
+
+@dataclass(frozen=True, kw_only=True)
+class UrdfJoint:
+    """One joint.
+
+    Attributes:
+        name: its name.
+        type: one of `TYPES`.
+        parent: the link it hangs on.
+        child: the link it moves.
+        lower: lower limit [rad] or [m]; -inf when there is none.
+        upper: upper limit [rad] or [m]; inf when there is none.
+        velocity_limit: greatest speed [rad/s] or [m/s]; inf when there is none.
+        follow: the joint that it mimics, or None.
+    """
+
+    name: str
+    type: str
+    parent: str
+    child: str
+    lower: float
+    upper: float
+    velocity_limit: float
+    follow: Follow | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class UrdfTree:
+    """The links and joints of a URDF.
+
+    Attributes:
+        root: the link that no joint moves.
+        joints: by the link that they move.
+        notes: what cannot be kept, a sentence each.
+    """
+
+    root: str
+    joints: dict[str, UrdfJoint]
+    notes: tuple[str, ...]
+
+
+def read_tree(source: Source) -> UrdfTree:
+    """The tree of a URDF.
+
+    Raises:
+        RobotFileError: when links and joints are no tree, or a joint cannot be used; with the element's name.
+    """
+    links = _unique_names(source, "link")
+    _unique_names(source, "joint")
+    scalar = [joint.get("name", "") for joint in source.root.findall("joint") if joint.get("type") in _SCALAR]
+    if not links:
+        raise RobotFileError(source.label, "", "not a robot: it has no link, where at least one is wanted")
+    joints: dict[str, UrdfJoint] = {}
+    notes = []
+    for element in source.root.findall("joint"):
+        joint = _read_joint(source, element, links)
+        if joint.child in joints:
+            problem = f"moved by the joints {joints[joint.child].name!r} and {joint.name!r}, where one is accepted"
+            raise RobotFileError(source.label, f"link {joint.child!r}", problem)
+        if joint.follow is not None and joint.follow.leader not in scalar:
+            leader = f"{joint.follow.leader!r}, which is no revolute, continuous or prismatic joint"
+            notes.append(f"joint {joint.name!r} stays independent: it mimics {leader}")
+            joint = replace(joint, follow=None)
+        joints[joint.child] = joint
+    roots = [link for link in links if link not in joints]
+    if not roots:
+        raise RobotFileError(source.label, "", "not a tree: every link hangs on a joint, where one root is wanted")
+    if len(roots) > 1:
+        problem = f"not a tree: the links {', '.join(map(repr, roots))} hang on no joint, where one root is wanted"
+        raise RobotFileError(source.label, "", problem)
+    _check_connected(source, roots[0], joints)
+    if "world" in joints:
+        raise RobotFileError(source.label, "link 'world'", "only the root may have this name")
+    return UrdfTree(root=roots[0], joints=joints, notes=tuple(notes))
+
+
+def _read_joint(source: Source, element: Element, links: list[str]) -> UrdfJoint:
+    name = element.get("name", "")
+    where = f"joint {name!r}"
+    kind = element.get("type", "")
+    if kind not in TYPES:
+        raise RobotFileError(source.label, where, f"unknown type {kind!r}; accepted: {', '.join(TYPES)}")
+    ends = []
+    for end in ("parent", "child"):
+        found = element.find(end)
+        link = "" if found is None else found.get("link", "")
+        if link not in links:
+            raise RobotFileError(source.label, where, f"its {end} {link!r} is no link of the file")
+        ends.append(link)
+    _check_triples(source, where, element)
+    lower, upper, speed = _read_limits(source, where, kind, element.find("limit"))
+    mimic = element.find("mimic")
+    follow = None
+    if mimic is not None and kind in _SCALAR:
+        follow = Follow(
+            joint=name,
+            leader=mimic.get("joint", ""),
+            multiplier=_number(source, where, mimic, "multiplier", 1.0),
+            offset=_number(source, where, mimic, "offset", 0.0),
+        )
+    return UrdfJoint(
+        name=name,
+        type=kind,
+        parent=ends[0],
+        child=ends[1],
+        lower=lower,
+        upper=upper,
+        velocity_limit=speed,
+        follow=follow,
+    )
+
+
+def _check_triples(source: Source, where: str, joint: Element) -> None:
+    """Refuse an origin or an axis that is not three finite numbers; MuJoCo would not say which joint it is."""
+    for tag, attribute in (("origin", "xyz"), ("origin", "rpy"), ("axis", "xyz")):
+        element = joint.find(tag)
+        text = None if element is None else element.get(attribute)
+        if text is None:
+            continue
+        try:
+            numbers = [float(word) for word in text.split()]
+        except ValueError:
+            numbers = []
+        if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
+            problem = f"{attribute}={text!r} in <{tag}>; accepted: three numbers"
+            raise RobotFileError(source.label, where, problem)
+
+
+def _read_limits(source: Source, where: str, kind: str, limit: Element | None) -> tuple[float, float, float]:
+    """Lower, upper and velocity limit; infinite where there is none.
+
+    Limits that are both zero, and a velocity of zero, are what exporters write where nobody gave any; they count
+    as none.
+    """
+    if limit is None or kind not in _SCALAR:
+        return -math.inf, math.inf, math.inf
+    speed = abs(_number(source, where, limit, "velocity", 0.0, finite=False)) or math.inf
+    lower = _number(source, where, limit, "lower", 0.0, finite=False)
+    upper = _number(source, where, limit, "upper", 0.0, finite=False)
+    if kind == "continuous" or lower == upper == 0.0:
+        return -math.inf, math.inf, speed
+    if lower > upper or lower == math.inf or upper == -math.inf:
+        problem = f"its limits are crossed: lower {lower:g}, upper {upper:g}; accepted: lower <= upper"
+        raise RobotFileError(source.label, where, problem)
+    return lower, upper, speed
+
+
+def _number(
+    source: Source, where: str, element: Element, attribute: str, default: float, *, finite: bool = True
+) -> float:
+    text = element.get(attribute)
+    if text is None:
+        return default
+    try:
+        value = float(text)
+    except ValueError as error:
+        problem = f"{attribute}={text!r} in <{element.tag}> is no number"
+        raise RobotFileError(source.label, where, problem) from error
+    if math.isnan(value) or (finite and math.isinf(value)):
+        raise RobotFileError(source.label, where, f"{attribute}={text!r} in <{element.tag}>; accepted: a number")
+    return value
+
+
+def _unique_names(source: Source, tag: str) -> list[str]:
+    names: dict[str, None] = {}
+    for element in source.root.findall(tag):
+        name = element.get("name", "")
+        if not name:
+            raise RobotFileError(source.label, f"a <{tag}>", "it has no name, where every one needs its own")
+        if name in names:
+            raise RobotFileError(source.label, f"{tag} {name!r}", f"the name of two {tag}s, where each needs its own")
+        names[name] = None
+    return list(names)
+
+
+def _check_connected(source: Source, root: str, joints: dict[str, UrdfJoint]) -> None:
+    held = {root}
+    for link in joints:
+        way: dict[str, None] = {}
+        for above in _upward(link, joints):
+            if above in held:
+                break
+            if above in way:
+                raise RobotFileError(source.label, f"link {above!r}", "not a tree: it hangs on itself")
+            way[above] = None
+        held.update(way)
+
+
+def _upward(link: str, joints: dict[str, UrdfJoint]) -> Iterator[str]:
+    while True:
+        yield link
+        link = joints[link].parent
