@@ -84,7 +84,7 @@ def base(ik: jtik.InverseKinematics, q: np.ndarray, target: tuple[float, float],
     problem = ik._problem
     at, goal, parameters = problem.symbols()
     residual, H = problem.residual(at, goal), problem.criterion(at, parameters)
-    outputs = [residual, problem.jacobian(residual, at), H, problem.gradient(H, at)]
+    outputs = [residual, problem.residual_jacobian(at, goal), H, problem.gradient(H, at)]
     model = function("jtik_base", [at, goal, parameters], outputs)
     model = to_c(model) if compiled else model
     results = [np.zeros(model.numel_out(i)) for i in range(model.n_out())]

@@ -1,5 +1,6 @@
 """jtik: redundancy resolution by any update law, with any criterion, in one fused compiled step."""
 
+from jtik.batch import SolutionBatch
 from jtik.criterion import Criterion, CriterionError, CriterionSum, criterion
 from jtik.errors import ArgumentError, JtikError, MissingExtraError, RobotFileError, UnknownNameError
 from jtik.geometry import Box, Capsule, Circle, Cylinder, Point, Sphere
@@ -11,17 +12,20 @@ from jtik.registry import (
     strategies,
 )
 from jtik.robot import Joint, JointType, Robot
-from jtik.solution import Solution, Status, Step, Trace, Trajectory
+from jtik.solution import Solution, Status, Step, Trace
 from jtik.solver import InverseKinematics
 from jtik.strategy import Strategy
-from jtik.task import FrameTask, Task
+from jtik.task import AxisTask, CenterOfMassTask, FrameTask, LookAtTask, RelativeFrameTask, Task
+from jtik.trajectory import Trajectory
 
 __version__ = "0.1.0"
 
 __all__ = [
     "ArgumentError",
+    "AxisTask",
     "Box",
     "Capsule",
+    "CenterOfMassTask",
     "Circle",
     "Criterion",
     "CriterionError",
@@ -32,12 +36,15 @@ __all__ = [
     "Joint",
     "JointType",
     "JtikError",
+    "LookAtTask",
     "MissingExtraError",
     "PluginError",
     "Point",
+    "RelativeFrameTask",
     "Robot",
     "RobotFileError",
     "Solution",
+    "SolutionBatch",
     "Sphere",
     "Status",
     "Step",

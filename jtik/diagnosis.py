@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,10 +60,11 @@ class Diagnosis:
         """The task error at q, (m,)."""
         return self._error(q, inputs[0])[0][:, 0]
 
-    def status(self, q: Array, code: Code, report: Report, inputs: Sequence[Array]) -> Status:
+    def status(self, q: Array, code: Code, look: Callable[[], Report], inputs: Sequence[Array]) -> Status:
         """The reason, in the order a user would ask for it."""
         if code is Code.DONE and not self._criteria:
             return Status.CONVERGED  # the step has tested it
+        report = look()
         if code is Code.NOT_FINITE or not report.finite:
             return Status.NOT_FINITE
         if report.reached:

@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from jtik.symbolic import TINY, Expression, dot, ratio, sqrt, sumsqr, vertcat, zeros
+from jtik.symbolic import TINY, Expression, dot, identity, ratio, solve_ldl, sqrt, sumsqr, trace, vertcat, zeros
 
 RANK_THRESHOLD = 1e-8
 """Relative length below which a row of J counts as dependent on the rows before it."""
@@ -63,6 +63,17 @@ class RowVector:
 
     def __add__(self, other: RowVector) -> RowVector:
         return RowVector(self._space, [a + b for a, b in zip(self.coordinates, other.coordinates, strict=True)])
+
+
+DAMPING_FLOOR = 1e-16
+"""Least lambda, relative to |J|^2: below it the damped normal equations of a singular J have no factor."""
+
+
+def damped_multipliers(J: Expression, damping: Expression, r: Expression) -> Expression:
+    """``(J J' + lambda I)^-1 r`` (m, 1) by L D L'; lambda is ``damping`` and a little more."""
+    gram = J @ J.T
+    floor = DAMPING_FLOOR * trace(gram) + TINY
+    return solve_ldl(gram + (damping + floor) * identity(J.shape[0]), r)
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,11 @@ language.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +53,13 @@ STAGNANT, STAGNATIONS = 1e-10, 20
 """Relative decrease of V that is no progress, and how many such steps in a row are a stall."""
 
 
+FALL = 0.8
+"""An error below this share of the least so far is progress; ``patience`` counts the calls without any."""
+
+NEVER = 1e300
+"""Above every V that has been seen, before one has."""
+
+
 class Code(IntEnum):
     """What the fused function says of the next call."""
 
@@ -58,6 +67,21 @@ class Code(IntEnum):
     DONE = 1
     STALLED = 2
     NOT_FINITE = 3
+    SLOW = 4
+
+
+class Settings(NamedTuple):
+    """The numbers of a solve that may change from one to the next, as the fused function reads them.
+
+    Attributes: tolerances of position [m], orientation [rad] and optimality; 1 to wait until the criterion is steady;
+    how many calls without progress are too many.
+    """
+
+    position: float = 1e-6
+    orientation: float = 1e-6
+    optimality: float = 1e-6
+    steady: float = 1.0
+    patience: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -110,29 +134,40 @@ class FusedStep:
     record: Layout
 
 
-def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False) -> FusedStep:
-    """Join problem and strategy into one function; ``recorded`` adds the figures of a trace to its outputs."""
+def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False, arriving: bool = False) -> FusedStep:
+    """Join problem and strategy into one function.
+
+    Args:
+        problem: what is to be solved.
+        strategy: by which law.
+        recorded: whether its outputs have the figures of a trace.
+        arriving: whether the errors it gives are always those where the step arrives. A strategy that accepts without
+            looking there saves the kinematics; the errors then are those before a step that was not the last.
+    """
     robot, m, bounded = problem.robot, problem.m, problem.bounded
-    first = {name: np.array(value, dtype=float) for name, value in _engine_state(problem).items()}
+    arriving = arriving or strategy.judges(problem.has_criterion)
+    first = {name: np.array(value, dtype=float) for name, value in _engine_state(problem, arriving).items()}
     own = strategy.initial_state(Shape(robot.n, m, problem.has_criterion))
     first |= {f"strategy.{name}": np.array(value, dtype=float) for name, value in own.items()}
     layout = Layout.of({name: value.size for name, value in first.items()})
 
     start, target, parameters = problem.symbols()
-    lower, upper, settings = symbol("lower", robot.nq), symbol("upper", robot.nq), symbol("settings", 4)
+    lower, upper, settings = symbol("lower", robot.nq), symbol("upper", robot.nq), symbol("settings", len(Settings()))
     column = symbol("state", layout.size)
     state = layout.split(column)
 
     q = inside(start, lower, upper, bounded)
     symbolic_q = symbol("at", robot.nq)
     residual = problem.residual(symbolic_q, target)
-    J = problem.jacobian(residual, symbolic_q)
+    J = problem.residual_jacobian(symbolic_q, target)
     H = problem.criterion(symbolic_q, parameters)
     gradient_H = problem.gradient(H, symbolic_q)
     residual, J, H, gradient_H = (substitute(x, symbolic_q, q) for x in (residual, J, H, gradient_H))
     here = Point(q, residual, H)
-    tube = if_else(state["tube"] > 0, state["tube"], TUBE * sqrt(squared_length(J) + TINY))
-    near = here.length <= tube
+    tube = near = 0
+    if problem.has_criterion:
+        tube = if_else(state["tube"] > 0, state["tube"], TUBE * sqrt(squared_length(J) + TINY))
+        near = here.length <= tube
     working = WorkingSet(problem, state, here, near, J, gradient_H, lower, upper) if bounded else None
     model = LocalModel(
         robot=robot,
@@ -154,28 +189,34 @@ def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False) 
     stop = _Stop(problem, model, settings, working)
     update = strategy.update(model, {name[9:]: part for name, part in state.items() if name.startswith("strategy.")})
     finite = logic_and(is_finite(here.V + here.H), is_finite(model.gradient_length + model.jacobian_length))
-    tried = logic_and(finite, logic_not(logic_or(stop.done_before, stop.stationary)))
-    arrives = is_finite(update.point.V + update.point.H)
-    accepted = logic_and(logic_and(tried, update.accepted), arrives)
+    falls = FALL**2 * state["best"] > here.V
+    idle = if_else(falls, 0, state["idle"] + 1)
+    slow = logic_and(idle >= settings[4], logic_not(stop.reached_before))
+    tried = logic_and(finite, logic_not(logic_or(stop.done_before, logic_or(stop.stationary, slow))))
+    accepted = logic_and(tried, update.accepted)
 
+    after = {"tube": tube, "best": if_else(falls, here.V, state["best"]), "idle": idle}
+    if arriving:
+        accepted = logic_and(accepted, is_finite(update.point.V + update.point.H))
+        crawls = logic_and(accepted, here.V - update.point.V <= STAGNANT * here.V)
+        done = logic_or(stop.done_before, logic_and(accepted, stop.done_after(update.point)))
+        arrived = [*stop.errors(update.point), update.point.V]
+        before = [*stop.errors_before, here.V]
+        figures_after = [if_else(accepted, new, old) for new, old in zip(arrived, before, strict=True)]
+    else:
+        crawls = logic_and(state["V"] > 0, state["V"] - here.V <= STAGNANT * state["V"])
+        done = stop.done_before
+        figures_after = [*stop.errors_before, here.V]
+        after["V"] = here.V
     refused = if_else(accepted, 0, state["refused"] + 1)
-    crawls = logic_and(accepted, model.here.V - update.point.V <= STAGNANT * model.here.V)
     stagnant = if_else(logic_and(crawls, logic_not(stop.reached_before)), state["stagnant"] + 1, 0)
-    done = logic_or(stop.done_before, logic_and(accepted, stop.done_after(update.point)))
     stalled = logic_or(stop.stationary, logic_or(refused >= REFUSALS, stagnant >= STAGNATIONS))
-    code = if_else(finite, if_else(done, Code.DONE, if_else(stalled, Code.STALLED, Code.GO_ON)), Code.NOT_FINITE)
-
-    after = {"tube": tube, "refused": refused, "stagnant": stagnant}
-    if working:
+    code = if_else(done, Code.DONE, if_else(stalled, Code.STALLED, if_else(slow, Code.SLOW, Code.GO_ON)))
+    after |= {"refused": refused, "stagnant": stagnant}
+    if working and arriving:
         after["held"] = working.after(model, update, accepted)
     after |= {f"strategy.{name}": part for name, part in update.state.items()}
-    outcome = vertcat(
-        code,
-        tried,
-        accepted,
-        *[if_else(accepted, new, old) for new, old in zip(stop.errors(update.point), stop.errors_before, strict=True)],
-        if_else(accepted, update.point.V, here.V),
-    )
+    outcome = vertcat(if_else(finite, code, Code.NOT_FINITE), tried, accepted, *figures_after)
     outputs = [_arrived(model, update, accepted), layout.join(after), outcome]
     record = Layout.of({})
     if recorded:
@@ -207,9 +248,12 @@ def _rows(value: Expression) -> int:
     return int(getattr(value, "shape", (1, 1))[0])
 
 
-def _engine_state(problem: Problem) -> dict[str, Array]:
-    state = {"tube": np.zeros(1), "refused": np.zeros(1), "stagnant": np.zeros(1)}
-    if problem.bounded:
+def _engine_state(problem: Problem, arriving: bool) -> dict[str, Array]:
+    state = {name: np.zeros(1) for name in ("tube", "refused", "stagnant", "idle")}
+    state["best"] = np.full(1, NEVER)
+    if not arriving:
+        state["V"] = np.zeros(1)
+    if problem.bounded and arriving:
         state["held"] = np.zeros(len(problem.bounded))
     return state
 
@@ -217,7 +261,7 @@ def _engine_state(problem: Problem) -> dict[str, Array]:
 class _Stop:
     """The tests of arrival, steadiness and stationarity.
 
-    ``settings`` are the tolerances of position, orientation and optimality, and whether to wait for H to be steady.
+    ``settings`` are a column of `Settings`.
     """
 
     def __init__(self, problem: Problem, model: LocalModel, settings: Expression, working: WorkingSet | None) -> None:

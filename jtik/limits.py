@@ -5,7 +5,7 @@ law works with the joints that are left. Who is held is the working set, part of
 (formulations/joint_limits.md):
 
 - Far from the target, or without a criterion, the task decides: held is whom -J' r presses outwards, and after a
-  refused step also whom that step pushed outwards.
+  refused step also whom that step pushed outwards. A strategy that refuses nothing needs no memory for that.
 - Near the target the working set of an active-set method is kept: a joint enters when a step pushes it outwards, and
   one joint at a time leaves, the one whose multiplier has the most wrong sign, once that is larger than the
   projected gradient.
@@ -62,10 +62,15 @@ class WorkingSet:
         self._lower, self._upper = lower, upper
         self._keeps = near if problem.has_criterion else 0  # whether the working set is kept from step to step
         self._force = J.T @ here.residual
-        self.held: list[Expression] = []
-        for k, (at, outwards) in enumerate(zip(self._at(here.q), self._outwards(self._force), strict=True)):
-            kept = logic_and(at, state["held"][k])
-            self.held.append(if_else(self._keeps, kept, logic_or(kept, logic_and(at, outwards))))
+        pairs = zip(self._at(here.q), self._outwards(self._force), strict=True)
+        self._pressed = [logic_and(at, outwards) for at, outwards in pairs]
+        self.held: list[Expression] = self._pressed
+        if "held" in state:
+            kept = [logic_and(at, state["held"][k]) for k, at in enumerate(self._at(here.q))]
+            self.held = [
+                if_else(self._keeps, own, logic_or(own, pressed))
+                for own, pressed in zip(kept, self._pressed, strict=True)
+            ]
 
     def masked(self, columns: Expression) -> Expression:
         """The matrix with zeros in the columns of the joints held."""
@@ -90,12 +95,8 @@ class WorkingSet:
     @cached_property
     def task_slope(self) -> Expression:
         """Norm of dV/dv over the joints that the task itself does not press against a limit."""
-        pressed = [
-            logic_and(at, out) for at, out in zip(self._at(self._here.q), self._outwards(self._force), strict=True)
-        ]
-        lost = sum(
-            (if_else(p, self._force[j] ** 2, 0) for p, (_, j) in zip(pressed, self._problem.bounded, strict=True))
-        )
+        pairs = zip(self._pressed, self._problem.bounded, strict=True)
+        lost = sum(if_else(pressed, self._force[j] ** 2, 0) for pressed, (_, j) in pairs)
         return fmax(sumsqr(self._force) - lost, 0) ** 0.5
 
     def _wrong(self, model: LocalModel) -> list[Expression]:

@@ -27,6 +27,7 @@ class Problem:
         linear: for each task row, whether it is a length [m] rather than an angle [rad].
         factor: L with Kp = L L', (m, m).
         error, residual: (q, target) -> e and L' e, (m, 1).
+        error_jacobian, residual_jacobian: (q, target) -> their derivatives with respect to the velocity, (m, n).
         criterion, values: (q, parameters) -> H, and the weighted value of each criterion.
         bounded: (q index, v index) of the joints that have a limit.
     """
@@ -43,6 +44,8 @@ class Problem:
         self.factor = tasks.weight_factor()
         self.error = function("error", [q, target], [rows.error])
         self.residual = function("residual", [q, target], [self.factor.T @ rows.error])
+        self.error_jacobian = function("error_jacobian", [q, target], [rows.jacobian])
+        self.residual_jacobian = function("residual_jacobian", [q, target], [self.factor.T @ rows.jacobian])
         self.criterion = function("criterion", [q, parameters], [sum(values, zeros(1))])
         self.values = function("criteria", [q, parameters], [vertcat(*values)])
 
@@ -64,12 +67,8 @@ class Problem:
         """Whether there is anything to minimise."""
         return len(self.terms.named) > 0
 
-    def jacobian(self, expression: Expression, q: Expression) -> Expression:
-        """Derivative with respect to the velocity: (d/dq) T(q)."""
-        return jacobian(expression, q) @ self.robot.tangent(q)
-
     def gradient(self, expression: Expression, q: Expression) -> Expression:
-        """The same for a scalar, as a column, in reverse mode."""
+        """Derivative of a scalar with respect to the velocity, T(q)' (d/dq)', as a column, in reverse mode."""
         return self.robot.tangent(q).T @ gradient(expression, q)
 
     def report(self) -> Function:
@@ -82,11 +81,11 @@ class Problem:
             [q, target, parameters],
             [
                 error,
-                self.jacobian(error, q),
+                self.error_jacobian(q, target),
                 self.values(q, parameters),
                 self.gradient(H, q),
                 residual,
-                self.jacobian(residual, q),
+                self.residual_jacobian(q, target),
             ],
         )
 

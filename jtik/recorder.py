@@ -17,7 +17,7 @@ class Recorder:
     """Rows of a runner whose fused function was built with its record."""
 
     def __init__(self, runner: Runner) -> None:
-        self._runner = runner
+        self.runner = runner
         self._q: list[Array] = []
         self._rows: list[Array] = []
         self._escaped: list[bool] = []
@@ -28,7 +28,7 @@ class Recorder:
 
     def after(self) -> None:
         """It is over: keep its figures."""
-        self._rows.append(self._runner.record.copy())
+        self._rows.append(self.runner.record.copy())
         self._escaped.append(False)
 
     def escaped(self) -> None:
@@ -42,7 +42,7 @@ class Recorder:
 
     def trace(self, end: Array, error: Callable[[Array], Array]) -> Trace:
         """Figures by name, and those that need a factorisation of the recorded Jacobians."""
-        layout, count = self._runner.fused.record, len(self._rows)
+        layout, count = self.runner.fused.record, len(self._rows)
         n = layout.slices["term"].stop - layout.slices["term"].start
         m = (layout.slices["J"].stop - layout.slices["J"].start) // n
         table = np.array(self._rows).reshape(count, layout.size)

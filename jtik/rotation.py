@@ -7,7 +7,7 @@ pi. At pi both axes +u and -u are right; the one whose largest component is posi
 
 from __future__ import annotations
 
-from jtik.symbolic import Expression, atan2, if_else, sqrt, sumsqr, vertcat
+from jtik.symbolic import Expression, atan2, cos, identity, if_else, sin, skew, sqrt, sumsqr, vertcat
 
 _SMALL = 1e-12
 """|v|^2 below which 2 atan2(|v|, w) / |v| is its series about 0; the next term of the series is below 1e-24."""
@@ -30,6 +30,20 @@ def _largest_column(R: Expression) -> Expression:
         column = if_else(larger, vertcat(*candidate), column)
         best = if_else(larger, diagonal, best)
     return column / (2 * sqrt(best))
+
+
+def log_rate(turn: Expression) -> Expression:
+    """G (3, 3) with ``d/dt log R = G w`` for ``dR/dt = [w] R`` and ``turn`` = log R: I - [turn] / 2 + c [turn]^2.
+
+    c = (1 - h cot h) / (2 h)^2 with h half the angle; 1/12 at zero and 1/pi^2 at pi (Bullo and Murray 1995).
+    """
+    squared = sumsqr(turn)
+    small = squared < _SMALL
+    angle = sqrt(if_else(small, 1, squared))
+    half = angle / 2
+    c = if_else(small, 1 / 12, (1 - half * cos(half) / sin(half)) / angle**2)
+    cross = skew(turn)
+    return identity(3) - cross / 2 + c * (turn @ turn.T - squared * identity(3))
 
 
 def log(R: Expression) -> Expression:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,11 @@ class Status(Enum):
     STALLED = "stalled: no step the strategy tried brought the target nearer"
     ITERATION_LIMIT = "reached the iteration limit before the target"
     NOT_FINITE = "error or criterion is not a finite number here; q is the last configuration where they were"
+
+
+def is_success(status: Status, until: str) -> bool:
+    """Whether a solve that was to go on ``until`` then has done what was asked."""
+    return status is Status.CONVERGED or (status is Status.REACHED and until == "reached")
 
 
 @dataclass(frozen=True)
@@ -64,10 +69,11 @@ class Solution:
         q: configuration, (nq,) [rad] and [m].
         status: why it stopped; ``status.value`` is a sentence.
         converged: whether what was asked for was achieved (with ``until="reached"``, arriving is enough).
-        iterations: steps tried, accepted or not.
+        iterations: steps tried, accepted or not, in all attempts together.
         escapes: how often a singular stall was left by a second-order step.
+        restarts: how many other starts were tried.
         seconds: wall time of the solve [s].
-        report: task and criteria at q, from which the properties below are read.
+        look: what to call for ``report``.
         trace: the iterations, when asked for.
     """
 
@@ -76,9 +82,29 @@ class Solution:
     converged: bool
     iterations: int
     escapes: int
+    restarts: int
     seconds: float
-    report: Report
+    look: Callable[[], Report]
     trace: Trace | None = None
+
+    @cached_property
+    def report(self) -> Report:
+        """Task and criteria at q, evaluated when first asked for; the properties below read it."""
+        return self.look()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # the report travels, the solver it could have come from stays
+        return type(self), (
+            self.q,
+            self.status,
+            self.converged,
+            self.iterations,
+            self.escapes,
+            self.restarts,
+            self.seconds,
+            Told(self.report),
+            self.trace,
+        )
 
     @property
     def error(self) -> Array:
@@ -143,12 +169,25 @@ class Solution:
         ]
         if self.escapes:
             lines.append(f"  escapes     {self.escapes} from a singular stall, by a second-order step")
+        if self.restarts:
+            lines.append(f"  restarts    {self.restarts} from other configurations")
         if self.criteria:
             terms = ", ".join(f"{name} {value:.4g}" for name, value in self.criteria.items())
             lines.append(f"  H           {self.cost:.6g} ({terms}); null-space residual {self.null_space_residual:.2g}")
         if self.active_limits:
             lines.append(f"  at limit    {', '.join(self.active_limits)}")
         return "\n".join(lines)
+
+
+@dataclass(frozen=True)
+class Told:
+    """A report that is there already, as something to call."""
+
+    report: Report
+
+    def __call__(self) -> Report:
+        """The report."""
+        return self.report
 
 
 class Step(NamedTuple):
@@ -168,39 +207,3 @@ class Step(NamedTuple):
     accepted: bool
     done: bool
     escaped: bool
-
-
-@dataclass(frozen=True, eq=False)
-class Trajectory:
-    """Joint motion along a path of targets.
-
-    Attributes:
-        times: (k,) [s].
-        q: (k, nq) [rad] and [m].
-        errors: norm of the task error at each target, (k,) [m] and [rad] together.
-        statuses: how the solve at each target ended.
-        iterations: steps tried for each target, (k,).
-        seconds: wall time of each solve, (k,) [s].
-    """
-
-    times: Array
-    q: Array
-    errors: Array
-    statuses: tuple[Status, ...]
-    iterations: NDArray[np.int64]
-    seconds: Array
-
-    @property
-    def converged(self) -> bool:
-        """Whether every target was reached."""
-        return all(status in (Status.CONVERGED, Status.REACHED) for status in self.statuses)
-
-    def __len__(self) -> int:
-        return len(self.times)
-
-    def __repr__(self) -> str:
-        reached = sum(status in (Status.CONVERGED, Status.REACHED) for status in self.statuses)
-        worst = float(self.errors.max()) if len(self) else 0.0
-        return (
-            f"Trajectory: {reached} of {len(self)} targets reached, {self.times[-1]:.3g} s, largest error {worst:.3g}"
-        )

@@ -4,35 +4,38 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
-from typing import Any, Literal
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jtik.batch import Entry, SolutionBatch, collect, read_targets
 from jtik.compile import to_c
 from jtik.criterion import Criterion, CriterionSum, CriterionTerms, Parameters
 from jtik.diagnosis import Diagnosis
 from jtik.errors import ArgumentError, finite_array
-from jtik.fused import OUTCOME, Code, fused_step
+from jtik.fused import Code, FusedStep, Settings, fused_step
+from jtik.options import Until, positive, read_request, read_settings
 from jtik.problem import Problem
+from jtik.progress import Progress, watched
 from jtik.recorder import Recorder
+from jtik.reduction import reduced
 from jtik.registry import strategy_of
+from jtik.report import Report
 from jtik.rescue import Rescue
 from jtik.robot import Robot
 from jtik.runner import Runner
-from jtik.solution import Solution, Status, Step, Trajectory
+from jtik.search import Found, Request, Search
+from jtik.solution import Solution, Status, Step, is_success
 from jtik.strategy import Strategy
-from jtik.task import Task, TaskStack
+from jtik.task import Task
+from jtik.tracking import follow
+from jtik.trajectory import Trajectory
 
 Array = NDArray[np.float64]
-Until = Literal["steady", "reached"]
-DEFAULTS = (1e-6, 1e-6, 1e-6, 1.0)
-"""Tolerances of position, orientation and optimality, and 1 to wait until the criterion is steady."""
-
-MOST_ESCAPES = 20
-"""Second-order steps a solve may take out of singular stalls."""
 
 
 class InverseKinematics:
@@ -47,11 +50,15 @@ class InverseKinematics:
         criteria: what to minimise with the freedom left: a Criterion or a weighted sum of them.
         strategy: name of a registered strategy, or a Strategy object.
         limits: whether the robot's joint limits hold.
+        joints: names of the joints to move, or "all"; by default those that move what the tasks are about, so that
+            the fingers of a hand are no part of an arm's solution.
+        at: configuration of the robot at which the other joints are locked, its neutral one by default.
         compiled: run the step as generated C, for which a C compiler must be there: about a second more to build,
         once, and three
             to five times faster steps.
 
     Attributes:
+        robot: the robot with only those joints free, which ``q`` everywhere belongs to; `whole` adds the others.
         parameters: live parameters of the criteria by name: ``ik.parameters["joint_centering.weight"] = 2.0``.
     """
 
@@ -63,12 +70,16 @@ class InverseKinematics:
         criteria: Criterion | CriterionSum | None = None,
         strategy: str | Strategy = "hybrid",
         limits: bool = True,
+        joints: str | Iterable[str] | None = None,
+        at: ArrayLike | None = None,
         compiled: bool = False,
     ) -> None:
         if not isinstance(robot, Robot):
             raise ArgumentError("robot", robot, "a jtik.Robot")
+        self._given = robot
+        self._locked = robot.neutral if at is None else robot.configuration(at, argument="at")
+        robot, self.tasks = reduced(robot, task, joints, self._locked)
         self.robot = robot
-        self.tasks = TaskStack.of(robot, task)
         self.strategy = strategy_of(strategy)
         terms = CriterionTerms.of(robot, criteria)
         self.parameters: Parameters = terms.parameters
@@ -85,27 +96,35 @@ class InverseKinematics:
         # targets that are their own numbers skip the reading in `step`
         self._plain_target = self._target.shape if self.tasks.plain else None
         self._plain_q = robot.nq == robot.n
-        self._settings = np.array(DEFAULTS)
+        self._settings = np.array(Settings())
         self._inputs = [self._target, self.parameters.memory, self._lower, self._upper, self._settings]
-        self._step_inputs = [*self._inputs[:-1], np.array(DEFAULTS)]
-        fused = fused_step(self._problem, self.strategy)
-        if compiled:
-            fused = replace(fused, function=to_c(fused.function))
-        self._runner = Runner(fused, self._inputs, robot.nq)
+        self._step_inputs = [*self._inputs[:-1], np.array(Settings())]
+        self._compiled = compiled
+        self._runner = Runner(self._fused(), self._inputs, robot.nq)
         self._recorder: Runner | None = None
         self._stepper: Runner | None = None
         self._rescue = Rescue(self._problem)
         self._diagnosis = Diagnosis(self._problem, self._rescue)
+        self._search = Search(robot, self._rescue, self._inputs)
 
     def __repr__(self) -> str:
         names = " + ".join(self._names) or "no criterion"
         return f"InverseKinematics({self.robot!r}, {list(self.tasks.tasks)}, {names}, {self.strategy!r})"
+
+    def whole(self, q: ArrayLike) -> Array:
+        """The configuration of the robot this solver was given, with its locked joints, for a ``q`` of `robot`."""
+        q, whole = self._configuration("q", q), self._locked.copy()
+        for joint in self.robot.joint_names:
+            whole[self._given.q_slice(joint)] = q[self.robot.q_slice(joint)]
+        return whole
 
     def solve(
         self,
         target: Any,
         *,
         q0: ArrayLike | None = None,
+        restarts: int = 0,
+        seed: int | None = None,
         max_iterations: int = 1000,
         position_tolerance: float = 1e-6,
         orientation_tolerance: float = 1e-6,
@@ -118,7 +137,10 @@ class InverseKinematics:
         Args:
             target: what the task reads as one, such as (x, y); with several tasks a dict of targets by name.
             q0: where to start, (nq,); the robot's neutral configuration by default. Outside the limits it is led back.
-            max_iterations: most steps to try.
+            restarts: how many other starts to try, drawn within the limits, when q0 does not lead to the target. An
+                attempt that does not get nearer is then given up early; if none arrives, the nearest one is the answer.
+            seed: which other starts; the same seed gives the same answer. None is 0.
+            max_iterations: most steps to try in an attempt.
             position_tolerance: norm of the position error to reach [m].
             orientation_tolerance: norm of the orientation error to reach [rad].
             optimality_tolerance: norm of (I - J+ J) dH/dv to reach, relative to max(1, |dH/dv|).
@@ -131,30 +153,91 @@ class InverseKinematics:
         begin = time.perf_counter()
         self._target[:] = self.tasks.read_target(target)
         start = self._configuration("q0", q0)
-        self._settings[:] = (
-            _positive("position_tolerance", position_tolerance),
-            _positive("orientation_tolerance", orientation_tolerance),
-            _positive("optimality_tolerance", optimality_tolerance),
-            _steady(until),
-        )
-        if not isinstance(max_iterations, (int, np.integer)) or max_iterations < 0:
-            raise ArgumentError("max_iterations", max_iterations, "an integer from 0")
-        runner = self._recording() if trace else self._runner
-        runner.start(self._led_back(start))
-        recorder = Recorder(runner) if trace else None
-        q, code, iterations, escapes = self._iterate(runner, int(max_iterations), recorder)
-        report = self._diagnosis.report(q, self._inputs)
-        status = self._diagnosis.status(q, code, report, self._inputs)
+        request = read_request(restarts, seed, max_iterations)
+        tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
+        self._settings[:] = read_settings(*tolerances, until)
+        recorder = Recorder(self._recording()) if trace else None
+        found, status, look = self._found(start, request, recorder)
         return Solution(
-            q=q,
+            q=found.q,
             status=status,
-            converged=status is Status.CONVERGED or (status is Status.REACHED and until == "reached"),
-            iterations=iterations,
-            escapes=escapes,
+            converged=is_success(status, until),
+            iterations=found.iterations,
+            escapes=found.escapes,
+            restarts=found.restarts,
             seconds=time.perf_counter() - begin,
-            report=report,
-            trace=recorder.trace(q, lambda at: self._diagnosis.error(at, self._inputs)) if recorder else None,
+            look=look,
+            trace=recorder.trace(found.q, lambda at: self._diagnosis.error(at, self._inputs)) if recorder else None,
         )
+
+    def solve_batch(
+        self,
+        targets: Iterable[Any],
+        *,
+        q0: ArrayLike | None = None,
+        restarts: int = 0,
+        seed: int | None = None,
+        max_iterations: int = 1000,
+        position_tolerance: float = 1e-6,
+        orientation_tolerance: float = 1e-6,
+        optimality_tolerance: float = 1e-6,
+        until: Until = "steady",
+        progress: Progress = False,
+    ) -> SolutionBatch:
+        """Solve for many targets, each by itself; the figures of all Solutions as arrays.
+
+        Args:
+            targets: what the task reads as one, each; an array (k, 4, 4) is k poses.
+            q0: where to start, one configuration (nq,) for all or one each, (k, nq).
+            restarts, seed, max_iterations, position_tolerance, orientation_tolerance, optimality_tolerance, until: of
+                each, as in `solve`.
+            progress: True for a bar on the terminal, or a function called with (done, total).
+
+        Raises:
+            ArgumentError: for an argument of wrong shape, NaN or infinity, naming it, such as ``targets[3]``.
+            MissingExtraError: for a bar without rich.
+        """
+        numbers = read_targets(self.tasks, targets)
+        if q0 is None or np.ndim(q0) <= 1:
+            starts = [self._configuration("q0", q0)]
+        else:
+            table = finite_array("q0", q0, (len(numbers), self.robot.nq))
+            starts = [self._configuration(f"q0[{i}]", q) for i, q in enumerate(table)]
+        request = read_request(restarts, seed, max_iterations)
+        tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
+        self._settings[:] = read_settings(*tolerances, until)
+
+        def solve(i: int) -> Entry:
+            begin = time.perf_counter()
+            self._target[:] = numbers[i]
+            found, status, _ = self._found(starts[i % len(starts)], request)
+            seconds = time.perf_counter() - begin
+            error = self._diagnosis.error(found.q, self._inputs)
+            return Entry(found, status, is_success(status, until), error, seconds)
+
+        inputs = [array.copy() for array in self._inputs[1:]]
+        return collect(
+            [solve(i) for i in watched(range(len(numbers)), progress, "targets")],
+            targets=numbers,
+            linear=self._problem.linear,
+            nq=self.robot.nq,
+            look=lambda q, target: self._diagnosis.report(q, [target, *inputs]),
+        )
+
+    def _found(
+        self, start: Array, request: Request, recorder: Recorder | None = None
+    ) -> tuple[Found, Status, Callable[[], Report]]:
+        """Search for the target that is in memory; where it ended, why, and how to look at it."""
+        if recorder or request.limit == 0:
+            start = self._led_back(start)  # else the step does it
+        found = self._search.find(recorder.runner if recorder else self._runner, start, request, recorder)
+        look = self._later(found.q)
+        return found, self._diagnosis.status(found.q, found.code, look, self._inputs), look
+
+    def _later(self, q: Array) -> Callable[[], Report]:
+        """The report of ``q`` for the target and parameters as they are now, evaluated once and when called."""
+        inputs = [array.copy() for array in self._inputs]
+        return partial(self._diagnosis.report, q, inputs)
 
     def step(self, q: ArrayLike, target: Any) -> Step:
         """One update from ``q``, for controllers; what the strategy remembers goes on from the last call.
@@ -171,8 +254,7 @@ class InverseKinematics:
         """
         runner = self._stepper
         if runner is None:
-            runner = self._stepper = Runner(self._runner.fused, self._step_inputs, self.robot.nq)
-            runner.start(self.robot.neutral)
+            runner = self._stepper = self._stepping()
         if type(target) is np.ndarray and target.shape == self._plain_target:
             self._target[:] = target
         else:
@@ -225,61 +307,39 @@ class InverseKinematics:
         Raises:
             ArgumentError: for an argument of wrong shape, NaN or infinity, naming it.
         """
-        dt = _positive("dt", dt)
         wanted = list(targets)
         if not wanted:
             raise ArgumentError("targets", "none", "at least one target")
-        q = self._configuration("q0", q0)
-        reach = np.full(self.robot.nq, np.inf)
-        reach[self.robot.scalar_q] = self.robot.velocity_limit[self.robot.scalar_v] * dt
-        lower, upper = self._lower.copy(), self._upper.copy()
-        solutions = []
-        try:
-            for target in wanted:
-                down, up = q - reach, q + reach
-                # outside the position limits the box is what the velocity limits allow on the way back
-                self._lower[:] = np.minimum(np.maximum(lower, down), up)
-                self._upper[:] = np.maximum(np.minimum(upper, up), down)
-                solution = self.solve(
-                    target,
-                    q0=q,
-                    max_iterations=max_iterations,
-                    position_tolerance=position_tolerance,
-                    orientation_tolerance=orientation_tolerance,
-                    optimality_tolerance=optimality_tolerance,
-                    until=until,
-                )
-                if self.robot.nq != self.robot.n:
-                    solution = self._slowed(q, solution, dt)
-                solutions.append(solution)
-                q = solution.q
-        finally:
-            self._lower[:], self._upper[:] = lower, upper
-        return Trajectory(
-            times=dt * np.arange(1, len(wanted) + 1, dtype=np.float64),
-            q=np.array([solution.q for solution in solutions]),
-            errors=np.array([np.linalg.norm(solution.error) for solution in solutions]),
-            statuses=tuple(solution.status for solution in solutions),
-            iterations=np.array([solution.iterations for solution in solutions], dtype=np.int64),
-            seconds=np.array([solution.seconds for solution in solutions]),
+
+        def solve(target: Any, start: Array) -> Solution:
+            return self.solve(
+                target,
+                q0=start,
+                max_iterations=max_iterations,
+                position_tolerance=position_tolerance,
+                orientation_tolerance=orientation_tolerance,
+                optimality_tolerance=optimality_tolerance,
+                until=until,
+            )
+
+        limits = self._lower, self._upper
+        return follow(
+            self.robot, wanted, self._configuration("q0", q0), positive("dt", dt), limits, solve, self._told_of
         )
 
-    def _slowed(self, start: Array, solution: Solution, dt: float) -> Solution:
-        """The solution, or how far the way to it leads in dt if a ball or free joint is too fast for the rest."""
-        way = self.robot.difference(start, solution.q)
-        allowed = self.robot.velocity_limit * dt
-        share = float(np.min(np.divide(allowed, np.abs(way), out=np.ones(len(way)), where=np.abs(way) > allowed)))
-        if share >= 1:
-            return solution
-        q = self.robot.integrate(start, share * way)
-        report = self._diagnosis.report(q, self._inputs)
-        status = self._diagnosis.status(q, Code.GO_ON, report, self._inputs)
-        return replace(solution, q=q, status=status, report=report, converged=False)
+    def _told_of(self, solution: Solution, q: Array) -> Solution:
+        """The solution, told of another configuration for the same target."""
+        look = self._later(q)
+        return replace(solution, q=q, look=look, status=self._diagnosis.status(q, Code.GO_ON, look, self._inputs))
 
     def _configuration(self, argument: str, q: ArrayLike | None) -> Array:
         """The configuration given, checked; raises ArgumentError for a wrong shape, NaN or a zero quaternion."""
         if q is None:
             return self.robot.neutral
+        if self._plain_q and type(q) is np.ndarray and q.shape == (self.robot.nq,) and q.dtype == np.float64:
+            usual: Array = q
+            if math.isfinite(usual.sum()):
+                return usual
         return (
             finite_array(argument, q, (self.robot.nq,))
             if self._plain_q
@@ -293,53 +353,20 @@ class InverseKinematics:
         q[scalar] = np.clip(q[scalar], self._lower[scalar], self._upper[scalar])
         return q
 
+    def _fused(self, *, arriving: bool = False) -> FusedStep:
+        fused = fused_step(self._problem, self.strategy, arriving=arriving)
+        return replace(fused, function=to_c(fused.function)) if self._compiled else fused
+
+    def _stepping(self) -> Runner:
+        """What ``step`` runs: it reports the errors where it arrives, whether or not the strategy looks at them."""
+        judged = self.strategy.judges(self._problem.has_criterion)
+        fused = self._runner.fused if judged else self._fused(arriving=True)
+        runner = Runner(fused, self._step_inputs, self.robot.nq)
+        runner.start(self.robot.neutral)
+        return runner
+
     def _recording(self) -> Runner:
         if self._recorder is None:
             fused = fused_step(self._problem, self.strategy, recorded=True)
             self._recorder = Runner(fused, self._inputs, self.robot.nq)
         return self._recorder
-
-    def _iterate(self, runner: Runner, limit: int, recorder: Recorder | None) -> tuple[Array, Code, int, int]:
-        """The loop, written once for every strategy: call until the code says otherwise."""
-        calls, view = runner.calls, runner.view
-        code, escapes, k, at = Code.GO_ON, 0, 0, 0
-        while k < limit:
-            if recorder is not None:
-                recorder.before(runner.q[at])
-            calls[at]()
-            at = 1 - at
-            k += 1
-            if recorder is not None:
-                recorder.after()
-            if view[0] == 0.0:
-                continue
-            code = Code(int(view[0]))
-            if code is Code.STALLED and escapes < MOST_ESCAPES and self._rescue.escape(runner.q[at], self._inputs):
-                escapes += 1
-                if recorder is not None:
-                    recorder.escaped()
-                runner.start(runner.q[at].copy())
-                code, at = Code.GO_ON, 0
-                continue
-            if not view[OUTCOME.tried]:  # it stopped before it tried anything: no iteration
-                k -= 1
-                if recorder is not None:
-                    recorder.forget()
-            break
-        return runner.q[at].copy(), code, k, escapes
-
-
-def _positive(argument: str, value: float) -> float:
-    """The value as a float. Raises ArgumentError unless it is finite and positive."""
-    if type(value) is float and 0.0 < value < math.inf:
-        return value
-    number = float(finite_array(argument, value, ()))
-    if not number > 0:
-        raise ArgumentError(argument, value, "a positive number")
-    return number
-
-
-def _steady(until: str) -> float:
-    if until not in ("steady", "reached"):
-        raise ArgumentError("until", until, "'steady' or 'reached'")
-    return 1.0 if until == "steady" else 0.0

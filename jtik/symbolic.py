@@ -42,6 +42,8 @@ external: Any = casadi.external
 symvar: Any = casadi.symvar
 substitute: Any = casadi.substitute
 is_equal: Any = casadi.is_equal
+trace: Any = casadi.trace
+skew: Any = casadi.skew
 reshape: Any = casadi.reshape
 
 LARGEST = 1.7e308
@@ -59,6 +61,17 @@ def symbol(name: str, rows: int, columns: int = 1) -> Expression:
 def zeros(rows: int, columns: int = 1) -> Expression:
     """A dense matrix of zeros, shape (rows, columns)."""
     return SX.zeros(rows, columns)
+
+
+def identity(size: int) -> Expression:
+    """The identity matrix."""
+    return SX.eye(size)
+
+
+def solve_ldl(A: Expression, b: Expression) -> Expression:
+    """``A^-1 b`` of a symmetric positive definite ``A`` by A = L D L', unrolled and without pivots."""
+    D, upper, order = casadi.ldl(A, False)
+    return casadi.ldl_solve(b, D, upper, order)
 
 
 def is_symbolic(value: object) -> bool:

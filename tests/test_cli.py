@@ -16,6 +16,7 @@ import pytest
 import jtik
 from jtik.cli import catalogue, main
 from jtik.cli.document import load, read
+from jtik.robot import gallery
 
 Capture = pytest.CaptureFixture[str]
 
@@ -85,7 +86,7 @@ def position(robot: jtik.Robot, document: dict[str, Any]) -> np.ndarray:
 def test_list_shows_everything_registered(capsys: Capture) -> None:
     assert main(["list"]) == 0
     out = capsys.readouterr().out
-    for name in (*jtik.strategies, *jtik.criteria):
+    for name in (*jtik.strategies, *jtik.criteria, *gallery.names()):
         assert name in out
 
 
@@ -135,7 +136,7 @@ def test_json_has_every_field_of_a_solution(capsys: Capture) -> None:
     assert document["active_limits"] == []
     assert document["joint_names"] == list(ik.robot.joint_names)
     public = {name for name in (*vars(solution), *dir(type(solution))) if not name.startswith("_")}
-    assert set(document) == public - {"trace", "report"} | {"robot", "strategy", "why", "joint_names"}
+    assert set(document) == public - {"trace", "report", "look"} | {"robot", "strategy", "why", "joint_names"}
 
 
 def test_a_target_out_of_reach_ends_with_code_1(capsys: Capture) -> None:
@@ -156,6 +157,7 @@ def test_infinite_figures_are_null_in_json(capsys: Capture) -> None:
         ("planar:1,0.8,0.5", jtik.Robot.planar([1, 0.8, 0.5])),
         ("planar:2.5", jtik.Robot.planar([2.5])),
         ("vehicle:3", jtik.Robot.vehicle(3)),
+        ("vehicle3", jtik.Robot.builtin("vehicle3")),
     ],
 )
 def test_robot_specifications(specification: str, robot: jtik.Robot) -> None:
@@ -163,6 +165,16 @@ def test_robot_specifications(specification: str, robot: jtik.Robot) -> None:
     q = np.linspace(0.2, 0.7, robot.nq)
     assert built.joint_names == robot.joint_names
     np.testing.assert_array_equal(built.position(q), robot.position(q))
+
+
+def test_a_built_in_robot_is_named(capsys: Capture) -> None:
+    start = " ".join(str(angle) for angle in jtik.Robot.builtin("panda").keyframes["home"])
+    document = solved(capsys, f"--robot panda --target 0.4 0.2 0.5 --q0 {start}")
+    panda = jtik.Robot.builtin("panda")
+    assert document["joint_names"] == list(panda.joint_names)
+    assert position(panda, document) == pytest.approx([0.4, 0.2, 0.5], abs=1e-6)
+    built = read({"robot": {"kind": "builtin", "name": "panda"}, "target": [0.4, 0.2, 0.5]}).ik.robot
+    assert built.frame_names == panda.frame_names
 
 
 def test_dh_robots_come_from_a_file() -> None:
@@ -253,6 +265,7 @@ def test_trace_is_one_row_an_iteration(capsys: Capture, tmp_path: Path) -> None:
         ("solve --target 1 1", "robot is missing"),
         ("solve --robot planar:3", "target is missing"),
         ("solve --robot moon:3 --target 1 1", "planar:10"),
+        ("solve --robot pnada --target 1 1 1", "did you mean 'panda'"),
         ("solve --robot planar: --target 1 1", "planar:10"),
         ("solve --robot planar:0 --target 1 1", "links"),
         ("solve --robot planar:3 --target 1", "target: given [1.0]"),
@@ -314,6 +327,53 @@ def test_wrong_files_are_refused_in_one_line(
     assert old in PROBLEM
     problem_file.write_text(PROBLEM.replace(old, new, 1))
     assert said in refusal(capsys, "solve", "--file", str(problem_file))
+
+
+SEVERAL = """
+target = { tip = [1.5, 1.0], gaze = [3.0, 3.0] }
+
+[robot]
+kind = "planar"
+links = 4
+
+[[task]]
+frame = "tip"
+
+[[task]]
+type = "look_at"
+frame = "link3"
+axis = [1.0, 0.0]
+name = "gaze"
+"""
+
+
+def test_several_tasks_of_several_types(capsys: Capture, problem_file: Path) -> None:
+    problem_file.write_text(SEVERAL)
+    assert main(["solve", "--file", str(problem_file), "--json"]) == 0
+    q = np.array(json.loads(capsys.readouterr().out)["q"])
+    arm = jtik.Robot.planar(4)
+    sight = np.array([3.0, 3.0]) - arm.position(q, "link3")
+    assert arm.position(q) == pytest.approx([1.5, 1.0], abs=2e-6)
+    assert arm.pose(q, "link3")[:2, 0] == pytest.approx(sight / np.linalg.norm(sight), abs=2e-6)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "options", "said"),
+    [
+        ('type = "look_at"', 'type = "look_up"', "", "did you mean 'look_at'"),
+        ('type = "look_at"', "type = 3", "", "frame, relative, axis, look_at, center_of_mass"),
+        ('type = "look_at"', 'type = "relative"', "", "'axis'"),
+        ('type = "look_at"\n', "", "", "'axis'"),
+        ("gaze = [3.0, 3.0]", "gaze = [3.0]", "", "target['gaze']"),
+        ("links = 4", "links = 4", "--frame link2", "several"),
+    ],
+)
+def test_wrong_tasks_are_refused_in_one_line(
+    capsys: Capture, problem_file: Path, old: str, new: str, options: str, said: str
+) -> None:
+    assert old in SEVERAL
+    problem_file.write_text(SEVERAL.replace(old, new, 1))
+    assert said in refusal(capsys, "solve", "--file", str(problem_file), *options.split())
 
 
 @pytest.mark.parametrize("text", ["{", "[1, 2]", "\udcff"])

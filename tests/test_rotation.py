@@ -137,3 +137,31 @@ def test_value_and_derivative_are_finite_everywhere(angle, rng):
         R = Turn.from_rotvec(angle * axis).as_matrix()
         assert np.isfinite(log(R)).all()
         assert np.isfinite(derivative(R)).all()
+
+
+class TestLogRate:
+    """d/dt log R = G w for dR/dt = [w] R."""
+
+    @functools.cached_property
+    def rate(self):
+        turn = casadi.SX.sym("turn", 3)
+        return casadi.Function("rate", [turn], [rotation.log_rate(turn)])
+
+    @pytest.mark.parametrize("angle", [1e-9, 1e-7, 1e-6, 1.1e-6, 1e-3, 0.5, 2.0, 3.1, np.pi - 1e-9])
+    def test_is_the_derivative_of_the_logarithm(self, angle, rng):
+        """Against the derivative that CasADi finds, itself checked above; body rates w_b = R' w."""
+        for _ in range(10):
+            vector = angle * random_axis(rng)
+            R = Turn.from_rotvec(vector).as_matrix()
+            assert self.rate(vector).full() == pytest.approx(derivative(R) @ R.T, abs=1e-7)
+
+    def test_of_no_turn_is_the_identity(self):
+        assert np.array_equal(self.rate([0, 0, 0]).full(), np.eye(3))
+
+    def test_undoes_the_left_jacobian(self, rng):
+        """Closed form: I + (1 - cos a) / a [u] + (1 - sin a / a) [u]^2."""
+        for _ in range(100):
+            u, a = random_axis(rng), rng.uniform(0.0, np.pi)
+            U = np.array([[0, -u[2], u[1]], [u[2], 0, -u[0]], [-u[1], u[0], 0]])
+            left = np.eye(3) + (1 - np.cos(a)) / a * U + (1 - np.sin(a) / a) * U @ U
+            assert self.rate(a * u).full() @ left == pytest.approx(np.eye(3), abs=EXACT)

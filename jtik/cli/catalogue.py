@@ -1,4 +1,4 @@
-"""``jtik list``: what is registered, a line each."""
+"""``jtik list``: what is registered and which robots come along, a line each."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Iterable, Mapping, Sequence
 
 from jtik.registry import criteria, strategies
+from jtik.robot import gallery
 
 HEADINGS = ("name", "what it does", "source")
 
@@ -21,7 +22,9 @@ def rows(registered: Mapping[str, type]) -> list[tuple[str, str, str]]:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the tables; plain columns where rich is not installed."""
-    sections = [("Strategies", rows(strategies)), ("Criteria", rows(criteria))]
+    described = [gallery.describe(name) for name in gallery.names()]
+    robots = [(robot.name, robot.summary, robot.source) for robot in described]
+    sections = [("Strategies", rows(strategies)), ("Criteria", rows(criteria)), ("Robots", robots)]
     try:
         from rich import box
         from rich.console import Console

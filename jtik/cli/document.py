@@ -5,11 +5,12 @@ q0 = [0.1, 0.1, 0.1]
 strategy = "hybrid"                       # or a table: name, and options of that strategy
 
 [robot]
-kind = "planar"                           # planar, vehicle or dh, and the arguments of its builder
+kind = "planar"                           # planar, vehicle, dh or builtin, and the arguments of its builder
 links = 3
 
-[task]                                    # arguments of FrameTask
-frame = "tip"
+[task]                                    # arguments of FrameTask; or type = "relative", "axis", "look_at" or
+frame = "tip"                             # "center_of_mass" and its arguments; or several [[task]], then the
+                                          # target is a table by their names
 
 [[criteria]]                              # name, weight, and options of that criterion
 name = "obstacle_avoidance"
@@ -37,10 +38,10 @@ from jtik.criterion import Criterion, CriterionSum
 from jtik.errors import ArgumentError, JtikError, UnknownNameError
 from jtik.geometry import Circle, Obstacle, Point, Sphere
 from jtik.registry import criteria, strategies
-from jtik.robot import Robot
+from jtik.robot import Robot, gallery
 from jtik.solver import InverseKinematics
 from jtik.strategy import Strategy
-from jtik.task import FrameTask
+from jtik.task import AxisTask, CenterOfMassTask, FrameTask, LookAtTask, RelativeFrameTask, Task
 
 Table = Mapping[str, Any]
 T = TypeVar("T")
@@ -49,6 +50,14 @@ ROBOTS: dict[str, Callable[..., Robot]] = {
     "planar": Robot.planar,
     "vehicle": Robot.vehicle,
     "dh": Robot.from_dh,
+    "builtin": Robot.builtin,
+}
+TASKS: dict[str, Callable[..., Task]] = {
+    "frame": FrameTask,
+    "relative": RelativeFrameTask,
+    "axis": AxisTask,
+    "look_at": LookAtTask,
+    "center_of_mass": CenterOfMassTask,
 }
 KEYS = ("robot", "task", "target", "q0", "strategy", "criteria", "obstacles", "solve")
 SHAPES = ("circles", "spheres", "points")
@@ -109,7 +118,7 @@ def read(document: Table) -> Problem:
         raise ArgumentError("limits", limits, "true or false")
     ik = InverseKinematics(
         _robot(document["robot"]),
-        _call("[task]", FrameTask, document.get("task", {})),
+        _tasks(document.get("task", {})),
         criteria=_criteria(document.get("criteria", []), _obstacles(document.get("obstacles", {}))),
         strategy=_strategy(document.get("strategy", "hybrid")),
         limits=limits,
@@ -118,10 +127,17 @@ def read(document: Table) -> Problem:
 
 
 def robot_table(specification: str) -> dict[str, Any]:
-    """``planar:10``, ``planar:1,0.8,0.5`` or ``vehicle:3`` as the table [robot]: kind, and links or lengths [m]."""
-    accepted = "planar:10, planar:1,0.8,0.5 or vehicle:3; other robots come from a file"
-    kind, _, links = specification.partition(":")
+    """``planar:10``, ``planar:1,0.8,0.5``, ``vehicle:3`` or the name of a built-in robot as the table [robot].
+
+    Raises:
+        ArgumentError: when it is none of those.
+        UnknownNameError: when it is a name, but of no built-in robot.
+    """
+    accepted = "planar:10, planar:1,0.8,0.5, vehicle:3 or a built-in robot; other robots come from a file"
+    kind, colon, links = specification.partition(":")
     if kind not in ("planar", "vehicle"):
+        if not colon and kind:
+            return {"kind": "builtin", "name": gallery.describe(kind).name}
         raise ArgumentError("robot", specification, accepted)
     try:
         lengths = [float(length) for length in links.split(",")]
@@ -136,6 +152,17 @@ def _robot(given: Any) -> Robot:
     if kind not in ROBOTS:
         raise UnknownNameError("robot kind", kind, ROBOTS)
     return _call(f"[robot] {kind}", ROBOTS[kind], table)
+
+
+def _tasks(given: Any) -> list[Task]:
+    tasks = []
+    for entry in given if isinstance(given, list) else [given]:
+        table = dict(_table("[task]", entry))
+        kind = _name("[task] type", table.pop("type", "frame"), TASKS)
+        if kind not in TASKS:
+            raise UnknownNameError("task type", kind, TASKS)
+        tasks.append(_call("[task]", TASKS[kind], table))
+    return tasks
 
 
 def _strategy(given: Any) -> Strategy:

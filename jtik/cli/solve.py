@@ -28,7 +28,7 @@ def add_arguments(commands: Any) -> None:
         epilog="Exit code: 0 converged, 1 ended otherwise, 2 wrong input. Lengths in m, angles in rad.",
     )
     command.add_argument("--file", metavar="PROBLEM", help="a problem in TOML or JSON")
-    command.add_argument("--robot", metavar="SPEC", help="planar:10, planar:1,0.8,0.5 or vehicle:3")
+    command.add_argument("--robot", metavar="SPEC", help="planar:10, planar:1,0.8,0.5, vehicle:3 or a built-in robot")
     command.add_argument("--frame", help="frame to bring to the target (default: tip)")
     command.add_argument("--kind", help="position, orientation or pose (default: position)")
     command.add_argument("--axes", nargs="+", metavar="AXIS", help="rows of the task to keep: x y z rx ry rz")
@@ -83,6 +83,7 @@ SHOWN = (
     "orientation_error",
     "iterations",
     "escapes",
+    "restarts",
     "cost",
     "criteria",
     "jacobian",
@@ -143,6 +144,8 @@ def _document(arguments: argparse.Namespace) -> dict[str, Any]:
         given = {name: value for name in names if (value := getattr(arguments, name)) is not None}
         if given:
             below = document.get(section, {})
+            if section == "task" and isinstance(below, list):
+                raise InputError("--frame, --kind and --axes change a single [task]; the file has several")
             document[section] = {**below, **given} if isinstance(below, dict) else below
     return document
 

@@ -64,6 +64,10 @@ class Strategy(ABC):
         """The state a solve starts from: one-dimensional arrays by name."""
         return {}
 
+    def judges(self, has_criterion: bool) -> bool:
+        """Whether acceptance looks at where a step arrives; if not, the engine does not evaluate it there either."""
+        return True
+
     @abstractmethod
     def update(self, model: LocalModel, state: State) -> Update:
         """The law: from the local model and the state to the next configuration and state."""

@@ -154,6 +154,10 @@ class Composition(Strategy):
             state["penalty"] = np.zeros(1)
         return state
 
+    def judges(self, has_criterion: bool) -> bool:
+        """Not where every step is taken and no criterion is at stake."""
+        return has_criterion or self.acceptance() != "always"
+
     def update(self, model: LocalModel, state: State) -> Update:
         """Propose, join, judge, adapt."""
         task_step, secondary, rule = self.task_step(), self.secondary_term(), self.acceptance()
@@ -182,7 +186,8 @@ class Composition(Strategy):
             accepted = logic_or(falls, logic_and(model.near, judged.length <= model.tube))
         else:
             accepted = falls
-        accepted = logic_and(accepted, is_finite(point.V + point.H))
+        judges = self.judges(model.has_criterion)
+        accepted = logic_and(accepted, is_finite(point.V + point.H if judges else term))
         gained = ratio(actual, fmax(predicted, 0))
         if rule == "merit" and model.has_criterion:
             gained = if_else(model.near, accepted, gained)

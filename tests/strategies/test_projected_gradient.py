@@ -68,7 +68,7 @@ def test_the_ratio_as_printed_collapses_doubly_exponentially_and_its_root_does_n
 
     secondary = ProjectedGradient(rule=rule, beta_max=0.9, step_limit=10.0)
     law = Newton(secondary=secondary, backtracking=False)
-    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask("link3"), criteria=downhill, strategy=law)
+    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask("link3"), criteria=downhill, strategy=law, joints="all")
     q0 = np.array([0.3, 0.4, 0.5, 0.6])
     trace = ik.solve(planar(4).position(q0, "link3"), q0=q0, max_iterations=10, trace=True).trace
     assert trace.null_residual == pytest.approx(1.0)

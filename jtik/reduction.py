@@ -1,0 +1,39 @@
+"""Which joints a solver moves: those its tasks feel, unless told otherwise; the others stay where they are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from jtik.errors import ArgumentError
+from jtik.robot import Robot
+from jtik.task import Task, TaskStack
+
+
+def reduced(
+    robot: Robot, task: Task | Iterable[Task], joints: str | Iterable[str] | None, at: object
+) -> tuple[Robot, TaskStack]:
+    """The robot with only the chosen joints free, and the tasks on it.
+
+    Args:
+        robot: the robot.
+        task: a task or several.
+        joints: names of the joints to move, "all", or None for those that move what the tasks are about.
+        at: configuration (nq,) of the robot at which the others are locked; neutral when None.
+
+    Raises:
+        ArgumentError: when none of the joints moves what the tasks are about.
+        UnknownNameError: when there is no such joint or frame.
+    """
+    if robot.n == 0:
+        raise ArgumentError("robot", robot, "a robot with joints that move")
+    stack = TaskStack.of(robot, task)
+    moving = stack.moving_joints()
+    if not moving:
+        raise ArgumentError("task", stack.tasks, f"a task on frames that {robot!r} can move")
+    chosen = moving if joints is None else robot.joint_names if joints == "all" else tuple(joints)
+    if not set(chosen) & set(moving):
+        raise ArgumentError("joints", list(chosen), f"at least one that moves what the tasks are about: {list(moving)}")
+    if set(chosen) == set(robot.joint_names):
+        return robot, stack
+    part = robot.subset(chosen, at=at)
+    return part, TaskStack.of(part, stack.tasks)

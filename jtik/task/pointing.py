@@ -1,0 +1,147 @@
+"""Tasks on where an axis of a frame points.
+
+The error is the shortest rotation from the wanted direction to the axis, in coordinates of the frame. It is orthogonal
+to the axis, so two numbers are enough. Derivation: formulations/tasks.md, (T5) to (T9).
+"""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from jtik.errors import ArgumentError, Array, finite_array
+from jtik.robot import Kinematics, Robot
+from jtik.symbolic import (
+    Expression,
+    atan2,
+    dot,
+    if_else,
+    jacobian,
+    logic_and,
+    skew,
+    sqrt,
+    substitute,
+    sumsqr,
+    symbol,
+    vertcat,
+    zeros,
+)
+from jtik.task.base import TaskRows
+from jtik.task.weighted import WeightedTask
+
+SHORTEST = 1e-12
+"""A direction given shorter than this is a rounded zero and points nowhere."""
+
+MET = 1e-9
+"""A wanted direction shorter than this [m] is none, and any axis meets it."""
+
+NARROW = 1e-6
+"""Sine of the angle to the axis below which the error is a polynomial in it, at both ends."""
+
+
+class PointingTask(WeightedTask):
+    """Turn an axis of a frame into a direction: 2 rows [rad] in space, 1 in the plane.
+
+    A subclass says by `wanted` which direction that is.
+
+    Args:
+        frame: name of the frame.
+        axis: the axis in coordinates of the frame, (3,), or (x, y); normalised.
+        stiffness: a positive scalar, one value a row, or an SPD matrix (2, 2).
+        priority: level for the strategies that know levels; 0 is the highest.
+        name: how a dict of targets refers to the task; the frame's name by default.
+
+    Raises:
+        ArgumentError: for an axis that is zero or no direction, and a priority or stiffness that cannot be used.
+    """
+
+    def __init__(
+        self,
+        frame: str = "tip",
+        axis: ArrayLike = (0.0, 0.0, 1.0),
+        *,
+        stiffness: ArrayLike = 1.0,
+        priority: int = 0,
+        name: str | None = None,
+    ) -> None:
+        super().__init__(stiffness=stiffness, priority=priority, name=name or frame)
+        given = finite_array("axis", axis, (None,))
+        length = math.hypot(*given.tolist())
+        if given.shape not in ((2,), (3,)) or not SHORTEST <= length < math.inf:
+            raise ArgumentError("axis", axis, "a direction (x, y, z) in the frame, or (x, y), not zero")
+        self.frame = frame
+        self.axis = np.zeros(3)
+        self.axis[: len(given)] = given / length
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.frame!r}, axis={self.axis.tolist()})"
+
+    @abstractmethod
+    def wanted(self, kinematics: Kinematics, target: Expression) -> Expression:
+        """The wanted direction in base axes, of any length, (3, 1), or (2, 1) on a planar robot."""
+
+    def swing(self, kinematics: Kinematics) -> Expression:
+        """Derivative of `wanted` with respect to the velocity, (3, n) in space: how it depends on the robot."""
+        return zeros(3, kinematics.robot.n)
+
+    def frames(self, robot: Robot) -> tuple[str, ...]:
+        """The one whose axis points."""
+        return (self.frame,)
+
+    def target_size(self, robot: Robot) -> int:
+        """2 in the plane, else 3."""
+        return robot.dimension
+
+    def rows(self, kinematics: Kinematics, target: Expression) -> TaskRows:
+        """The turn from the wanted direction to the axis, or nothing where no direction is wanted; (T5) to (T9)."""
+        size = kinematics.robot.dimension
+        if size == 2 and self.axis[2] != 0:
+            raise ArgumentError("axis", self.axis.tolist(), "an axis in the plane of this planar robot, such as (1, 0)")
+        direction = self.wanted(kinematics, target)
+        squared = sumsqr(direction)
+        none = squared < MET**2
+        length = sqrt(if_else(none, 1, squared))
+        R = kinematics.rotation(self.frame)[:size, :size]
+        seen = if_else(none, vertcat(*self.axis[:size]), R.T @ direction / length)
+        if size == 2:
+            x, y = self.axis[:2]
+            return TaskRows(atan2(seen[0] * y - seen[1] * x, seen[0] * x + seen[1] * y), (False,))
+        u = symbol("u", 3)
+        error = turn_onto(self.axis, u)
+        rate = substitute(jacobian(error, u), u, seen)
+        turning, swinging = R.T @ kinematics.jacobian(self.frame)[3:, :], R.T @ self.swing(kinematics) / length
+        J = rate @ (skew(seen) @ turning + swinging - seen @ (seen.T @ swinging))
+        return TaskRows(substitute(error, u, seen), (False, False), if_else(none, 0, J))
+
+    def row_count(self, robot: Robot) -> int:
+        """1 in the plane, else 2."""
+        return robot.dimension - 1
+
+
+def turn_onto(axis: Array, direction: Expression) -> Expression:
+    """The shortest rotation vector from the unit vector ``direction`` (3, 1) to the numeric unit vector ``axis``.
+
+    Coordinates (2, 1) [rad] in the basis `across` of the plane orthogonal to the axis. From opposite directions every
+    way is as short, and the one about the first basis vector is taken.
+    """
+    first, second = across(axis)
+    s1, s2, c = dot(direction, first), dot(direction, second), dot(direction, axis)
+    squared = s1**2 + s2**2
+    narrow = squared < NARROW**2
+    sine = sqrt(if_else(narrow, 1, squared))
+    factor = if_else(narrow, 1 + squared / 6, atan2(sine, c) / sine)
+    opposite = logic_and(narrow, c < 0)
+    turned_back = vertcat(math.pi - s2 - s1**2, -s1)  # falls to first order one way, to second order the other
+    return if_else(opposite, turned_back, factor * vertcat(s2, -s1))
+
+
+def across(axis: Array) -> tuple[Array, Array]:
+    """Two unit vectors that make a right-handed basis with the unit vector ``axis``: x and y for z, and so on round."""
+    along = int(np.argmax(np.abs(axis)))
+    start = np.eye(3)[(along + 1) % 3]
+    first = start - axis * axis[(along + 1) % 3]
+    first /= np.linalg.norm(first)
+    return first, np.cross(axis, first)

@@ -1,0 +1,119 @@
+"""Damped least squares: the step as defined, its bound near singular poses, and the mode that looks at nothing."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import jtik
+from jtik_formulations import Damped, JointCentering
+
+from ..conftest import EXACT, ball_arm, dh_arm, floating_arm, planar, planar_jacobian, planar_points
+
+BARE = {"backtracking": False, "q_limit": math.inf}
+
+
+def solver(robot, law, kind="position", **options):
+    return jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), strategy=law, limits=False, **options)
+
+
+@pytest.mark.parametrize("damping", [1e-3, 0.1, 10.0])
+@pytest.mark.parametrize("n", [2, 3, 10])
+def test_the_step_minimises_error_and_length_together(n, damping, rng):
+    """Against ordinary least squares of the stacked system [J; sqrt(lambda) I] p = [r; 0]."""
+    ik = solver(planar(n), Damped(damping=damping, **BARE))
+    for _ in range(20):
+        q, target = rng.uniform(-1, 1, n), rng.uniform(-2, 2, 2)
+        J, e = planar_jacobian(q), planar_points(q)[-1] - target
+        stacked = np.vstack([J, math.sqrt(damping * e @ e / 2) * np.eye(n)])
+        p = np.linalg.lstsq(stacked, np.concatenate([e, np.zeros(n)]), rcond=None)[0]
+        assert ik.step(q, target).q - q == pytest.approx(-p, rel=1e-9, abs=1e-11)
+
+
+@pytest.mark.parametrize("name", ["dh6", "dh9", "ball", "floating"])
+@pytest.mark.parametrize("kind", ["position", "orientation", "pose"])
+def test_in_space_and_on_manifolds_too(name, kind, rng):
+    robot = {
+        "dh6": lambda: dh_arm(6, 1),
+        "dh9": lambda: dh_arm(9, 1),
+        "ball": ball_arm,
+        "floating": floating_arm,
+    }[name]()
+    ik = solver(robot, Damped(**BARE), kind)
+    for _ in range(5):
+        q = robot.random_configuration(rng)
+        target = robot.pose(robot.integrate(q, rng.uniform(-0.05, 0.05, robot.n)))
+        seen = ik.solve(target, q0=q, max_iterations=0)
+        J, e = seen.jacobian, seen.error
+        dq = -J.T @ np.linalg.solve(J @ J.T + 0.1 * (e @ e / 2) * np.eye(len(e)), e)
+        assert robot.difference(q, ik.step(q, target).q) == pytest.approx(dq, rel=1e-7, abs=1e-10)
+
+
+@pytest.mark.parametrize("bend", [0.0, 1e-12, 1e-8, 1e-4])
+def test_steps_are_bounded_at_and_near_singular_poses(bend):
+    """|p| <= |r| / (2 sqrt(lambda)), where Newton's step grows like 1 / bend."""
+    ik, q = solver(planar(4), Damped(damping=0.1, **BARE)), np.array([0.0, bend, -bend, bend])
+    target = np.array([3.5, 0.3])
+    e = planar_points(q)[-1] - target
+    length = np.linalg.norm(ik.step(q, target).q - q)
+    assert 0 < length <= np.linalg.norm(e) / (2 * math.sqrt(0.1 * e @ e / 2)) * (1 + 1e-9)
+
+
+def test_the_q_limit_shortens_the_whole_step():
+    q, target = np.array([0.3, 0.4, 0.5]), np.array([-1.0, -1.0])
+    full = solver(planar(3), Damped(**BARE)).step(q, target).q - q
+    short = solver(planar(3), Damped(backtracking=False, q_limit=0.2)).step(q, target).q - q
+    assert np.linalg.norm(short) == pytest.approx(0.2)
+    assert short / 0.2 == pytest.approx(full / np.linalg.norm(full), abs=EXACT)
+
+
+@pytest.mark.parametrize("backtracking", [True, False])
+def test_convergence_is_quadratic_at_the_target(backtracking):
+    robot = dh_arm(7, 2)
+    q = np.full(7, 0.4)
+    trace = (
+        solver(robot, Damped(backtracking=backtracking), "pose")
+        .solve(robot.pose(q), q0=q + 0.1, position_tolerance=1e-13, orientation_tolerance=1e-13, trace=True)
+        .trace
+    )
+    ahead, behind = trace.error[1:], trace.error[:-1]
+    close = (behind < 1e-1) & (behind > 1e-6)
+    assert close.sum() >= 2
+    assert (ahead[close] < 10 * behind[close] ** 2).all()
+
+
+@pytest.mark.parametrize("criteria", [None, JointCentering()], ids=["alone", "centring"])
+def test_step_tells_the_error_where_it_arrives(criteria):
+    """Also of a law that does not look there itself."""
+    robot = planar(4)
+    ik, q, target = solver(robot, Damped(backtracking=False), criteria=criteria), np.full(4, 0.3), np.array([2.5, 1.5])
+    for _ in range(4):
+        step = ik.step(q, target)
+        assert step.position_error == pytest.approx(np.linalg.norm(planar_points(step.q)[-1] - target), abs=EXACT)
+        q = step.q
+
+
+def test_not_looking_changes_no_step():
+    """The iterates of solve, which does not evaluate where they lead, are those of step, which does."""
+    robot = dh_arm(7, 2, limit=2.0)
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose"), strategy=Damped(backtracking=False))
+    target, q = robot.pose(np.full(7, 0.9)), np.full(7, -0.3)
+    trace = ik.solve(target, q0=q, max_iterations=12, trace=True).trace
+    for row in trace.q[1:]:
+        q = ik.step(q, target).q
+        assert q == pytest.approx(row, abs=EXACT)
+
+
+def test_a_lost_solve_ends_at_the_limit_with_its_last_error():
+    ik = solver(planar(3), Damped(backtracking=False))
+    solution = ik.solve([1.0, 0.0], q0=np.zeros(3), max_iterations=1)
+    assert not solution.converged
+    assert solution.position_error == pytest.approx(np.linalg.norm(planar_points(solution.q)[-1] - (1, 0)), abs=EXACT)
+
+
+@pytest.mark.parametrize(("option", "value"), [("damping", 0.0), ("damping", math.inf), ("q_limit", -1.0)])
+def test_options_are_checked(option, value):
+    with pytest.raises(jtik.ArgumentError, match=option):
+        Damped(**{option: value})

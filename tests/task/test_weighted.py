@@ -1,0 +1,62 @@
+"""The options of every task: Kp, priority, name."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import jtik
+
+from ..conftest import EXACT, look
+from .conftest import dh_arm, solver
+
+
+class TestStiffness:
+    """Kp enters as V = 1/2 e' Kp e and as the gradient J' Kp e."""
+
+    MATRIX = np.array([[2.0, 0.5, 0.0], [0.5, 1.0, -0.2], [0.0, -0.2, 3.0]])
+    CASES = (
+        (1.0, np.eye(3)),
+        (2.5, 2.5 * np.eye(3)),
+        ([1.0, 2.0, 3.0], np.diag([1.0, 2.0, 3.0])),
+        (MATRIX, MATRIX),
+    )
+
+    @pytest.mark.parametrize(("stiffness", "Kp"), CASES)
+    def test_V_is_half_the_weighted_square_of_the_error(self, stiffness, Kp, rng):
+        robot = dh_arm(6, 5)
+        ik = solver(robot, jtik.FrameTask("tip", "position", stiffness=stiffness))
+        for _ in range(5):
+            q, target = robot.random_configuration(rng), robot.position(robot.random_configuration(rng))
+            solution = ik.solve(target, q0=q, max_iterations=1, trace=True)
+            e = robot.position(q) - target
+            assert solution.trace.V[0] == pytest.approx(e @ Kp @ e / 2, rel=EXACT)
+            assert look(ik, q, target).error == pytest.approx(e, abs=EXACT)
+
+    @pytest.mark.parametrize(("stiffness", "Kp"), CASES)
+    def test_the_transpose_step_goes_along_the_weighted_gradient(self, stiffness, Kp, rng):
+        robot = dh_arm(6, 5)
+        law = jtik.strategies["transpose"](q_limit=np.inf, backtracking=False)
+        ik = jtik.InverseKinematics(
+            robot, jtik.FrameTask("tip", "position", stiffness=stiffness), strategy=law, limits=False
+        )
+        q, target = robot.random_configuration(rng), robot.position(robot.random_configuration(rng))
+        J = robot.jacobian(q)[:3]
+        u = Kp @ (robot.position(q) - target)
+        g = J.T @ u
+        alpha = (g @ g) / ((J @ g) @ Kp @ (J @ g))
+        assert ik.step(q, target).q - q == pytest.approx(-alpha * g, abs=EXACT * 1e2)
+
+    @pytest.mark.parametrize(
+        "stiffness",
+        [0.0, -1.0, [1.0, 0.0, 1.0], [1.0, 2.0], np.ones((2, 2)), np.ones((3, 3)), np.triu(np.ones((3, 3)))],
+    )
+    def test_what_is_not_positive_definite_or_does_not_fit_is_refused(self, stiffness):
+        with pytest.raises(jtik.ArgumentError, match="(?s)stiffness.*positive definite") as caught:
+            solver(dh_arm(), jtik.FrameTask("tip", stiffness=stiffness))
+        assert caught.value.argument == "stiffness"
+
+    @pytest.mark.parametrize("stiffness", [np.nan, np.inf, [1.0, np.nan, 1.0], np.ones((1, 1, 1)), "soft", [[1.0], []]])
+    def test_what_is_not_finite_is_refused_at_once(self, stiffness):
+        with pytest.raises(jtik.ArgumentError, match="stiffness"):
+            jtik.FrameTask("tip", stiffness=stiffness)
