@@ -107,6 +107,21 @@ class Box(Solid):
         return partial(type(self), self.pose, self.half), ()
 
 
+def enclosing_segment(solid: Solid) -> tuple[Array, Array, float]:
+    """Ends (3,) [m] and radius [m] of a capsule that holds the solid: the tightest one about its longest axis."""
+    if isinstance(solid, _Rounded):
+        return solid.start, solid.end, solid.radius
+    if isinstance(solid, Ball):
+        center = np.pad(solid.center, (0, 3 - len(solid.center)))
+        return center, center, solid.radius
+    if isinstance(solid, Box):
+        longest = int(np.argmax(solid.half))
+        reach = solid.half[longest] * solid.pose[:3, longest]
+        across = float(np.linalg.norm(np.delete(solid.half, longest)))
+        return solid.pose[:3, 3] - reach, solid.pose[:3, 3] + reach, across
+    raise ArgumentError("solid", solid, "a jtik.Sphere, Capsule, Cylinder or Box")
+
+
 def _read_only(array: Array) -> Array:
     array.flags.writeable = False
     return array

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import pickle
+
 import casadi
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
 import jtik
-from jtik.geometry import centers_and_radii, point_to_ball, segment_to_ball
+from jtik.geometry import centers_and_radii, enclosing_segment, point_to_ball, segment_to_ball
 
 from .conftest import EXACT
 
@@ -112,3 +114,67 @@ def test_centers_and_radii_of_a_mixed_field():
 def test_obstacles_of_another_dimension_are_refused(obstacle, dimension):
     with pytest.raises(jtik.ArgumentError, match=f"obstacles.*{dimension}-dimensional"):
         centers_and_radii([obstacle], dimension)
+
+
+class TestEnclosingSegment:
+    """A capsule about the axis holds every corner and rim of the solid."""
+
+    def distance(self, points, segment):
+        start, end, _ = segment
+        along = end - start
+        share = np.clip((points - start) @ along / max(along @ along, 1e-300), 0, 1)
+        return np.linalg.norm(points - start - share[:, None] * along, axis=1)
+
+    def test_of_a_box(self, rng):
+        pose = np.eye(4)
+        pose[:3, :3] = np.linalg.qr(rng.standard_normal((3, 3)))[0]
+        pose[:3, 3] = 1.0, 2.0, 3.0
+        half = np.array([0.1, 0.4, 0.2])
+        corners = np.array(list(np.ndindex(2, 2, 2))) * 2 - 1
+        segment = enclosing_segment(jtik.Box(pose, half))
+        reach = self.distance((corners * half) @ pose[:3, :3].T + pose[:3, 3], segment)
+        # the edges end at the ends of the axis, their corners as far from it as the radius
+        assert reach.max() == pytest.approx(segment[2])
+
+    def test_of_a_cylinder(self):
+        segment = enclosing_segment(jtik.Cylinder((0, 0, 0), (0, 0, 1), 0.2))
+        angle = np.linspace(0, 2 * np.pi, 50)
+        rim = np.stack([0.2 * np.cos(angle), 0.2 * np.sin(angle), np.ones(50)], axis=1)
+        assert self.distance(rim, segment).max() <= 0.2 + 1e-12
+
+    def test_of_balls_and_of_anything_else(self):
+        start, end, radius = enclosing_segment(jtik.Sphere((1, 2, 3), 0.4))
+        assert start.tolist() == end.tolist() == [1, 2, 3]
+        assert radius == 0.4
+        assert enclosing_segment(jtik.Circle((1, 2), 0.4))[0].tolist() == [1, 2, 0]
+        with pytest.raises(jtik.ArgumentError, match="solid"):
+            enclosing_segment("box")
+
+
+@pytest.mark.parametrize(
+    ("build", "argument"),
+    [
+        (lambda: jtik.Capsule((0, 0), (0, 0, 1), 0.1), "start"),
+        (lambda: jtik.Capsule((0, 0, 0), (0, 0, np.nan), 0.1), "end"),
+        (lambda: jtik.Cylinder((0, 0, 0), (0, 0, 1), 0.0), "radius"),
+        (lambda: jtik.Box(np.eye(3), (1, 1, 1)), "pose"),
+        (lambda: jtik.Box(np.eye(4), (1, 0, 1)), "half"),
+    ],
+)
+def test_solids_are_checked(build, argument):
+    with pytest.raises(jtik.ArgumentError, match=argument):
+        build()
+
+
+@pytest.mark.parametrize(
+    "solid",
+    [
+        jtik.Capsule((0, 0, 0), (0, 0, 1), 0.1),
+        jtik.Cylinder((0, 0, 0), (0, 0, 1), 0.1),
+        jtik.Box(np.eye(4), (1, 1, 1)),
+    ],
+)
+def test_solids_travel(solid):
+    again = pickle.loads(pickle.dumps(solid))
+    assert type(again) is type(solid)
+    assert repr(again) == repr(solid)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jtik.errors import ArgumentError
+from jtik.errors import ArgumentError, Array
 from jtik.robot import quaternion
 from jtik.robot.joints import JointType
 from jtik.robot.rotation import Rotation
@@ -76,6 +76,16 @@ class Kinematics:
         origin = self._place(self._robot.frame(frame)).origin
         return origin[:2] if self._robot.dimension == 2 else origin
 
+    def point(self, frame: str, offset: Array) -> Expression:
+        """The point at ``offset`` (3,) [m] in ``frame``, in the base frame, shape (3, 1), or (2, 1) of a planar robot.
+
+        Raises:
+            UnknownNameError: when there is no such frame.
+        """
+        placed = self._place(self._robot.frame(frame))
+        point = placed.origin + placed.rotation.apply(offset)
+        return point[:2] if self._robot.dimension == 2 else point
+
     def center_of_mass(self, _: str | None = None) -> Expression:
         """The centre of mass in the base frame [m], shape (3, 1), or (2, 1) of a planar robot.
 
@@ -86,11 +96,7 @@ class Kinematics:
         if not masses:
             raise ArgumentError("robot", self._robot, "a robot with masses")
         total = sum(body.mass for body in masses.values())
-        moment: Expression = SX.zeros(3)
-        for frame, body in masses.items():
-            placed = self._place(frame)
-            moment += body.mass / total * (placed.origin + placed.rotation.apply(body.center))
-        return moment[:2] if self._robot.dimension == 2 else moment
+        return sum(body.mass / total * self.point(frame, body.center) for frame, body in masses.items())
 
     def relative(self, frame: str, reference: str) -> tuple[Expression, Expression]:
         """Rotation (3, 3) and origin (3, 1) [m] of ``frame`` in ``reference``; joints that carry both do not appear.

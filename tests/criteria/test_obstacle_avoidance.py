@@ -172,6 +172,43 @@ def test_spheres_in_space(name, bodies, rng):
         assert found.gradient == pytest.approx(numeric, abs=10 * DIFFERENCES)
 
 
+def test_shapes_are_kept_away_by_their_surfaces(rng):
+    """Each capsule's distance by sampling its axis; a box counts as the capsule about it."""
+    arm = dh_arm(3, 2)
+    pose = np.eye(4)
+    pose[:3, 3] = 0.1, 0.0, 0.05
+    shapes = {
+        "base": [jtik.Sphere((0, 0, 0), 0.2)],
+        "link1": [jtik.Capsule((0, 0, 0), (0.3, 0, 0.1), 0.05), jtik.Sphere((0.1, 0.1, 0), 0.08)],
+        "link2": [jtik.Box(pose, (0.1, 0.03, 0.04))],
+        "tip": [jtik.Cylinder((0, 0, 0), (0, 0, 0.2), 0.03)],
+    }
+    robot = jtik.Robot(arm.joints, shapes=shapes)
+    segments = [
+        ("link1", (0, 0, 0), (0.3, 0, 0.1), 0.05),
+        ("link1", (0.1, 0.1, 0), (0.1, 0.1, 0), 0.08),
+        ("link2", (0, 0, 0.05), (0.2, 0, 0.05), 0.05),
+        ("tip", (0, 0, 0), (0, 0, 0.2), 0.03),
+    ]
+    sphere = jtik.Sphere((1.2, 0.4, 1.0), 0.1)
+    ik = solver(robot, [sphere], bodies="shapes", gain=0.4)
+    for _ in range(5):
+        q = robot.random_configuration(rng)
+        H = 0.0
+        for frame, start, end, radius in segments:
+            T = robot.pose(q, frame)
+            along = np.linspace(start, end, 20001) @ T[:3, :3].T + T[:3, 3]
+            H -= 0.4 * np.log(np.linalg.norm(along - sphere.center, axis=1).min() - radius - sphere.radius)
+        assert at(ik, q).cost == pytest.approx(H, abs=1e-7)
+        numeric = differences(lambda p: at(ik, p).cost, robot, q)[0]
+        assert at(ik, q).gradient == pytest.approx(numeric, abs=10 * DIFFERENCES)
+
+
+def test_shapes_want_a_robot_that_has_some():
+    with pytest.raises(jtik.ArgumentError, match="bodies.*no solids that move"):
+        solver(dh_arm(3, 2), [jtik.Sphere((1, 0, 0), 0.1)], bodies="shapes")
+
+
 def test_live_parameters_act_as_if_built_with_them(rng):
     robot = planar(6)
     changed = solver(robot, [jtik.Circle((4, 2), 0.6), jtik.Point((9, 9))])

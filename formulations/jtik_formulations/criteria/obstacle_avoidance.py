@@ -9,7 +9,14 @@ from numpy.typing import ArrayLike
 
 from jtik import Criterion, register_criterion
 from jtik.errors import ArgumentError
-from jtik.geometry import Obstacle, centers_and_radii, point_to_ball, segment_to_ball
+from jtik.geometry import (
+    Obstacle,
+    Solid,
+    centers_and_radii,
+    enclosing_segment,
+    point_to_ball,
+    segment_to_ball,
+)
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, fmax, log
 
@@ -23,14 +30,15 @@ class ObstacleAvoidance(Criterion):
 
     Each joint is pushed away by the force gain / d. Nearer than ``floor``, and inside, the logarithm goes on as its
     own second-order expansion, so that value and force stay finite and the force still points outwards. Joints alone
-    let links sweep through an obstacle: ``bodies="links"`` takes the closest point of each link, ``"both"`` takes both.
+    let links sweep through an obstacle: ``bodies="links"`` takes the closest point of each link, ``"both"`` takes both,
+    and ``"shapes"`` the robot's own solids, as capsules, where it was built with any.
 
     Live parameters: ``obstacle_avoidance.gain``, ``.centers`` (k, 2 or 3) [m] and ``.radii`` (k,) [m].
 
     Args:
         obstacles: points, circles (planar robots) or spheres.
         gain: the paper's K_obs; the unit of H.
-        bodies: "joints", "links" or "both".
+        bodies: "joints", "links", "both" or "shapes".
         floor: distance [m] below which the logarithm is continued.
         name: how its parameters are addressed.
 
@@ -45,7 +53,7 @@ class ObstacleAvoidance(Criterion):
         obstacles: Iterable[Obstacle] | Obstacle,
         *,
         gain: float = 1.0,
-        bodies: Literal["joints", "links", "both"] = "joints",
+        bodies: Literal["joints", "links", "both", "shapes"] = "joints",
         floor: float = 0.01,
         name: str = "obstacle_avoidance",
     ) -> None:
@@ -56,8 +64,8 @@ class ObstacleAvoidance(Criterion):
         self.name = name
         if not self._obstacles:
             raise ArgumentError("obstacles", "none", "at least one jtik.Point, jtik.Circle or jtik.Sphere")
-        if bodies not in ("joints", "links", "both"):
-            raise ArgumentError("bodies", bodies, "'joints', 'links' or 'both'")
+        if bodies not in ("joints", "links", "both", "shapes"):
+            raise ArgumentError("bodies", bodies, "'joints', 'links', 'both' or 'shapes'")
         if not self._gain >= 0:
             raise ArgumentError("gain", gain, "a number from 0")
         if not self._floor > 0:
@@ -82,6 +90,11 @@ class ObstacleAvoidance(Criterion):
             for start, end in robot.segments:
                 ends = kinematics.position(start), kinematics.position(end)
                 bodies.append([segment_to_ball(*ends, *ball) for ball in balls])
+        if self._bodies == "shapes":
+            for frame, solid in _moving_solids(robot):
+                first, last, radius = enclosing_segment(solid)
+                ends = kinematics.point(frame, first), kinematics.point(frame, last)
+                bodies.append([segment_to_ball(*ends, *ball) - radius for ball in balls])
         return bodies
 
     def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
@@ -99,3 +112,15 @@ class ObstacleAvoidance(Criterion):
                 logarithms = logarithms + log(product)
         continued = first * (1 / self._floor) + second * (0.5 / self._floor**2)
         return parameters["gain"] * (continued - logarithms)
+
+
+def _moving_solids(robot: Robot) -> list[tuple[str, Solid]]:
+    """The solids that some joint moves, with their frames. Raises ArgumentError where there is none."""
+    found = []
+    for frame, solids in robot.shapes.items():
+        if any(joint.is_moving for joint in robot.path(frame)):
+            found += [(frame, solid) for solid in solids]
+    if not found:
+        given = f"'shapes' on {robot!r}, which has no solids that move"
+        raise ArgumentError("bodies", given, "'joints', 'links' or 'both'")
+    return found
