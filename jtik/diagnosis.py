@@ -75,4 +75,5 @@ class Diagnosis:
         if everything > FLAT:
             return Status.LIMITS if free <= FLAT else Status.STALLED
         lowest = self._rescue.lowest_curvature(q, inputs)[0]
-        return Status.LOCAL_MINIMUM if lowest > -NEGATIVE else Status.SINGULAR
+        # beside a minimum curvatures that are zero on it can be as far below zero as the slope is from it
+        return Status.LOCAL_MINIMUM if lowest > -max(NEGATIVE, everything) else Status.SINGULAR

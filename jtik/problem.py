@@ -25,6 +25,7 @@ class Problem:
 
     Attributes:
         linear: for each task row, whether it is a length [m] rather than an angle [rad].
+        levels: the rows of each level of priority, the highest first.
         factor: L with Kp = L L', (m, m).
         error, residual: (q, target) -> e and L' e, (m, 1).
         error_jacobian, residual_jacobian: (q, target) -> their derivatives with respect to the velocity, (m, n).
@@ -40,7 +41,7 @@ class Problem:
         kinematics = robot.at(q)
         rows = tasks.rows(kinematics, target)
         values = terms.values(kinematics, parameters)
-        self.linear = rows.linear
+        self.linear, self.levels = rows.linear, rows.levels
         self.factor = tasks.weight_factor()
         self.error = function("error", [q, target], [rows.error])
         self.residual = function("residual", [q, target], [self.factor.T @ rows.error])

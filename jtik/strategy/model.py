@@ -51,6 +51,7 @@ class LocalModel:
         tube: its size, in the unit of the residual.
         lower, upper: box on the configuration (nq, 1), read only where ``bounded``.
         bounded: (q index, v index) of the joints that have a limit.
+        levels: the task rows of each level of priority, the highest first.
     """
 
     robot: Robot
@@ -63,6 +64,7 @@ class LocalModel:
     lower: Expression
     upper: Expression
     bounded: tuple[tuple[int, int], ...]
+    levels: tuple[tuple[int, ...], ...]
     residual_function: Function
     criterion_function: Function
     target: Expression

@@ -16,11 +16,16 @@ from jtik.task.base import Task
 
 @dataclass(frozen=True)
 class StackRows:
-    """Error (m, 1) of all tasks, which rows are lengths, and its derivative with respect to the velocity (m, n)."""
+    """The rows of all tasks together.
+
+    Attributes: error (m, 1); which rows are lengths; its derivative with respect to the velocity (m, n); the rows of
+    each level of priority, the highest (0) first.
+    """
 
     error: Expression
     linear: tuple[bool, ...]
     jacobian: Expression
+    levels: tuple[tuple[int, ...], ...]
 
 
 @dataclass(frozen=True)
@@ -85,16 +90,19 @@ class TaskStack:
         errors: list[Expression] = []
         jacobians: list[Expression] = []
         linear: list[bool] = []
+        rows_of: dict[int, list[int]] = {}
         start, tangent = 0, self.robot.tangent(kinematics.q)
         for task in self.tasks:
             size = task.target_size(self.robot)
             rows = task.rows(kinematics, target[start : start + size])
             errors.append(rows.error)
+            rows_of.setdefault(task.priority, []).extend(range(len(linear), len(linear) + len(rows.linear)))
             linear.extend(rows.linear)
             own = rows.jacobian
             jacobians.append(jacobian(rows.error, kinematics.q) @ tangent if own is None else own)
             start += size
-        return StackRows(vertcat(*errors), tuple(linear), vertcat(*jacobians))
+        levels = tuple(tuple(rows_of[priority]) for priority in sorted(rows_of))
+        return StackRows(vertcat(*errors), tuple(linear), vertcat(*jacobians), levels)
 
     def moving_joints(self) -> tuple[str, ...]:
         """The joints that move a frame some task is about, or that its error depends on, in the robot's order."""
