@@ -48,15 +48,16 @@ class UnknownNameError(JtikError, KeyError):
         kind: what was looked up, for instance ``"frame"``.
         name: the name that was not found.
         known: the names that exist.
-        closest: the known name most like the given one, or None.
+        closest: the known name most like the given one, whatever the case of its letters, or None.
     """
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         self.kind = kind
         self.name = name
         self.known = tuple(known)
-        matches = difflib.get_close_matches(str(name), self.known, n=1)
-        self.closest: str | None = matches[0] if matches else None
+        lowered = {str(one).lower(): one for one in reversed(self.known)}
+        matches = difflib.get_close_matches(str(name).lower(), lowered, n=1)
+        self.closest: str | None = lowered[matches[0]] if matches else None
         super().__init__(kind, name, self.known)
 
     def __str__(self) -> str:

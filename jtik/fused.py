@@ -8,7 +8,7 @@ language.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import NamedTuple
@@ -16,9 +16,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik.compile import bind
 from jtik.factorization import squared_length
 from jtik.limits import WorkingSet, inside
 from jtik.problem import Problem
+from jtik.qp.backend import Backend
+from jtik.qp.program import Recorder
+from jtik.qp.staged import Staged, staged
 from jtik.strategy import LocalModel, Point, Shape, Strategy, Update
 from jtik.symbolic import (
     TINY,
@@ -68,6 +72,7 @@ class Code(IntEnum):
     STALLED = 2
     NOT_FINITE = 3
     SLOW = 4
+    UNSOLVED = 5
 
 
 class Settings(NamedTuple):
@@ -129,17 +134,31 @@ class Layout:
 class FusedStep:
     """The function, the state it starts from, and the layout of its record."""
 
-    function: Function
+    function: Function | Staged
     first_state: Array
     record: Layout
 
+    def bind(self, arguments: list[Array], results: list[Array]) -> Callable[[], None]:
+        """A call without arguments on this memory."""
+        if isinstance(self.function, Staged):
+            return self.function.bind(arguments, results)
+        return bind(self.function, arguments, results)
 
-def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False, arriving: bool = False) -> FusedStep:
-    """Join problem and strategy into one function.
+
+def fused_step(
+    problem: Problem,
+    strategy: Strategy,
+    *,
+    backend: Backend | None = None,
+    recorded: bool = False,
+    arriving: bool = False,
+) -> FusedStep:
+    """Join problem and strategy into one function, or into those between which a QP solver answers.
 
     Args:
         problem: what is to be solved.
         strategy: by which law.
+        backend: what solves the programs of a strategy that has any.
         recorded: whether its outputs have the figures of a trace.
         arriving: whether the errors it gives are always those where the step arrives. A strategy that accepts without
             looking there saves the kinematics; the errors then are those before a step that was not the last.
@@ -156,13 +175,12 @@ def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False, 
     column = symbol("state", layout.size)
     state = layout.split(column)
 
-    q = inside(start, lower, upper, bounded)
-    symbolic_q = symbol("at", robot.nq)
-    residual = problem.residual(symbolic_q, target)
-    J = problem.residual_jacobian(symbolic_q, target)
-    H = problem.criterion(symbolic_q, parameters)
-    gradient_H = problem.gradient(H, symbolic_q)
-    residual, J, H, gradient_H = (substitute(x, symbolic_q, q) for x in (residual, J, H, gradient_H))
+    inputs = [start, target, parameters, lower, upper, settings, column]
+    local = _local_model(problem, inside(start, lower, upper, bounded), target, parameters)
+    cut, programs = local, Recorder(backend.accuracy) if backend else None
+    if programs:  # the stages between the solver's answers share the local model as numbers
+        cut = [symbol(f"at{i}", *part.shape) for i, part in enumerate(local)]
+    q, residual, J, H, gradient_H = cut
     here = Point(q, residual, H)
     tube = near = 0
     if problem.has_criterion:
@@ -185,15 +203,20 @@ def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False, 
         criterion_function=problem.criterion,
         target=target,
         parameters=parameters,
+        full_J=J,
+        full_gradient=gradient_H,
+        programs=programs,
     )
 
-    stop = _Stop(problem, model, settings, working)
     update = strategy.update(model, {name[9:]: part for name, part in state.items() if name.startswith("strategy.")})
+    stop = _Stop(problem, model, settings, working, update.unsteady)
     finite = logic_and(is_finite(here.V + here.H), is_finite(model.gradient_length + model.jacobian_length))
     falls = FALL**2 * state["best"] > here.V
     idle = if_else(falls, 0, state["idle"] + 1)
     slow = logic_and(idle >= settings[4], logic_not(stop.reached_before))
     tried = logic_and(finite, logic_not(logic_or(stop.done_before, logic_or(stop.stationary, slow))))
+    if programs:
+        tried = logic_and(tried, programs.solved())
     accepted = logic_and(tried, update.accepted)
 
     after = {"tube": tube, "best": if_else(falls, here.V, state["best"]), "idle": idle}
@@ -213,6 +236,8 @@ def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False, 
     stagnant = if_else(logic_and(crawls, logic_not(stop.reached_before)), state["stagnant"] + 1, 0)
     stalled = logic_or(stop.stationary, logic_or(refused >= REFUSALS, stagnant >= STAGNATIONS))
     code = if_else(done, Code.DONE, if_else(stalled, Code.STALLED, if_else(slow, Code.SLOW, Code.GO_ON)))
+    if programs:
+        code = if_else(programs.solved(), code, Code.UNSOLVED)
     after |= {"refused": refused, "stagnant": stagnant}
     if working and arriving:
         after["held"] = working.after(model, update, accepted)
@@ -233,8 +258,18 @@ def fused_step(problem: Problem, strategy: Strategy, *, recorded: bool = False, 
         }
         record = Layout.of({name: _rows(value) for name, value in figures.items()})
         outputs.append(record.join(figures))
-    inputs = [start, target, parameters, lower, upper, settings, column]
-    return FusedStep(function("jtik_step", inputs, outputs), np.concatenate(list(first.values())), record)
+    first_state = np.concatenate(list(first.values()))
+    if not (programs and backend):
+        return FusedStep(function("jtik_step", inputs, outputs), first_state, record)
+    return FusedStep(staged(inputs, local, cut, programs, outputs, backend), first_state, record)
+
+
+def _local_model(problem: Problem, q: Expression, target: Expression, parameters: Expression) -> list[Expression]:
+    """q, residual, its Jacobian, H and its gradient."""
+    at = symbol("at", problem.robot.nq)
+    H = problem.criterion(at, parameters)
+    parts = [problem.residual(at, target), problem.residual_jacobian(at, target), H, problem.gradient(H, at)]
+    return [q, *[substitute(part, at, q) for part in parts]]
 
 
 def _arrived(model: LocalModel, update: Update, accepted: Expression) -> Expression:
@@ -265,7 +300,14 @@ class _Stop:
     ``settings`` are a column of `Settings`.
     """
 
-    def __init__(self, problem: Problem, model: LocalModel, settings: Expression, working: WorkingSet | None) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        model: LocalModel,
+        settings: Expression,
+        working: WorkingSet | None,
+        unsteady: Expression | None,
+    ) -> None:
         self._problem, self._settings = problem, settings
         self._unweight = np.linalg.inv(problem.factor.T)
         self.errors_before = self.errors(model.here)
@@ -275,7 +317,10 @@ class _Stop:
         flat = slope <= STATIONARY * model.jacobian_length * model.here.length
         self.stationary = logic_and(flat, logic_not(self.reached_before))
         if problem.has_criterion:
-            residual = fmax(model.null_length, working.wrong(model)) if working else model.null_length
+            if unsteady is not None:
+                residual = unsteady
+            else:
+                residual = fmax(model.null_length, working.wrong(model)) if working else model.null_length
             still = residual <= settings[2] * fmax(1, model.gradient_length)
             self.done_before = logic_and(self.reached_before, logic_or(still, settings[3] == 0))
 

@@ -30,7 +30,8 @@ def reduced(
     moving = stack.moving_joints()
     if not moving:
         raise ArgumentError("task", stack.tasks, f"a task on frames that {robot!r} can move")
-    chosen = moving if joints is None else robot.joint_names if joints == "all" else tuple(joints)
+    named = (joints,) if isinstance(joints, str) else joints
+    chosen = moving if named is None else robot.joint_names if joints == "all" else tuple(named)
     if not set(chosen) & set(moving):
         raise ArgumentError("joints", list(chosen), f"at least one that moves what the tasks are about: {list(moving)}")
     if set(chosen) == set(robot.joint_names):

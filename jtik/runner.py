@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jtik.compile import bind
 from jtik.fused import OUTCOME, FusedStep
 
 Array = NDArray[np.float64]
@@ -25,8 +24,7 @@ class Runner:
         self.record = np.zeros(fused.record.size)
         records = [self.record] if fused.record.size else []
         self.calls = tuple(
-            bind(
-                fused.function,
+            fused.bind(
                 [self.q[a], *inputs, self.state[a]],
                 [self.q[1 - a], self.state[1 - a], self.outcome, *records],
             )

@@ -76,6 +76,8 @@ class InverseKinematics:
     ) -> None:
         if not isinstance(robot, Robot):
             raise ArgumentError("robot", robot, "a jtik.Robot")
+        if not isinstance(limits, (bool, np.bool_)):
+            raise ArgumentError("limits", limits, "True or False: whether the limits of the robot's joints hold")
         self._given = robot
         self._locked = robot.neutral if at is None else robot.configuration(at, argument="at")
         robot, self.tasks = reduced(robot, task, joints, self._locked)
@@ -310,6 +312,7 @@ class InverseKinematics:
         wanted = list(targets)
         if not wanted:
             raise ArgumentError("targets", "none", "at least one target")
+        read_targets(self.tasks, wanted)
 
         def solve(target: Any, start: Array) -> Solution:
             return self.solve(

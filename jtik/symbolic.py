@@ -6,7 +6,7 @@ helpers are safe to differentiate: no branch that is not taken may produce a NaN
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeAlias
 
@@ -43,6 +43,10 @@ symvar: Any = casadi.symvar
 substitute: Any = casadi.substitute
 is_equal: Any = casadi.is_equal
 trace: Any = casadi.trace
+mmax: Any = casadi.mmax
+norm_inf: Any = casadi.norm_inf
+has_conic: Any = casadi.has_conic
+MX: Any = casadi.MX
 skew: Any = casadi.skew
 reshape: Any = casadi.reshape
 
@@ -72,6 +76,17 @@ def solve_ldl(A: Expression, b: Expression) -> Expression:
     """``A^-1 b`` of a symmetric positive definite ``A`` by A = L D L', unrolled and without pivots."""
     D, upper, order = casadi.ldl(A, False)
     return casadi.ldl_solve(b, D, upper, order)
+
+
+def conic(name: str, plugin: str, n: int, rows: int, options: Mapping[str, Any]) -> Function:
+    """(P, q, C, l, u, lb, ub) -> (x, row multipliers, box multipliers) by a conic plugin, for dense data."""
+    shapes = {"h": casadi.Sparsity.dense(n, n), "a": casadi.Sparsity.dense(rows, n)}
+    solver = casadi.conic(name, plugin, shapes, dict(options))
+    sizes = ((n, n), (n, 1), (rows, n), (rows, 1), (rows, 1), (n, 1), (n, 1))
+    data = [MX.sym(f"d{i}", *size) for i, size in enumerate(sizes)]
+    P, q, C, low, high, lower, upper = data
+    result = solver(h=P, g=q, a=C, lba=low, uba=high, lbx=lower, ubx=upper)
+    return casadi.Function(name, data, [result["x"], result["lam_a"], result["lam_x"]])
 
 
 def is_symbolic(value: object) -> bool:

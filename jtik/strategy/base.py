@@ -39,6 +39,8 @@ class Update:
         wanted: the same before limits shortened it (n, 1).
         null_term: the part of it meant to move only the null space (n, 1).
         figures: what a Trace reports, such as alpha and beta; scalars by name.
+        unsteady: how far H still is from steady, as ``model.null_length`` measures it, where the law knows better than
+            that; None where it does not.
     """
 
     point: Point
@@ -48,6 +50,7 @@ class Update:
     wanted: Expression
     null_term: Expression
     figures: Mapping[str, Expression] = field(default_factory=dict)
+    unsteady: Expression | None = None
 
 
 class Strategy(ABC):
@@ -67,6 +70,10 @@ class Strategy(ABC):
     def judges(self, has_criterion: bool) -> bool:
         """Whether acceptance looks at where a step arrives; if not, the engine does not evaluate it there either."""
         return True
+
+    def solves_programs(self, has_criterion: bool) -> bool:
+        """Whether the law asks a QP solver, by ``model.solve``."""
+        return False
 
     @abstractmethod
     def update(self, model: LocalModel, state: State) -> Update:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik.errors import JtikError
 from jtik.factorization import RowSpace, RowVector, Split
+from jtik.qp.program import Program, ProgramSolution, Recorder
 from jtik.robot import Robot
 from jtik.symbolic import TINY, Expression, Function, dot, fmax, fmin, norm, sqrt, sumsqr, vertcat
 
@@ -52,6 +55,9 @@ class LocalModel:
         lower, upper: box on the configuration (nq, 1), read only where ``bounded``.
         bounded: (q index, v index) of the joints that have a limit.
         levels: the task rows of each level of priority, the highest first.
+        full_J, full_gradient: J and gradient of all joints, those at their limits among them, for laws whose programs
+            have the limits as a box.
+        programs: takes the programs of a law that asks a QP solver.
     """
 
     robot: Robot
@@ -69,6 +75,23 @@ class LocalModel:
     criterion_function: Function
     target: Expression
     parameters: Expression
+    full_J: Expression = None  # noqa: N815
+    full_gradient: Expression = None
+    programs: Recorder | None = None
+
+    def solve(self, program: Program) -> ProgramSolution:
+        """The answer of the solver's back end to a program, as expressions to go on with."""
+        if self.programs is None:
+            raise JtikError(f"a program of a strategy whose solves_programs() is False: {program.name}")
+        return self.programs.solve(program)
+
+    @cached_property
+    def box(self) -> tuple[Expression, Expression]:
+        """How far each velocity entry may move down (to 0) and up, (n, 1) each; infinite without a limit."""
+        low, high = [-inf] * self.robot.n, [inf] * self.robot.n
+        for i, j in self.bounded:
+            low[j], high[j] = fmin(self.lower[i] - self.here.q[i], 0), fmax(self.upper[i] - self.here.q[i], 0)
+        return vertcat(*low), vertcat(*high)
 
     @cached_property
     def rows(self) -> RowSpace:

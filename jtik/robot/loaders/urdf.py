@@ -71,7 +71,9 @@ def read_tree(source: Source) -> UrdfTree:
     _unique_names(source, "joint")
     scalar = [joint.get("name", "") for joint in source.root.findall("joint") if joint.get("type") in _SCALAR]
     if not links:
-        raise RobotFileError(source.label, "", "not a robot: it has no link, where at least one is wanted")
+        macros = any(element.tag.startswith("xacro:") for element in source.root.iter())
+        expand = "; its xacro elements have to be expanded first" if macros else ""
+        raise RobotFileError(source.label, "", f"not a robot: it has no link, where at least one is wanted{expand}")
     joints: dict[str, UrdfJoint] = {}
     notes = []
     for element in source.root.findall("joint"):

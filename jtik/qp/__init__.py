@@ -1,0 +1,22 @@
+"""Quadratic programs as data, the steps that solve one or several, and the back ends that do it."""
+
+from jtik.qp.backend import Backend, BackendError, available, backend_of
+from jtik.qp.conic import Conic
+from jtik.qp.foreign import Foreign
+from jtik.qp.persistent import PersistentOSQP
+from jtik.qp.program import Program, ProgramSolution, Recorded, Recorder, Rows
+
+__all__ = [
+    "Backend",
+    "BackendError",
+    "Conic",
+    "Foreign",
+    "PersistentOSQP",
+    "Program",
+    "ProgramSolution",
+    "Recorded",
+    "Recorder",
+    "Rows",
+    "available",
+    "backend_of",
+]

@@ -1,0 +1,104 @@
+"""What a back end is, and which there are: the strings that ``InverseKinematics(solver=)`` takes."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jtik.errors import JtikError
+from jtik.symbolic import Function, has_conic
+
+Array = NDArray[np.float64]
+
+PLUGINS = {"daqp": 1e-7, "osqp": 1e-3, "piqp": 1e-5, "proxqp": 1e-3, "qpoases": 1e-7, "highs": 1e-5, "qrqp": 1e-5}
+"""CasADi's conic plugins and how exactly an answer of theirs is expected to hold (violation, stationarity)."""
+
+WRONG = ("qrqp",)
+"""Plugins that are not to be used: qrqp was wrong on up to a sixth of box-constrained programs."""
+
+ELSEWHERE = 1e-3
+"""The same for a solver of qpsolvers that is not in the table."""
+
+
+class BackendError(JtikError):
+    """A solver that cannot be used. Attributes: solver, reason."""
+
+    def __init__(self, solver: str, reason: str) -> None:
+        super().__init__(solver, reason)
+        self.solver = solver
+        self.reason = reason
+
+    def __str__(self) -> str:
+        return f"solver {self.solver!r}: {self.reason}"
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """A program's data as arrays: P (n, n), q (n,), C (k, n), l, u (k,), lb, ub (n,); columns first, shared memory."""
+
+    P: Array
+    q: Array
+    C: Array
+    low: Array
+    high: Array
+    lower: Array
+    upper: Array
+
+
+class Backend(ABC):
+    """Solves the programs of a step. ``name`` is what the user called it; ``accuracy`` what its answers are held to."""
+
+    name: str
+    accuracy: float
+    fused: ClassVar[bool] = False
+
+    def function(self, n: int, rows: int) -> Function:
+        """Of a fused back end: (P, q, C, l, u, lb, ub) -> (x, row multipliers, box multipliers) inside CasADi."""
+        raise NotImplementedError
+
+    def solver(self, n: int, rows: int) -> Solver:
+        """Of the others: something that solves programs of this size, one after the other."""
+        raise NotImplementedError
+
+
+class Solver(ABC):
+    """One program's solver, with whatever it keeps from call to call."""
+
+    @abstractmethod
+    def solve(self, program: Numbers) -> Sequence[Array] | None:
+        """x (n,), row multipliers (k,) and box multipliers (n,), or None where there is no answer."""
+
+
+def available() -> list[str]:
+    """Names that ``solver=`` accepts here: CasADi's plugins, then what qpsolvers has."""
+    import qpsolvers
+
+    plugins = [name for name in PLUGINS if name not in WRONG and has_conic(name)]
+    return [*plugins, *[name for name in qpsolvers.available_solvers if name not in plugins]]
+
+
+def backend_of(solver: str | Backend | None) -> Backend:
+    """The back end a name stands for; DAQP for None.
+
+    Raises:
+        BackendError: when it is not installed, or not to be used.
+    """
+    from jtik.qp.conic import Conic
+    from jtik.qp.foreign import Foreign
+
+    if isinstance(solver, Backend):
+        return solver
+    name = "daqp" if solver is None else solver
+    if not isinstance(name, str):
+        raise BackendError(repr(solver), f"give a jtik.qp.Backend, or one of {', '.join(available())}")
+    if name in WRONG:
+        raise BackendError(name, f"is wrong on box-constrained programs; use one of {', '.join(available())}"
+        )
+    if name in PLUGINS and has_conic(name):
+        return Conic(name)
+    return Foreign(name)

@@ -1,0 +1,95 @@
+"""Any solver qpsolvers knows, by name: outside the fused step, with its data and answers copied across."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jtik.qp.backend import ELSEWHERE, PLUGINS, Backend, BackendError, Numbers, Solver
+
+Array = NDArray[np.float64]
+
+
+class Foreign(Backend):
+    """A solver of qpsolvers. Options pass through to it.
+
+    Raises:
+        BackendError: when it is not installed; it says which are, and how to install one.
+    """
+
+    def __init__(self, name: str, *, accuracy: float | None = None, **options: Any) -> None:
+        import qpsolvers
+
+        if name not in qpsolvers.available_solvers:
+            from jtik.qp.backend import available
+
+            others = f"others come with: pip install 'qpsolvers[{name}]'"
+            raise BackendError(name, f"not installed; there are {', '.join(available())}; {others}")
+        self.name = name
+        self.accuracy = PLUGINS.get(name, ELSEWHERE) if accuracy is None else accuracy
+        self._options = options
+
+    def __repr__(self) -> str:
+        return f"Foreign({self.name!r})"
+
+    def solver(self, n: int, rows: int) -> Solver:
+        """One that splits equalities from inequalities at each call."""
+        return _Solver(self.name, self._options)
+
+
+class _Solver(Solver):
+    def __init__(self, name: str, options: dict[str, Any]) -> None:
+        self._name, self._options = name, options
+
+    def solve(self, program: Numbers) -> Sequence[Array] | None:
+        """Through ``qpsolvers.solve_problem``; a solver that raises has no answer."""
+        import qpsolvers
+
+        problem, equal, above, below = as_problem(program)
+        if self._name not in qpsolvers.dense_solvers:
+            problem = _sparse(problem)
+        try:
+            solution = qpsolvers.solve_problem(problem, solver=self._name, **self._options)
+        except (qpsolvers.exceptions.QPError, ValueError, ArithmeticError, RuntimeError):
+            return None
+        if not solution.found or solution.x is None:
+            return None
+        rows = np.zeros(len(program.low))
+        if equal.any() and solution.y is not None:
+            rows[equal] = solution.y
+        if (above.any() or below.any()) and solution.z is not None:
+            count = int(above.sum())
+            rows[above] += solution.z[:count]
+            rows[below] -= solution.z[count:]
+        box = solution.z_box if solution.z_box is not None and len(solution.z_box) else np.zeros(len(program.q))
+        return solution.x, rows, box
+
+
+def as_problem(program: Numbers) -> tuple[Any, NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
+    """The ``qpsolvers.Problem``, and which rows are equalities, have an upper and have a lower bound."""
+    import qpsolvers
+
+    low, high, C = program.low, program.high, program.C
+    equal = low == high
+    above, below = ~equal & np.isfinite(high), ~equal & np.isfinite(low)
+    G = h = A = b = None
+    if above.any() or below.any():
+        G, h = np.vstack([C[above], -C[below]]), np.concatenate([high[above], -low[below]])
+    if equal.any():
+        A, b = C[equal], low[equal]
+    P = (program.P + program.P.T) / 2
+    problem = qpsolvers.Problem(P, program.q.copy(), G, h, A, b, program.lower.copy(), program.upper.copy())
+    return problem, equal, above, below
+
+
+def _sparse(problem: Any) -> Any:
+    """The same problem for a solver that takes sparse matrices only."""
+    import qpsolvers
+    from scipy import sparse
+
+    P, q, G, h, A, b, lb, ub = problem.unpack()
+    matrices = [None if matrix is None else sparse.csc_matrix(matrix) for matrix in (P, G, A)]
+    return qpsolvers.Problem(matrices[0], q, matrices[1], h, matrices[2], b, lb, ub)
