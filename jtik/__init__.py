@@ -8,7 +8,9 @@ from jtik.registry import (
     PluginError,
     criteria,
     register_criterion,
+    register_secondary,
     register_strategy,
+    secondaries,
     strategies,
 )
 from jtik.robot import Joint, JointType, Robot
@@ -56,6 +58,8 @@ __all__ = [
     "criteria",
     "criterion",
     "register_criterion",
+    "register_secondary",
     "register_strategy",
+    "secondaries",
     "strategies",
 ]

@@ -67,6 +67,8 @@ class Diagnosis:
         report = look()
         if code is Code.NOT_FINITE or not report.finite:
             return Status.NOT_FINITE
+        if code is Code.UNSOLVED and not report.reached:
+            return Status.UNSOLVED
         if report.reached:
             return Status.CONVERGED if not self._criteria or report.steady else Status.REACHED
         if code is Code.GO_ON:

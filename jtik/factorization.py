@@ -17,8 +17,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import inf
 
-from jtik.symbolic import TINY, Expression, dot, identity, ratio, solve_ldl, sqrt, sumsqr, trace, vertcat, zeros
+from jtik.symbolic import (
+    TINY,
+    Expression,
+    dot,
+    identity,
+    if_else,
+    ratio,
+    solve_ldl,
+    sqrt,
+    sumsqr,
+    trace,
+    vertcat,
+    zeros,
+)
 
 RANK_THRESHOLD = 1e-8
 """Relative length below which a row of J counts as dependent on the rows before it."""
@@ -111,6 +125,15 @@ class RowSpace:
             self._inverse.append(ratio(independent, squared))
             self._lower.append([*coefficients, independent])
             self._independent.append(independent)
+
+    @cached_property
+    def unit_basis(self) -> Expression:
+        """Orthonormal rows of the row space, (m, n); zeros for dependent ones."""
+        return vertcat(*[(sqrt(i) * b).T for i, b in zip(self._inverse, self._basis, strict=True)])
+
+    def dependent_bounds(self, side: int) -> Expression:
+        """Bounds (m, 1) that make ``unit_basis @ x`` zero and leave the zero rows free: ``side`` -1 lower, 1 upper."""
+        return vertcat(*[if_else(independent, 0, side * inf) for independent in self._independent])
 
     @cached_property
     def rank(self) -> Expression:

@@ -132,11 +132,12 @@ class Layout:
 
 @dataclass(frozen=True)
 class FusedStep:
-    """The function, the state it starts from, and the layout of its record."""
+    """The function, the state it starts from, the layout of its record, and its parts where it has programs."""
 
     function: Function | Staged
     first_state: Array
     record: Layout
+    parts: Staged | None = None
 
     def bind(self, arguments: list[Array], results: list[Array]) -> Callable[[], None]:
         """A call without arguments on this memory."""
@@ -261,7 +262,8 @@ def fused_step(
     first_state = np.concatenate(list(first.values()))
     if not (programs and backend):
         return FusedStep(function("jtik_step", inputs, outputs), first_state, record)
-    return FusedStep(staged(inputs, local, cut, programs, outputs, backend), first_state, record)
+    parts = staged(inputs, local, cut, programs, outputs, backend)
+    return FusedStep(parts.joined() if backend.fused else parts, first_state, record, parts)
 
 
 def _local_model(problem: Problem, q: Expression, target: Expression, parameters: Expression) -> list[Expression]:

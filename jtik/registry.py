@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import fields
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Generic, TypeVar
 
 from jtik.criterion import Criterion
 from jtik.errors import ArgumentError, JtikError, UnknownNameError
-from jtik.strategy import Strategy
+from jtik.strategy import SecondaryTerm, Strategy
 
 _BUILT_IN = "jtik_formulations"
 
@@ -93,7 +94,11 @@ strategies: Registry[Strategy] = Registry("strategy", Strategy, "jtik.strategies
 criteria: Registry[Criterion] = Registry("criterion", Criterion, "jtik.criteria")
 """All registered criteria by name."""
 
+secondaries: Registry[SecondaryTerm] = Registry("secondary term", SecondaryTerm, "jtik.secondaries")
+"""All registered null-space terms by name; ``strategy="newton+qp"`` pairs one with a strategy."""
+
 S = TypeVar("S", bound=type[Strategy])
+N = TypeVar("N", bound=type[SecondaryTerm])
 C = TypeVar("C", bound=type[Criterion])
 
 
@@ -102,6 +107,16 @@ def register_strategy(name: str) -> Callable[[S], S]:
 
     def register(plugin: S) -> S:
         strategies.add(name, plugin)
+        return plugin
+
+    return register
+
+
+def register_secondary(name: str) -> Callable[[N], N]:
+    """Class decorator: make a SecondaryTerm available as ``strategy="newton+name"``."""
+
+    def register(plugin: N) -> N:
+        secondaries.add(name, plugin)
         return plugin
 
     return register
@@ -122,5 +137,13 @@ def strategy_of(given: str | Strategy) -> Strategy:
     if isinstance(given, Strategy):
         return given
     if isinstance(given, str):
-        return strategies[given]()
-    raise ArgumentError("strategy", given, f"a jtik.Strategy or one of the names {sorted(strategies)}")
+        name, plus, secondary = given.partition("+")
+        law = strategies[name]
+        if not plus:
+            return law()
+        term = secondaries[secondary]()
+        if "secondary" not in {field.name for field in fields(law) if field.init}:  # type: ignore[arg-type]
+            raise ArgumentError("strategy", given, f"a strategy with a secondary term before '+', not {name!r}")
+        return law(secondary=term)  # type: ignore[call-arg]
+    names = f"one of the names {sorted(strategies)}, perhaps with + and one of {sorted(secondaries)}"
+    raise ArgumentError("strategy", given, f"a jtik.Strategy or {names}")

@@ -26,6 +26,7 @@ class Status(Enum):
     SINGULAR = "stopped at a singularity: no direction the robot can move in brings the target nearer"
     STALLED = "stalled: no step the strategy tried brought the target nearer"
     ITERATION_LIMIT = "reached the iteration limit before the target"
+    UNSOLVED = "a quadratic program of the step has no answer: its rows contradict each other, or its solver failed"
     NOT_FINITE = "error or criterion is not a finite number here; q is the last configuration where they were"
 
 

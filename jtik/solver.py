@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,7 @@ from jtik.fused import Code, FusedStep, Settings, fused_step
 from jtik.options import Until, positive, read_request, read_settings
 from jtik.problem import Problem
 from jtik.progress import Progress, watched
+from jtik.qp import Backend, as_problem, backend_of
 from jtik.recorder import Recorder
 from jtik.reduction import reduced
 from jtik.registry import strategy_of
@@ -35,6 +36,9 @@ from jtik.task import Task
 from jtik.tracking import follow
 from jtik.trajectory import Trajectory
 
+if TYPE_CHECKING:
+    import qpsolvers
+
 Array = NDArray[np.float64]
 
 
@@ -48,7 +52,9 @@ class InverseKinematics:
         robot: the robot.
         task: a Task, or several, each with a name of its own.
         criteria: what to minimise with the freedom left: a Criterion or a weighted sum of them.
-        strategy: name of a registered strategy, or a Strategy object.
+        strategy: name of a registered strategy, perhaps with a secondary term as in "newton+qp", or a Strategy object.
+        solver: what solves the programs of a strategy that has any: a name of `jtik.qp.available`, or a
+            `jtik.qp.Backend`; DAQP by default.
         limits: whether the robot's joint limits hold.
         joints: names of the joints to move, or "all"; by default those that move what the tasks are about, so that
             the fingers of a hand are no part of an arm's solution.
@@ -69,6 +75,7 @@ class InverseKinematics:
         *,
         criteria: Criterion | CriterionSum | None = None,
         strategy: str | Strategy = "hybrid",
+        solver: str | Backend | None = None,
         limits: bool = True,
         joints: str | Iterable[str] | None = None,
         at: ArrayLike | None = None,
@@ -94,6 +101,11 @@ class InverseKinematics:
             if self._lower[i] > -np.inf or self._upper[i] < np.inf or robot.velocity_limit[j] < np.inf
         )
         self._problem = Problem(robot, self.tasks, terms, bounded)
+        self._backend: Backend | None = None
+        if self.strategy.solves_programs(self._problem.has_criterion):
+            self._backend = backend_of(solver)
+        elif solver is not None:
+            raise ArgumentError("solver", solver, f"none: {self.strategy!r} solves no program here")
         self._target = np.zeros(self.tasks.target_size)
         # targets that are their own numbers skip the reading in `step`
         self._plain_target = self._target.shape if self.tasks.plain else None
@@ -283,6 +295,29 @@ class InverseKinematics:
             return Step(after.copy(), report.position_error, report.orientation_error, False, False, escaped)
         return Step(after.copy(), position, orientation, accepted == 1.0, code == 1.0, escaped)
 
+    def build(self, q: ArrayLike, target: Any, *, program: str | None = None) -> qpsolvers.Problem:
+        """The quadratic program of a first step from ``q``, to look at or to solve elsewhere.
+
+        Args:
+            q: configuration, (nq,).
+            target: what the task reads as one.
+            program: which one, of a strategy that has several; the first by default.
+
+        Raises:
+            ArgumentError: for an argument of wrong shape, NaN or infinity, or a strategy without a program.
+            UnknownNameError: when there is no such program.
+        """
+        parts = self._runner.fused.parts
+        if parts is None:
+            raise ArgumentError(
+                "strategy", self.strategy, "one that solves programs, such as 'newton+qp' with a criterion"
+            )
+        self._target[:] = self.tasks.read_target(target)
+        start = self._led_back(self._configuration("q", q))
+        numbers = parts.program(program, [start, *self._step_inputs, self._runner.first_state])
+        problem: qpsolvers.Problem = as_problem(numbers)[0]
+        return problem
+
     def reset(self) -> None:
         """Forget what ``step`` remembers of earlier calls, as after a jump of the target."""
         if self._stepper is not None:
@@ -357,7 +392,7 @@ class InverseKinematics:
         return q
 
     def _fused(self, *, arriving: bool = False) -> FusedStep:
-        fused = fused_step(self._problem, self.strategy, arriving=arriving)
+        fused = fused_step(self._problem, self.strategy, backend=self._backend, arriving=arriving)
         return replace(fused, function=to_c(fused.function)) if self._compiled else fused
 
     def _stepping(self) -> Runner:
@@ -370,6 +405,6 @@ class InverseKinematics:
 
     def _recording(self) -> Runner:
         if self._recorder is None:
-            fused = fused_step(self._problem, self.strategy, recorded=True)
+            fused = fused_step(self._problem, self.strategy, backend=self._backend, recorded=True)
             self._recorder = Runner(fused, self._inputs, self.robot.nq)
         return self._recorder

@@ -43,6 +43,7 @@ symvar: Any = casadi.symvar
 substitute: Any = casadi.substitute
 is_equal: Any = casadi.is_equal
 trace: Any = casadi.trace
+diag: Any = casadi.diag
 mmax: Any = casadi.mmax
 norm_inf: Any = casadi.norm_inf
 has_conic: Any = casadi.has_conic

@@ -123,7 +123,7 @@ class TestTrajectory:
 class TestStatus:
     def test_each_sentence_is_different(self):
         sentences = [status.value for status in jtik.Status]
-        assert len(set(sentences)) == len(sentences) == 8
+        assert len(set(sentences)) == len(sentences) == 9
 
     def test_names(self):
         assert {status.name for status in jtik.Status} == {
@@ -134,5 +134,6 @@ class TestStatus:
             "SINGULAR",
             "STALLED",
             "ITERATION_LIMIT",
+            "UNSOLVED",
             "NOT_FINITE",
         }

@@ -2,7 +2,7 @@
 
 from jtik.qp.backend import Backend, BackendError, available, backend_of
 from jtik.qp.conic import Conic
-from jtik.qp.foreign import Foreign
+from jtik.qp.foreign import Foreign, as_problem
 from jtik.qp.persistent import PersistentOSQP
 from jtik.qp.program import Program, ProgramSolution, Recorded, Recorder, Rows
 
@@ -17,6 +17,7 @@ __all__ = [
     "Recorded",
     "Recorder",
     "Rows",
+    "as_problem",
     "available",
     "backend_of",
 ]

@@ -97,8 +97,7 @@ def backend_of(solver: str | Backend | None) -> Backend:
     if not isinstance(name, str):
         raise BackendError(repr(solver), f"give a jtik.qp.Backend, or one of {', '.join(available())}")
     if name in WRONG:
-        raise BackendError(name, f"is wrong on box-constrained programs; use one of {', '.join(available())}"
-        )
+        raise BackendError(name, f"is wrong on box-constrained programs; use one of {', '.join(available())}")
     if name in PLUGINS and has_conic(name):
         return Conic(name)
     return Foreign(name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,6 +12,14 @@ from numpy.typing import NDArray
 from jtik.qp.backend import ELSEWHERE, PLUGINS, Backend, BackendError, Numbers, Solver
 
 Array = NDArray[np.float64]
+
+
+_EXACT: dict[str, dict[str, Any]] = {
+    "osqp": {"eps_abs": 1e-8, "eps_rel": 1e-8, "max_iter": 20000, "polishing": True},
+    "scs": {"eps_abs": 1e-8, "eps_rel": 1e-8},
+    "proxqp": {"eps_abs": 1e-9, "eps_rel": 0.0},
+}
+"""Defaults of first-order solvers are for control, too coarse to converge by."""
 
 
 class Foreign(Backend):
@@ -30,7 +39,7 @@ class Foreign(Backend):
             raise BackendError(name, f"not installed; there are {', '.join(available())}; {others}")
         self.name = name
         self.accuracy = PLUGINS.get(name, ELSEWHERE) if accuracy is None else accuracy
-        self._options = options
+        self._options = {**_EXACT.get(name, {}), **options}
 
     def __repr__(self) -> str:
         return f"Foreign({self.name!r})"
@@ -52,7 +61,9 @@ class _Solver(Solver):
         if self._name not in qpsolvers.dense_solvers:
             problem = _sparse(problem)
         try:
-            solution = qpsolvers.solve_problem(problem, solver=self._name, **self._options)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # what a solver says of its own interface is not the caller's business
+                solution = qpsolvers.solve_problem(problem, solver=self._name, **self._options)
         except (qpsolvers.exceptions.QPError, ValueError, ArithmeticError, RuntimeError):
             return None
         if not solution.found or solution.x is None:

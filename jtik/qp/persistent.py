@@ -64,7 +64,7 @@ class _Workspace(Solver):
             self._osqp.setup(P=P, q=program.q.copy(), A=A, l=low, u=high, **self._options)
         else:
             self._osqp.update(q=program.q.copy(), l=low, u=high, Px=Px, Ax=Ax)
-        result = self._osqp.solve()
+        result = self._osqp.solve(raise_error=False)
         if result.info.status_val not in (1, 2):
             return None
         return result.x, result.y[:k], result.y[k:]

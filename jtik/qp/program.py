@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from jtik.errors import ArgumentError
-from jtik.symbolic import Expression, fmax, logic_and, mmax, norm_inf, symbol, vertcat, zeros
+from jtik.symbolic import Expression, fmax, is_finite, logic_and, mmax, norm_inf, symbol, vertcat, zeros
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,9 @@ class ProgramSolution:
     def solved(self, accuracy: float) -> Expression:
         """1 where both are within ``accuracy``, relative to q for the second, and nothing is NaN."""
         size = 1 + norm_inf(self.program.q)
-        return logic_and(self.violation <= accuracy, self.stationarity <= accuracy * size)
+        near = logic_and(self.violation <= accuracy, self.stationarity <= accuracy * size)
+        # maxima pass over NaN, sums do not
+        return logic_and(near, is_finite(vertcat(self.x, self.row_multipliers, self.box_multipliers)))
 
 
 @dataclass(frozen=True)

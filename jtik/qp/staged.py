@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.compile import bind
+from jtik.errors import UnknownNameError
 from jtik.qp.backend import Backend, Numbers
+from jtik.qp.conic import Conic
 from jtik.qp.program import Recorder
 from jtik.symbolic import MX, Expression, Function, function
 
@@ -25,13 +27,41 @@ class Staged:
     """A step that a solver outside CasADi takes part in.
 
     Attributes: local, inputs -> local model; stages, (inputs, local model, answers so far) -> a program's data, and
-    the last -> the step's outputs; sizes (n, rows) of the programs; what solves them.
+    the last -> the step's outputs; sizes (n, rows) and names of the programs; what
+    solves them.
     """
 
     local: Function
     stages: tuple[Function, ...]
     sizes: tuple[tuple[int, int], ...]
+    names: tuple[str, ...]
     backend: Backend
+
+    def joined(self) -> Function:
+        """One function of MX with the calls of a fused back end inside."""
+        inputs = [MX.sym(f"i{k}", *self.local.size_in(k)) for k in range(self.local.n_in())]
+        known = [*inputs, *_call(self.local, inputs)]
+        for stage, (n, rows) in zip(self.stages, self.sizes, strict=False):
+            known += _call(self.backend.function(n, rows), _call(stage, known))
+        return function("jtik_step", inputs, _call(self.stages[-1], known))
+
+    def program(self, name: str | None, arguments: list[Array]) -> Numbers:
+        """The numbers of the program called ``name``, or of the first; those before it are solved on the way.
+
+        Raises:
+            UnknownNameError: when there is no such program.
+        """
+        if name is not None and name not in self.names:
+            raise UnknownNameError("program", name, self.names)
+        wanted = 0 if name is None else self.names.index(name)
+        known = [*arguments, *_evaluated(self.local, arguments)]
+        for stage, (n, rows) in zip(self.stages, self.sizes, strict=False):
+            P, q, C, low, high, lower, upper = _evaluated(stage, known)
+            numbers = Numbers(P.reshape(n, n).T, q, C.reshape(n, rows).T, low, high, lower, upper)
+            if stage is self.stages[wanted]:
+                return numbers
+            known += _evaluated(Conic().function(n, rows), [P, q, C, low, high, lower, upper])
+        raise AssertionError(wanted)
 
     def bind(self, arguments: list[Array], results: list[Array]) -> Callable[[], None]:
         """As `jtik.compile.bind`: a call without arguments on memory bound once."""
@@ -80,33 +110,30 @@ def staged(
     programs: Recorder,
     outputs: Sequence[Expression],
     backend: Backend,
-) -> Function | Staged:
+) -> Staged:
     """The step from ``inputs`` to ``outputs``, which are written in ``cut`` for the local model and in the answers."""
     model = function("jtik_local", inputs, local)
     known = [*inputs, *cut]
-    stages, sizes = [], []
+    stages, sizes, names = [], [], []
     for k, recorded in enumerate(programs.programs):
         program, solution = recorded.program, recorded.solution
         stages.append(function(f"jtik_program{k}", known, program.data()))
         sizes.append((program.size, program.row_count))
+        names.append(program.name)
         known = [*known, solution.x, solution.row_multipliers, solution.box_multipliers]
     stages.append(function("jtik_end", known, outputs))
-    parts = Staged(model, tuple(stages), tuple(sizes), backend)
-    return _joined(parts) if backend.fused else parts
-
-
-def _joined(parts: Staged) -> Function:
-    """One function of MX with the solver's calls inside."""
-    inputs = [MX.sym(f"i{k}", *parts.local.size_in(k)) for k in range(parts.local.n_in())]
-    known = [*inputs, *_call(parts.local, inputs)]
-    for stage, (n, rows) in zip(parts.stages, parts.sizes, strict=False):
-        known += _call(parts.backend.function(n, rows), _call(stage, known))
-    return function("jtik_step", inputs, _call(parts.stages[-1], known))
+    return Staged(model, tuple(stages), tuple(sizes), tuple(names), backend)
 
 
 def _call(inner: Function, arguments: Sequence[Expression]) -> list[Expression]:
     answer = inner(*arguments)
     return list(answer) if isinstance(answer, (tuple, list)) else [answer]
+
+
+def _evaluated(of: Function, arguments: list[Array]) -> list[Array]:
+    results = _outputs(of)
+    bind(of, arguments, results)()
+    return results
 
 
 def _outputs(of: Function) -> list[Array]:

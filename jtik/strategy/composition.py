@@ -74,13 +74,14 @@ class NullMove:
     """The ``term`` (n, 1) a law subtracts from q to lower H, such as beta h.
 
     Attributes: term; its length; the decrease of H it promises to first order, (dH/dv)' term; the gain beta a trace
-    reports.
+    reports; how far H is from steady, where the law knows better than ``model.null_length``.
     """
 
     term: Expression
     length: Expression
     decrease: Expression
     beta: Expression
+    unsteady: Expression | None = None
 
 
 @dataclass(frozen=True)
@@ -126,6 +127,10 @@ class SecondaryTerm(ABC):
     def propose(self, model: LocalModel, state: State, task_term: Expression) -> NullMove:
         """A step in the null space of J."""
 
+    def solves_programs(self) -> bool:
+        """Whether it asks a QP solver, by ``model.solve``."""
+        return False
+
     def adapt(self, model: LocalModel, state: State, move: NullMove, outcome: Outcome) -> State:
         """The state after the outcome is known."""
         return {}
@@ -157,6 +162,10 @@ class Composition(Strategy):
     def judges(self, has_criterion: bool) -> bool:
         """Not where every step is taken and no criterion is at stake."""
         return has_criterion or self.acceptance() != "always"
+
+    def solves_programs(self, has_criterion: bool) -> bool:
+        """If its secondary term does, and there is one."""
+        return has_criterion and self.secondary_term().solves_programs()
 
     def update(self, model: LocalModel, state: State) -> Update:
         """Propose, join, judge, adapt."""
@@ -205,7 +214,7 @@ class Composition(Strategy):
             "predicted_decrease": predicted,
             "actual_decrease": model.here.V - point.V,
         }
-        return Update(point, accepted, after, term, wanted, null.term, figures)
+        return Update(point, accepted, after, term, wanted, null.term, figures, proposed.unsteady)
 
 
 def _shortened(model: LocalModel, task_term: Expression, null: NullMove) -> NullMove:

@@ -94,6 +94,16 @@ class LocalModel:
         return vertcat(*low), vertcat(*high)
 
     @cached_property
+    def full_rows(self) -> RowSpace:
+        """Row space of the Jacobian of all joints."""
+        return RowSpace(self.full_J) if self.bounded else self.rows
+
+    @cached_property
+    def full_null_gradient(self) -> Expression:
+        """(I - J+ J) dH/dv of all joints, as if none were at a limit, (n, 1)."""
+        return self.full_rows.split(self.full_gradient).null if self.bounded else self.null_gradient
+
+    @cached_property
     def rows(self) -> RowSpace:
         """Row space of J: the pseudo-inverse and the null-space projector, factored once."""
         return RowSpace(self.J)

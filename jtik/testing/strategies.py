@@ -202,6 +202,14 @@ class _Watched(Strategy):
     def __repr__(self) -> str:
         return repr(self._strategy)
 
+    def judges(self, has_criterion: bool) -> bool:
+        """As the strategy."""
+        return self._strategy.judges(has_criterion)
+
+    def solves_programs(self, has_criterion: bool) -> bool:
+        """As the strategy."""
+        return self._strategy.solves_programs(has_criterion)
+
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
         """That of the strategy, checked."""
         state = self._strategy.initial_state(shape)

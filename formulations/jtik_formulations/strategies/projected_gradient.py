@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik import register_secondary
 from jtik.errors import ArgumentError
 from jtik.strategy import LocalModel, NullMove, Outcome, SecondaryTerm, Shape, State
 from jtik.symbolic import TINY, Expression, dot, fmax, fmin, if_else, ratio
@@ -21,6 +22,7 @@ NOISE = 1e-13
 """|h| / |grad H| below which h is rounding, not a direction."""
 
 
+@register_secondary("gradient")
 @dataclass(frozen=True, kw_only=True)
 class ProjectedGradient(SecondaryTerm):
     """nu = -beta h with h = (I - J+ J) grad H, at most ``step_limit`` long.
