@@ -64,6 +64,10 @@ NEVER = 1e300
 """Above every V that has been seen, before one has."""
 
 
+CYCLING = 200
+"""Calls without progress after which a law that looks at nothing, and may go round in circles, has stalled."""
+
+
 class Code(IntEnum):
     """What the fused function says of the next call."""
 
@@ -232,6 +236,7 @@ def fused_step(
         crawls = logic_and(state["V"] > 0, state["V"] - here.V <= STAGNANT * state["V"])
         done = stop.done_before
         figures_after = [*stop.errors_before, here.V]
+        crawls = logic_or(crawls, idle >= CYCLING)
         after["V"] = here.V
     refused = if_else(accepted, 0, state["refused"] + 1)
     stagnant = if_else(logic_and(crawls, logic_not(stop.reached_before)), state["stagnant"] + 1, 0)

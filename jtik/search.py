@@ -1,7 +1,8 @@
 """The loop: from one start or from several to a configuration where there is nothing left to do.
 
 An attempt calls the fused step until its code says otherwise. With restarts an attempt is given up as soon as it has
-not lowered the error for a few calls, the next starts elsewhere, and when none arrives the best is carried to its end.
+not lowered the error for a few calls, the next starts elsewhere, and when none arrives the best and the first are
+carried to their ends.
 """
 
 from __future__ import annotations
@@ -92,7 +93,8 @@ class Search:
             code, calls, escapes = self._attempt(runner, q0, limit, recorder)
             return Found(runner.q[runner.at].copy(), code, calls, escapes, 0)
         settings, view = self._settings, runner.view
-        best, least, iterations, escapes = q0, math.inf, 0, 0
+        ends: list[tuple[float, Array]] = []
+        iterations, escapes = 0, 0
         for number in range(restarts + 1):
             settings[4] = PATIENCE
             start = q0 if number == 0 else self._starts.start(seed, number - 1, q0)
@@ -101,12 +103,18 @@ class Search:
             reached = view[OUTCOME.position_error] <= settings[0] and view[OUTCOME.orientation_error] <= settings[1]
             if code is Code.DONE or reached:
                 return Found(runner.q[runner.at].copy(), code, iterations, escapes, number)
-            V = view[OUTCOME.V]
-            if least > V:
-                best, least = runner.q[runner.at].copy(), V
+            ends.append((view[OUTCOME.V], runner.q[runner.at].copy()))
         settings[4] = math.inf
-        code, calls, left = self._attempt(runner, best, limit, recorder)
-        return Found(runner.q[runner.at].copy(), code, iterations + calls, escapes + left, restarts)
+        finals: list[tuple[float, Array, Code]] = []
+        nearest = min(range(len(ends)), key=lambda number: ends[number][0])
+        for number in {nearest: None, 0: None}:  # the caller's own start, too: alone it might have arrived
+            code, calls, left = self._attempt(runner, ends[number][1], limit, recorder)
+            iterations, escapes = iterations + calls, escapes + left
+            finals.append((view[OUTCOME.V], runner.q[runner.at].copy(), code))
+            if code is Code.DONE:
+                break
+        _, q, code = min(finals, key=lambda final: final[0])
+        return Found(q, code, iterations, escapes, restarts)
 
     def _attempt(self, runner: Runner, q0: Array, limit: int, recorder: Recorder | None) -> tuple[Code, int, int]:
         """Call until the code says otherwise; the last code, calls that tried a step, escapes."""

@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation as Turn
 
 import jtik
 
@@ -88,3 +89,42 @@ def test_other_files_are_refused(path, tmp_path):
             jtik.Trajectory.load(tmp_path / f"{name}{suffix}")
     with pytest.raises(FileNotFoundError):
         jtik.Trajectory.load(tmp_path / "missing.csv")
+
+
+def lissajous(robot, k):
+    """Poses about the arm's home: a figure of 10 by 30 by 20 cm, with the tool swaying by 0.2 rad."""
+    home = robot.pose(robot.keyframes["home"])
+    for phase in np.linspace(0, 2 * np.pi, k):
+        pose, sway = home.copy(), 0.2 * np.array([np.sin(phase), np.sin(2 * phase), 0.0])
+        pose[:3, 3] += 0.05 * np.sin(3 * phase), 0.15 * np.sin(2 * phase), 0.1 * np.sin(phase)
+        pose[:3, :3] = pose[:3, :3] @ Turn.from_rotvec(sway).as_matrix()
+        yield pose
+
+
+@pytest.mark.parametrize("strategy", ["hybrid", "damped", "newton"])
+def test_an_arm_follows_a_curve_of_poses_within_its_published_limits(strategy, tmp_path):
+    robot = jtik.Robot.builtin("panda")
+    ik, home = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose"), strategy=strategy), robot.keyframes["home"]
+    path = ik.track(lissajous(robot, 100), q0=home, dt=0.05)
+    assert path.converged
+    assert path.iterations.mean() < 3  # each solve starts where the last one ended
+    assert (np.abs(path.dq) <= robot.velocity_limit).all()
+    assert ((robot.lower <= path.q) & (path.q <= robot.upper)).all()
+    for q, target in zip(path.q, lissajous(robot, 100), strict=True):
+        assert robot.pose(q) == pytest.approx(target, abs=2e-6)
+    path.save(tmp_path / "curve.csv")
+    again = jtik.Trajectory.load(tmp_path / "curve.csv")
+    assert np.array_equal(again.q, path.q)
+    assert again.joint_names == robot.joint_names
+
+
+def test_a_curve_too_fast_for_an_arm_is_followed_at_its_limits_and_caught_up_with():
+    robot = jtik.Robot.builtin("panda")
+    ik, home = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose")), robot.keyframes["home"]
+    curve = list(lissajous(robot, 50))
+    path = ik.track([*curve, *[curve[-1]] * 100], q0=home, dt=0.01)
+    reached = [status is jtik.Status.CONVERGED for status in path.statuses]
+    assert not all(reached[:50])
+    assert all(reached[-20:])
+    assert (np.abs(path.dq) <= robot.velocity_limit * (1 + 1e-12)).all()
+    assert (np.abs(path.dq) > 0.99 * robot.velocity_limit).any()

@@ -1,0 +1,237 @@
+"""Solves that do not fail: any start, any target, every law, on real arms; a Solution that tells the truth."""
+
+from __future__ import annotations
+
+import functools
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation as Turn
+
+import jtik
+from jtik import Status
+from jtik_formulations import Damped
+
+UNCHECKED = Damped(backtracking=False)
+"""A law that takes every step, wherever it leads."""
+
+LAWS = [*sorted(jtik.strategies), UNCHECKED]
+DESCENDING = ["damped", "hybrid"]
+"""Laws that promise the closest posture where the target is out of reach."""
+
+ARMS = ["panda", "ur5e"]
+TOLERANCE = 1e-6
+"""The default one of a solve [m], [rad]."""
+
+
+def called(law):
+    return law if isinstance(law, str) else "unchecked"
+
+
+@functools.cache
+def arm(name):
+    return jtik.Robot.builtin(name)
+
+
+@functools.cache
+def solver(name, law, frame="tip", kind="pose", **options):
+    return jtik.InverseKinematics(arm(name), jtik.FrameTask(frame, kind), strategy=law, **options)
+
+
+def starts(robot, rng):
+    """Inside the limits, with some joints at them, and with some outside."""
+    inside = robot.random_configuration(rng)
+    ends = np.where(rng.random(robot.n) < 0.5, robot.lower, robot.upper)
+    yield inside
+    yield np.where(rng.random(robot.n) < 0.5, ends, inside)
+    yield inside + rng.uniform(-3, 3, robot.n)
+
+
+def targets(robot, rng):
+    """Within reach of the robot, and out of it."""
+    reachable = robot.pose(robot.random_configuration(rng))
+    away = reachable.copy()
+    away[:3, 3] *= 5.0
+    return reachable, away
+
+
+def excess(robot, q):
+    """How far each joint is outside its limits [rad]."""
+    return np.maximum(np.maximum(robot.lower - q, q - robot.upper), 0.0)
+
+
+def assert_true(robot, solution, target):
+    """The status says what the pose of the solution shows."""
+    pose = robot.pose(solution.q)
+    away = np.linalg.norm(pose[:3, 3] - target[:3, 3])
+    turned = Turn.from_matrix(pose[:3, :3].T @ target[:3, :3]).magnitude()
+    assert solution.position_error == pytest.approx(away, abs=1e-12)
+    assert solution.orientation_error == pytest.approx(turned, abs=1e-7)  # near pi an angle is that exact
+    reached = away <= TOLERANCE and turned <= TOLERANCE
+    assert (solution.status is Status.CONVERGED) == solution.converged == reached
+    assert solution.status is not Status.NOT_FINITE
+    if solution.status is Status.LIMITS:
+        assert solution.active_limits
+    assert not excess(robot, solution.q).any()
+
+
+@pytest.mark.parametrize("restarts", [0, 3])
+@pytest.mark.parametrize("law", LAWS, ids=called)
+@pytest.mark.parametrize("name", ARMS)
+def test_from_anywhere_to_anywhere_a_solve_ends_with_the_truth_and_never_goes_out_of_the_limits(name, law, restarts):
+    robot, ik, rng = arm(name), solver(name, law), np.random.default_rng(7)
+    for _ in range(4):
+        for q0 in starts(robot, rng):
+            for target in targets(robot, rng):
+                solution = ik.solve(target, q0=q0, max_iterations=100, restarts=restarts, trace=True)
+                assert_true(robot, solution, target)
+                rows = excess(robot, np.vstack([q0, solution.trace.q]))
+                assert (rows[1:] <= rows[:-1]).all()
+                assert np.isfinite(solution.trace.q).all()
+
+
+@pytest.mark.parametrize("law", LAWS, ids=called)
+@pytest.mark.parametrize("name", ARMS)
+def test_steps_lead_back_and_stay(name, law):
+    robot, ik, rng = arm(name), solver(name, law), np.random.default_rng(8)
+    for q in starts(robot, rng):
+        target = robot.pose(robot.random_configuration(rng))
+        ik.reset()
+        for _ in range(30):
+            before, q = excess(robot, q), ik.step(q, target).q
+            assert (excess(robot, q) <= before).all()
+        assert not excess(robot, q).any()
+
+
+QUARTER = math.pi / 2
+
+SINGULAR = {
+    "a straight Panda": ("panda", np.zeros(7), False),
+    "a Panda within its limits": ("panda", np.array([0.3, 0.0, QUARTER, -1.5, 0.0, 0.7, 0.2]), True),
+    "a UR wrist with two axes in line": ("ur5e", np.array([0.3, -1.2, 1.4, 0.5, 0.0, 0.2]), True),
+    "a UR wrist turned over": ("ur5e", np.array([0.3, -1.2, 1.4, 0.5, math.pi, 0.2]), True),
+    "a stretched UR": ("ur5e", np.array([0.4, -0.8, 0.0, 0.5, 1.0, 0.2]), True),
+    "a UR with its wrist above its shoulder": ("ur5e", np.array([0.4, -QUARTER, 0.0, -QUARTER, 1.0, 0.2]), True),
+}
+
+
+@pytest.mark.parametrize("law", LAWS, ids=called)
+@pytest.mark.parametrize("case", SINGULAR)
+def test_singular_poses_are_left_and_come_back_to(case, law):
+    name, pose, limits = SINGULAR[case]
+    robot, ik, rng = arm(name), solver(name, law, limits=limits), np.random.default_rng(9)
+    sigma = np.linalg.svd(robot.jacobian(pose), compute_uv=False)
+    assert sigma[-1] < 1e-12 * sigma[0]
+    solved = 0
+    for _ in range(6):
+        bent = np.clip(pose + rng.uniform(-0.4, 0.4, robot.n), robot.lower, robot.upper)
+        for q0, target in ((pose, robot.pose(bent)), (bent, robot.pose(pose))):
+            solution = ik.solve(target, q0=q0, max_iterations=500)
+            assert np.isfinite(solution.q).all()
+            assert solution.status is not Status.NOT_FINITE
+            solved += solution.converged
+    assert ik.solve(robot.pose(pose), q0=pose).iterations == 0
+    if law in DESCENDING:
+        assert solved >= 10, solved
+
+
+SHOULDER = np.array([0.0, 0.0, 0.333])
+UPPER_ARM, FOREARM = math.hypot(0.0825, 0.316), math.hypot(0.0825, 0.384)
+"""The Panda's elbow stands off the lines between its shoulder, its elbow and its wrist [m]."""
+
+
+def shoulder_to_wrist(q4):
+    """Distance in a Panda, by the law of cosines [m]."""
+    bend = q4 + math.atan2(0.0825, 0.316) + math.atan2(0.0825, 0.384)
+    return math.sqrt(UPPER_ARM**2 + FOREARM**2 + 2 * UPPER_ARM * FOREARM * math.cos(bend))
+
+
+def direction(rng):
+    """Forwards, where the joints of the shoulder have room, and neither straight up nor far down."""
+    azimuth, elevation = rng.uniform(-2, 2), rng.uniform(-0.1, 1.2)
+    around = math.cos(elevation)
+    return np.array([around * math.cos(azimuth), around * math.sin(azimuth), math.sin(elevation)])
+
+
+class TestOutOfReach:
+    """The distances are known in closed form."""
+
+    CASES = (
+        ("panda", "panda_link5", SHOULDER, UPPER_ARM + FOREARM),
+        ("ur5e", "wrist_1_link", np.array([0.0, 0.0, 0.1625]), math.hypot(0.425 + 0.3922, 0.1333)),
+    )
+
+    def test_the_closed_forms_are_those_of_the_arms(self):
+        panda, ur5e = arm("panda"), arm("ur5e")
+        for q4 in (-3.0, -1.5, -0.467, -0.07):
+            wrist = panda.position([0.3, 0.4, 0.5, q4, 0.0, 0.0, 0.0], "panda_link5")
+            assert np.linalg.norm(wrist - SHOULDER) == pytest.approx(shoulder_to_wrist(q4), abs=1e-12)
+        wrist = ur5e.position([0.3, -0.4, 0.0, 0.5, 0.6, 0.7], "wrist_1_link")
+        assert np.linalg.norm(wrist - self.CASES[1][2]) == pytest.approx(self.CASES[1][3], abs=1e-12)
+
+    @pytest.mark.parametrize(("name", "frame", "shoulder", "reach"), CASES)
+    @pytest.mark.parametrize("law", LAWS, ids=called)
+    def test_too_far_is_told_from_the_closest_posture(self, law, name, frame, shoulder, reach):
+        ik, rng = solver(name, law, frame, "position"), np.random.default_rng(0)
+        q0 = arm(name).keyframes["home"][: ik.robot.n]
+        for _ in range(20):
+            distance = reach * rng.uniform(1.1, 3)
+            target = shoulder + distance * direction(rng)
+            solution = ik.solve(target, q0=q0, max_iterations=5000 if law in DESCENDING else 300)
+            assert solution.position_error >= distance - reach - 1e-12
+            assert not solution.converged
+            if law in DESCENDING:
+                assert solution.status is Status.LOCAL_MINIMUM
+                assert solution.position_error <= distance - reach + 1e-8
+            else:
+                assert solution.status in (Status.LOCAL_MINIMUM, Status.STALLED, Status.ITERATION_LIMIT)
+
+    @pytest.mark.parametrize("law", LAWS, ids=called)
+    def test_too_near_is_told_from_the_posture_that_a_limit_holds(self, law):
+        """The elbow cannot fold so far that the wrist comes to the shoulder."""
+        ik, rng = solver("panda", law, "panda_link5", "position"), np.random.default_rng(3)
+        q0 = arm("panda").keyframes["home"][: ik.robot.n]
+        nearest = shoulder_to_wrist(arm("panda").lower[3])
+        for _ in range(6):
+            away = rng.uniform(0.03, 0.1)
+            solution = ik.solve(SHOULDER + away * direction(rng), q0=q0)
+            assert solution.position_error >= nearest - away - 1e-12
+            assert not solution.converged
+            if law in DESCENDING:
+                assert solution.status is Status.LIMITS
+                assert solution.active_limits == ("panda_joint4",)
+                assert solution.position_error <= nearest - away + 1e-8
+
+    @pytest.mark.parametrize("law", DESCENDING)
+    def test_exactly_as_far_as_it_reaches_is_reached(self, law):
+        """A double root: the arm is straight there, and the last digits come slowly."""
+        ik, rng = solver("panda", law, "panda_link5", "position"), np.random.default_rng(3)
+        for _ in range(3):
+            target = SHOULDER + (UPPER_ARM + FOREARM - 1e-9) * direction(rng)
+            assert ik.solve(target, q0=arm("panda").keyframes["home"][: ik.robot.n]).converged
+
+
+@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize(("law", "most"), [("damped", 60), ("hybrid", 90), ("newton", 120), (UNCHECKED, 60)])
+def test_from_the_limits_a_hundred_targets_are_found_without_going_round_in_circles(name, law, most):
+    """Every joint begins at one of its limits; ``most`` is the mean of the calls of all attempts."""
+    robot, ik, rng = arm(name), solver(name, law), np.random.default_rng(5)
+    solutions = []
+    for _ in range(100):
+        q0 = np.where(rng.random(robot.n) < 0.5, robot.lower, robot.upper)
+        solutions.append(ik.solve(robot.pose(robot.random_configuration(rng)), q0=q0, restarts=100))
+    assert all(solution.converged for solution in solutions)
+    iterations = [solution.iterations for solution in solutions]
+    assert np.mean(iterations) < most
+    assert max(iterations) < 12 * most
+
+
+@pytest.mark.parametrize("law", ["damped", "hybrid", "newton"])
+def test_between_limits_the_error_falls_so_that_no_posture_comes_twice(law):
+    robot, ik, rng = arm("panda"), solver("panda", law), np.random.default_rng(6)
+    for _ in range(20):
+        q0 = np.where(rng.random(7) < 0.5, robot.lower, robot.upper)
+        trace = ik.solve(robot.pose(robot.random_configuration(rng)), q0=q0, max_iterations=200, trace=True).trace
+        V = np.append(trace.V, trace.error[-1] ** 2 / 2)
+        assert (V[1:] <= V[:-1] * (1 + 1e-13)).all()
