@@ -1,6 +1,7 @@
 """jtik: redundancy resolution by any update law, with any criterion, in one fused compiled step."""
 
 from jtik.batch import SolutionBatch
+from jtik.clearance import Clearance
 from jtik.criterion import Criterion, CriterionError, CriterionSum, criterion
 from jtik.errors import ArgumentError, JtikError, MissingExtraError, RobotFileError, UnknownNameError
 from jtik.geometry import Box, Capsule, Circle, Cylinder, Point, Sphere
@@ -29,6 +30,7 @@ __all__ = [
     "Capsule",
     "CenterOfMassTask",
     "Circle",
+    "Clearance",
     "Criterion",
     "CriterionError",
     "CriterionSum",

@@ -21,12 +21,12 @@ Array = NDArray[np.float64]
 
 
 class Entry(NamedTuple):
-    """One solve of a batch: where it ended and why, whether that was asked for, the error (m,) and the time [s]."""
+    """One solve of a batch: where it ended and why, whether that was asked for, errors [m] and [rad], and time [s]."""
 
     found: Found
     status: Status
     converged: bool
-    error: Array
+    errors: tuple[float, float]
     seconds: float
 
 
@@ -109,19 +109,18 @@ def collect(
     entries: Sequence[Entry],
     *,
     targets: Sequence[Array],
-    linear: Sequence[bool],
     nq: int,
     look: Callable[[Array, Array], Report],
 ) -> SolutionBatch:
-    """The columns of all entries; ``linear`` tells which rows of an error are lengths."""
-    count, lengths = len(entries), np.array(linear, dtype=bool)
-    errors = np.array([entry.error for entry in entries]).reshape(count, len(lengths))
+    """The columns of all entries."""
+    count = len(entries)
+    errors = np.array([entry.errors for entry in entries], dtype=np.float64).reshape(count, 2)
     return SolutionBatch(
         q=np.array([entry.found.q for entry in entries]).reshape(count, nq),
         statuses=tuple(entry.status for entry in entries),
         converged=np.array([entry.converged for entry in entries], dtype=bool),
-        position_error=np.linalg.norm(errors[:, lengths], axis=1),
-        orientation_error=np.linalg.norm(errors[:, ~lengths], axis=1),
+        position_error=errors[:, 0],
+        orientation_error=errors[:, 1],
         iterations=np.array([entry.found.iterations for entry in entries], dtype=np.int64),
         escapes=np.array([entry.found.escapes for entry in entries], dtype=np.int64),
         restarts=np.array([entry.found.restarts for entry in entries], dtype=np.int64),

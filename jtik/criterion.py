@@ -11,9 +11,9 @@ import re
 import traceback
 import warnings
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping, MutableMapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, MutableMapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -186,6 +186,15 @@ class Parameters(MutableMapping[str, Array]):
         return reshape(column[self._slices[name]], *shape)
 
 
+class Parametric(Protocol):
+    """What has live parameters under a name."""
+
+    name: str
+
+    def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
+        """Names and first values."""
+
+
 @dataclass(frozen=True)
 class CriterionTerms:
     """The criteria of one solver, laid out: weights and parameters in one mapping, values as expressions."""
@@ -195,15 +204,26 @@ class CriterionTerms:
     parameters: Parameters
 
     @classmethod
-    def of(cls, robot: Robot, criteria: Criterion | CriterionSum | None) -> CriterionTerms:
-        """Reads the first value of every parameter."""
+    def of(
+        cls, robot: Robot, criteria: Criterion | CriterionSum | None, others: Iterable[Parametric] = ()
+    ) -> CriterionTerms:
+        """Reads the first value of every parameter, of the criteria and of ``others`` that share the mapping."""
         named = CriterionSum.of(criteria).named()
         values: dict[str, ArrayLike] = {}
         for name, weight, criterion in named:
             values[f"{name}.weight"] = weight
             for parameter, value in criterion.parameters(robot).items():
                 values[f"{name}.{parameter}"] = value
+        for other in others:
+            for parameter, value in other.parameters(robot).items():
+                if f"{other.name}.{parameter}" in values:
+                    raise ArgumentError("name", other.name, "one that no criterion has")
+                values[f"{other.name}.{parameter}"] = value
         return cls(robot, tuple(named), Parameters(values))
+
+    def own(self, of: Parametric, column: Expression) -> dict[str, Expression]:
+        """The parameters of one of ``others`` within the column of all, in their own shapes."""
+        return {name: self.parameters.take(column, f"{of.name}.{name}") for name in of.parameters(self.robot)}
 
     def values(self, kinematics: Kinematics, column: Expression) -> list[Expression]:
         """Weighted value of each criterion. Raises CriterionError where one cannot be traced or is not scalar."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,18 @@ class Diagnosis:
         robot = problem.robot
         self._joints = {robot.v_slice(name).start: name for name in robot.joint_names}
 
+    @cached_property
+    def _clearance(self) -> Compiled:
+        return Compiled(self._problem.clearance)
+
+    @cached_property
+    def _hessian(self) -> Compiled:
+        return Compiled(self._problem.hessian())
+
+    def _curvature(self, q: Array, inputs: Sequence[Array], multipliers: Array) -> Array:
+        """The Hessian of the Lagrangian, compiled when first asked for, (n, n)."""
+        return self._hessian(q, *inputs[:2], multipliers)[0]
+
     def report(self, q: Array, inputs: Sequence[Array]) -> Report:
         """Everything a Solution tells of the configuration q."""
         target, parameters, lower, upper, settings = inputs
@@ -54,11 +67,25 @@ class Diagnosis:
             at_lower=at_lower,
             active_limits=tuple(self._joints[j] for j in sorted({*at_upper, *at_lower})),
             tolerances=(float(settings[0]), float(settings[1]), float(settings[2])),
+            curvature=partial(self._curvature, q, inputs) if self._criteria else None,
         )
+
+    def errors(self, q: Array, inputs: Sequence[Array]) -> tuple[float, float]:
+        """Norms of the position rows [m] and of the orientation rows [rad] at q."""
+        error = self.error(q, inputs)
+        return float(np.linalg.norm(error[self._linear])), float(np.linalg.norm(error[~self._linear]))
 
     def error(self, q: Array, inputs: Sequence[Array]) -> Array:
         """The task error at q, (m,)."""
         return self._error(q, inputs[0])[0][:, 0]
+
+    def _blocked(self, q: Array, inputs: Sequence[Array]) -> bool:
+        """Whether a clearance is as small as its rows let it become."""
+        if not self._problem.clearances:
+            return False
+        distance, _, figures = self._clearance(q, inputs[1])
+        margin = figures[:, 1] - figures[:, 0]
+        return bool((distance[:, 0] < figures[:, 1] + margin).any())
 
     def status(self, q: Array, code: Code, look: Callable[[], Report], inputs: Sequence[Array]) -> Status:
         """The reason, in the order a user would ask for it."""
@@ -70,9 +97,13 @@ class Diagnosis:
         if code is Code.UNSOLVED and not report.reached:
             return Status.UNSOLVED
         if report.reached:
-            return Status.CONVERGED if not self._criteria or report.steady else Status.REACHED
+            # what clearances hold back is in the step's own test, not in the report
+            steady = code is Code.DONE if self._problem.clearances else report.steady
+            return Status.CONVERGED if not self._criteria or steady else Status.REACHED
         if code is Code.GO_ON:
             return Status.ITERATION_LIMIT
+        if self._blocked(q, inputs):
+            return Status.BLOCKED
         everything, free = report.flatness
         if everything > FLAT:
             return Status.LIMITS if free <= FLAT else Status.STALLED

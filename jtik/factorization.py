@@ -100,12 +100,18 @@ class Split:
 
 
 class RowSpace:
-    """Row space of a symbolic ``J`` (m, n), and what is asked of it, from one factorisation."""
+    """Row space of a symbolic ``J`` (m, n), and what is asked of it, from one factorisation.
 
-    def __init__(self, J: Expression, *, threshold: float = RANK_THRESHOLD) -> None:
+    The rank is decided relative to the Frobenius norm of J, or to the root of ``squared_scale``: a J that is itself
+    what a projection has left of larger rows may be rounding from end to end.
+    """
+
+    def __init__(
+        self, J: Expression, *, threshold: float = RANK_THRESHOLD, squared_scale: Expression | None = None
+    ) -> None:
         self._m, self._n = J.shape
         self.squared_length = squared_length(J)
-        limit = threshold**2 * self.squared_length
+        limit = threshold**2 * (self.squared_length if squared_scale is None else squared_scale)
         self._basis: list[Expression] = []
         self._inverse: list[Expression] = []
         self._squared: list[Expression] = []
@@ -134,6 +140,14 @@ class RowSpace:
     def dependent_bounds(self, side: int) -> Expression:
         """Bounds (m, 1) that make ``unit_basis @ x`` zero and leave the zero rows free: ``side`` -1 lower, 1 upper."""
         return vertcat(*[if_else(independent, 0, side * inf) for independent in self._independent])
+
+    @cached_property
+    def volume(self) -> Expression:
+        """Of the box that the rows span, sqrt(det J J') where m <= n: the product of the rows' orthogonal parts."""
+        volume: Expression = 1
+        for squared in self._squared:
+            volume = volume * sqrt(squared + TINY)
+        return volume
 
     @cached_property
     def rank(self) -> Expression:

@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.compile import bind
+from jtik.clearance import ClearanceModel, travels
+from jtik.compile import Library, bind, library
 from jtik.factorization import squared_length
 from jtik.limits import WorkingSet, inside
 from jtik.problem import Problem
@@ -35,6 +36,7 @@ from jtik.symbolic import (
     logic_and,
     logic_not,
     logic_or,
+    mmin,
     norm,
     sqrt,
     substitute,
@@ -65,7 +67,7 @@ NEVER = 1e300
 
 
 CYCLING = 200
-"""Calls without progress after which a law that looks at nothing, and may go round in circles, has stalled."""
+"""Calls without progress after which a law has stalled that looks at nothing, or that clearances hold."""
 
 
 class Code(IntEnum):
@@ -136,18 +138,32 @@ class Layout:
 
 @dataclass(frozen=True)
 class FusedStep:
-    """The function, the state it starts from, the layout of its record, and its parts where it has programs."""
+    """The function, the state it starts from, the layout of its record, its parts where it has programs, its library
+    where it was compiled."""
 
     function: Function | Staged
     first_state: Array
     record: Layout
     parts: Staged | None = None
+    library: Library | None = None
 
     def bind(self, arguments: list[Array], results: list[Array]) -> Callable[[], None]:
         """A call without arguments on this memory."""
         if isinstance(self.function, Staged):
             return self.function.bind(arguments, results)
         return bind(self.function, arguments, results)
+
+    def compiled(self, beside: str = "") -> FusedStep:
+        """The same in generated C, all but the solver's calls, with more C beside it where there are none.
+
+        Raises:
+            CompilerError: without a compiler.
+        """
+        if self.parts is None:
+            built = library(self.function, beside)
+            return replace(self, function=built.function, library=built)
+        parts = self.parts.compiled()
+        return replace(self, function=parts.joined() if parts.fusible else parts, parts=parts)
 
 
 def fused_step(
@@ -169,9 +185,9 @@ def fused_step(
             looking there saves the kinematics; the errors then are those before a step that was not the last.
     """
     robot, m, bounded = problem.robot, problem.m, problem.bounded
-    arriving = arriving or strategy.judges(problem.has_criterion)
+    arriving = arriving or strategy.judges(problem.has_criterion) or bool(problem.clearances)
     first = {name: np.array(value, dtype=float) for name, value in _engine_state(problem, arriving).items()}
-    own = strategy.initial_state(Shape(robot.n, m, problem.has_criterion))
+    own = strategy.initial_state(Shape(robot.n, m, problem.has_criterion, bool(problem.clearances)))
     first |= {f"strategy.{name}": np.array(value, dtype=float) for name, value in own.items()}
     layout = Layout.of({name: value.size for name, value in first.items()})
 
@@ -182,16 +198,18 @@ def fused_step(
 
     inputs = [start, target, parameters, lower, upper, settings, column]
     local = _local_model(problem, inside(start, lower, upper, bounded), target, parameters)
-    cut, programs = local, Recorder(backend.accuracy) if backend else None
+    cut, programs = local, Recorder(backend.accuracy, backend.name) if backend else None
     if programs:  # the stages between the solver's answers share the local model as numbers
         cut = [symbol(f"at{i}", *part.shape) for i, part in enumerate(local)]
-    q, residual, J, H, gradient_H = cut
+    q, residual, J, H, gradient_H = cut[:5]
     here = Point(q, residual, H)
     tube = near = 0
     if problem.has_criterion:
         tube = if_else(state["tube"] > 0, state["tube"], TUBE * sqrt(squared_length(J) + TINY))
         near = here.length <= tube
-    working = WorkingSet(problem, state, here, near, J, gradient_H, lower, upper) if bounded else None
+    working = None
+    if bounded:
+        working = WorkingSet(problem, state, here, near, J, gradient_H, lower, upper, programs=bool(programs))
     model = LocalModel(
         robot=robot,
         here=here,
@@ -211,6 +229,8 @@ def fused_step(
         full_J=J,
         full_gradient=gradient_H,
         programs=programs,
+        tasks=problem.tasks,
+        clearance=_clearance(problem, cut, parameters, lower, upper) if problem.clearances else None,
     )
 
     update = strategy.update(model, {name[9:]: part for name, part in state.items() if name.startswith("strategy.")})
@@ -228,6 +248,8 @@ def fused_step(
     if arriving:
         accepted = logic_and(accepted, is_finite(update.point.V + update.point.H))
         crawls = logic_and(accepted, here.V - update.point.V <= STAGNANT * here.V)
+        if update.progress is not None:
+            crawls = logic_and(accepted, update.progress <= STAGNANT)
         done = logic_or(stop.done_before, logic_and(accepted, stop.done_after(update.point)))
         arrived = [*stop.errors(update.point), update.point.V]
         before = [*stop.errors_before, here.V]
@@ -239,6 +261,8 @@ def fused_step(
         crawls = logic_or(crawls, idle >= CYCLING)
         after["V"] = here.V
     refused = if_else(accepted, 0, state["refused"] + 1)
+    if problem.clearances:
+        crawls = logic_or(crawls, idle >= CYCLING)
     stagnant = if_else(logic_and(crawls, logic_not(stop.reached_before)), state["stagnant"] + 1, 0)
     stalled = logic_or(stop.stationary, logic_or(refused >= REFUSALS, stagnant >= STAGNATIONS))
     code = if_else(done, Code.DONE, if_else(stalled, Code.STALLED, if_else(slow, Code.SLOW, Code.GO_ON)))
@@ -268,15 +292,39 @@ def fused_step(
     if not (programs and backend):
         return FusedStep(function("jtik_step", inputs, outputs), first_state, record)
     parts = staged(inputs, local, cut, programs, outputs, backend)
-    return FusedStep(parts.joined() if backend.fused else parts, first_state, record, parts)
+    return FusedStep(parts.joined() if parts.fusible else parts, first_state, record, parts)
 
 
 def _local_model(problem: Problem, q: Expression, target: Expression, parameters: Expression) -> list[Expression]:
-    """q, residual, its Jacobian, H and its gradient."""
+    """q, residual, its Jacobian, H and its gradient; with clearances distances, their Jacobian and their figures."""
     at = symbol("at", problem.robot.nq)
     H = problem.criterion(at, parameters)
     parts = [problem.residual(at, target), problem.residual_jacobian(at, target), H, problem.gradient(H, at)]
+    if problem.clearances:
+        parts += problem.clearance(at, parameters)
     return [q, *[substitute(part, at, q) for part in parts]]
+
+
+def _clearance(
+    problem: Problem, local: list[Expression], parameters: Expression, lower: Expression, upper: Expression
+) -> ClearanceModel:
+    """The clearances at q, part of the local model."""
+    q, distance, J, figures = local[0], *local[5:]
+    rest = symbol("elsewhere", problem.robot.n)
+    there = inside(problem.robot.integrate(q, -rest), lower, upper, problem.bounded)
+    safe, aim, influence, gain = (figures[:, i] for i in range(4))
+    return ClearanceModel(
+        distance=distance,
+        jacobian=J,
+        safe=safe,
+        aim=aim,
+        influence=influence,
+        gain=gain,
+        curvature_radius=mmin(figures[:, 4]),
+        travel=travels(problem.robot),
+        rotational=problem.robot.rotational,
+        elsewhere=lambda term: substitute(problem.distances(there, parameters), rest, term),
+    )
 
 
 def _arrived(model: LocalModel, update: Update, accepted: Expression) -> Expression:

@@ -57,10 +57,13 @@ class WorkingSet:
         gradient: Expression,
         lower: Expression,
         upper: Expression,
+        *,
+        programs: bool = False,
     ) -> None:
         self._problem, self._here, self._J, self._gradient = problem, here, J, gradient
         self._lower, self._upper = lower, upper
-        self._keeps = near if problem.has_criterion else 0  # whether the working set is kept from step to step
+        # whether the working set is kept from step to step; a program finds out by itself who is held
+        self._keeps = near if problem.has_criterion and not programs else 0
         self._force = J.T @ here.residual
         pairs = zip(self._at(here.q), self._outwards(self._force), strict=True)
         self._pressed = [logic_and(at, outwards) for at, outwards in pairs]

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from jtik.clearance import Clearance
 from jtik.criterion import CriterionTerms
-from jtik.robot import Robot
+from jtik.curvature import lagrangian_hessian
+from jtik.robot import Kinematics, Robot
 from jtik.symbolic import (
+    TINY,
     Expression,
     Function,
     dot,
+    fmax,
     function,
     gradient,
+    horzcat,
     jacobian,
     norm,
     substitute,
@@ -34,7 +39,12 @@ class Problem:
     """
 
     def __init__(
-        self, robot: Robot, tasks: TaskStack, terms: CriterionTerms, bounded: tuple[tuple[int, int], ...]
+        self,
+        robot: Robot,
+        tasks: TaskStack,
+        terms: CriterionTerms,
+        bounded: tuple[tuple[int, int], ...],
+        clearances: tuple[Clearance, ...] = (),
     ) -> None:
         self.robot, self.tasks, self.terms, self.bounded = robot, tasks, terms, bounded
         q, target, parameters = self.symbols()
@@ -48,7 +58,28 @@ class Problem:
         self.error_jacobian = function("error_jacobian", [q, target], [rows.jacobian])
         self.residual_jacobian = function("residual_jacobian", [q, target], [self.factor.T @ rows.jacobian])
         self.criterion = function("criterion", [q, parameters], [sum(values, zeros(1))])
+        self.clearances = clearances
+        if clearances:
+            self._measure(kinematics, parameters)
         self.values = function("criteria", [q, parameters], [vertcat(*values)])
+
+    def _measure(self, kinematics: Kinematics, parameters: Expression) -> None:
+        """Distances of all clearances, their Jacobian, and for each of them safe, aim, influence, gain and radius."""
+        distances, figures = [], []
+        for clearance in self.clearances:
+            own = self.terms.own(clearance, parameters)
+            measured = {name: own[name] for name in clearance.measure.parameters(self.robot)}
+            for body in clearance.measure.distances(kinematics, measured):
+                for i, distance in enumerate(body):
+                    # points nearer than safe are not met: the surface of distance safe is what curves most
+                    radius = measured["radii"][i] if "radii" in measured else 0
+                    row = (own["safe"], own["safe"] + clearance.margin, own["influence"], clearance.gain)
+                    distances.append(distance)
+                    figures.append(horzcat(*row, fmax(own["safe"] + radius, TINY)))
+        d, q = vertcat(*distances), kinematics.q
+        self.distances = function("distances", [q, parameters], [d])
+        J = jacobian(d, q) @ self.robot.tangent(q)
+        self.clearance = function("clearance", [q, parameters], [d, J, vertcat(*figures)])
 
     def symbols(self) -> tuple[Expression, Expression, Expression]:
         """Fresh symbols for q, target and parameters."""
@@ -89,6 +120,21 @@ class Problem:
                 self.residual_jacobian(q, target),
             ],
         )
+
+    def hessian(self) -> Function:
+        """(q, target, parameters, multipliers) -> d2(H + lambda' r)/dv2, (n, n)."""
+        q, target, parameters = self.symbols()
+        multipliers = symbol("multipliers", self.m)
+        bend = lagrangian_hessian(
+            self.robot,
+            self.criterion,
+            self.residual,
+            q=q,
+            target=target,
+            parameters=parameters,
+            multipliers=multipliers,
+        )
+        return function("hessian", [q, target, parameters, multipliers], [bend])
 
     def curvature(self) -> Function:
         """(q, target, parameters) -> |J| |r|, dV/dv, d2V/dv2, dH/dv: for poses where the first derivative is silent."""

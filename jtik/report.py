@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,12 @@ from jtik.factorization import RANK_THRESHOLD
 
 Array = NDArray[np.float64]
 
+SecondOrder = Literal["minimum", "saddle", "flat"]
+"""What the second derivatives say of a posture where H is steady."""
+
+FLAT = 1e-6
+"""An eigenvalue of the reduced Hessian below this fraction of the whole's largest counts as zero: q is that exact."""
+
 
 @dataclass(frozen=True, eq=False)
 class Report:
@@ -20,7 +27,8 @@ class Report:
 
     Attributes: error e (m,), its Jacobian (m, n), which rows are lengths; weighted residual (m,) and its Jacobian;
     values of the criteria by name; gradient dH/dv (n,); velocity indices of the joints at their upper and at their
-    lower limit; names of all joints at a limit; the tolerances of position, orientation and optimality.
+    lower limit; names of all joints at a limit; the tolerances of position, orientation and optimality; the Hessian of
+    H + lambda' r, as a function of lambda, where there is a criterion.
     """
 
     error: Array
@@ -34,6 +42,11 @@ class Report:
     at_lower: tuple[int, ...]
     active_limits: tuple[str, ...]
     tolerances: tuple[float, float, float]
+    curvature: Callable[[Array], Array] | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        # the answer travels, the functions it comes from stay
+        return {**vars(self), "second_order": self.second_order, "curvature": None}
 
     @cached_property
     def position_error(self) -> float:
@@ -61,7 +74,7 @@ class Report:
         """Norm of (I - J+ J) dH/dv over the joints that no limit holds; NaN where something is not finite."""
         if not self.finite:
             return float("nan")
-        free, reduced = self._settled()
+        free, reduced, _ = self._settled()
         return float(np.linalg.norm(reduced[free]))
 
     @property
@@ -69,12 +82,35 @@ class Report:
         """Whether that is within the optimality tolerance."""
         return self.null_space_residual <= self.tolerances[2] * max(1.0, float(np.linalg.norm(self.gradient)))
 
-    def _settled(self) -> tuple[NDArray[np.bool_], Array]:
-        """Joints that limits do not hold, and the reduced gradient dH/dv + J' lambda, which presses held ones out."""
+    @cached_property
+    def second_order(self) -> SecondOrder | None:
+        """Which kind of steady: by the Hessian of H + lambda' r over the motions that keep task and active limits.
+
+        None without a criterion, off the target, or where H is not steady.
+        """
+        if self.curvature is None or not (self.finite and self.reached and self.steady):
+            return None
+        free, _, multipliers = self._settled()
+        bend, J = self.curvature(multipliers), self.weighted[:, free]
+        if not np.isfinite(bend).all():
+            return None
+        _, sigma, rows = np.linalg.svd(J)
+        rank = int((sigma > RANK_THRESHOLD * np.linalg.norm(J)).sum())
+        null = rows[rank:]
+        if not len(null):
+            return "minimum"
+        lowest = float(np.linalg.eigvalsh(null @ bend[np.ix_(free, free)] @ null.T)[0])
+        scale = float(np.linalg.norm(bend, 2))
+        if abs(lowest) <= FLAT * scale:
+            return "flat"
+        return "minimum" if lowest > 0 else "saddle"
+
+    def _settled(self) -> tuple[NDArray[np.bool_], Array, Array]:
+        """Joints that limits do not hold, the slope dH/dv + J' lambda, which presses the others out, and lambda."""
         J, gradient = self.weighted, self.gradient
         free = np.ones(J.shape[1], dtype=bool)
         free[[*self.at_upper, *self.at_lower]] = False
-        reduced = gradient
+        reduced, multipliers = gradient, np.zeros(len(J))
         for _ in range(len(self.at_upper) + len(self.at_lower) + 1):
             multipliers = -np.linalg.pinv(J[:, free].T, rcond=RANK_THRESHOLD) @ gradient[free]
             reduced = gradient + J.T @ multipliers
@@ -83,7 +119,7 @@ class Report:
             if not inward:
                 break
             free[max(inward, key=lambda j: abs(reduced[j]))] = True
-        return free, reduced
+        return free, reduced, multipliers
 
     @property
     def flatness(self) -> tuple[float, float]:

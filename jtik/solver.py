@@ -12,12 +12,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jtik import native
 from jtik.batch import Entry, SolutionBatch, collect, read_targets
-from jtik.compile import to_c
+from jtik.clearance import Clearance, clearances_of
 from jtik.criterion import Criterion, CriterionSum, CriterionTerms, Parameters
 from jtik.diagnosis import Diagnosis
 from jtik.errors import ArgumentError, finite_array
 from jtik.fused import Code, FusedStep, Settings, fused_step
+from jtik.memory import Memory
+from jtik.native import NativeSearch
 from jtik.options import Until, positive, read_request, read_settings
 from jtik.problem import Problem
 from jtik.progress import Progress, watched
@@ -56,6 +59,8 @@ class InverseKinematics:
         solver: what solves the programs of a strategy that has any: a name of `jtik.qp.available`, or a
             `jtik.qp.Backend`; DAQP by default.
         limits: whether the robot's joint limits hold.
+        clearances: distances no accepted step may bring below their safe values, for strategies that solve programs,
+            such as "hybrid+qp".
         joints: names of the joints to move, or "all"; by default those that move what the tasks are about, so that
             the fingers of a hand are no part of an arm's solution.
         at: configuration of the robot at which the other joints are locked, its neutral one by default.
@@ -77,6 +82,7 @@ class InverseKinematics:
         strategy: str | Strategy = "hybrid",
         solver: str | Backend | None = None,
         limits: bool = True,
+        clearances: Clearance | Iterable[Clearance] | None = None,
         joints: str | Iterable[str] | None = None,
         at: ArrayLike | None = None,
         compiled: bool = False,
@@ -90,7 +96,8 @@ class InverseKinematics:
         robot, self.tasks = reduced(robot, task, joints, self._locked)
         self.robot = robot
         self.strategy = strategy_of(strategy)
-        terms = CriterionTerms.of(robot, criteria)
+        kept_clear = clearances_of(clearances)
+        terms = CriterionTerms.of(robot, criteria, kept_clear)
         self.parameters: Parameters = terms.parameters
         self._names = [name for name, _, _ in terms.named]
         self._lower = robot.lower.copy() if limits else np.full(robot.nq, -np.inf)
@@ -100,19 +107,24 @@ class InverseKinematics:
             for i, j in zip(robot.scalar_q, robot.scalar_v, strict=True)
             if self._lower[i] > -np.inf or self._upper[i] < np.inf or robot.velocity_limit[j] < np.inf
         )
-        self._problem = Problem(robot, self.tasks, terms, bounded)
+        self._problem = Problem(robot, self.tasks, terms, bounded, kept_clear)
         self._backend: Backend | None = None
-        if self.strategy.solves_programs(self._problem.has_criterion):
+        if self.strategy.solves_programs(self._problem.has_criterion or bool(kept_clear)):
             self._backend = backend_of(solver)
+        elif kept_clear:
+            raise ArgumentError(
+                "clearances", clearances, f"a strategy with a program, such as 'hybrid+qp', not {strategy!r}"
+            )
         elif solver is not None:
             raise ArgumentError("solver", solver, f"none: {self.strategy!r} solves no program here")
-        self._target = np.zeros(self.tasks.target_size)
+        self._memory = Memory(self.tasks.target_size, self.parameters, self._lower, self._upper)
+        self._target, _, self._lower, self._upper, self._settings = self._inputs = self._memory.parts
         # targets that are their own numbers skip the reading in `step`
         self._plain_target = self._target.shape if self.tasks.plain else None
         self._plain_q = robot.nq == robot.n
-        self._settings = np.array(Settings())
-        self._inputs = [self._target, self.parameters.memory, self._lower, self._upper, self._settings]
         self._step_inputs = [*self._inputs[:-1], np.array(Settings())]
+        self._options: tuple[Any, ...] = ()
+        self._request = Request(0, 0, 0)
         self._compiled = compiled
         self._runner = Runner(self._fused(), self._inputs, robot.nq)
         self._recorder: Runner | None = None
@@ -120,6 +132,8 @@ class InverseKinematics:
         self._rescue = Rescue(self._problem)
         self._diagnosis = Diagnosis(self._problem, self._rescue)
         self._search = Search(robot, self._rescue, self._inputs)
+        if self._runner.fused.library:
+            self._search.native = NativeSearch(self._runner.fused.library, self._runner, self._inputs)
 
     def __repr__(self) -> str:
         names = " + ".join(self._names) or "no criterion"
@@ -167,15 +181,14 @@ class InverseKinematics:
         begin = time.perf_counter()
         self._target[:] = self.tasks.read_target(target)
         start = self._configuration("q0", q0)
-        request = read_request(restarts, seed, max_iterations)
         tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
-        self._settings[:] = read_settings(*tolerances, until)
+        request = self._requested(restarts, seed, max_iterations, *tolerances, until)
         recorder = Recorder(self._recording()) if trace else None
         found, status, look = self._found(start, request, recorder)
-        return Solution(
+        return Solution.of(
             q=found.q,
             status=status,
-            converged=is_success(status, until),
+            converged=status is Status.CONVERGED or is_success(status, until),
             iterations=found.iterations,
             escapes=found.escapes,
             restarts=found.restarts,
@@ -217,26 +230,40 @@ class InverseKinematics:
         else:
             table = finite_array("q0", q0, (len(numbers), self.robot.nq))
             starts = [self._configuration(f"q0[{i}]", q) for i, q in enumerate(table)]
-        request = read_request(restarts, seed, max_iterations)
         tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
-        self._settings[:] = read_settings(*tolerances, until)
+        request = self._requested(restarts, seed, max_iterations, *tolerances, until)
+
+        table = np.array(numbers).reshape(len(numbers), len(self._target))
+        done = self._search.find_all(table, np.array(starts), request) if progress is False else None
 
         def solve(i: int) -> Entry:
             begin = time.perf_counter()
             self._target[:] = numbers[i]
-            found, status, _ = self._found(starts[i % len(starts)], request)
-            seconds = time.perf_counter() - begin
-            error = self._diagnosis.error(found.q, self._inputs)
-            return Entry(found, status, is_success(status, until), error, seconds)
+            found, seconds = done[i] if done else (None, 0.0)
+            if found is None:
+                found, status, _ = self._found(starts[i % len(starts)], request)
+            else:
+                status = self._status(found)
+            seconds += time.perf_counter() - begin
+            errors = found.errors or self._diagnosis.errors(found.q, self._inputs)
+            return Entry(found, status, is_success(status, until), errors, seconds)
 
-        inputs = [array.copy() for array in self._inputs[1:]]
+        inputs = self._memory.split(self._memory.whole.copy())[1:]
         return collect(
             [solve(i) for i in watched(range(len(numbers)), progress, "targets")],
             targets=numbers,
-            linear=self._problem.linear,
             nq=self.robot.nq,
             look=lambda q, target: self._diagnosis.report(q, [target, *inputs]),
         )
+
+    def _requested(self, *options: Any) -> Request:
+        """What a solve may spend, and its tolerances where the step reads them; read anew only when they change."""
+        if self._options != options:
+            self._options = ()
+            self._request = read_request(*options[:3])
+            self._settings[:] = read_settings(*options[3:])
+            self._options = options
+        return self._request
 
     def _found(
         self, start: Array, request: Request, recorder: Recorder | None = None
@@ -248,10 +275,17 @@ class InverseKinematics:
         look = self._later(found.q)
         return found, self._diagnosis.status(found.q, found.code, look, self._inputs), look
 
+    def _status(self, found: Found) -> Status:
+        """Why a search for the target that is in memory ended."""
+        look = partial(self._diagnosis.report, found.q, self._inputs)
+        return self._diagnosis.status(found.q, found.code, look, self._inputs)
+
     def _later(self, q: Array) -> Callable[[], Report]:
         """The report of ``q`` for the target and parameters as they are now, evaluated once and when called."""
-        inputs = [array.copy() for array in self._inputs]
-        return partial(self._diagnosis.report, q, inputs)
+        return partial(self._reported, q, self._memory.whole.copy())
+
+    def _reported(self, q: Array, memory: Array) -> Report:
+        return self._diagnosis.report(q, self._memory.split(memory))
 
     def step(self, q: ArrayLike, target: Any) -> Step:
         """One update from ``q``, for controllers; what the strategy remembers goes on from the last call.
@@ -393,7 +427,7 @@ class InverseKinematics:
 
     def _fused(self, *, arriving: bool = False) -> FusedStep:
         fused = fused_step(self._problem, self.strategy, backend=self._backend, arriving=arriving)
-        return replace(fused, function=to_c(fused.function)) if self._compiled else fused
+        return fused.compiled(native.SOURCE) if self._compiled else fused
 
     def _stepping(self) -> Runner:
         """What ``step`` runs: it reports the errors where it arrives, whether or not the strategy looks at them."""

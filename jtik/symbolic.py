@@ -45,11 +45,17 @@ is_equal: Any = casadi.is_equal
 trace: Any = casadi.trace
 diag: Any = casadi.diag
 mmax: Any = casadi.mmax
+mmin: Any = casadi.mmin
 norm_inf: Any = casadi.norm_inf
 has_conic: Any = casadi.has_conic
 MX: Any = casadi.MX
 skew: Any = casadi.skew
 reshape: Any = casadi.reshape
+densify: Any = casadi.densify
+OP_INPUT: int = casadi.OP_INPUT
+OP_OUTPUT: int = casadi.OP_OUTPUT
+OP_CONST: int = casadi.OP_CONST
+vec: Any = casadi.vec
 
 LARGEST = 1.7e308
 """Just below the largest double: NaN and infinity compare false with ``<= LARGEST``."""
@@ -73,6 +79,11 @@ def identity(size: int) -> Expression:
     return SX.eye(size)
 
 
+def hessian(scalar: Expression, variables: Expression) -> Expression:
+    """Second derivatives of a scalar, (n, n)."""
+    return casadi.hessian(scalar, variables)[0]
+
+
 def solve_ldl(A: Expression, b: Expression) -> Expression:
     """``A^-1 b`` of a symmetric positive definite ``A`` by A = L D L', unrolled and without pivots."""
     D, upper, order = casadi.ldl(A, False)
@@ -88,6 +99,11 @@ def conic(name: str, plugin: str, n: int, rows: int, options: Mapping[str, Any])
     P, q, C, low, high, lower, upper = data
     result = solver(h=P, g=q, a=C, lba=low, uba=high, lbx=lower, ubx=upper)
     return casadi.Function(name, data, [result["x"], result["lam_a"], result["lam_x"]])
+
+
+def either(when: Function, otherwise: Function) -> Function:
+    """(condition, arguments) -> ``when(arguments)`` if the condition is not 0, else ``otherwise``; one is evaluated."""
+    return casadi.Function.if_else("either", when, otherwise)
 
 
 def is_symbolic(value: object) -> bool:

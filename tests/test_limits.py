@@ -123,7 +123,7 @@ def test_a_joint_that_left_its_limit_may_come_to_use(strategy):
 
 
 @settings(deadline=None, max_examples=40)
-@given(st.integers(0, 2**32 - 1), st.sampled_from(STRATEGIES))
+@given(st.integers(0, 2**32 - 1), st.sampled_from([name for name in STRATEGIES if name != "mink"]))
 def test_V_falls_at_every_accepted_step_between_limits(seed, strategy):
     rng = np.random.default_rng(seed)
     n = int(rng.integers(2, 7))

@@ -123,7 +123,7 @@ class TestTrajectory:
 class TestStatus:
     def test_each_sentence_is_different(self):
         sentences = [status.value for status in jtik.Status]
-        assert len(set(sentences)) == len(sentences) == 9
+        assert len(set(sentences)) == len(sentences) == 10
 
     def test_names(self):
         assert {status.name for status in jtik.Status} == {
@@ -135,5 +135,6 @@ class TestStatus:
             "STALLED",
             "ITERATION_LIMIT",
             "UNSOLVED",
+            "BLOCKED",
             "NOT_FINITE",
         }

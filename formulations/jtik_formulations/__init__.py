@@ -3,19 +3,45 @@
 from jtik_formulations.criteria.joint_centering import JointCentering
 from jtik_formulations.criteria.obstacle_avoidance import ObstacleAvoidance
 from jtik_formulations.strategies.damped import Damped
+from jtik_formulations.strategies.damping_rules import ConstantDamped, NakamuraHanafusa, Sugihara
 from jtik_formulations.strategies.hybrid import Hybrid
+from jtik_formulations.strategies.jparse import JParse
+from jtik_formulations.strategies.lexicographic_qp import LexicographicQP
+from jtik_formulations.strategies.mink_ik import Mink
 from jtik_formulations.strategies.newton import Newton
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 from jtik_formulations.strategies.qp_secondary import QPSecondary
+from jtik_formulations.strategies.second_order import SecondOrder
+from jtik_formulations.strategies.selectively_damped import SelectivelyDamped
+from jtik_formulations.strategies.sns import SNS
+from jtik_formulations.strategies.sns_qp import SNSQP
+from jtik_formulations.strategies.task_priority import TaskPriority
 from jtik_formulations.strategies.transpose import Transpose
+from jtik_formulations.strategies.transpose_bb import TransposeBB
+from jtik_formulations.strategies.weighted_least_norm import WeightedLeastNorm
+from jtik_formulations.strategies.weighted_qp import WeightedQP
 
 __all__ = [
+    "SNS",
+    "SNSQP",
+    "ConstantDamped",
     "Damped",
     "Hybrid",
+    "JParse",
     "JointCentering",
+    "LexicographicQP",
+    "Mink",
+    "NakamuraHanafusa",
     "Newton",
     "ObstacleAvoidance",
     "ProjectedGradient",
     "QPSecondary",
+    "SecondOrder",
+    "SelectivelyDamped",
+    "Sugihara",
+    "TaskPriority",
     "Transpose",
+    "TransposeBB",
+    "WeightedLeastNorm",
+    "WeightedQP",
 ]

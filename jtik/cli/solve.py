@@ -89,6 +89,7 @@ SHOWN = (
     "jacobian",
     "gradient",
     "null_space_residual",
+    "second_order",
     "condition",
     "active_limits",
     "seconds",

@@ -9,6 +9,7 @@ from jtik.qp.backend import PLUGINS, WRONG, Backend, BackendError
 from jtik.symbolic import Function, conic, has_conic
 
 _QUIET: Mapping[str, Mapping[str, Any]] = {
+    "daqp": {"daqp": {"primal_tol": 1e-8}},
     "osqp": {"osqp": {"verbose": False, "eps_abs": 1e-8, "eps_rel": 1e-8, "max_iter": 20000, "polish": True}},
     "proxqp": {"proxqp": {"eps_abs": 1e-9, "verbose": False}},
     "piqp": {},

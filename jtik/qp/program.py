@@ -8,12 +8,32 @@ the solver in between. A strategy that needs several, one after the other, just 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any, TypeAlias
 
-from jtik.errors import ArgumentError
-from jtik.symbolic import Expression, fmax, is_finite, logic_and, mmax, norm_inf, symbol, vertcat, zeros
+from jtik.errors import ArgumentError, Array
+from jtik.symbolic import (
+    Expression,
+    fmax,
+    is_finite,
+    logic_and,
+    logic_or,
+    mmax,
+    norm_inf,
+    solve_ldl,
+    symbol,
+    vertcat,
+    zeros,
+)
+
+Compute: TypeAlias = Callable[[Sequence[Array]], "Sequence[Any] | None"]
+"""What Python does in the middle of a step: flat arrays (columns first) to arrays; None where there is no answer."""
+
+
+EXACT = 1e-12
+"""What an answer in closed form may break of a row, or leave of P x + q relative to 1 + |q|: rounding."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +58,10 @@ class Rows:
 
 @dataclass(frozen=True)
 class Program:
-    """P (n, n) symmetric positive semidefinite, q (n, 1), groups of rows, and a box (n, 1) each."""
+    """P (n, n) symmetric positive semidefinite, q (n, 1), groups of rows, and a box (n, 1) each.
+
+    ``closed_form`` is for a law that knows the answer of ordinary steps: x (n, 1), and 1 where it is one, else 0.
+    """
 
     P: Expression
     q: Expression
@@ -46,6 +69,7 @@ class Program:
     upper: Expression
     rows: Sequence[Rows] = ()
     name: str = "program"
+    closed_form: tuple[Expression, Expression] | None = None
 
     def __post_init__(self) -> None:
         n = self.size
@@ -74,6 +98,24 @@ class Program:
         else:
             C, low, high = zeros(0, self.size), zeros(0), zeros(0)
         return [self.P, self.q, C, low, high, self.lower, self.upper]
+
+    def shortcut(self) -> tuple[Expression, Expression]:
+        """The minimiser without rows and box, (n, 1), and 1 where it keeps to both and so is the answer, or 0.
+
+        Far from limits most programs are solved by it, and no solver need be called. Where P is singular it is not
+        finite, and no answer.
+        """
+        if self.closed_form is not None:
+            return self.closed_form
+        P, q, C, low, high, lower, upper = self.data()
+        x = -solve_ldl(P, q)
+        inside = logic_and(mmax(lower - x) <= 0, mmax(x - upper) <= 0)
+        if self.row_count:
+            Cx = C @ x
+            kept = logic_and(mmax(low - Cx) <= EXACT, mmax(Cx - high) <= EXACT)
+            inside = logic_and(inside, kept)
+        steady = norm_inf(P @ x + q) <= EXACT * (1 + norm_inf(q))
+        return x, logic_and(logic_and(inside, steady), is_finite(x))
 
 
 @dataclass(frozen=True)
@@ -129,13 +171,64 @@ class Recorded:
     program: Program
     solution: ProgramSolution
 
+    @property
+    def name(self) -> str:
+        """The program's."""
+        return self.program.name
+
+    def data(self) -> list[Expression]:
+        """What the solver is given."""
+        return self.program.data()
+
+    @property
+    def answers(self) -> list[Expression]:
+        """What it answers."""
+        return [self.solution.x, self.solution.row_multipliers, self.solution.box_multipliers]
+
+    def solved(self, accuracy: float) -> Expression:
+        """1 where the answer holds."""
+        return self.solution.solved(accuracy)
+
+
+@dataclass(frozen=True)
+class Computation:
+    """Something that Python computes from numbers of the step, and the symbols that stand for what comes out."""
+
+    name: str
+    compute: Compute
+    inputs: list[Expression]
+    answers: list[Expression]
+
+    def data(self) -> list[Expression]:
+        """What it is given."""
+        return self.inputs
+
+    def solved(self, accuracy: float) -> Expression:
+        """1 where there is an answer without NaN."""
+        good: Expression = 1
+        for answer in self.answers:
+            for i in range(answer.numel()):
+                # every number is on one side of zero, NaN on neither
+                good = logic_and(good, logic_or(answer[i] <= 0, answer[i] >= 0))
+        return good
+
 
 @dataclass
 class Recorder:
-    """Takes programs in the order in which a strategy asks for answers."""
+    """Takes programs and computations in the order in which a strategy asks for answers."""
 
     accuracy: float
-    programs: list[Recorded] = field(default_factory=list)
+    solver: str = "daqp"
+    programs: list[Recorded | Computation] = field(default_factory=list)
+
+    def compute(
+        self, name: str, compute: Compute, inputs: Sequence[Expression], shapes: Sequence[tuple[int, int]]
+    ) -> list[Expression]:
+        """What Python will answer, as symbols of these shapes."""
+        k = len(self.programs)
+        answers = [symbol(f"c{k}_{i}", *shape) for i, shape in enumerate(shapes)]
+        self.programs.append(Computation(name, compute, list(inputs), answers))
+        return answers
 
     def solve(self, program: Program) -> ProgramSolution:
         """The answer, as symbols."""
@@ -148,5 +241,5 @@ class Recorder:
         """1 where every program so far was answered rightly."""
         good: Expression = 1
         for recorded in self.programs:
-            good = logic_and(good, recorded.solution.solved(self.accuracy))
+            good = logic_and(good, recorded.solved(self.accuracy))
         return good

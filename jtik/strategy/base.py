@@ -20,11 +20,12 @@ State = Mapping[str, Expression]
 
 @dataclass(frozen=True)
 class Shape:
-    """Sizes a state may depend on: n velocities, m residual rows, and whether there is a criterion."""
+    """What a state may depend on: n velocities, m residual rows, whether there is a criterion, and a clearance."""
 
     n: int
     m: int
     has_criterion: bool
+    has_clearance: bool = False
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,7 @@ class Update:
         figures: what a Trace reports, such as alpha and beta; scalars by name.
         unsteady: how far H still is from steady, as ``model.null_length`` measures it, where the law knows better than
             that; None where it does not.
+        progress: relative decrease of what the law brings down, where that is not V; None where it is.
     """
 
     point: Point
@@ -51,17 +53,20 @@ class Update:
     null_term: Expression
     figures: Mapping[str, Expression] = field(default_factory=dict)
     unsteady: Expression | None = None
+    progress: Expression | None = None
 
 
 class Strategy(ABC):
     """An update law. Subclasses are frozen, keyword-only dataclasses; a registry name stands for their defaults.
 
-    ``summary`` is one line for lists; ``source`` names the paper.
+    ``summary`` is one line for lists; ``source`` names the paper; ``compromises`` is whether a criterion keeps the task
+    from being met exactly.
     """
 
     name: ClassVar[str] = ""
     summary: ClassVar[str] = ""
     source: ClassVar[str] = ""
+    compromises: ClassVar[bool] = False
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
         """The state a solve starts from: one-dimensional arrays by name."""
@@ -72,7 +77,7 @@ class Strategy(ABC):
         return True
 
     def solves_programs(self, has_criterion: bool) -> bool:
-        """Whether the law asks a QP solver, by ``model.solve``."""
+        """Whether the law asks a QP solver, by ``model.solve``, where there is a criterion (or a clearance)."""
         return False
 
     @abstractmethod

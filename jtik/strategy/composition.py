@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -46,7 +46,7 @@ SUFFICIENT = 1e-4
 """Fraction of the predicted decrease an accepted step must bring (Armijo 1966)."""
 
 ROUNDING = 1e-14
-"""Relative error of an evaluated H + mu |r|: a smaller change says nothing."""
+"""Relative error of an evaluated H, and of a residual beside the reach |J|: a smaller change says nothing."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,9 @@ class NullMove:
     """The ``term`` (n, 1) a law subtracts from q to lower H, such as beta h.
 
     Attributes: term; its length; the decrease of H it promises to first order, (dH/dv)' term; the gain beta a trace
-    reports; how far H is from steady, where the law knows better than ``model.null_length``.
+    reports; how far H is from steady, where the law knows better than ``model.null_length``; the
+    share of the task step to take, where clearances leave no room for all of it; whether both terms together end inside
+    the limits as they are; what a trace reports beside beta, scalars by name.
     """
 
     term: Expression
@@ -82,6 +84,9 @@ class NullMove:
     decrease: Expression
     beta: Expression
     unsteady: Expression | None = None
+    task_scale: Expression = 1
+    keeps_limits: bool = False
+    figures: Mapping[str, Expression] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -131,6 +136,10 @@ class SecondaryTerm(ABC):
         """Whether it asks a QP solver, by ``model.solve``."""
         return False
 
+    def correct(self, model: LocalModel, term: Expression) -> Expression:
+        """The whole step ``term`` (n, 1), task step and null step, as it is to be tried: within the limits, too."""
+        return term
+
     def adapt(self, model: LocalModel, state: State, move: NullMove, outcome: Outcome) -> State:
         """The state after the outcome is known."""
         return {}
@@ -154,8 +163,9 @@ class Composition(Strategy):
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
         """States of both parts, and the penalty mu."""
         state = dict(self.task_step().initial_state(shape))
-        if shape.has_criterion:
+        if shape.has_criterion or shape.has_clearance:
             state |= self.secondary_term().initial_state(shape)
+        if shape.has_criterion:
             state["penalty"] = np.zeros(1)
         return state
 
@@ -173,14 +183,18 @@ class Composition(Strategy):
         task = task_step.propose(model, state)
         task_term = model.within_limits(task.term)
         proposed = NullMove(zeros(model.robot.n), 0, 0, 0)
-        if model.has_criterion:
+        if model.has_criterion or model.clearance:
             proposed = secondary.propose(model, state, task_term)
+        task_term = proposed.task_scale * task_term
         wanted = task.term + proposed.term
-        null = _shortened(model, task_term, proposed)
+        null = proposed if proposed.keeps_limits else _shortened(model, task_term, proposed)
         term = task_term + null.term
+        if model.has_criterion:
+            term = secondary.correct(model, term)
         point = model.moved(term)
 
-        predicted = model.predicted_decrease(model.J @ task_term if model.bounded else task.image)
+        as_proposed = not (model.bounded or model.clearance)
+        predicted = model.predicted_decrease(task.image if as_proposed else model.J @ task_term)
         judged = model.moved(task_term) if rule == "task" and model.has_criterion else point
         actual = model.here.V - judged.V
         falls = logic_and(predicted > 0, actual >= SUFFICIENT * predicted)
@@ -188,7 +202,7 @@ class Composition(Strategy):
         if rule == "always":
             accepted = 1
         elif rule == "merit" and model.has_criterion:
-            unhindered = None if model.bounded else task.row_vector
+            unhindered = task.row_vector if as_proposed else None
             rise = model.slope_of_criterion(unhindered) if unhindered else dot(model.gradient, task_term)
             accepted, penalty = _weigh(model, state["penalty"], point, null.decrease + rise, predicted, falls)
         elif rule == "task" and model.has_criterion:
@@ -197,15 +211,20 @@ class Composition(Strategy):
             accepted = falls
         judges = self.judges(model.has_criterion)
         accepted = logic_and(accepted, is_finite(point.V + point.H if judges else term))
+        clear = model.clearance.keeps(term) if model.clearance else 1
+        accepted = logic_and(accepted, clear)
         gained = ratio(actual, fmax(predicted, 0))
         if rule == "merit" and model.has_criterion:
             gained = if_else(model.near, accepted, gained)
         null_blamed = null.length > task.length if model.has_criterion else 0
         task_blamed = logic_not(null_blamed) if model.has_criterion else 1
+        if model.clearance:  # too long for the way to be known clear: both parts pay
+            task_blamed, null_blamed = (logic_or(blamed, logic_not(clear)) for blamed in (task_blamed, null_blamed))
         outcome = Outcome(accepted, gained, null, task_blamed, null_blamed)
         after = dict(task_step.adapt(model, state, task, outcome))
-        if model.has_criterion:
+        if model.has_criterion or model.clearance:
             after |= secondary.adapt(model, state, proposed, outcome)
+        if model.has_criterion:
             after["penalty"] = state["penalty"] if penalty is None else penalty
         figures = {
             "alpha": task.alpha,
@@ -213,6 +232,7 @@ class Composition(Strategy):
             "V2": null.length**2 / 2,
             "predicted_decrease": predicted,
             "actual_decrease": model.here.V - point.V,
+            **proposed.figures,
         }
         return Update(point, accepted, after, term, wanted, null.term, figures, proposed.unsteady)
 
@@ -250,7 +270,7 @@ def _weigh(
     penalty = fmax(fmax(enough, 0.5 * before), needed)
     promised = penalty * reach + slope
     merit, after = here.H + penalty * here.length, point.H + penalty * point.length
-    noise = ROUNDING * (fabs(here.H) + fabs(merit))
-    better = logic_and(promised > 0, merit - after >= SUFFICIENT * promised - noise)
+    noise = ROUNDING * (fabs(here.H) + fabs(merit) + penalty * model.jacobian_length)
+    better = logic_and(promised > -noise, merit - after >= SUFFICIENT * promised - noise)
     inside = logic_and(point.length <= model.tube, better)
     return if_else(model.near, inside, falls), penalty

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
@@ -9,11 +10,13 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik.clearance import ClearanceModel
 from jtik.errors import JtikError
 from jtik.factorization import RowSpace, RowVector, Split
-from jtik.qp.program import Program, ProgramSolution, Recorder
+from jtik.qp.program import Compute, Program, ProgramSolution, Recorder
 from jtik.robot import Robot
 from jtik.symbolic import TINY, Expression, Function, dot, fmax, fmin, norm, sqrt, sumsqr, vertcat
+from jtik.task import TaskStack
 
 
 @dataclass(frozen=True)
@@ -57,7 +60,9 @@ class LocalModel:
         levels: the task rows of each level of priority, the highest first.
         full_J, full_gradient: J and gradient of all joints, those at their limits among them, for laws whose programs
             have the limits as a box.
+        clearance: distances that may not fall below their safe values; None without any.
         programs: takes the programs of a law that asks a QP solver.
+        tasks: the tasks themselves, for laws that hand them to another library.
     """
 
     robot: Robot
@@ -78,12 +83,27 @@ class LocalModel:
     full_J: Expression = None  # noqa: N815
     full_gradient: Expression = None
     programs: Recorder | None = None
+    clearance: ClearanceModel | None = None
+    tasks: TaskStack | None = None
 
     def solve(self, program: Program) -> ProgramSolution:
         """The answer of the solver's back end to a program, as expressions to go on with."""
         if self.programs is None:
             raise JtikError(f"a program of a strategy whose solves_programs() is False: {program.name}")
         return self.programs.solve(program)
+
+    def compute(
+        self, name: str, compute: Compute, inputs: Sequence[Expression], shapes: Sequence[tuple[int, int]]
+    ) -> list[Expression]:
+        """What a Python function answers in the middle of the step, as expressions of these shapes.
+
+        It is given ``inputs`` as flat arrays, columns first, and returns one array a shape, or None where it has no
+        answer, which ends the solve with `jtik.Status.UNSOLVED`. Where it is used a step is not one function any more
+        and costs what the Python costs.
+        """
+        if self.programs is None:
+            raise JtikError(f"a computation of a strategy whose solves_programs() is False: {name}")
+        return self.programs.compute(name, compute, inputs, shapes)
 
     @cached_property
     def box(self) -> tuple[Expression, Expression]:

@@ -6,13 +6,33 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from jtik import register_secondary
 from jtik.errors import ArgumentError
+from jtik.factorization import RowSpace
+from jtik.limits import AT_LIMIT
 from jtik.qp import Program, Rows
 from jtik.strategy import LocalModel, NullMove, State
-from jtik.symbolic import Expression, diag, dot, fmin, if_else, norm, ratio, vertcat
+from jtik.symbolic import (
+    TINY,
+    Expression,
+    diag,
+    dot,
+    fmin,
+    horzcat,
+    if_else,
+    logic_and,
+    logic_not,
+    logic_or,
+    norm,
+    ratio,
+    vertcat,
+    zeros,
+)
 from jtik_formulations.strategies.projected_gradient import NOISE, ProjectedGradient
+
+Array = NDArray[np.float64]
 
 
 @register_secondary("qp")
@@ -51,23 +71,17 @@ class QPSecondary(ProjectedGradient):
 
     def propose(self, model: LocalModel, state: State, task_term: Expression) -> NullMove:
         """The program's answer, and how far H is from steady: |nu| / beta."""
-        h, n = model.full_null_gradient, model.robot.n
-        weight = np.broadcast_to(np.asarray(self.weight, dtype=float), n)
+        h, n = _reduced_gradient(model), model.robot.n
+        weight = np.asarray(self.weight, dtype=float)
+        if weight.shape not in ((), (n,)):
+            raise ArgumentError("weight", self.weight, f"a positive number, or {n}, one for each velocity entry")
+        weight = np.broadcast_to(weight, n)
         length = norm(h)
         beta = fmin(self._barzilai_borwein(h, state), ratio(state["null_cap"], length))
-        low, high = model.box
-        fixed = Rows("task", model.full_rows.unit_basis, *[model.full_rows.dependent_bounds(s) for s in (-1, 1)])
-        answer = model.solve(
-            Program(
-                P=diag(vertcat(*weight.tolist())),
-                q=beta * model.full_gradient,
-                lower=low + task_term,
-                upper=high + task_term,
-                rows=[fixed],
-                name="null-space step",
-            )
-        )
-        move = if_else(length > NOISE * norm(model.full_gradient), 1, 0) * answer.x
+        if model.clearance:
+            move, scale = self._clear(model, weight, beta, task_term)
+        else:
+            move, scale = self._within_limits(model, weight, beta, length, task_term), 1
         moved = norm(move)
         return NullMove(
             term=-move,
@@ -75,4 +89,85 @@ class QPSecondary(ProjectedGradient):
             decrease=-dot(model.full_gradient, move),
             beta=beta,
             unsteady=ratio(norm(weight * move), beta),
+            task_scale=scale,
+            keeps_limits=True,
         )
+
+    def _within_limits(
+        self, model: LocalModel, weight: Array, beta: Expression, length: Expression, task_term: Expression
+    ) -> Expression:
+        """nu: no motion of the task, and the sum of both terms in the box."""
+        low, high = model.box
+        worth = if_else(length > NOISE * norm(model.full_gradient), 1, 0)
+        answer = model.solve(
+            Program(
+                P=diag(vertcat(*weight.tolist())),
+                q=worth * beta * model.full_null_gradient,  # the rest of the gradient is the multipliers' alone
+                lower=low + task_term,
+                upper=high + task_term,
+                rows=[_task_rows(model, model.full_rows.unit_basis)],
+                name="null-space step",
+            )
+        )
+        return worth * answer.x
+
+    def _clear(
+        self, model: LocalModel, weight: Array, beta: Expression, task_term: Expression
+    ) -> tuple[Expression, Expression]:
+        """nu and the share s of the task step t that the clearances leave room for, from (y, s) with y = s t + nu.
+
+        y = 0, s = 0 is always feasible. s comes before H: its price is far above what nu could gain.
+        """
+        assert model.clearance is not None
+        n, t = model.robot.n, -task_term
+        low, high = model.box
+        K = model.full_rows.unit_basis
+        Wt = weight * t
+        price = _PRICE * (dot(t, Wt) + beta * norm(model.full_gradient) * norm(t) + TINY) + _LEAST_PRICE
+        P = vertcat(horzcat(diag(vertcat(*weight.tolist())), -Wt), horzcat(-Wt.T, dot(t, Wt) + price))
+        q = vertcat(beta * model.full_gradient, -beta * dot(model.full_gradient, t) - price)
+        kept = model.clearance.rows()
+        answer = model.solve(
+            Program(
+                P=P,
+                q=q,
+                lower=vertcat(low, 0),
+                upper=vertcat(high, 1),
+                rows=[
+                    _task_rows(model, horzcat(K, -K @ t)),
+                    Rows(kept.name, horzcat(kept.matrix, zeros(kept.count)), kept.lower, kept.upper),
+                ],
+                name="null-space step",
+            )
+        )
+        y, scale = answer.x[:n], answer.x[n]
+        return y - scale * t, scale
+
+
+def _reduced_gradient(model: LocalModel) -> Expression:
+    """(I - J+ J) dH/dv over the joints that its own direction does not press against a limit, (n, 1): for the gain.
+
+    A guess of what the program will find, right at the end: there it vanishes, where that of all joints need not.
+    """
+    h = model.full_null_gradient
+    if not model.bounded:
+        return h
+    low, high = model.box
+    free: list[Expression] = [1] * model.robot.n
+    for _, j in model.bounded:
+        pressed = logic_or(logic_and(high[j] < AT_LIMIT, h[j] < 0), logic_and(low[j] > -AT_LIMIT, h[j] > 0))
+        free[j] = logic_not(pressed)
+    J = horzcat(*[model.full_J[:, j] * keep for j, keep in enumerate(free)])
+    return RowSpace(J).split(vertcat(*free) * model.full_gradient).null
+
+
+def _task_rows(model: LocalModel, matrix: Expression) -> Rows:
+    """matrix x = 0; rows of zeros, of a dependent task, are free."""
+    return Rows("task", matrix, *[model.full_rows.dependent_bounds(side) for side in (-1, 1)])
+
+
+_PRICE = 1e4
+"""Price of a share of the task step in units of what the null space could gain: near enough to strict priority."""
+
+_LEAST_PRICE = 1e-9
+"""Keeps the program strictly convex in s where there is no task step left."""

@@ -1,0 +1,159 @@
+"""Least squares with a clamp for each singular direction (formulations/selectively_damped.md)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jtik import register_strategy
+from jtik.errors import ArgumentError
+from jtik.strategy import Acceptance, Composition, LocalModel, Outcome, SecondaryTerm, Shape, State, TaskMove, TaskStep
+from jtik.svd import SingularValues
+from jtik.symbolic import Expression, fabs, fmax, fmin, if_else, norm, ratio, vertcat
+from jtik_formulations.strategies.damped import positive
+from jtik_formulations.strategies.projected_gradient import ProjectedGradient
+from jtik_formulations.strategies.transpose import backtracked, judged
+
+Array = NDArray[np.float64]
+Clamp = Literal["hard", "soft"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SelectivelyDampedStep(TaskStep):
+    """The task step of ``SelectivelyDamped``."""
+
+    clamp: Clamp
+    max_angle: float
+    max_error: float
+    effectors: tuple[tuple[int, ...], ...] | None
+    backtracking: bool
+
+    def initial_state(self, shape: Shape) -> Mapping[str, Array]:
+        """The fraction of the step that backtracking has come down to."""
+        return {"fraction": np.ones(1)} if self.backtracking else {}
+
+    def propose(self, model: LocalModel, state: State) -> TaskMove:
+        """-sum of the clamped phi_i, clamped."""
+        found, effectors = SingularValues(model.J), self._effectors(model.J.shape[0])
+        components = found.components(self._clamped_error(model.here.residual, effectors))
+        reach = [sum(norm(model.J[list(rows), j]) for rows in effectors) for j in range(model.robot.n)]
+        gains = []
+        for i, (component, row, squared) in enumerate(zip(components, found.rows, found.squared, strict=True)):
+            wanted = sum(norm(found.left[i][list(rows)]) for rows in effectors) if len(effectors) > 1 else 1
+            moved = sum(fabs(row[j]) * reach[j] for j in range(model.robot.n))
+            limit = self.max_angle * fmin(1, ratio(wanted * squared, moved))
+            gain = ratio(component, squared)
+            gains.append(gain * self._scale(limit, fabs(gain) * _largest_turn(model, row)))
+        term = found.combined(gains)
+        scale = self._scale_of_sum(_largest_turn(model, term))
+        if self.backtracking:
+            scale = scale * state["fraction"]
+        term = scale * term
+        return TaskMove(term, scale * found.image(gains), norm(term), math.nan)
+
+    def _scale(self, limit: Expression, angle: Expression) -> Expression:
+        """The factor that brings an angle down to its limit."""
+        if self.clamp == "soft":
+            return ratio(limit, limit + angle)
+        return fmin(1, ratio(limit, angle))
+
+    def _scale_of_sum(self, angle: Expression) -> Expression:
+        """The same for the whole step, which even the soft clamp leaves alone as long as it is short enough."""
+        if self.clamp == "soft":
+            return if_else(angle > self.max_angle, self.max_angle / (self.max_angle + angle), 1)
+        return fmin(1, ratio(self.max_angle, angle))
+
+    def _effectors(self, m: int) -> tuple[tuple[int, ...], ...]:
+        if self.effectors is None:
+            return (tuple(range(m)),)
+        if sorted(row for rows in self.effectors for row in rows) != list(range(m)):
+            raise ArgumentError("effectors", self.effectors, f"groups that hold each of the {m} task rows once")
+        return self.effectors
+
+    def _clamped_error(self, r: Expression, effectors: tuple[tuple[int, ...], ...]) -> Expression:
+        """The residual with that of each effector at most ``max_error`` long."""
+        if math.isinf(self.max_error):
+            return r
+        entries: list[Expression] = [0] * r.shape[0]
+        for rows in effectors:
+            scale = fmin(1, ratio(self.max_error, norm(r[list(rows)])))
+            for row in rows:
+                entries[row] = scale * r[row]
+        return vertcat(*entries)
+
+    def adapt(self, model: LocalModel, state: State, move: TaskMove, outcome: Outcome) -> State:
+        """Half the step after a refusal, twice the fraction after an acceptance."""
+        return backtracked(state, outcome) if self.backtracking else {}
+
+
+def _largest_turn(model: LocalModel, step: Expression) -> Expression:
+    """The largest angle in a step [rad]; slides are not clamped."""
+    largest: Expression = 0
+    for j in model.turning:
+        largest = fmax(largest, fabs(step[j]))
+    return largest
+
+
+@register_strategy("selectively_damped")
+@dataclass(frozen=True, kw_only=True)
+class SelectivelyDamped(Composition):
+    """Newton's step with its part along each singular direction clamped by how far that direction can be trusted.
+
+    dq = -clamp(sum phi_i) - beta (I - J+ J) grad H, phi_i = clamp((u_i' r / sigma_i) v_i) to gamma_i. A weak direction,
+    which moves joints much and the tip little, is damped; the others are not. For several effectors, and for targets
+    that may be out of reach.
+
+    Attributes:
+        clamp: "hard", as in the paper: an angle above its limit is brought to it. "soft", as in the code the
+            authors released: gamma / (gamma + angle) in place of min(1, gamma / angle), which shortens every step.
+        max_angle: gamma_max, the largest angle of one step [rad].
+        max_error: D_max: the residual of an effector counts as at most so long [m]; math.inf for as it is.
+        effectors: which task rows belong to which effector, such as ((0, 1, 2), (3, 4, 5)) for the positions of two
+            hands. None: all rows are of one.
+        backtracking: halve the step until V falls. Without it every step is taken.
+        secondary: the null-space term.
+
+    Source: Buss and Kim (2005).
+    """
+
+    clamp: Clamp = "hard"
+    max_angle: float = math.pi / 4
+    max_error: float = math.inf
+    effectors: tuple[tuple[int, ...], ...] | None = None
+    backtracking: bool = True
+    secondary: SecondaryTerm = field(default_factory=ProjectedGradient)
+
+    summary = "least squares, clamped by itself along each singular direction"
+    source = "Buss and Kim 2005"
+
+    def __post_init__(self) -> None:
+        if self.clamp not in ("hard", "soft"):
+            raise ArgumentError("clamp", self.clamp, "'hard' or 'soft'")
+        positive("max_angle", self.max_angle)
+        if not self.max_error > 0:
+            raise ArgumentError("max_error", self.max_error, "a positive length [m], math.inf for none")
+        if self.effectors is not None:
+            object.__setattr__(self, "effectors", tuple(tuple(int(row) for row in rows) for rows in self.effectors))
+
+    def task_step(self) -> TaskStep:
+        """The sum of the clamped responses."""
+        return SelectivelyDampedStep(
+            clamp=self.clamp,
+            max_angle=self.max_angle,
+            max_error=self.max_error,
+            effectors=self.effectors,
+            backtracking=self.backtracking,
+        )
+
+    def secondary_term(self) -> SecondaryTerm:
+        """-beta (I - J+ J) grad H."""
+        return self.secondary
+
+    def acceptance(self) -> Acceptance:
+        """By merit, by the task step, or always."""
+        return judged(self.backtracking, self.secondary)

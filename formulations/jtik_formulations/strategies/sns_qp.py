@@ -1,0 +1,112 @@
+"""The quadratic programs that saturation in the null space solves, by a QP solver (formulations/sns.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import inf
+
+from jtik import register_strategy
+from jtik.factorization import RowSpace, squared_length
+from jtik.qp import Program, ProgramSolution, Rows
+from jtik.strategy import LocalModel
+from jtik.symbolic import Expression, dot, fmax, fmin, identity, if_else, logic_and, mmax, norm, sumsqr, vertcat, zeros
+from jtik_formulations.strategies.saturation import DEPENDENT, turned
+from jtik_formulations.strategies.task_scaling import TaskScaling
+
+PRICE = 1e4
+"""What a unit of x along the task is worth in units of |x|^2 / 2: above every price a solution was seen to have."""
+
+HELD = 1e-7
+"""Distance from a bound [rad] or [m] from which a solver's answer is surely not held by it."""
+
+
+@dataclass(frozen=True)
+class ScalingProgram:
+    """A displacement x in a box by one program a task: the largest share of the task first, then the shortest x.
+
+    Attributes:
+        solve: what answers programs.
+        lower, upper: the box, (n, 1) each, lower <= 0 <= upper.
+        x: the displacement (n, 1).
+        rows: Jacobians of the tasks so far (k, n).
+        scale: s of the last task.
+    """
+
+    solve: Callable[[Program], ProgramSolution]
+    lower: Expression
+    upper: Expression
+    x: Expression
+    rows: Expression
+    scale: Expression
+
+    @classmethod
+    def at_rest(
+        cls, solve: Callable[[Program], ProgramSolution], lower: Expression, upper: Expression
+    ) -> ScalingProgram:
+        """No displacement, nothing to keep."""
+        n = lower.shape[0]
+        return cls(solve, lower, upper, zeros(n), zeros(0, n), 1)
+
+    def with_task(self, J: Expression, change: Expression) -> ScalingProgram:
+        """J x changes by s ``change`` (m, 1) with the largest s up to 1; of all such x the shortest."""
+        along, across = turned(J, change)
+        steep = norm(along)
+        fixed = vertcat(self.rows, across)
+        space = RowSpace(fixed, squared_scale=squared_length(J))
+        rest = space.split(along / steep).null
+        length = norm(rest)
+        direction = if_else(length > DEPENDENT, 1, 0) * rest / length
+        total = norm(change) / (steep * length)
+        free = self.x + total * direction  # the answer without box
+        inside = logic_and(self._inside(self.x), self._inside(free))
+        away = self.x - PRICE * fmin(total, 1) * direction
+        start = if_else(inside, free, self.x)
+        reach = Rows("task", direction.T, zeros(1) - inf, if_else(inside, 0, total))
+        x = self._solved(space, start, if_else(inside, 0, 1) * away, [reach], "scaled task")
+        share = fmin(fmax(dot(direction, x - self.x) / total, 0), 1)
+        scale = if_else(sumsqr(change) > 0, share, 1)
+        return replace(self, x=x, rows=vertcat(self.rows, J), scale=scale)
+
+    def towards(self, wish: Expression) -> ScalingProgram:
+        """Of all x that do the tasks as this one does the nearest to ``wish`` (n, 1), which moves none of them."""
+        q = if_else(self._inside(self.x), 0, 1) * self.x - wish  # a free x is a right angle to what moves no task
+        return replace(self, x=self._solved(RowSpace(self.rows), self.x, q, [], "criterion"))
+
+    def _inside(self, x: Expression) -> Expression:
+        """1 where no bound holds x."""
+        return logic_and(mmax(self.lower - x) < -HELD, mmax(x - self.upper) < -HELD)
+
+    def _solved(self, kept: RowSpace, start: Expression, q: Expression, rows: list[Rows], name: str) -> Expression:
+        """The x that minimises 1/2 |x - start|^2 + q' (x - start) within the box, rows and without other motion."""
+        basis, n = kept.unit_basis, q.shape[0]
+        if basis.shape[0]:
+            rows = [Rows("kept", basis, *[kept.dependent_bounds(side) for side in (-1, 1)]), *rows]
+        program = Program(identity(n), q, self.lower - start, self.upper - start, rows, name=name)
+        return fmin(fmax(start + self.solve(program).x, self.lower), self.upper)
+
+
+@register_strategy("sns_qp")
+@dataclass(frozen=True, kw_only=True)
+class SNSQP(TaskScaling):
+    """The steps of ``"sns"`` by quadratic programs: one for each level of priority, and one for the criterion.
+
+    It is there to check the other, and for robots with so many joints that a solver is faster. Options, units and what
+    is guaranteed are those of ``SNS``.
+
+    Attributes:
+        gain, damping, q_limit, backtracking, secondary: as of ``SNS``.
+
+    Source: Flacco, De Luca and Khatib (2015).
+    """
+
+    summary = "the programs that saturation in the null space solves, by a QP solver"
+    source = "Flacco, De Luca and Khatib 2015"
+
+    def solves_programs(self, has_criterion: bool) -> bool:
+        """One a level, and one for a criterion."""
+        return True
+
+    def at_rest(self, model: LocalModel, lower: Expression, upper: Expression) -> ScalingProgram:
+        """By programs."""
+        return ScalingProgram.at_rest(model.solve, lower, upper)

@@ -1,0 +1,37 @@
+"""Second derivatives of the criterion on the task's solutions: the Hessian of the Lagrangian."""
+
+from __future__ import annotations
+
+from jtik.robot import Robot
+from jtik.symbolic import Expression, Function, dot, hessian, substitute, symbol, zeros
+
+
+def lagrangian_hessian(
+    robot: Robot,
+    criterion: Function,
+    residual: Function,
+    *,
+    q: Expression,
+    target: Expression,
+    parameters: Expression,
+    multipliers: Expression | None,
+) -> Expression:
+    """d2/dv2 of H(q + v) + lambda' r(q + v) at v = 0, ``+`` being ``robot.integrate``, (n, n); unit: that of H.
+
+    Args:
+        robot: whose velocities v are.
+        criterion, residual: (q, parameters) -> H and (q, target) -> r, (m, 1).
+        q, target, parameters: where.
+        multipliers: lambda (m, 1), a constant in the derivative; None for H alone.
+    """
+    at, v = symbol("at", robot.nq), symbol("v", robot.n)
+    there = robot.integrate(at, v)
+    L, old, new = criterion(there, parameters), [v, at], [zeros(robot.n), q]
+    if multipliers is not None:
+        prices = symbol("prices", *multipliers.shape)
+        L = L + dot(prices, residual(there, target))
+        old, new = [*old, prices], [*new, multipliers]
+    bend = hessian(L, v)
+    for before, after in zip(old, new, strict=True):
+        bend = substitute(bend, before, after)
+    return bend

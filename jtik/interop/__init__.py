@@ -1,0 +1,1 @@
+"""Bridges to other libraries, in both directions: `jtik.interop.mink` and `jtik.interop.pink`."""

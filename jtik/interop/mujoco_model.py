@@ -1,0 +1,200 @@
+"""A robot as a MuJoCo model, and where the numbers of one are among those of the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from jtik.errors import ArgumentError, Array
+from jtik.geometry import Ball, Box, Capsule, Cylinder, Solid
+from jtik.robot import Joint, JointType, Robot
+from jtik.robot.loaders.compiled import ModelReader
+
+WORLD = "world"
+"""MuJoCo's name for the frame that everything hangs on."""
+
+NEGLIGIBLE = 1e-9
+"""Mass [kg] and inertia [kg m^2] of a frame that has none: MuJoCo wants some where a joint moves it."""
+
+_TYPES = {
+    JointType.HINGE: mujoco.mjtJoint.mjJNT_HINGE,
+    JointType.SLIDE: mujoco.mjtJoint.mjJNT_SLIDE,
+    JointType.BALL: mujoco.mjtJoint.mjJNT_BALL,
+    JointType.FREE: mujoco.mjtJoint.mjJNT_FREE,
+}
+
+
+def to_mujoco(robot: Robot, *, obstacles: Iterable[Solid] = ()) -> Any:
+    """The robot as a ``mujoco.MjModel``: every frame a body of its name, every joint a joint of its name.
+
+    Limits, masses, the frames' solids (as geoms "FRAME solid0" ...) and joints that follow others (as equalities of
+    joints) come along. qpos is in MuJoCo's order, see `Correspondence`.
+
+    Args:
+        robot: the robot.
+        obstacles: solids in the base frame, a circle as a sphere. Each is the geom of a mocap body "obstacle0" ... of
+            its own: mink drops geoms of the world itself as obstacles for the links that are mounted on it.
+
+    Raises:
+        ArgumentError: for a free joint that is not on the base, or a frame called "world" that is not the base.
+    """
+    spec = mujoco.MjSpec()
+    spec.modelname = robot.name
+    spec.compiler.fusestatic = False
+    spec.compiler.degree = False
+    bodies = {robot.base: spec.worldbody}
+    if robot.base != WORLD:
+        if WORLD in robot.frame_names:
+            raise ArgumentError("robot", f"{robot!r} with a frame 'world'", "that name for the base only")
+        spec.worldbody.add_body(name=robot.base)
+    for joint in robot.joints:
+        pose = joint.origin
+        body = bodies[joint.parent].add_body(name=joint.child, pos=pose[:3, 3], quat=_quaternion(pose))
+        bodies[joint.child] = body
+        _add_joint(body, joint, robot)
+        _add_mass(body, joint.child, robot)
+    for joint in robot.joints:
+        if joint.mimic is not None:
+            follow = spec.add_equality(name1=joint.name, name2=joint.mimic.joint)
+            follow.type, follow.objtype = mujoco.mjtEq.mjEQ_JOINT, mujoco.mjtObj.mjOBJ_JOINT
+            follow.data[:5] = [joint.mimic.offset, joint.mimic.multiplier, 0, 0, 0]
+    for frame, solids in robot.shapes.items():
+        for i, solid in enumerate(solids):
+            _add_geom(bodies[frame], f"{frame} solid{i}", solid)
+    for i, solid in enumerate(obstacles):
+        body = spec.worldbody.add_body(name=f"obstacle{i}", mocap=True)
+        _add_geom(body, f"obstacle{i}", solid)
+    return spec.compile()
+
+
+class Correspondence:
+    """Where the joints of a robot are among the numbers of a MuJoCo model, matched by their names.
+
+    The robot may be one read from the model, one the model was made of, or a subset of either: joints of the model
+    that the robot lacks stay where ``rest`` has them.
+
+    Args:
+        robot: the robot.
+        model: the ``mujoco.MjModel``.
+        rest: qpos (model.nq,) that the model's other joints keep; the model's own neutral one by default.
+
+    Attributes:
+        leads: the matrix (model.nv, n) that takes a velocity of the robot to its own joints' velocities in the model;
+            those of joints that follow stay zero.
+        moves: the same with the joints that follow: all of the model's velocity.
+        follows: rows (k, model.nv) that are zero on velocities in which the followers follow.
+
+    Raises:
+        ArgumentError: when the model has no such joint, or one of another kind.
+    """
+
+    def __init__(self, robot: Robot, model: Any, *, rest: Any = None) -> None:
+        places = _joints_of(model)
+        self._robot, self._rest = robot, np.array(model.qpos0 if rest is None else rest, dtype=float)
+        self._q = np.zeros(robot.nq, dtype=np.intp)
+        self._followers: list[tuple[int, int, float, float]] = []
+        self.leads = np.zeros((model.nv, robot.n))
+        extra, rows = np.zeros((model.nv, robot.n)), []
+        for joint in robot.joints:
+            if not joint.is_moving:
+                continue
+            number = places.get(joint.name, -1)
+            if number < 0 or model.jnt_type[number] != _TYPES[joint.type]:
+                kind = f"a {joint.type.value} joint {joint.name!r}"
+                raise ArgumentError("model", f"one without {kind}", f"a model with the joints of {robot!r}")
+            at, dof = int(model.jnt_qposadr[number]), int(model.jnt_dofadr[number])
+            mine, own = robot.q_slice(joint.name), robot.v_slice(joint.name)
+            if joint.mimic is None:
+                self._q[mine] = np.arange(at, at + joint.type.nq)
+                self.leads[dof : dof + joint.type.nv, own] = np.eye(joint.type.nv)
+            else:
+                self._followers.append((at, mine.start, joint.mimic.multiplier, joint.mimic.offset))
+                extra[dof, own] = joint.mimic.multiplier
+                rows.append(np.eye(model.nv)[dof])
+        self.moves = self.leads + extra
+        chosen = np.array(rows).reshape(-1, model.nv)
+        self.follows = chosen - chosen @ extra @ self.leads.T
+
+    def qpos(self, q: Array) -> Array:
+        """The model's configuration (model.nq,) for the robot's (nq,)."""
+        qpos = self._rest.copy()
+        qpos[self._q] = q
+        for at, leader, multiplier, offset in self._followers:
+            qpos[at] = multiplier * q[leader] + offset
+        return qpos
+
+    def q(self, qpos: Array) -> Array:
+        """The robot's configuration (nq,) for the model's (model.nq,)."""
+        return np.array(qpos, dtype=float)[self._q]
+
+    def velocity(self, v: Array) -> Array:
+        """The robot's velocity or displacement (n,) for the model's (model.nv,)."""
+        part: Array = self.leads.T @ v
+        return part
+
+
+def _joints_of(model: Any) -> dict[str, int]:
+    """Name to number; joints without a name have the one that reading the model gives them."""
+    joints = [joint for joint in ModelReader(model, "model").read().joints if joint.is_moving]
+    return {joint.name: number for number, joint in enumerate(joints)}
+
+
+def _add_joint(body: Any, joint: Joint, robot: Robot) -> None:
+    if not joint.is_moving:
+        return
+    if joint.type is JointType.FREE and (joint.parent != robot.base or not np.array_equal(joint.origin, np.eye(4))):
+        raise ArgumentError(
+            "robot", f"free joint {joint.name!r} on {joint.parent!r}", "free joints at the base's origin"
+        )
+    made = body.add_joint(name=joint.name, type=_TYPES[joint.type])
+    if not joint.type.is_scalar:
+        return
+    made.axis = joint.axis
+    if np.isfinite(joint.lower) or np.isfinite(joint.upper):
+        made.limited = True
+        low, high = np.clip([joint.lower, joint.upper], -UNLIMITED, UNLIMITED)
+        made.range = low, max(high, low + NO_ROOM)
+
+
+NO_ROOM = 1e-9
+"""Range [rad] or [m] of a joint that cannot move: MuJoCo wants some."""
+
+UNLIMITED = 1e6
+"""Limit [rad] or [m] on the side where a joint has none and on the other side one: MuJoCo has both or neither."""
+
+
+def _add_mass(body: Any, frame: str, robot: Robot) -> None:
+    found = robot.masses.get(frame)
+    body.explicitinertial = True
+    body.mass = max(found.mass if found else 0.0, NEGLIGIBLE)
+    body.inertia = np.full(3, NEGLIGIBLE)
+    body.ipos = found.center if found else np.zeros(3)
+
+
+def _add_geom(body: Any, name: str, solid: Solid) -> None:
+    kind = mujoco.mjtGeom
+    if isinstance(solid, Ball):
+        center = np.pad(solid.center, (0, 3 - len(solid.center)))
+        radius = max(solid.radius, NEGLIGIBLE)
+        body.add_geom(name=name, type=kind.mjGEOM_SPHERE, size=[radius, 0, 0], pos=center)
+    elif isinstance(solid, (Capsule, Cylinder)):
+        shape = kind.mjGEOM_CAPSULE if isinstance(solid, Capsule) else kind.mjGEOM_CYLINDER
+        ends = np.concatenate([solid.start, solid.end])
+        if isinstance(solid, Capsule) and np.linalg.norm(solid.end - solid.start) <= NEGLIGIBLE:
+            body.add_geom(name=name, type=kind.mjGEOM_SPHERE, size=[solid.radius, 0, 0], pos=solid.start)
+        else:
+            body.add_geom(name=name, type=shape, size=[solid.radius, 0, 0], fromto=ends)
+    elif isinstance(solid, Box):
+        pose = solid.pose
+        body.add_geom(name=name, type=kind.mjGEOM_BOX, size=solid.half, pos=pose[:3, 3], quat=_quaternion(pose))
+    else:
+        raise ArgumentError(name, solid, "a jtik.Sphere, Circle, Capsule, Cylinder or Box")
+
+
+def _quaternion(pose: Array) -> Array:
+    quaternion = np.zeros(4)
+    mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(pose[:3, :3]).ravel())
+    return quaternion

@@ -1,0 +1,246 @@
+"""jtik and pink, both ways: a criterion as a task of pink's, a task, limit or barrier of pink's for jtik.
+
+pink's functions take their arguments in another order than mink's and stop at a start outside the limits unless told
+``safety_break=False``: pass everything by keyword. What a task needs of pink is its looks, so pink is imported late.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from jtik.criterion import Criterion, CriterionSum
+from jtik.errors import ArgumentError, Array, MissingExtraError
+from jtik.interop.numbers import CriterionNumbers, Curvature, checked
+from jtik.interop.pinocchio_model import Correspondence
+from jtik.qp import Rows
+from jtik.robot import Robot
+from jtik.strategy import LocalModel
+
+__all__ = [
+    "Correspondence",
+    "CriterionTask",
+    "FreshBarrier",
+    "LimitRows",
+    "TaskCriterion",
+    "as_criterion",
+    "criterion_task",
+    "fresh",
+    "limit_rows",
+]
+
+
+class CriterionTask:
+    """A jtik criterion where pink wants a task: pink asks a task only for its objective.
+
+    Attributes:
+        parameters: live parameters of the criterion by name.
+    """
+
+    def __init__(
+        self, criterion: Criterion | CriterionSum, robot: Robot, model: Any, *, gain: float, curvature: Curvature
+    ) -> None:
+        checked(gain, curvature)
+        self.gain, self.curvature = float(gain), curvature
+        self._numbers = CriterionNumbers(criterion, robot)
+        self._places = Correspondence(robot, model)
+        self.parameters = self._numbers.parameters
+
+    def __repr__(self) -> str:
+        return f"CriterionTask({', '.join(self.parameters)}, gain={self.gain:g})"
+
+    def value(self, configuration: Any) -> float:
+        """H at pink's configuration."""
+        return self._numbers.value(self._places.q(configuration.q))
+
+    def compute_qp_objective(self, configuration: Any) -> tuple[Array, Array]:
+        """(P, gain dH) in Pinocchio's velocities; joints the robot lacks are not touched."""
+        q = self._places.q(configuration.q)
+        P, c = self._numbers.objective(q, self.gain, self.curvature)
+        moves = self._places.moves(q)  # orthogonal columns of length 1: its transpose takes velocities back
+        return moves @ P @ moves.T, moves @ c
+
+
+def criterion_task(
+    criterion: Criterion | CriterionSum,
+    robot: Robot,
+    model: Any,
+    *,
+    gain: float = 1.0,
+    curvature: Curvature = "identity",
+) -> CriterionTask:
+    """A criterion as a task for ``pink.solve_ik(tasks=[...])``.
+
+    Args:
+        criterion: a criterion or a weighted sum.
+        robot: the robot it is about, with the joints of the model or some of them.
+        model: the ``pinocchio.Model``.
+        gain: beta, how far down H a step goes.
+        curvature: "identity", or "convex" for the Hessian of H without its negative part.
+
+    Raises:
+        ArgumentError: when the gain is not positive, or the model lacks a joint of the robot.
+    """
+    return CriterionTask(criterion, robot, model, gain=gain, curvature=curvature)
+
+
+class TaskCriterion:
+    """H = 1/2 e' W^2 e of a task of pink's, as numbers on a jtik robot; see `as_criterion`."""
+
+    def __init__(self, task: Any, robot: Robot, model: Any) -> None:
+        if not (hasattr(task, "compute_error") and hasattr(task, "compute_jacobian")):
+            raise ArgumentError("task", task, "a pink task, with an error and a Jacobian")
+        self._task, self._robot = task, robot
+        self._places = Correspondence(robot, model)
+        self._configuration = _configuration(model, self._places.theirs(robot.neutral))
+
+    def value(self, q: Any) -> float:
+        """H at q (nq,)."""
+        e, _ = self._weighted(q)
+        return float(e @ e) / 2
+
+    def gradient(self, q: Any) -> Array:
+        """dH/dv = J' W^2 e, (n,)."""
+        e, J = self._weighted(q)
+        return J.T @ e
+
+    def hessian(self, q: Any) -> Array:
+        """Its Gauss-Newton part J' W^2 J, (n, n)."""
+        _, J = self._weighted(q)
+        return J.T @ J
+
+    def _weighted(self, q: Any) -> tuple[Array, Array]:
+        at = self._robot.configuration(q)
+        self._configuration.update(self._places.theirs(at))
+        e = np.asarray(self._task.compute_error(self._configuration), dtype=float)
+        J = np.asarray(self._task.compute_jacobian(self._configuration), dtype=float) @ self._places.moves(at)
+        cost = np.ones(len(e)) if self._task.cost is None else np.broadcast_to(self._task.cost, len(e))
+        return cost * e, cost[:, None] * J
+
+
+def as_criterion(task: Any, robot: Robot, model: Any) -> TaskCriterion:
+    """What a task of pink's minimises, as a function of the robot's q with gradient and Gauss-Newton Hessian.
+
+    It is Python, not an expression: for comparisons and checks.
+
+    Args:
+        task: the task, with its target set; changing that is seen at once.
+        robot: the robot.
+        model: the ``pinocchio.Model``.
+
+    Raises:
+        ArgumentError: when it is no task of pink's, or the model lacks a joint of the robot.
+        MissingExtraError: when pink is not installed.
+    """
+    return TaskCriterion(task, robot, model)
+
+
+class FreshBarrier:
+    """A barrier of pink's without its memory; see `fresh`."""
+
+    def __init__(self, barrier: Any) -> None:
+        if not (hasattr(barrier, "compute_barrier") and hasattr(barrier, "compute_jacobian")):
+            raise ArgumentError("barrier", barrier, "a pink barrier")
+        self.barrier = barrier
+
+    def __repr__(self) -> str:
+        return f"FreshBarrier({self.barrier!r})"
+
+    def compute_qp_objective(self, configuration: Any) -> tuple[Array, Array]:
+        """Its pull towards the safe displacement: (P, c) in Pinocchio's velocities."""
+        barrier, nv = self.barrier, configuration.model.nv
+        if not barrier.safe_displacement_gain > 1e-6:
+            return np.zeros((nv, nv)), np.zeros(nv)
+        J = np.asarray(barrier.compute_jacobian(configuration))
+        weight = barrier.safe_displacement_gain / max(float((J * J).sum()), 1e-12)
+        return weight * np.eye(nv), -weight * np.asarray(barrier.compute_safe_displacement(configuration))
+
+    def compute_qp_inequalities(self, configuration: Any, dt: float = 1e-3) -> tuple[Array, Array]:
+        """-J dq / dt <= gain g(h), evaluated now."""
+        barrier = self.barrier
+        # the Jacobian first, as pink does: some barriers keep for one what they found for the other
+        J = np.asarray(barrier.compute_jacobian(configuration), dtype=float)
+        h = np.asarray(barrier.compute_barrier(configuration), dtype=float)
+        shaped = np.array([barrier.gain_function(value) for value in h])
+        return -J / dt, np.broadcast_to(barrier.gain, len(h)) * shaped
+
+
+def fresh(barrier: Any) -> FreshBarrier:
+    """A barrier of pink's that is evaluated at every call, for ``pink.solve_ik(barriers=[...])``.
+
+    pink 4 keeps value and Jacobian of a barrier for as long as q stays nearly the same, so an obstacle or a bound that
+    moves while the robot stands is not noticed.
+
+    Raises:
+        ArgumentError: when it is no barrier.
+    """
+    return FreshBarrier(barrier)
+
+
+class LimitRows:
+    """A limit or barrier of pink's on the displacement dq of a jtik robot; see `limit_rows`."""
+
+    def __init__(self, limit: Any, robot: Robot, model: Any, dt: float) -> None:
+        if hasattr(limit, "compute_barrier"):
+            limit = FreshBarrier(limit)
+        if not hasattr(limit, "compute_qp_inequalities"):
+            raise ArgumentError("limit", limit, "a pink limit or barrier")
+        if not 0 < dt < np.inf:
+            raise ArgumentError("dt", dt, "a positive time [s]")
+        self._limit, self._robot, self._dt = limit, robot, float(dt)
+        self._places = Correspondence(robot, model)
+        self._configuration = _configuration(model, self._places.theirs(robot.neutral))
+        self._count = len(self._all(robot.neutral)[1])
+
+    def __call__(self, q: Any) -> tuple[Array, Array]:
+        """(G, h) of the rows at q (nq,) that say something, (k, n) and (k,)."""
+        G, h = self._all(self._robot.configuration(q))
+        bounded = np.isfinite(h)
+        return G[bounded], h[bounded]
+
+    def rows(self, model: LocalModel, name: str = "pink limit") -> Rows:
+        """Rows for the program of a strategy, evaluated by pink in the middle of the step."""
+        k, n = self._count, model.robot.n
+        G, h = model.compute(name, self._padded, [model.here.q], [(k, n), (k, 1)])
+        return Rows(name, G, -np.inf + 0 * h, h)
+
+    def _padded(self, arguments: Sequence[Array]) -> list[Array]:
+        """All rows, always as many, those without a bound as 0 dq <= 1."""
+        G, h = self._all(arguments[0])
+        bounded = np.isfinite(h)
+        return [np.where(bounded[:, None], G, 0.0), np.where(bounded, h, 1.0)]
+
+    def _all(self, q: Array) -> tuple[Array, Array]:
+        self._configuration.update(self._places.theirs(q))
+        found = self._limit.compute_qp_inequalities(self._configuration, self._dt)
+        if found is None:
+            return np.zeros((0, self._robot.n)), np.zeros(0)
+        G, h = np.asarray(found[0], dtype=float), np.asarray(found[1], dtype=float)
+        scale = self._dt if isinstance(self._limit, FreshBarrier) else 1.0  # a barrier's rows are on dq / dt
+        return scale * (G @ self._places.moves(q)), scale * h
+
+
+def limit_rows(limit: Any, robot: Robot, model: Any, *, dt: float = 1.0) -> LimitRows:
+    """A limit or a barrier of pink's as ``G dq <= h`` on displacements of the robot.
+
+    Args:
+        limit: the limit or the barrier; a barrier is evaluated afresh at every call, see `fresh`.
+        robot: the robot.
+        model: the ``pinocchio.Model``.
+        dt: how long a step takes [s].
+
+    Raises:
+        ArgumentError: when it is neither, dt is not positive, or the model lacks a joint of the robot.
+        MissingExtraError: when pink is not installed.
+    """
+    return LimitRows(limit, robot, model, dt)
+
+
+def _configuration(model: Any, q: Array) -> Any:
+    try:
+        import pink
+    except ImportError as error:
+        raise MissingExtraError("pink", "pink", "a task or limit of pink's") from error
+    return pink.Configuration(model, model.createData(), q)

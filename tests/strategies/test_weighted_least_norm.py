@@ -1,0 +1,130 @@
+"""Weighted least norm: the law step by step by numpy, its memory of the direction of motion, and what it is for."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import jtik
+from jtik_formulations import Newton, WeightedLeastNorm
+
+from ..conftest import planar, planar_jacobian, planar_points
+
+BARE = {"backtracking": False, "q_limit": math.inf}
+
+
+def slopes(q, lower, upper, most):
+    """|dH/dq| by Chan and Dubey's (14), for joints with two limits."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slope = np.abs((upper - lower) ** 2 * (2 * q - upper - lower) / (4 * (upper - q) ** 2 * (q - lower) ** 2))
+    return np.minimum(np.where(np.isfinite(upper - lower), slope, 0), most)
+
+
+def expected(J, e, weights):
+    """argmin dq' W dq of J dq = -e, by its optimality conditions."""
+    n, m = J.shape[1], len(e)
+    system = np.block([[np.diag(weights), J.T], [J, np.zeros((m, m))]])
+    return np.linalg.solve(system, np.concatenate([np.zeros(n), -e]))[:n]
+
+
+def replayed(q, target, lower, upper, count, most=1e4):
+    before, visited = np.zeros(len(q)), [q]
+    for _ in range(count):
+        slope = slopes(q, lower, upper, most - 1)
+        weights = 1 + np.where(slope >= before, slope, 0)
+        before = slope
+        q = q + expected(planar_jacobian(q), planar_points(q)[-1] - target, weights)
+        visited.append(q)
+    return np.array(visited)
+
+
+@pytest.mark.parametrize("most", [1e4, 3.0])
+def test_the_steps_of_a_whole_solve(most, rng):
+    """Weights come and go with the direction of motion: each step is compared, the last ones to rounding's growth."""
+    robot = planar(5, lower=-2.0, upper=2.0)
+    law = WeightedLeastNorm(max_weight=most, **BARE)
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=law)
+    freed = 0
+    for _ in range(20):
+        q0 = rng.uniform(-0.9, 0.9, 5)
+        target = planar_points(q0 + rng.uniform(-0.5, 0.5, 5))[-1]
+        visited = ik.solve(target, q0=q0, max_iterations=4, position_tolerance=1e-14, trace=True).trace.q
+        wanted = replayed(q0, target, -2.0, 2.0, len(visited) - 1, most)
+        assert np.abs(wanted).max() < 2.0
+        assert visited == pytest.approx(wanted, abs=1e-7)
+        growth = np.diff([slopes(q, -2.0, 2.0, most - 1) for q in visited], axis=0)
+        freed += (growth < 0).sum()
+    assert freed > 20
+
+
+@pytest.mark.parametrize("bend", [1.0, 1e-3, 1e-6])
+def test_near_singular_poses_the_weighted_pseudo_inverse_is_the_same(bend, rng):
+    robot = planar(4, lower=-1.5, upper=1.5)
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=WeightedLeastNorm(**BARE))
+    q = np.append(0.4, bend * np.array([1.0, -0.6, 0.8]))
+    J, p = planar_jacobian(q), planar_points(q)[-1]
+    target = p + J @ (1e-2 * rng.uniform(-1, 1, 4))
+    wanted = expected(J, p - target, 1 + slopes(q, -1.5, 1.5, 1e4))
+    ik.reset()
+    assert ik.step(q, target).q - q == pytest.approx(wanted, rel=1e-5, abs=1e-9)
+
+
+def test_exactly_straight_it_does_what_can_be_done():
+    """Only motion across the arm is possible: it is made, weighted, and the rest of the error stays."""
+    robot = planar(3, lower=-1.5, upper=1.5)
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=WeightedLeastNorm(**BARE))
+    q = np.array([1.0, 0.0, 0.0])
+    along, across = np.array([np.cos(1.0), np.sin(1.0)]), np.array([-np.sin(1.0), np.cos(1.0)])
+    target = planar_points(q)[-1] + 0.3 * across - 0.2 * along
+    weights = 1 + slopes(q, -1.5, 1.5, 1e4)
+    reach = across @ planar_jacobian(q)
+    wanted = 0.3 * (reach / weights) / (reach @ (reach / weights))
+    assert ik.step(q, target).q - q == pytest.approx(wanted, abs=1e-12)
+
+
+def test_joints_without_two_limits_weigh_one(rng):
+    """With no limits at all it is Newton's law; one-sided limits count as none."""
+    q, target = rng.uniform(0.2, 0.8, 4), np.array([2.0, 1.5])
+    steps = [
+        jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=law).step(q, target).q
+        for robot, law in [
+            (planar(4), Newton(**BARE)),
+            (planar(4), WeightedLeastNorm(**BARE)),
+            (jtik.Robot.planar(4, lower=-2.0, upper=np.inf), WeightedLeastNorm(**BARE)),
+        ]
+    ]
+    assert steps[1] == pytest.approx(steps[0], abs=1e-12)
+    assert steps[2] == pytest.approx(steps[0], abs=1e-12)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("inside", [0.0, 1e-12, 1e-6])
+def test_a_joint_at_or_next_to_its_limit_can_leave_it(side, inside):
+    """Also where the task cannot do without it: two joints, one target."""
+    robot = planar(2, lower=-1.5, upper=1.5)
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy="weighted_least_norm")
+    goal = side * np.array([0.3, 0.7])
+    solution = ik.solve(robot.pose(goal), q0=side * np.array([0.1, 1.5 - inside]), max_iterations=100)
+    assert solution.converged
+    assert solution.q == pytest.approx(goal, abs=1e-5)
+
+
+def test_it_mostly_keeps_joints_further_from_their_limits_than_newton(rng):
+    robot, margins = planar(6, lower=-1.2, upper=1.2), {}
+    problems = [(rng.uniform(-0.4, 0.4, 6), robot.pose(rng.uniform(-1, 1, 6))) for _ in range(60)]
+    for name in ("newton", "weighted_least_norm"):
+        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=name)
+        solutions = [ik.solve(target, q0=q0) for q0, target in problems]
+        assert sum(s.converged for s in solutions) >= 55
+        margins[name] = np.array([1.2 - np.abs(s.q).max() for s in solutions])
+    further = margins["weighted_least_norm"] > margins["newton"] + 1e-6
+    assert further.mean() > 0.7
+    assert margins["weighted_least_norm"].mean() > 1.05 * margins["newton"].mean()
+
+
+@pytest.mark.parametrize(("option", "value"), [("max_weight", 0.5), ("max_weight", math.inf), ("q_limit", 0.0)])
+def test_options_are_checked(option, value):
+    with pytest.raises(jtik.ArgumentError, match=option):
+        WeightedLeastNorm(**{option: value})

@@ -1,0 +1,130 @@
+"""One program a step: its answer in closed form and by SciPy, the compromise it ends at, what it refuses."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+
+import jtik
+from jtik_formulations import JointCentering, WeightedQP
+
+from ..conftest import ball_arm, dh_arm, look, planar
+
+BARE = {"backtracking": False, "q_limit": math.inf}
+
+SOLVED = 1e-9
+"""DAQP's answer over the least curvature of these programs."""
+
+
+def solver(robot, law, kind="position", criteria=None, **options):
+    return jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), criteria=criteria, strategy=law, **options)
+
+
+def oracle(law, seen, gradient, low, high):
+    """The same program as bounded linear least squares: rows of the task, of the damping and of the criterion."""
+    J, r = seen.jacobian, seen.error
+    mu = law.damping + law.lm_damping * law.gain**2 * r @ r
+    P = J.T @ J + mu * np.eye(J.shape[1])
+    q = law.gain * J.T @ r
+    if gradient is not None:
+        P, q = P + law.weight * law.curvature * np.eye(len(q)), q + law.weight * gradient
+    root = np.linalg.cholesky(P).T
+    return lsq_linear(root, -np.linalg.solve(root.T, q), (low, high), tol=1e-15, lsmr_tol=1e-15).x
+
+
+@pytest.mark.parametrize("gain", [1.0, 0.4])
+@pytest.mark.parametrize("with_criterion", [False, True])
+def test_a_step_is_the_minimum_of_the_weighted_sum(gain, with_criterion, rng):
+    law = WeightedQP(gain=gain, lm_damping=0.3, damping=1e-3, weight=0.02, curvature=1.7, **BARE)
+    criteria = JointCentering() if with_criterion else None
+    for robot, kind in ((planar(6), "position"), (dh_arm(7, 2), "pose"), (dh_arm(4, 1), "pose")):
+        ik = solver(robot, law, kind, criteria=criteria)
+        for _ in range(5):
+            q = rng.uniform(-1, 1, robot.n)
+            target = robot.pose(q + rng.uniform(-0.2, 0.2, robot.n))
+            seen = look(ik, q, target)
+            J, e = seen.jacobian, seen.error
+            damping = law.damping + law.lm_damping * gain**2 * e @ e + with_criterion * law.weight * law.curvature
+            slope = gain * J.T @ e + with_criterion * law.weight * seen.gradient
+            ik.reset()
+            dq = ik.step(q, target).q - q
+            assert dq == pytest.approx(-np.linalg.solve(J.T @ J + damping * np.eye(robot.n), slope), abs=SOLVED)
+
+
+@pytest.mark.parametrize("pose", ["generic", "at a limit", "straight at a limit"])
+def test_limits_are_its_box(pose, rng):
+    """Beside SciPy's bounded least squares; the cap on a step is part of the same box."""
+    robot = planar(6, lower=-0.5, upper=0.5)
+    law = WeightedQP(lm_damping=0.1, damping=1e-3, weight=0.05, q_limit=0.2, backtracking=False)
+    ik = solver(robot, law, criteria=JointCentering(preferred=np.full(6, 0.3)))
+    active = 0
+    for _ in range(10):
+        q = {
+            "generic": lambda: rng.uniform(-0.5, 0.5, 6),
+            "at a limit": lambda: rng.choice([-0.5, 0.1, 0.5], 6),
+            "straight at a limit": lambda: np.append(0.5, np.zeros(5)),
+        }[pose]()
+        target = rng.uniform(-4, 4, 2)
+        seen = look(ik, q, target)
+        low, high = np.maximum(-0.5 - q, -0.2), np.minimum(0.5 - q, 0.2)
+        apart = np.where(high - low < 1e-12, 1e-12, 0)
+        ik.reset()
+        dq = ik.step(q, target).q - q
+        assert dq == pytest.approx(oracle(law, seen, seen.gradient, low - apart, high + apart), abs=1e-7)
+        assert (dq >= low - 1e-15).all()
+        assert (dq <= high + 1e-15).all()
+        active += int(((dq < low + 1e-12) | (dq > high - 1e-12)).sum())
+    assert active  # the box mattered
+
+
+@pytest.mark.parametrize("weight", [1e-2, 1e-3, 1e-4])
+def test_it_ends_where_task_and_criterion_pull_equally(weight):
+    """J' r + weight grad H = 0: the error is weight times the price of the task, and honestly not reached."""
+    law = WeightedQP(weight=weight)
+    ik = solver(planar(5), law, criteria=JointCentering())
+    solution = ik.solve([2.0, 1.5], q0=[0.3] * 5)
+    balance = solution.jacobian.T @ solution.error + weight * solution.gradient
+    assert np.linalg.norm(balance) <= 1e-4 * weight * np.linalg.norm(solution.gradient)
+    price = np.linalg.lstsq(solution.jacobian.T, solution.gradient, rcond=None)[0]
+    assert solution.error == pytest.approx(-weight * price, rel=1e-3)
+    assert solution.status is jtik.Status.STALLED
+    assert not solution.converged
+
+
+def test_the_weighted_sum_falls_at_every_step_taken(rng):
+    law = WeightedQP(weight=1e-3, curvature=0.2)
+    for robot, kind in ((planar(8), "position"), (dh_arm(7, 1), "pose"), (ball_arm(), "position")):
+        ik = solver(robot, law, kind, criteria=JointCentering())
+        for _ in range(5):
+            q = robot.random_configuration(rng)
+            target = robot.pose(robot.random_configuration(rng))
+            trace = ik.solve(target, q0=q, max_iterations=60, trace=True).trace
+            total = trace.V + law.weight * trace.H
+            assert (np.diff(total) <= 1e-13 * total[:-1]).all()
+
+
+@pytest.mark.parametrize("bend", [0.0, 1e-9, 1e-6, 1e-3])
+def test_a_straight_arm_is_pulled_inwards(bend):
+    solution = solver(planar(5), "weighted_qp").solve([3.0, 0.0], q0=bend * np.array([0.0, 1.0, -1.0, 1.0, 1.0]))
+    assert solution.converged
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"gain": 0.0},
+        {"gain": 1.5},
+        {"lm_damping": -1.0},
+        {"damping": 0.0},
+        {"weight": -1.0},
+        {"weight": math.inf},
+        {"curvature": 0.0},
+        {"q_limit": math.nan},
+    ],
+)
+def test_options_out_of_range_are_refused(options):
+    with pytest.raises(jtik.ArgumentError, match=next(iter(options))):
+        WeightedQP(**options)
