@@ -7,7 +7,9 @@ that may be singular, or none arrives, it hands back, and the search in Python s
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -40,6 +42,9 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const double* starts,
   const size_t nq = ((size_t)at[13]) * sizeof(double), ns = ((size_t)at[14]) * sizeof(double);
   const double before = settings[4];
   tally[0] = 0;
+  for (long long j = 0; j < (long long)at[13]; ++j) {
+    if (!(q0[j] - q0[j] == 0)) return -1; /* not finite: somebody is to be told */
+  }
   for (long long number = 0; number <= restarts; ++number) {
     long long k = 0, here = 0, code = 0;
     memcpy(q[0], number ? starts + (number - 1) * (long long)at[13] : q0, nq);
@@ -120,9 +125,17 @@ class NativeSearch:
         self._call.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_longlong, ctypes.c_longlong, ctypes.c_double]
         self._call.restype = ctypes.c_longlong
         self._address = self._context.ctypes.data
+        self._starts: Array | None = None
+        self.again: Callable[[], int] = partial(self._call, self._address, None, 0, 0, math.inf)
         self._batch = getattr(ctypes.CDLL(library.path), f"{library.name}_batch")
         self._batch.argtypes = [*self._call.argtypes, ctypes.c_void_p]
         self._batch.restype = None
+
+    def prepare(self, starts: Array | None, restarts: int, limit: int, patience: float) -> None:
+        """Make ``again()`` the search from what ``self.q0`` then is, with these restarts; it returns as `find` does."""
+        address = None if starts is None else starts.ctypes.data
+        self._starts = starts  # kept alive
+        self.again = partial(self._call, self._address, address, restarts, limit, patience)
 
     def find(self, q0: Array, starts: int | None, restarts: int, limit: int, patience: float) -> int:
         """The last code, or -1 where the search in Python is to start over.

@@ -142,6 +142,14 @@ class Search:
         _, q, code = min(finals, key=lambda final: final[0])
         return Found(q, code, iterations, escapes, restarts)
 
+    def prepare(self, request: Request) -> bool:
+        """Make ``native.again()`` the search for this request; False where it cannot be."""
+        if self.native is None or self._starts.wander or request.limit == 0:
+            return False
+        starts = self._starts.table(request.seed, request.restarts, self.native.q0) if request.restarts else None
+        self.native.prepare(starts, request.restarts, request.limit, PATIENCE)
+        return True
+
     def find_all(self, targets: Array, q0: Array, request: Request) -> list[tuple[Found | None, float]] | None:
         """Searches for each row of ``targets`` in one call, with their times [s]; None without the search in C.
 

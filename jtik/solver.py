@@ -124,6 +124,7 @@ class InverseKinematics:
         self._plain_q = robot.nq == robot.n
         self._step_inputs = [*self._inputs[:-1], np.array(Settings())]
         self._options: tuple[Any, ...] = ()
+        self._prepared: tuple[Any, ...] = ()
         self._request = Request(0, 0, 0)
         self._compiled = compiled
         self._runner = Runner(self._fused(), self._inputs, robot.nq)
@@ -180,9 +181,14 @@ class InverseKinematics:
         """
         begin = time.perf_counter()
         self._target[:] = self.tasks.read_target(target)
-        start = self._configuration("q0", q0)
         tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
-        request = self._requested(restarts, seed, max_iterations, *tolerances, until)
+        options = (restarts, seed, max_iterations, *tolerances, until)
+        if options == self._prepared and not trace:
+            solution = self._at_once(q0, begin)
+            if solution is not None:
+                return solution
+        start = self._configuration("q0", q0)
+        request = self._requested(*options)
         recorder = Recorder(self._recording()) if trace else None
         found, status, look = self._found(start, request, recorder)
         return Solution.of(
@@ -259,11 +265,39 @@ class InverseKinematics:
     def _requested(self, *options: Any) -> Request:
         """What a solve may spend, and its tolerances where the step reads them; read anew only when they change."""
         if self._options != options:
-            self._options = ()
+            self._options = self._prepared = ()
             self._request = read_request(*options[:3])
             self._settings[:] = read_settings(*options[3:])
             self._options = options
+            if not self._problem.has_criterion and self._search.prepare(self._request):
+                self._prepared = options
         return self._request
+
+    def _at_once(self, q0: ArrayLike | None, begin: float) -> Solution | None:
+        """The usual solve of a compiled solver without a criterion, in as little Python as there can be.
+
+        None where anything is not usual: q0, or how the search in C ended.
+        """
+        start = self.robot.neutral if q0 is None else q0
+        native = self._search.native
+        if native is None or type(start) is not np.ndarray or start.shape != native.q0.shape:
+            return None
+        native.q0[:] = start
+        if native.again() != Code.DONE:
+            return None
+        iterations, restarts, at = native.tally.tolist()
+        q = native.runner.q[at].copy()
+        return Solution.of(
+            q=q,
+            status=Status.CONVERGED,
+            converged=True,
+            iterations=iterations,
+            escapes=0,
+            restarts=restarts,
+            seconds=time.perf_counter() - begin,
+            look=partial(self._reported, q, self._memory.whole.copy()),
+            trace=None,
+        )
 
     def _found(
         self, start: Array, request: Request, recorder: Recorder | None = None

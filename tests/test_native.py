@@ -104,3 +104,26 @@ def test_a_batch_in_one_call_is_the_same_as_solving_one_by_one(each, rng):
     assert (batch.seconds > 0).all()
     watched = native.solve_batch(targets, q0=starts if each else starts[0], restarts=10, progress=lambda *_: None)
     assert np.array_equal(watched.q, batch.q)
+
+
+def test_asked_again_it_is_quicker_and_the_same(rng):
+    """From the second solve with the same options on, nothing is looked at that cannot have changed."""
+    native, plain = pair(strategy=Damped(backtracking=False))
+    first = ARM.pose(ARM.random_configuration(rng))
+    for options in ({"restarts": 20}, {"restarts": 0}, {"restarts": 20, "position_tolerance": 1e-3}):
+        native.solve(first, **options)
+        for _ in range(15):
+            target, q0 = ARM.pose(ARM.random_configuration(rng)), ARM.random_configuration(rng)
+            same(native.solve(target, q0=q0, **options), plain.solve(target, q0=q0, **options))
+            same(native.solve(target, **options), plain.solve(target, **options))
+            traced = native.solve(target, q0=q0, trace=True, **options)
+            assert traced.trace is not None
+    with pytest.raises(jtik.ArgumentError, match=r"q0.*nan"):
+        native.solve(first, q0=np.full(7, np.nan), **options)
+    with pytest.raises(jtik.ArgumentError, match="q0"):
+        native.solve(first, q0=np.zeros(6), **options)
+    with pytest.raises(jtik.ArgumentError, match="target"):
+        native.solve(np.eye(3), **options)
+    kept = native.solve(first, **options)
+    native.solve(ARM.pose(np.zeros(7)), **options)
+    assert kept.position_error <= 1e-3  # its own target's
