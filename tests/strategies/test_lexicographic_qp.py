@@ -8,7 +8,6 @@ from types import SimpleNamespace
 import casadi
 import numpy as np
 import pytest
-import qpsolvers
 from scipy.optimize import lsq_linear, minimize
 
 import jtik
@@ -52,8 +51,15 @@ def least_after(J, r, above, fixed, low, high):
     """min |J x + r| over above x = above fixed and the box, by bounded least squares with x = fixed + Z y."""
     Z = np.linalg.svd(above)[2][np.linalg.matrix_rank(above) :].T
     P, q = J @ Z, J @ fixed + r
-    G, h = np.vstack([Z, -Z]), np.concatenate([high - fixed, fixed - low])
-    y = qpsolvers.solve_qp(P.T @ P + 1e-9 * np.eye(Z.shape[1]), P.T @ q, G, np.maximum(h, 0) + 1e-10, solver="quadprog")
+    G, h = np.vstack([Z, -Z]), np.maximum(np.concatenate([high - fixed, fixed - low]), 0)
+    y = minimize(
+        lambda y: np.sum((P @ y + q) ** 2),
+        np.zeros(Z.shape[1]),
+        jac=lambda y: 2 * P.T @ (P @ y + q),
+        constraints={"type": "ineq", "fun": lambda y: h - G @ y, "jac": lambda y: -G},
+        method="SLSQP",
+        options={"ftol": 1e-16, "maxiter": 1000},
+    ).x
     return np.sum((P @ y + q) ** 2)
 
 
