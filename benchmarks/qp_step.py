@@ -154,27 +154,11 @@ def solver(robot: jtik.Robot, path: Path, strategy: str, *, compiled: bool) -> j
     return ik
 
 
-def boxed(ik: jtik.InverseKinematics) -> Callable[[Array], None]:
-    """Narrows the limits that a step reads to what the velocity limits allow in DT."""
-    low, high, reach = ik.robot.lower, ik.robot.upper, DT * ik.robot.velocity_limit
-    lower, upper = ik._lower, ik._upper
-
-    def narrow(q: Array) -> None:
-        np.subtract(q, reach, out=lower)
-        np.maximum(low, lower, out=lower)
-        np.add(q, reach, out=upper)
-        np.minimum(high, upper, out=upper)
-
-    return narrow
-
-
 def stepping(ik: jtik.InverseKinematics) -> Step:
     """``ik.step`` as a controller calls it."""
-    narrow = boxed(ik)
 
     def step(q: Array, target: Array) -> Array:
-        narrow(q)
-        return ik.step(q, target).q - q
+        return ik.step(q, target, dt=DT).q - q
 
     return step
 
@@ -299,13 +283,11 @@ def along(step: Step, path: Path, clock: Clock) -> Callable[[], float]:
 
 def bare(ik: jtik.InverseKinematics, path: Path, clock: Clock) -> Callable[[], float]:
     """The fused step alone: configuration, target and box are in its memory already."""
-    narrow = boxed(ik)
-    ik.step(path.q[0], path.targets[0])
-    runner = ik._stepper
+    ik.step(path.q[0], path.targets[0], dt=DT)
+    runner, _ = ik._timed
 
     def place(q: Array, target: Array) -> None:
-        narrow(q)
-        ik._target[:] = ik.tasks.read_target(target)
+        ik.step(q, target, dt=DT)
         runner.start(q)
 
     return _alone(place, lambda: runner.calls[0], path, clock)
@@ -430,7 +412,7 @@ def main() -> None:
         record = {
             "machine": f"{platform.machine()}, {platform.system()}",
             "python": platform.python_version(),
-            "packages": _versions(),
+            "packages": package_versions(),
             "path": arguments.path,
             "compiled": arguments.compiled,
             "clock": "processor" if arguments.cpu else "wall",
@@ -466,7 +448,8 @@ def show(rows: list[Row]) -> None:
         )
 
 
-def _versions() -> dict[str, str]:
+def package_versions() -> dict[str, str]:
+    """Of what the figures depend on."""
     found = {}
     for package in PACKAGES:
         try:

@@ -1,10 +1,12 @@
 """jtik: redundancy resolution by any update law, with any criterion, in one fused compiled step."""
 
+from jtik import problems
 from jtik.batch import SolutionBatch
 from jtik.clearance import Clearance
 from jtik.criterion import Criterion, CriterionError, CriterionSum, criterion
 from jtik.errors import ArgumentError, JtikError, MissingExtraError, RobotFileError, UnknownNameError
 from jtik.geometry import Box, Capsule, Circle, Cylinder, Point, Sphere
+from jtik.limits import Limits
 from jtik.registry import (
     PluginError,
     criteria,
@@ -18,8 +20,10 @@ from jtik.robot import Joint, JointType, Robot
 from jtik.solution import Solution, Status, Step, Trace
 from jtik.solver import InverseKinematics
 from jtik.strategy import Strategy
+from jtik.study import Comparison, compare
 from jtik.task import AxisTask, CenterOfMassTask, FrameTask, LookAtTask, RelativeFrameTask, Task
 from jtik.trajectory import Trajectory
+from jtik.yielding import GaveWay
 
 __version__ = "0.1.0"
 
@@ -31,15 +35,18 @@ __all__ = [
     "CenterOfMassTask",
     "Circle",
     "Clearance",
+    "Comparison",
     "Criterion",
     "CriterionError",
     "CriterionSum",
     "Cylinder",
     "FrameTask",
+    "GaveWay",
     "InverseKinematics",
     "Joint",
     "JointType",
     "JtikError",
+    "Limits",
     "LookAtTask",
     "MissingExtraError",
     "PluginError",
@@ -57,8 +64,10 @@ __all__ = [
     "Trace",
     "Trajectory",
     "UnknownNameError",
+    "compare",
     "criteria",
     "criterion",
+    "problems",
     "register_criterion",
     "register_secondary",
     "register_strategy",

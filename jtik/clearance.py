@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf
 from typing import Any, Protocol, runtime_checkable
 
@@ -15,14 +16,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jtik.errors import ArgumentError, finite_array
-from jtik.qp.program import Rows
 from jtik.robot import JointType, Kinematics, Robot
-from jtik.symbolic import Expression, fabs, fmax, fmin, if_else, mmin
+from jtik.symbolic import Expression, fabs, fmax, fmin, if_else, mmin, sum1, vertcat
 
 Array = NDArray[np.float64]
 
 SAMPLES = 4
 """Places along a step, its end among them, where the distances are measured; between them they are bounded."""
+
+CONTENT = 0.5
+"""Share of the margin up to which a distance may fall short of its aim before it is moved out: along an obstacle every
+step ends a hair short, and that is not worth a program."""
 
 
 @runtime_checkable
@@ -43,7 +47,9 @@ class Clearance:
 
     A row limits each step's approach, grad d' dq >= -gain (d - safe - margin), for distances below ``influence``: the
     velocity damper of Faverjon and Tournassoud; with ``influence=math.inf`` its control-barrier form. Where the task
-    asks for more than the rows allow, the task gives way. A body that starts nearer than ``safe`` comes no nearer.
+    asks for more than the rows allow, the task gives way. A body that is nearer than ``safe`` and half the margin is
+    moved out, grad d' dq = gain (safe + margin - d), before anything else, as far as limits and the other clearances
+    allow, and comes no nearer in any case. What cannot be had is in ``Solution.gave_way``.
 
     Live parameters: ``clearance.safe``, ``.influence``, and those of the measure, such as ``clearance.centers``.
 
@@ -54,6 +60,7 @@ class Clearance:
         influence: from which distance on a body goes unhindered [m].
         gain: share of the way to ``safe + margin`` that a step may use, in (0, 1].
         margin: how far above ``safe`` the rows aim [m]; the room that keeps steps near an obstacle from being tiny.
+        recover: whether a body that is too near is moved out. If not, it only comes no nearer.
         name: how its parameters are addressed.
 
     Source: Faverjon and Tournassoud (1987); Ames et al. (2017) for the barrier form.
@@ -67,11 +74,14 @@ class Clearance:
         influence: float = 0.3,
         gain: float = 0.5,
         margin: float = 0.01,
+        recover: bool = True,
         name: str = "clearance",
     ) -> None:
         if not isinstance(measure, Measure):
             raise ArgumentError("measure", measure, "a criterion with distances(), such as ObstacleAvoidance")
-        self.measure, self.name = measure, name
+        if not isinstance(recover, (bool, np.bool_)):
+            raise ArgumentError("recover", recover, "True or False: whether what is too near is moved out")
+        self.measure, self.name, self.recover = measure, name, bool(recover)
         self.safe, self.margin = float(finite_array("safe", safe, ())), float(finite_array("margin", margin, ()))
         self.influence, self.gain = float(influence), float(finite_array("gain", gain, ()))
         if self.safe < 0:
@@ -104,13 +114,22 @@ def clearances_of(given: Clearance | Iterable[Clearance] | None) -> tuple[Cleara
     return found
 
 
+def names_of(measure: Measure, robot: Robot, count: int) -> list[str]:
+    """What a measure's bodies are called: by its own ``body_names(robot)`` where it has that, else by number."""
+    named = getattr(measure, "body_names", None)
+    names = list(named(robot)) if callable(named) else []
+    return names if len(names) == count else [f"body {i}" for i in range(count)]
+
+
 @dataclass(frozen=True)
 class ClearanceModel:
     """Clearances at one configuration, for a law and for the judgement of its step.
 
     Attributes: distance (k, 1) [m]; its Jacobian (k, n); safe, aim = safe + margin, influence and gain of each (k, 1);
     the least radius of curvature of a surface of constant distance [m]; how far a unit of each velocity entry can move
-    any point of the robot (n,) [m]; q -> distances, for other configurations.
+    any point of the robot (n,) [m]; q -> distances, for other configurations; recover, which of them ask to be moved
+    out (k,); longest, how far each velocity entry may go for that in this step [rad] or [m]; record, the least
+    violation so far [m].
     """
 
     distance: Expression
@@ -123,12 +142,45 @@ class ClearanceModel:
     travel: Array
     rotational: NDArray[np.bool_]
     elsewhere: Any
+    recover: NDArray[np.bool_]
+    longest: Expression = 0
+    record: Expression = 0
 
-    def rows(self, name: str = "clearance") -> Rows:
-        """Rows on the displacement dq of a step; dq = 0 satisfies them all."""
+    @property
+    def lever(self) -> float:
+        """Bound of the length of a row of the Jacobian [m]."""
+        return float(np.linalg.norm(self.travel)) or 1.0
+
+    @property
+    def recovers(self) -> bool:
+        """Whether any of them asks to be moved out."""
+        return bool(self.recover.any())
+
+    @cached_property
+    def low(self) -> Expression:
+        """What a step should gain of each distance at least, (k, 1) [m]: negative beyond the aim, else the demand."""
         room = fmax(self.distance - self.aim, 0)
         low = if_else(self.distance > self.influence, -inf, -self.gain * room)
-        return Rows(name, self.jacobian, low, inf + 0 * low)
+        return low + self.demand if self.recovers else low
+
+    @cached_property
+    def demand(self) -> Expression:
+        """What should be gained of the distances that are too small, (k, 1) [m], from 0."""
+        return self.gain * self.lacking
+
+    @cached_property
+    def lacking(self) -> Expression:
+        """What distances that ask to be moved out lack of their aims, (k, 1) [m], from 0."""
+        return self._lacking(self.distance)
+
+    def violation(self, distance: Expression) -> Expression:
+        """The sum of what distances that ask to be moved out lack of their aims [m]."""
+        return sum1(self._lacking(distance))
+
+    def _lacking(self, distance: Expression) -> Expression:
+        lacks = self.aim - distance
+        asked = vertcat(*self.recover.astype(float).tolist()) * (lacks > CONTENT * (self.aim - self.safe))
+        return if_else(asked, lacks, 0)
 
     def keeps(self, term: Expression) -> Expression:
         """1 if the step -term keeps clear all the way: at the samples, and between them by a bound on how far d dips.

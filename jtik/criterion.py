@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import inspect
 import re
+import sys
 import traceback
 import warnings
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping, MutableMapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, MutableMapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
 
@@ -131,7 +132,9 @@ class Parameters(MutableMapping[str, Array]):
     A value read is a copy; ``parameters["a.b"][0] = 1`` therefore changes nothing: assign the whole value.
     """
 
-    def __init__(self, values: Mapping[str, ArrayLike]) -> None:
+    def __init__(self, values: Mapping[str, ArrayLike], weights: Collection[str] = ()) -> None:
+        self.weights = frozenset(weights)
+        """Names of those that may not be negative: the weights of criteria."""
         self._shapes: dict[str, tuple[int, ...]] = {}
         self._slices: dict[str, slice] = {}
         flat: list[Array] = []
@@ -162,6 +165,8 @@ class Parameters(MutableMapping[str, Array]):
             raise ArgumentError(name, value, f"numbers of shape {shape}") from None
         if array.shape != shape or not np.all(np.isfinite(array)):
             raise ArgumentError(name, value, f"finite numbers of shape {shape}")
+        if name in self.weights and array < 0:
+            raise ArgumentError(name, value, "a finite number from 0")
         self.memory[self._slices[name]] = array.ravel(order="F")
 
     def __delitem__(self, name: str) -> None:
@@ -219,7 +224,7 @@ class CriterionTerms:
                 if f"{other.name}.{parameter}" in values:
                     raise ArgumentError("name", other.name, "one that no criterion has")
                 values[f"{other.name}.{parameter}"] = value
-        return cls(robot, tuple(named), Parameters(values))
+        return cls(robot, tuple(named), Parameters(values, [f"{name}.weight" for name, _, _ in named]))
 
     def own(self, of: Parametric, column: Expression) -> dict[str, Expression]:
         """The parameters of one of ``others`` within the column of all, in their own shapes."""
@@ -326,4 +331,7 @@ def criterion(function: Callable[..., Any]) -> FunctionCriterion:
             raise ArgumentError(f"parameter {parameter.name!r} of {function.__name__}", parameter, accepted)
     if positional != 2:
         raise ArgumentError(function.__name__, f"{positional} positional arguments", accepted)
+    if getattr(sys.modules.get(function.__module__), function.__name__, None) is not function:
+        # a function is pickled as the name it is found under, and that name will be the criterion's
+        function.__qualname__ += "._function"
     return FunctionCriterion(function, function.__name__, defaults)

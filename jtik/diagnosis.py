@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from jtik.compile import Compiled
 from jtik.fused import Code
-from jtik.limits import AT_LIMIT
 from jtik.problem import Problem
 from jtik.report import Report
 from jtik.rescue import FLAT, NEGATIVE, Rescue
 from jtik.solution import Status
+from jtik.working_set import AT_LIMIT
+from jtik.yielding import GaveWay
 
 Array = NDArray[np.float64]
 
@@ -22,8 +23,13 @@ Array = NDArray[np.float64]
 class Diagnosis:
     """Looks at where a solve ended."""
 
-    def __init__(self, problem: Problem, rescue: Rescue) -> None:
-        self._problem, self._rescue = problem, rescue
+    def __init__(
+        self,
+        problem: Problem,
+        rescue: Rescue,
+        yielded: Callable[[Array, Sequence[Array]], tuple[GaveWay, ...]] | None = None,
+    ) -> None:
+        self._problem, self._rescue, self._yielded = problem, rescue, yielded
         self._evaluate = Compiled(problem.report())
         self._error = Compiled(problem.error)
         self._linear = np.array(problem.linear, dtype=bool)
@@ -68,6 +74,7 @@ class Diagnosis:
             active_limits=tuple(self._joints[j] for j in sorted({*at_upper, *at_lower})),
             tolerances=(float(settings[0]), float(settings[1]), float(settings[2])),
             curvature=partial(self._curvature, q, inputs) if self._criteria else None,
+            yielded=partial(self._yielded, q, inputs) if self._yielded else None,
         )
 
     def errors(self, q: Array, inputs: Sequence[Array]) -> tuple[float, float]:

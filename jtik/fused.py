@@ -8,8 +8,8 @@ language.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -19,11 +19,12 @@ from numpy.typing import NDArray
 from jtik.clearance import ClearanceModel, travels
 from jtik.compile import Library, bind, library
 from jtik.factorization import squared_length
-from jtik.limits import WorkingSet, inside
 from jtik.problem import Problem
 from jtik.qp.backend import Backend
 from jtik.qp.program import Recorder
+from jtik.qp.second import with_second
 from jtik.qp.staged import Staged, staged
+from jtik.recovery import LONGEST, Recovery
 from jtik.strategy import LocalModel, Point, Shape, Strategy, Update
 from jtik.symbolic import (
     TINY,
@@ -43,6 +44,8 @@ from jtik.symbolic import (
     symbol,
     vertcat,
 )
+from jtik.working_set import WorkingSet, inside
+from jtik.yielding import Yielding
 
 Array = NDArray[np.float64]
 
@@ -139,19 +142,21 @@ class Layout:
 @dataclass(frozen=True)
 class FusedStep:
     """The function, the state it starts from, the layout of its record, its parts where it has programs, its library
-    where it was compiled."""
+    where it was compiled, and what may give way in it."""
 
     function: Function | Staged
     first_state: Array
     record: Layout
     parts: Staged | None = None
     library: Library | None = None
+    yielding: Yielding = field(default_factory=Yielding)
 
     def bind(self, arguments: list[Array], results: list[Array]) -> Callable[[], None]:
         """A call without arguments on this memory."""
         if isinstance(self.function, Staged):
             return self.function.bind(arguments, results)
-        return bind(self.function, arguments, results)
+        step = bind(self.function, arguments, results)
+        return with_second(step, self.parts, Code.UNSOLVED, arguments, results) if self.parts else step
 
     def compiled(self, beside: str = "") -> FusedStep:
         """The same in generated C, all but the solver's calls, with more C beside it where there are none.
@@ -230,12 +235,17 @@ def fused_step(
         full_gradient=gradient_H,
         programs=programs,
         tasks=problem.tasks,
-        clearance=_clearance(problem, cut, parameters, lower, upper) if problem.clearances else None,
+        clearance=clearance_model(problem, q, cut[5:], parameters, (lower, upper), state)
+        if problem.clearances
+        else None,
     )
 
     update = strategy.update(model, {name[9:]: part for name, part in state.items() if name.startswith("strategy.")})
-    stop = _Stop(problem, model, settings, working, update.unsteady)
+    room = model.recovery if model.clearance and model.clearance.recovers else None
+    stop = _Stop(problem, model, settings, working, update.unsteady, room)
     finite = logic_and(is_finite(here.V + here.H), is_finite(model.gradient_length + model.jacobian_length))
+    if bounded:  # a NaN that was led back into the box is one all the same
+        finite = logic_and(finite, is_finite(start))
     falls = FALL**2 * state["best"] > here.V
     idle = if_else(falls, 0, state["idle"] + 1)
     slow = logic_and(idle >= settings[4], logic_not(stop.reached_before))
@@ -263,6 +273,9 @@ def fused_step(
     refused = if_else(accepted, 0, state["refused"] + 1)
     if problem.clearances:
         crawls = logic_or(crawls, idle >= CYCLING)
+    if room:
+        crawls = logic_and(crawls, logic_not(room.takes(update.term, update.point.length)))
+        after |= room.after(update.term, accepted)
     stagnant = if_else(logic_and(crawls, logic_not(stop.reached_before)), state["stagnant"] + 1, 0)
     stalled = logic_or(stop.stationary, logic_or(refused >= REFUSALS, stagnant >= STAGNATIONS))
     code = if_else(done, Code.DONE, if_else(stalled, Code.STALLED, if_else(slow, Code.SLOW, Code.GO_ON)))
@@ -274,7 +287,7 @@ def fused_step(
     after |= {f"strategy.{name}": part for name, part in update.state.items()}
     outcome = vertcat(if_else(finite, code, Code.NOT_FINITE), tried, accepted, *figures_after)
     outputs = [_arrived(model, update, accepted), layout.join(after), outcome]
-    record = Layout.of({})
+    record, yielding = Layout.of({}), Yielding.of(update, programs, room, problem)
     if recorded:
         figures = {
             "V": here.V,
@@ -282,17 +295,19 @@ def fused_step(
             "accepted": accepted,
             "null_residual": model.null_length if problem.has_criterion else 0,
             **update.figures,
+            **yielding.figures,
             "term": update.term,
             "null_term": update.null_term,
             "J": vertcat(*[model.J[:, j] for j in range(robot.n)]),
+            "felt": J @ update.null_term,
         }
         record = Layout.of({name: _rows(value) for name, value in figures.items()})
         outputs.append(record.join(figures))
     first_state = np.concatenate(list(first.values()))
     if not (programs and backend):
-        return FusedStep(function("jtik_step", inputs, outputs), first_state, record)
+        return FusedStep(function("jtik_step", inputs, outputs), first_state, record, yielding=yielding)
     parts = staged(inputs, local, cut, programs, outputs, backend)
-    return FusedStep(parts.joined() if parts.fusible else parts, first_state, record, parts)
+    return FusedStep(parts.joined() if parts.fusible else parts, first_state, record, parts, yielding=yielding)
 
 
 def _local_model(problem: Problem, q: Expression, target: Expression, parameters: Expression) -> list[Expression]:
@@ -305,11 +320,18 @@ def _local_model(problem: Problem, q: Expression, target: Expression, parameters
     return [q, *[substitute(part, at, q) for part in parts]]
 
 
-def _clearance(
-    problem: Problem, local: list[Expression], parameters: Expression, lower: Expression, upper: Expression
+def clearance_model(
+    problem: Problem,
+    q: Expression,
+    measured: Sequence[Expression],
+    parameters: Expression,
+    limits: tuple[Expression, Expression],
+    state: Mapping[str, Expression] | None = None,
 ) -> ClearanceModel:
-    """The clearances at q, part of the local model."""
-    q, distance, J, figures = local[0], *local[5:]
+    """The clearances at q, from their distances, the Jacobian of these and their figures, as `Problem.clearance`."""
+    state = state or {}
+    distance, J, figures = measured
+    lower, upper = limits
     rest = symbol("elsewhere", problem.robot.n)
     there = inside(problem.robot.integrate(q, -rest), lower, upper, problem.bounded)
     safe, aim, influence, gain = (figures[:, i] for i in range(4))
@@ -324,6 +346,9 @@ def _clearance(
         travel=travels(problem.robot),
         rotational=problem.robot.rotational,
         elsewhere=lambda term: substitute(problem.distances(there, parameters), rest, term),
+        recover=problem.recover,
+        longest=state.get("longest", 0),
+        record=state.get("violation", 0),
     )
 
 
@@ -344,6 +369,8 @@ def _engine_state(problem: Problem, arriving: bool) -> dict[str, Array]:
     state["best"] = np.full(1, NEVER)
     if not arriving:
         state["V"] = np.zeros(1)
+    if problem.clearances and problem.recover.any():
+        state |= {"longest": np.full(1, LONGEST), "violation": np.full(1, NEVER)}
     if problem.bounded and arriving:
         state["held"] = np.zeros(len(problem.bounded))
     return state
@@ -362,7 +389,9 @@ class _Stop:
         settings: Expression,
         working: WorkingSet | None,
         unsteady: Expression | None,
+        room: Recovery | None = None,
     ) -> None:
+        self._room = room
         self._problem, self._settings = problem, settings
         self._unweight = np.linalg.inv(problem.factor.T)
         self.errors_before = self.errors(model.here)
@@ -378,6 +407,10 @@ class _Stop:
                 residual = fmax(model.null_length, working.wrong(model)) if working else model.null_length
             still = residual <= settings[2] * fmax(1, model.gradient_length)
             self.done_before = logic_and(self.reached_before, logic_or(still, settings[3] == 0))
+        if room:
+            over = logic_or(logic_not(room.pending), settings[3] == 0)
+            self.done_before = logic_and(self.done_before, over)
+            self.stationary = logic_and(self.stationary, logic_not(room.pending))
 
     def errors(self, point: Point) -> tuple[Expression, Expression]:
         """Norm of the position rows [m] and of the orientation rows [rad] of the error."""
@@ -393,4 +426,5 @@ class _Stop:
     def done_after(self, point: Point) -> Expression:
         """Whether arriving there ends the solve without another look at the criterion."""
         reached = self._reached(self.errors(point))
-        return logic_and(reached, self._settings[3] == 0) if self._problem.has_criterion else reached
+        waits = self._problem.has_criterion or self._room
+        return logic_and(reached, self._settings[3] == 0) if waits else reached

@@ -1,135 +1,143 @@
-"""Joint limits inside the fused step: which joints a limit holds, so that the others go on without them.
-
-A joint at a limit that descent presses it against is *held*: its columns of J and of the gradient are zero, and the
-law works with the joints that are left. Who is held is the working set, part of the state
-(formulations/joint_limits.md):
-
-- Far from the target, or without a criterion, the task decides: held is whom -J' r presses outwards, and after a
-  refused step also whom that step pushed outwards. A strategy that refuses nothing needs no memory for that.
-- Near the target the working set of an active-set method is kept: a joint enters when a step pushes it outwards, and
-  one joint at a time leaves, the one whose multiplier has the most wrong sign, once that is larger than the
-  projected gradient.
-"""
+"""Limits of a joint's motion: position, velocity and acceleration, chosen by the caller, as numbers of one robot."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import cached_property
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
 
-from jtik.problem import Problem
-from jtik.strategy import LocalModel, Point, Update
-from jtik.symbolic import (
-    Expression,
-    fmax,
-    fmin,
-    horzcat,
-    if_else,
-    logic_and,
-    logic_not,
-    logic_or,
-    norm,
-    sumsqr,
-    vertcat,
-)
+import numpy as np
+from numpy.typing import NDArray
 
-AT_LIMIT = 1e-9
-"""Distance [rad] or [m] at which a joint is at its limit."""
+from jtik.errors import ArgumentError, Array
+from jtik.robot import Robot
+
+Speeds: TypeAlias = bool | float | Sequence[float] | NDArray[np.float64]
+"""The robot's own, none, one number for all joints, or one for each velocity entry."""
 
 
-def inside(q: Expression, lower: Expression, upper: Expression, bounded: tuple[tuple[int, int], ...]) -> Expression:
-    """q led back into the box."""
-    entries = [q[i] for i in range(q.shape[0])]
-    for i, _ in bounded:
-        entries[i] = fmin(fmax(entries[i], lower[i]), upper[i])
-    return vertcat(*entries)
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """Which limits hold, for `InverseKinematics`; hinges and slides each, ball and free joints as a whole.
+
+    Position limits hold always. Velocity and acceleration limits hold where a time is given, in ``track`` and in
+    ``step(..., dt=)``; there all three are one box on the step, which is never empty (formulations/limits.md).
+
+    From rest inside its limits a joint keeps all three, whatever a strategy does. Where a start breaks one,
+    accelerations come first, then velocities, then positions, which are come back to as fast as the others allow.
+    With a limit of acceleration joints brake ahead of position limits, but not of targets or clearances: targets
+    should move as the robot can, and a strategy with the box in its program ("weighted_qp", "lexicographic_qp")
+    follows them best.
+
+    Args:
+        position: whether the robot's position limits hold.
+        velocity: greatest speeds: True for the robot's own ``velocity_limit``, False for none, a number for all
+            joints, or (n,) for the joints that the solver moves [rad/s] or [m/s]; ``inf`` for none.
+        acceleration: greatest changes of speed: None for none, a number, or (n,) [rad/s^2] or [m/s^2].
+
+    Raises:
+        ArgumentError: for what is no limit, such as a negative number or NaN.
+    """
+
+    position: bool = True
+    velocity: Speeds = True
+    acceleration: Speeds | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.position, (bool, np.bool_)):
+            raise ArgumentError("position", self.position, "True or False: whether position limits hold")
+        object.__setattr__(self, "position", bool(self.position))
+        if isinstance(self.velocity, (bool, np.bool_)):
+            object.__setattr__(self, "velocity", bool(self.velocity))
+        else:
+            accepted = "True for the robot's own, False for none, or positive numbers [rad/s] or [m/s], one or (n,)"
+            object.__setattr__(self, "velocity", _positive("velocity", self.velocity, accepted))
+        if self.acceleration is not None:
+            accepted = "None for none, or positive numbers [rad/s^2] or [m/s^2], one or (n,)"
+            object.__setattr__(self, "acceleration", _positive("acceleration", self.acceleration, accepted))
+
+    def of(self, robot: Robot) -> Bounds:
+        """The numbers for a robot.
+
+        Raises:
+            ArgumentError: when there are not as many as the robot has velocity entries.
+        """
+        speeds = robot.velocity_limit if self.velocity is True else self.velocity
+        return Bounds(
+            robot=robot,
+            lower=robot.lower.copy() if self.position else np.full(robot.nq, -np.inf),
+            upper=robot.upper.copy() if self.position else np.full(robot.nq, np.inf),
+            velocity=_spread("limits.velocity", math.inf if speeds is False else speeds, robot.n),
+            acceleration=_spread(
+                "limits.acceleration", math.inf if self.acceleration is None else self.acceleration, robot.n
+            ),
+        )
 
 
-class WorkingSet:
-    """Who is held in this step, and who will be in the next; one entry a bounded joint, 0 or 1."""
+@dataclass(frozen=True, eq=False)
+class Bounds:
+    """Limits as numbers.
 
-    def __init__(
-        self,
-        problem: Problem,
-        state: Mapping[str, Expression],
-        here: Point,
-        near: Expression,
-        J: Expression,
-        gradient: Expression,
-        lower: Expression,
-        upper: Expression,
-        *,
-        programs: bool = False,
-    ) -> None:
-        self._problem, self._here, self._J, self._gradient = problem, here, J, gradient
-        self._lower, self._upper = lower, upper
-        # whether the working set is kept from step to step; a program finds out by itself who is held
-        self._keeps = near if problem.has_criterion and not programs else 0
-        self._force = J.T @ here.residual
-        pairs = zip(self._at(here.q), self._outwards(self._force), strict=True)
-        self._pressed = [logic_and(at, outwards) for at, outwards in pairs]
-        self.held: list[Expression] = self._pressed
-        if "held" in state:
-            kept = [logic_and(at, state["held"][k]) for k, at in enumerate(self._at(here.q))]
-            self.held = [
-                if_else(self._keeps, own, logic_or(own, pressed))
-                for own, pressed in zip(kept, self._pressed, strict=True)
-            ]
+    Attributes: lower, upper (nq,) [rad] or [m]; velocity (n,) per second, acceleration (n,) per second squared. What is
+    not limited is infinite.
+    """
 
-    def masked(self, columns: Expression) -> Expression:
-        """The matrix with zeros in the columns of the joints held."""
-        free = dict.fromkeys(range(columns.shape[1]), 1)
-        free |= {j: logic_not(held) for (_, j), held in zip(self._problem.bounded, self.held, strict=True)}
-        return horzcat(*[columns[:, j] * keep for j, keep in free.items()])
+    robot: Robot
+    lower: Array
+    upper: Array
+    velocity: Array
+    acceleration: Array
 
-    def _at(self, q: Expression) -> list[Expression]:
-        """Whether each bounded joint is at one of its limits."""
-        return [
-            logic_or(q[i] >= self._upper[i] - AT_LIMIT, q[i] <= self._lower[i] + AT_LIMIT)
-            for i, _ in self._problem.bounded
-        ]
+    @property
+    def bounded(self) -> tuple[tuple[int, int], ...]:
+        """(q index, v index) of the hinges and slides that have a limit of any kind."""
+        return tuple(
+            (int(i), int(j))
+            for i, j in zip(self.robot.scalar_q, self.robot.scalar_v, strict=True)
+            if self.lower[i] > -math.inf
+            or self.upper[i] < math.inf
+            or min(self.velocity[j], self.acceleration[j]) < math.inf
+        )
 
-    def _outwards(self, slope: Expression, q: Expression | None = None) -> list[Expression]:
-        """Whether going down ``slope`` (n, 1) takes each bounded joint away from the middle of its range."""
-        q = self._here.q if q is None else q
-        return [
-            if_else(q[i] >= self._upper[i] - AT_LIMIT, slope[j] < 0, slope[j] > 0) for i, j in self._problem.bounded
-        ]
+    @property
+    def whole(self) -> NDArray[np.intp]:
+        """Velocity entries of ball and free joints that have a limit: no box on q can hold them."""
+        limited = np.minimum(self.velocity, self.acceleration) < math.inf
+        limited[self.robot.scalar_v] = False
+        return np.flatnonzero(limited)
 
-    @cached_property
-    def task_slope(self) -> Expression:
-        """Norm of dV/dv over the joints that the task itself does not press against a limit."""
-        pairs = zip(self._pressed, self._problem.bounded, strict=True)
-        lost = sum(if_else(pressed, self._force[j] ** 2, 0) for pressed, (_, j) in pairs)
-        return fmax(sumsqr(self._force) - lost, 0) ** 0.5
 
-    def _wrong(self, model: LocalModel) -> list[Expression]:
-        """For each joint held how strongly descent of H + lambda' r + 1/2 c |r|^2 would take it inwards, from 0."""
-        c = (12 * norm(model.multipliers) + model.gradient_length / model.jacobian_length) / model.tube
-        slope = self._gradient + self._J.T @ (c * self._here.residual - model.multipliers)
-        signs = [if_else(self._here.q[i] >= self._upper[i] - AT_LIMIT, 1, -1) for i, _ in self._problem.bounded]
-        return [
-            if_else(held, fmax(sign * slope[j], 0), 0)
-            for held, sign, (_, j) in zip(self.held, signs, self._problem.bounded, strict=True)
-        ]
+def limits_of(limits: object) -> Limits:
+    """A solver's argument as Limits: True for all of the robot's own, False for no position limits.
 
-    def wrong(self, model: LocalModel) -> Expression:
-        """The largest multiplier of wrong sign: 0 where the joints held are held rightly."""
-        largest: Expression = 0
-        for each in self._wrong(model):
-            largest = fmax(largest, each)
-        return largest
+    Raises:
+        ArgumentError: for anything else.
+    """
+    if isinstance(limits, Limits):
+        return limits
+    if isinstance(limits, (bool, np.bool_)):
+        return Limits(position=bool(limits))
+    accepted = "True or False: whether the robot's position limits hold; or a jtik.Limits"
+    raise ArgumentError("limits", limits, accepted)
 
-    def after(self, model: LocalModel, update: Update, accepted: Expression) -> Expression:
-        """The working set the next step starts from, (bounded, 1)."""
-        q = if_else(accepted, update.point.q, self._here.q)
-        pushed = [logic_and(at, out) for at, out in zip(self._at(q), self._outwards(update.wanted, q), strict=True)]
-        blocked = [if_else(accepted, 0, logic_or(held, push)) for held, push in zip(self.held, pushed, strict=True)]
-        if not self._problem.has_criterion:
-            return vertcat(*blocked)
-        wrong, largest = self._wrong(model), self.wrong(model)
-        leaves = largest > model.null_length
-        kept = [
-            logic_or(push, logic_and(held, logic_not(logic_and(leaves, each == largest))))
-            for held, push, each in zip(self.held, pushed, wrong, strict=True)
-        ]
-        return vertcat(*[if_else(self._keeps, near, far) for near, far in zip(kept, blocked, strict=True)])
+
+def _positive(argument: str, value: object, accepted: str) -> float | tuple[float, ...]:
+    """One positive number, or several; infinity is one."""
+    try:
+        given = np.asarray(value)
+    except ValueError as error:
+        raise ArgumentError(argument, f"a ragged {type(value).__name__}", accepted) from error
+    if given.dtype.kind not in "fiu" or given.ndim > 1 or not (given > 0).all():
+        raise ArgumentError(argument, value, accepted)
+    numbers = given.astype(float)
+    return tuple(numbers.tolist()) if numbers.ndim else float(numbers)
+
+
+def _spread(argument: str, value: object, n: int) -> Array:
+    """One number for all, or n."""
+    given = np.asarray(value, dtype=np.float64)
+    if given.ndim and given.shape != (n,):
+        accepted = f"one number, or {n}: one for each velocity entry of the joints that move"
+        raise ArgumentError(argument, f"{given.size} numbers", accepted)
+    return np.full(n, given)

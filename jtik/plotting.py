@@ -7,6 +7,8 @@ on axes of your own, or let `posture_figure` and `write_animation` make them.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import cache
+from io import BytesIO
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -70,15 +72,13 @@ def blank_figure(window: Window, width: float = 16.0) -> tuple[Figure, Axes]:
         ArgumentError: when the window is empty.
         MissingExtraError: without matplotlib.
     """
-    figure_class, canvas_class = _matplotlib()
     left, right, bottom, top = finite_array("window", window, (4,)).tolist()
     if not (left < right and bottom < top):
         raise ArgumentError("window", window, "(left, right, bottom, top) [m] with left < right, bottom < top")
     scale = width * (1 - 2 * MARGIN) / (right - left)
     rim = width * MARGIN
     height = scale * (top - bottom) + 2 * rim
-    figure = figure_class(figsize=(width, height), facecolor=BACKGROUND)
-    canvas_class(figure)
+    figure = new_figure((width, height))
     axes = figure.add_axes((MARGIN, rim / height, 1 - 2 * MARGIN, 1 - 2 * rim / height))
     axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal", facecolor=BACKGROUND)
     frame_axes(axes)
@@ -189,11 +189,11 @@ def points_per_metre(axes: Axes) -> float:
 
 
 def shades(count: int, colormap: str = COLORMAP) -> list[Any]:
-    """``count`` colours of a matplotlib colour map, from light to dark."""
+    """``count`` colours of a matplotlib colour map, from light to dark; a single one is dark."""
     import matplotlib
 
     chosen = matplotlib.colormaps[colormap]
-    return [chosen(LIGHTEST + (1 - LIGHTEST) * share) for share in np.linspace(0, 1, count)]
+    return [chosen(LIGHTEST + (1 - LIGHTEST) * share) for share in np.linspace(1, 0, count)[::-1]]
 
 
 def draw_postures(
@@ -306,10 +306,34 @@ def write_animation(
     indexed[0].save(path, save_all=True, append_images=indexed[1:], duration=durations, loop=0, optimize=True)
 
 
-def _matplotlib() -> tuple[Any, Any]:
+@cache
+def _picture() -> Any:
+    """The class of all figures: matplotlib's, which notebooks show without pyplot."""
     try:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
     except ImportError as error:
         raise MissingExtraError("matplotlib", "plot", "a picture") from error
-    return Figure, FigureCanvasAgg
+
+    class Picture(Figure):
+        """A figure that draws itself as PNG where it is the value of a cell."""
+
+        def __init__(self, *args: Any, **options: Any) -> None:
+            super().__init__(*args, **options)
+            FigureCanvasAgg(self)
+
+        def _repr_png_(self) -> bytes:
+            file = BytesIO()
+            self.savefig(file, format="png", dpi=100)
+            return file.getvalue()
+
+    return Picture
+
+
+def new_figure(size: tuple[float, float], **options: Any) -> Figure:
+    """An empty figure of this width and height [inch]; ``options`` are those of ``matplotlib.figure.Figure``.
+
+    Raises:
+        MissingExtraError: without matplotlib.
+    """
+    return _picture()(figsize=size, facecolor=BACKGROUND, **options)

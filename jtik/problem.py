@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from jtik.clearance import Clearance
+import numpy as np
+
+from jtik.clearance import Clearance, names_of
 from jtik.criterion import CriterionTerms
 from jtik.curvature import lagrangian_hessian
 from jtik.robot import Kinematics, Robot
@@ -65,18 +67,23 @@ class Problem:
 
     def _measure(self, kinematics: Kinematics, parameters: Expression) -> None:
         """Distances of all clearances, their Jacobian, and for each of them safe, aim, influence, gain and radius."""
-        distances, figures = [], []
+        distances, figures, recover = [], [], list[bool]()
+        self.pairs = list[str]()
         for clearance in self.clearances:
             own = self.terms.own(clearance, parameters)
             measured = {name: own[name] for name in clearance.measure.parameters(self.robot)}
-            for body in clearance.measure.distances(kinematics, measured):
+            bodies = clearance.measure.distances(kinematics, measured)
+            for named, body in zip(names_of(clearance.measure, self.robot, len(bodies)), bodies, strict=True):
                 for i, distance in enumerate(body):
+                    self.pairs.append(f"{clearance.name}: {named} to obstacle {i}")
+                    recover.append(clearance.recover)
                     # points nearer than safe are not met: the surface of distance safe is what curves most
                     radius = measured["radii"][i] if "radii" in measured else 0
                     row = (own["safe"], own["safe"] + clearance.margin, own["influence"], clearance.gain)
                     distances.append(distance)
                     figures.append(horzcat(*row, fmax(own["safe"] + radius, TINY)))
         d, q = vertcat(*distances), kinematics.q
+        self.recover = np.array(recover)
         self.distances = function("distances", [q, parameters], [d])
         J = jacobian(d, q) @ self.robot.tangent(q)
         self.clearance = function("clearance", [q, parameters], [d, J, vertcat(*figures)])

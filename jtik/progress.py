@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from typing import TypeVar
+from collections.abc import Callable, Iterator
+from typing import Protocol, TypeVar
 
 from jtik.errors import MissingExtraError
 
 Item = TypeVar("Item")
+Item_co = TypeVar("Item_co", covariant=True)
 Progress = bool | Callable[[int, int], None]
 """True for a bar on the terminal, a function called with (done, total), or False for nothing."""
 
 
-def watched(items: Sequence[Item], progress: Progress, label: str) -> Iterator[Item]:
+class Counted(Protocol[Item_co]):
+    """Things to go through of which it is known how many they are."""
+
+    def __len__(self) -> int: ...
+    def __iter__(self) -> Iterator[Item_co]: ...
+
+
+def watched(items: Counted[Item], progress: Progress, label: str) -> Iterator[Item]:
     """The items one by one, telling ``progress`` how many are done.
 
     Raises:
@@ -23,7 +31,7 @@ def watched(items: Sequence[Item], progress: Progress, label: str) -> Iterator[I
     return _bar(items, label) if progress is True else _told(items, progress)
 
 
-def _bar(items: Sequence[Item], label: str) -> Iterator[Item]:
+def _bar(items: Counted[Item], label: str) -> Iterator[Item]:
     try:
         from rich.progress import track
     except ImportError as error:
@@ -31,7 +39,7 @@ def _bar(items: Sequence[Item], label: str) -> Iterator[Item]:
     return iter(track(items, description=label))
 
 
-def _told(items: Sequence[Item], tell: Callable[[int, int], None]) -> Iterator[Item]:
+def _told(items: Counted[Item], tell: Callable[[int, int], None]) -> Iterator[Item]:
     for done, item in enumerate(items, start=1):
         yield item
         tell(done, len(items))

@@ -12,6 +12,9 @@ from jtik.solution import Trace
 
 Array = NDArray[np.float64]
 
+ROUNDING = 1e-8
+"""A null-space step up to this long [rad] or [m] is what rounding and solvers leave; what it leaks says nothing."""
+
 
 class Recorder:
     """Rows of a runner whose fused function was built with its record."""
@@ -21,6 +24,12 @@ class Recorder:
         self._q: list[Array] = []
         self._rows: list[Array] = []
         self._escaped: list[bool] = []
+        self._attempts: list[int] = []
+        self._attempt = -1
+
+    def begin(self) -> None:
+        """Another attempt begins."""
+        self._attempt += 1
 
     def before(self, q: Array) -> None:
         """An iteration begins at q."""
@@ -30,6 +39,7 @@ class Recorder:
         """It is over: keep its figures."""
         self._rows.append(self.runner.record.copy())
         self._escaped.append(False)
+        self._attempts.append(self._attempt)
 
     def escaped(self) -> None:
         """It ended in a second-order step out of a singular stall."""
@@ -37,7 +47,7 @@ class Recorder:
 
     def forget(self) -> None:
         """It was none."""
-        for rows in (self._q, self._rows, self._escaped):
+        for rows in (self._q, self._rows, self._escaped, self._attempts):
             rows.pop()
 
     def trace(self, end: Array, error: Callable[[Array], Array]) -> Trace:
@@ -47,19 +57,25 @@ class Recorder:
         m = (layout.slices["J"].stop - layout.slices["J"].start) // n
         table = np.array(self._rows).reshape(count, layout.size)
         columns = {name: table[:, where] for name, where in layout.slices.items()}
+        columns.pop("gave_way", None)  # that is for the last q alone
         J = columns.pop("J").reshape(count, n, m).transpose(0, 2, 1)
-        null, term = columns.pop("null_term"), columns.pop("term")
+        null, felt, term = (columns.pop(name) for name in ("null_term", "felt", "term"))
         figures = {name: column[:, 0] for name, column in columns.items()}
         figures["step_length"] = np.linalg.norm(term, axis=1)
-        figures["sigma_min"] = np.array([_least_singular_value(each) for each in J])
+        figures["sigma_min"] = _least_singular_values(J)
         length = np.linalg.norm(null, axis=1)
-        moved = np.linalg.norm(np.einsum("kmn,kn->km", J, null), axis=1)
-        figures["leakage"] = np.divide(moved, length, out=np.full(count, np.nan), where=length > 0)
+        moved = np.linalg.norm(felt, axis=1)
+        figures["leakage"] = np.divide(moved, length, out=np.full(count, np.nan), where=length > ROUNDING)
         figures["escaped"] = np.array(self._escaped, dtype=float)
+        figures["attempt"] = np.array(self._attempts, dtype=float)
         q = np.array([*self._q, end])
         return Trace(q=q, error=np.array([np.linalg.norm(error(each)) for each in q]), figures=figures)
 
 
-def _least_singular_value(J: Array) -> float:
-    """NaN where J is not finite."""
-    return float(np.linalg.svd(J, compute_uv=False)[-1]) if np.isfinite(J).all() else float("nan")
+def _least_singular_values(J: Array) -> Array:
+    """Of each of the matrices (k, m, n); NaN where one is not finite."""
+    finite = np.isfinite(J).all(axis=(1, 2))
+    least = np.full(len(J), np.nan)
+    if finite.any():
+        least[finite] = np.linalg.svd(J[finite], compute_uv=False)[:, -1]
+    return least

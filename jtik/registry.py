@@ -147,3 +147,24 @@ def strategy_of(given: str | Strategy) -> Strategy:
         return law(secondary=term)  # type: ignore[call-arg]
     names = f"one of the names {sorted(strategies)}, perhaps with + and one of {sorted(secondaries)}"
     raise ArgumentError("strategy", given, f"a jtik.Strategy or {names}")
+
+
+def keeping_clear() -> str:
+    """Which registered strategies take clearances, as what an error would have accepted."""
+    terms = {name: term() for name, term in secondaries.items() if term().keeps_clear()}
+    alone = [repr(name) for name, law in strategies.items() if law().keeps_clear()]
+    pairs = [f"'{name}+{term}'" for term in terms for name in strategies if _pairs(name, terms[term])]
+    return f"a strategy whose programs have rows for them: {', '.join([*alone, *pairs])}"
+
+
+def _pairs(name: str, term: SecondaryTerm) -> bool:
+    """Whether the pair takes clearances where the strategy alone does not."""
+    law = strategies[name]
+    if "secondary" not in {field.name for field in fields(law) if field.init}:  # type: ignore[arg-type]
+        return False
+    if law().keeps_clear():
+        return False
+    try:
+        return law(secondary=term).keeps_clear()  # type: ignore[call-arg]
+    except JtikError:
+        return False

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.factorization import RANK_THRESHOLD
+from jtik.yielding import GaveWay
 
 Array = NDArray[np.float64]
 
@@ -28,7 +29,8 @@ class Report:
     Attributes: error e (m,), its Jacobian (m, n), which rows are lengths; weighted residual (m,) and its Jacobian;
     values of the criteria by name; gradient dH/dv (n,); velocity indices of the joints at their upper and at their
     lower limit; names of all joints at a limit; the tolerances of position, orientation and optimality; the Hessian of
-    H + lambda' r, as a function of lambda, where there is a criterion.
+    H + lambda' r, as a function of lambda, where there is a criterion; what a step from there cannot have, to be worked
+    out, where a strategy has anything that can give way.
     """
 
     error: Array
@@ -43,10 +45,12 @@ class Report:
     active_limits: tuple[str, ...]
     tolerances: tuple[float, float, float]
     curvature: Callable[[Array], Array] | None = None
+    yielded: Callable[[], tuple[GaveWay, ...]] | None = None
 
     def __getstate__(self) -> dict[str, Any]:
-        # the answer travels, the functions it comes from stay
-        return {**vars(self), "second_order": self.second_order, "curvature": None}
+        # the answers travel, the functions they come from stay
+        told = {"second_order": self.second_order, "gave_way": self.gave_way}
+        return {**vars(self), **told, "curvature": None, "yielded": None}
 
     @cached_property
     def position_error(self) -> float:
@@ -57,6 +61,11 @@ class Report:
     def orientation_error(self) -> float:
         """Norm of the orientation rows [rad]."""
         return float(np.linalg.norm(self.error[~self.linear]))
+
+    @cached_property
+    def gave_way(self) -> tuple[GaveWay, ...]:
+        """What a step from here asks for and cannot have."""
+        return self.yielded() if self.yielded and self.finite else ()
 
     @property
     def reached(self) -> bool:

@@ -2,7 +2,7 @@
 
 A straight arm with its target on its own line feels no torque: J' r = 0 with r != 0. Whether that is a closest
 posture or a saddle, the Hessian of V tells; along its most negative eigenvector V falls to second order.
-Deterministic: no noise is added.
+Deterministic: no noise is added. Limits and clearances hold on this way as on any other.
 """
 
 from __future__ import annotations
@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.compile import Compiled
-from jtik.limits import AT_LIMIT
+from jtik.fused import clearance_model
 from jtik.problem import Problem
 from jtik.symbolic import function, sumsqr, symbol
+from jtik.working_set import AT_LIMIT
 
 Array = NDArray[np.float64]
 
@@ -57,6 +58,16 @@ class Rescue:
         V = sumsqr(self._problem.residual(there, target)) / 2
         return Compiled(function("moved", [q, v, target], [there, V]))
 
+    @cached_property
+    def _keeps_clear(self) -> Compiled:
+        """(q, v, parameters, limits) -> 1 where clearances are kept all the way from q to q + v."""
+        problem = self._problem
+        q, _, parameters = problem.symbols()
+        v = symbol("v", problem.robot.n)
+        limits = symbol("lower", problem.robot.nq), symbol("upper", problem.robot.nq)
+        model = clearance_model(problem, q, problem.clearance(q, parameters), parameters, limits)
+        return Compiled(function("keeps_clear", [q, v, parameters, *limits], [model.keeps(-v)]))
+
     def lowest_curvature(self, q: Array, inputs: Sequence[Array]) -> tuple[float, Array, Array]:
         """A low v' (d2V/dv2) v over the unit v that limits allow, relative to the largest eigenvalue; v; dH/dv (n,).
 
@@ -92,7 +103,7 @@ class Rescue:
 
     def escape(self, q: Array, inputs: Sequence[Array]) -> bool:
         """Leave a saddle of V: move ``q`` in place and return True, or return False if V is least here."""
-        target, _, lower, upper, _ = inputs
+        target, parameters, lower, upper, _ = inputs
         lowest, vector, criterion = self.lowest_curvature(q, inputs)
         if lowest > -NEGATIVE:
             return False
@@ -107,11 +118,18 @@ class Rescue:
             for sign in (1.0, -1.0):
                 there, V = self._moved(q, sign * step, target)
                 allowed = all(lower[i] <= there[i, 0] <= upper[i] for i, _ in self._problem.bounded)
-                if allowed and V[0, 0] < (1 - WORTH) * before:
+                falls = allowed and V[0, 0] < (1 - WORTH) * before
+                if falls and self._clear(q, sign * step, parameters, lower, upper):
                     q[:] = there[:, 0]
                     return True
             step /= 2
         return False
+
+    def _clear(self, q: Array, v: Array, parameters: Array, lower: Array, upper: Array) -> bool:
+        """Whether clearances, if there are any, hold on the way from q to q + v."""
+        if not self._problem.clearances:
+            return True
+        return bool(self._keeps_clear(q, v, parameters, lower, upper)[0][0, 0])
 
 
 def _descend(bend: Array, v: Array, down: NDArray[np.bool_], up: NDArray[np.bool_]) -> Array:

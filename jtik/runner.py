@@ -13,10 +13,13 @@ Array = NDArray[np.float64]
 
 
 class Runner:
-    """The fused step on memory of its own. Calls alternate between two memories, so that nothing is copied."""
+    """The fused step on memory of its own. Calls alternate between two memories, so that nothing is copied.
+
+    Attributes: inputs: what it reads between q and state, where it is; view: the outcome of the last call.
+    """
 
     def __init__(self, fused: FusedStep, inputs: Sequence[Array], nq: int) -> None:
-        self.fused = fused
+        self.fused, self.inputs = fused, inputs
         self.first_state = fused.first_state
         self.q = (np.zeros(nq), np.zeros(nq))
         self.state = (self.first_state.copy(), self.first_state.copy())

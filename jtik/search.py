@@ -187,6 +187,8 @@ class Search:
     def _attempt(self, runner: Runner, q0: Array, limit: int, recorder: Recorder | None) -> tuple[Code, int, int]:
         """Call until the code says otherwise; the last code, calls that tried a step, escapes."""
         runner.start(q0)
+        if recorder is not None:
+            recorder.begin()
         calls, view = runner.calls, runner.view
         hurried = self._settings[4] < math.inf  # an attempt that others can replace leaves only the pose it began in
         code, escapes, k, at = Code.GO_ON, 0, 0, 0

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.report import Report, SecondOrder
+from jtik.yielding import GaveWay
 
 Array = NDArray[np.float64]
 
@@ -27,7 +28,7 @@ class Status(Enum):
     SINGULAR = "stopped at a singularity: no direction the robot can move in brings the target nearer"
     STALLED = "stalled: no step the strategy tried brought the target nearer"
     ITERATION_LIMIT = "reached the iteration limit before the target"
-    UNSOLVED = "a quadratic program of the step has no answer: its rows contradict each other, or its solver failed"
+    UNSOLVED = "a quadratic program of the step has no answer: contradictory rows, not convex, or its solver failed"
     NOT_FINITE = "error or criterion is not a finite number here; q is the last configuration where they were"
 
 
@@ -45,8 +46,11 @@ class Trace:
         error: norm of the task error at ``q[k]``, in [m] and [rad] together, (iterations + 1,).
         figures: one array a figure, (iterations,): V, H, V2, alpha, beta, predicted_decrease and actual_decrease of V,
             accepted, null_residual, sigma_min (of the weighted Jacobian of the joints that were free to move),
-            leakage (``|J nu| / |nu|`` of the null-space step nu; NaN where there is none), step_length, escaped (1
-            where the iteration ended in a second-order step out of a singular stall). A law without a gain has NaN.
+            leakage (``|J nu| / |nu|`` of the null-space step nu; NaN where it is below 1e-8), step_length, escaped (1
+            where the iteration ended in a second-order step out of a singular stall), attempt (0 from the caller's
+            start, then one more for each attempt that began elsewhere). A law without a gain has NaN. With clearances
+            too_near, the most that a distance lacks of safe + margin [m], and task_share, how much of the task step
+            there was room for; with elastic rows slack, the most by which one gave way.
     """
 
     q: Array
@@ -166,6 +170,16 @@ class Solution:
         return self.report.second_order
 
     @property
+    def gave_way(self) -> tuple[GaveWay, ...]:
+        """What was asked for and cannot be had at q: name, amount and unit each; empty where nothing gave way.
+
+        As the strategy's first step from q would find it: the task's share that clearances leave no room for,
+        clearances that cannot be kept, levels of priority that limits keep from their aim, elastic rows of programs.
+        Compiled and worked out when first asked for.
+        """
+        return self.report.gave_way
+
+    @property
     def active_limits(self) -> tuple[str, ...]:
         """Names of the joints that stand at a limit."""
         return self.report.active_limits
@@ -195,6 +209,8 @@ class Solution:
             lines.append(f"  H           {self.cost:.6g} ({terms}); null-space residual {self.null_space_residual:.2g}")
         if self.active_limits:
             lines.append(f"  at limit    {', '.join(self.active_limits)}")
+        if self.gave_way:
+            lines.append(f"  gave way    {', '.join(map(str, self.gave_way))}")
         return "\n".join(lines)
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,10 +15,12 @@ from numpy.typing import ArrayLike, NDArray
 from jtik import native
 from jtik.batch import Entry, SolutionBatch, collect, read_targets
 from jtik.clearance import Clearance, clearances_of
+from jtik.compile import to_c
 from jtik.criterion import Criterion, CriterionSum, CriterionTerms, Parameters
 from jtik.diagnosis import Diagnosis
 from jtik.errors import ArgumentError, finite_array
 from jtik.fused import Code, FusedStep, Settings, fused_step
+from jtik.limits import Limits, limits_of
 from jtik.memory import Memory
 from jtik.native import NativeSearch
 from jtik.options import Until, positive, read_request, read_settings
@@ -27,17 +29,20 @@ from jtik.progress import Progress, watched
 from jtik.qp import Backend, as_problem, backend_of
 from jtik.recorder import Recorder
 from jtik.reduction import reduced
-from jtik.registry import strategy_of
+from jtik.registry import keeping_clear, strategy_of
 from jtik.report import Report
 from jtik.rescue import Rescue
 from jtik.robot import Robot
 from jtik.runner import Runner
 from jtik.search import Found, Request, Search
 from jtik.solution import Solution, Status, Step, is_success
+from jtik.step_box import StepBox, box_function
 from jtik.strategy import Strategy
+from jtik.symbolic import Function
 from jtik.task import Task
 from jtik.tracking import follow
 from jtik.trajectory import Trajectory
+from jtik.yielding import GaveWay
 
 if TYPE_CHECKING:
     import qpsolvers
@@ -58,9 +63,11 @@ class InverseKinematics:
         strategy: name of a registered strategy, perhaps with a secondary term as in "newton+qp", or a Strategy object.
         solver: what solves the programs of a strategy that has any: a name of `jtik.qp.available`, or a
             `jtik.qp.Backend`; DAQP by default.
-        limits: whether the robot's joint limits hold.
-        clearances: distances no accepted step may bring below their safe values, for strategies that solve programs,
-            such as "hybrid+qp".
+        limits: which limits hold, a `Limits`: position limits always, limits of velocity and acceleration where there
+            is a time, in `track` and ``step(dt=)``. True for the robot's own positions and velocities; False leaves
+            its position limits out.
+        clearances: distances no accepted step may bring below their safe values, for strategies whose programs have
+            rows for them: "weighted_qp", "lexicographic_qp", and task steps with "+qp", such as "hybrid+qp".
         joints: names of the joints to move, or "all"; by default those that move what the tasks are about, so that
             the fingers of a hand are no part of an arm's solution.
         at: configuration of the robot at which the other joints are locked, its neutral one by default.
@@ -70,6 +77,7 @@ class InverseKinematics:
 
     Attributes:
         robot: the robot with only those joints free, which ``q`` everywhere belongs to; `whole` adds the others.
+        limits: the `Limits` that hold.
         parameters: live parameters of the criteria by name: ``ik.parameters["joint_centering.weight"] = 2.0``.
     """
 
@@ -81,7 +89,7 @@ class InverseKinematics:
         criteria: Criterion | CriterionSum | None = None,
         strategy: str | Strategy = "hybrid",
         solver: str | Backend | None = None,
-        limits: bool = True,
+        limits: bool | Limits = True,
         clearances: Clearance | Iterable[Clearance] | None = None,
         joints: str | Iterable[str] | None = None,
         at: ArrayLike | None = None,
@@ -89,8 +97,7 @@ class InverseKinematics:
     ) -> None:
         if not isinstance(robot, Robot):
             raise ArgumentError("robot", robot, "a jtik.Robot")
-        if not isinstance(limits, (bool, np.bool_)):
-            raise ArgumentError("limits", limits, "True or False: whether the limits of the robot's joints hold")
+        self.limits = limits_of(limits)
         self._given = robot
         self._locked = robot.neutral if at is None else robot.configuration(at, argument="at")
         robot, self.tasks = reduced(robot, task, joints, self._locked)
@@ -100,21 +107,14 @@ class InverseKinematics:
         terms = CriterionTerms.of(robot, criteria, kept_clear)
         self.parameters: Parameters = terms.parameters
         self._names = [name for name, _, _ in terms.named]
-        self._lower = robot.lower.copy() if limits else np.full(robot.nq, -np.inf)
-        self._upper = robot.upper.copy() if limits else np.full(robot.nq, np.inf)
-        bounded = tuple(
-            (int(i), int(j))
-            for i, j in zip(robot.scalar_q, robot.scalar_v, strict=True)
-            if self._lower[i] > -np.inf or self._upper[i] < np.inf or robot.velocity_limit[j] < np.inf
-        )
+        self._bounds = self.limits.of(robot)
+        self._lower, self._upper, bounded = self._bounds.lower, self._bounds.upper, self._bounds.bounded
         self._problem = Problem(robot, self.tasks, terms, bounded, kept_clear)
         self._backend: Backend | None = None
+        if kept_clear and not self.strategy.keeps_clear():
+            raise ArgumentError("clearances", f"{clearances!r} with strategy={strategy!r}", keeping_clear())
         if self.strategy.solves_programs(self._problem.has_criterion or bool(kept_clear)):
             self._backend = backend_of(solver)
-        elif kept_clear:
-            raise ArgumentError(
-                "clearances", clearances, f"a strategy with a program, such as 'hybrid+qp', not {strategy!r}"
-            )
         elif solver is not None:
             raise ArgumentError("solver", solver, f"none: {self.strategy!r} solves no program here")
         self._memory = Memory(self.tasks.target_size, self.parameters, self._lower, self._upper)
@@ -129,9 +129,12 @@ class InverseKinematics:
         self._compiled = compiled
         self._runner = Runner(self._fused(), self._inputs, robot.nq)
         self._recorder: Runner | None = None
+        self._witness: Runner | None = None
         self._stepper: Runner | None = None
+        self._timed: tuple[Runner, StepBox] | None = None
         self._rescue = Rescue(self._problem)
-        self._diagnosis = Diagnosis(self._problem, self._rescue)
+        yields = bool(self._runner.fused.yielding.entries)
+        self._diagnosis = Diagnosis(self._problem, self._rescue, self._yielded if yields else None)
         self._search = Search(robot, self._rescue, self._inputs)
         if self._runner.fused.library:
             self._search.native = NativeSearch(self._runner.fused.library, self._runner, self._inputs)
@@ -321,22 +324,29 @@ class InverseKinematics:
     def _reported(self, q: Array, memory: Array) -> Report:
         return self._diagnosis.report(q, self._memory.split(memory))
 
-    def step(self, q: ArrayLike, target: Any) -> Step:
+    def step(self, q: ArrayLike, target: Any, *, dt: float | None = None) -> Step:
         """One update from ``q``, for controllers; what the strategy remembers goes on from the last call.
 
         A refused step leaves q where it is and the next call tries a smaller one. ``reset()`` forgets the past. A step
         is done at the default tolerances of ``solve``, with the criterion steady.
 
+        With ``dt`` the limits of velocity and acceleration hold, too, from ``q`` to the answer and from the last step
+        with a ``dt`` to this one, and a joint is never so fast that it could not stop before its position limits. A
+        joint that moves cannot stop at once: a refused step then is the nearest to stopping. Steps with and without a
+        ``dt`` do not know of each other.
+
         Args:
-            q: configuration, (nq,). Outside the limits it is led back.
+            q: configuration, (nq,). Outside the limits it is led back, with ``dt`` as fast as they allow.
             target: what the task reads as one.
+            dt: how long the step takes [s]; None for as long as it needs.
 
         Raises:
-            ArgumentError: for an argument of wrong shape, NaN or infinity, naming it.
+            ArgumentError: for an argument of wrong shape, NaN or infinity, naming it, or a time that is not positive.
         """
-        runner = self._stepper
-        if runner is None:
-            runner = self._stepper = self._stepping()
+        if dt is None:
+            runner, box = self._stepper or self._stepping(), None
+        else:
+            runner, box = self._timed or self._timing()
         if type(target) is np.ndarray and target.shape == self._plain_target:
             self._target[:] = target
         else:
@@ -347,6 +357,8 @@ class InverseKinematics:
             memory[:] = q
         else:
             memory[:] = self._configuration("q", q)
+        if box is not None and dt is not None:
+            box.narrow(memory, dt)
         runner.calls[at]()
         after = runner.q[1 - at]
         code, tried, accepted, position, orientation, _ = runner.view
@@ -355,13 +367,18 @@ class InverseKinematics:
         elif code == Code.NOT_FINITE:  # whose fault? the arrays above were taken unread
             self._configuration("q", q)
             self.tasks.read_target(target)
-        escaped = False
+        errors: tuple[float, float] = position, orientation
+        moved, done, escaped = accepted == 1.0, code == 1.0, False
         if code == Code.STALLED:
-            escaped = self._rescue.escape(after, self._step_inputs)
+            escaped = self._rescue.escape(after, runner.inputs)
             runner.start(after)
-            report = self._diagnosis.report(after, self._step_inputs)
-            return Step(after.copy(), report.position_error, report.orientation_error, False, False, escaped)
-        return Step(after.copy(), position, orientation, accepted == 1.0, code == 1.0, escaped)
+            moved, errors = False, self._diagnosis.errors(after, runner.inputs)
+        if box is not None:
+            allowed = box.slowed(after)
+            if allowed is not after:
+                after, done, errors = allowed, False, self._diagnosis.errors(allowed, runner.inputs)
+            box.moved(after)
+        return Step(after.copy(), *errors, moved, done, escaped)
 
     def build(self, q: ArrayLike, target: Any, *, program: str | None = None) -> qpsolvers.Problem:
         """The quadratic program of a first step from ``q``, to look at or to solve elsewhere.
@@ -387,9 +404,12 @@ class InverseKinematics:
         return problem
 
     def reset(self) -> None:
-        """Forget what ``step`` remembers of earlier calls, as after a jump of the target."""
+        """Forget what ``step`` remembers of earlier calls, as after a jump of the target; the robot stands still."""
         if self._stepper is not None:
             self._stepper.start(self.robot.neutral)
+        if self._timed is not None:
+            self._timed[0].start(self.robot.neutral)
+            self._timed[1].rest()
 
     def track(
         self,
@@ -405,9 +425,10 @@ class InverseKinematics:
     ) -> Trajectory:
         """Follow a path of targets, ``dt`` [s] apart, each solve starting where the last one ended.
 
-        The robot's velocity limits hold from one target to the next; a target that they keep out of reach is
-        followed as far as they allow. Options are those of ``solve``; ``until="steady"`` also lets the criterion
-        settle at each target.
+        Limits of velocity and acceleration hold from one target to the next, from rest at q0; a target that they keep
+        out of reach is followed as far as they allow. They look ahead to the position limits, not to targets to come:
+        where acceleration is limited, a path that stops at once is overshot. Options are those of ``solve``;
+        ``until="steady"`` also lets the criterion settle at each target.
 
         Raises:
             ArgumentError: for an argument of wrong shape, NaN or infinity, naming it.
@@ -428,10 +449,9 @@ class InverseKinematics:
                 until=until,
             )
 
-        limits = self._lower, self._upper
-        return follow(
-            self.robot, wanted, self._configuration("q0", q0), positive("dt", dt), limits, solve, self._told_of
-        )
+        start, dt = self._configuration("q0", q0), positive("dt", dt)
+        box = StepBox(self._bounds, self._box_function, self._lower, self._upper)
+        return follow(self.robot, wanted, start, dt, box, solve, self._told_of)
 
     def _told_of(self, solution: Solution, q: Array) -> Solution:
         """The solution, told of another configuration for the same target."""
@@ -465,11 +485,43 @@ class InverseKinematics:
 
     def _stepping(self) -> Runner:
         """What ``step`` runs: it reports the errors where it arrives, whether or not the strategy looks at them."""
-        judged = self.strategy.judges(self._problem.has_criterion)
-        fused = self._runner.fused if judged else self._fused(arriving=True)
-        runner = Runner(fused, self._step_inputs, self.robot.nq)
+        self._stepper = Runner(self._arriving, self._step_inputs, self.robot.nq)
+        self._stepper.start(self.robot.neutral)
+        return self._stepper
+
+    def _timing(self) -> tuple[Runner, StepBox]:
+        """What ``step`` runs in a given time: the same on a box of its own."""
+        target, parameters, lower, upper, settings = self._step_inputs
+        lower, upper = lower.copy(), upper.copy()
+        runner = Runner(self._arriving, [target, parameters, lower, upper, settings], self.robot.nq)
         runner.start(self.robot.neutral)
-        return runner
+        self._timed = runner, StepBox(self._bounds, self._box_function, lower, upper)
+        return self._timed
+
+    @cached_property
+    def _arriving(self) -> FusedStep:
+        """The fused step whose errors are those where it arrives."""
+        judged = self.strategy.judges(self._problem.has_criterion)
+        return self._runner.fused if judged else self._fused(arriving=True)
+
+    @cached_property
+    def _box_function(self) -> Function:
+        box = box_function(self._bounds)
+        return to_c(box) if self._compiled else box
+
+    def _yielded(self, q: Array, inputs: Sequence[Array]) -> tuple[GaveWay, ...]:
+        """What a first step from q cannot have."""
+        if self._witness is None:
+            fused = self._recording().fused
+            self._witness = Runner(fused, [np.zeros_like(part) for part in inputs], self.robot.nq)
+        for memory, part in zip(self._witness.inputs, inputs, strict=True):
+            memory[:] = part
+        self._witness.start(q)
+        self._witness.calls[0]()
+        fused = self._witness.fused
+        if self._witness.view[0] == Code.UNSOLVED:
+            return ()
+        return fused.yielding.told(self._witness.record[fused.record.slices["gave_way"]])
 
     def _recording(self) -> Runner:
         if self._recorder is None:

@@ -11,6 +11,8 @@ from contextlib import contextmanager
 from typing import Any, TypeAlias
 
 import casadi
+import numpy as np
+from numpy.typing import NDArray
 
 Expression: TypeAlias = Any
 """A CasADi expression (``casadi.SX`` or ``casadi.MX``), scalar or matrix."""
@@ -46,6 +48,7 @@ trace: Any = casadi.trace
 diag: Any = casadi.diag
 mmax: Any = casadi.mmax
 mmin: Any = casadi.mmin
+sum1: Any = casadi.sum1
 norm_inf: Any = casadi.norm_inf
 has_conic: Any = casadi.has_conic
 MX: Any = casadi.MX
@@ -82,6 +85,13 @@ def identity(size: int) -> Expression:
 def hessian(scalar: Expression, variables: Expression) -> Expression:
     """Second derivatives of a scalar, (n, n)."""
     return casadi.hessian(scalar, variables)[0]
+
+
+def numbers(matrix: Expression) -> NDArray[np.float64] | None:
+    """The entries of a matrix without symbols, (rows, columns); None where there are any."""
+    if not SX(matrix).is_constant():
+        return None
+    return np.array(casadi.DM(SX(matrix)).full())
 
 
 def solve_ldl(A: Expression, b: Expression) -> Expression:

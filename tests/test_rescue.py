@@ -177,3 +177,21 @@ def test_a_saddle_that_limits_make_inescapable_is_called_singular():
     robot = jtik.Robot.planar(3, lower=-1e-8, upper=1e-8)
     solution = solve(np.zeros(3), (1.0, 0.0), robot=robot)
     assert solution.status is jtik.Status.SINGULAR
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_way_out_keeps_clear_of_obstacles(side):
+    """A row of circles beside the arm: the first second-order step that lowers V would sweep through them."""
+    field = [jtik.Circle((x, 0.25 * side), 0.15) for x in (0.5, 1.5, 2.5, 3.5)]
+    clearance = jtik.Clearance(ObstacleAvoidance(field, bodies="links"), safe=0.05)
+    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(), strategy="hybrid+qp", clearances=clearance)
+    trace = ik.solve((2.0, 0.0), q0=STRAIGHT, max_iterations=40, trace=True).trace
+    assert trace.escaped.any()
+    for start, end in zip(trace.q[:-1], trace.q[1:], strict=True):
+        for share in np.linspace(0, 1, 9):
+            points = np.vstack([[0.0, 0.0], planar_points(start + share * (end - start))])
+            for circle in field:
+                along = np.diff(points, axis=0)
+                part = np.clip(((circle.center - points[:-1]) * along).sum(1), 0, 1)
+                nearest = points[:-1] + part[:, None] * along
+                assert np.linalg.norm(nearest - circle.center, axis=1).min() - circle.radius >= 0.05 - 1e-9

@@ -1,4 +1,4 @@
-"""The command line: ``jtik list``, ``jtik solve`` and ``jtik demo``."""
+"""The command line: ``jtik list``, ``jtik solve``, ``jtik compare`` and ``jtik demo``."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from jtik.cli import catalogue, solve
+from jtik.cli import catalogue, compare, solve
 from jtik.cli.document import InputError
 from jtik.errors import JtikError
 
@@ -60,6 +60,7 @@ def _parser() -> argparse.ArgumentParser:
     command.set_defaults(run=catalogue.run)
 
     solve.add_arguments(commands)
+    compare.add_arguments(commands)
 
     what = "a ten-link arm threads through obstacles"
     command = commands.add_parser("demo", help=what, description=f"The demo: {what}; pictures, an animation, numbers.")

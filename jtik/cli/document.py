@@ -102,24 +102,48 @@ def load(path: str | Path) -> dict[str, Any]:
     return dict(_table(str(file), document, KEYS))
 
 
+@dataclass(frozen=True)
+class Subject:
+    """What a document says of robot, tasks and criteria."""
+
+    robot: Robot
+    tasks: list[Task]
+    criteria: CriterionSum
+
+
+def read_subject(document: Table) -> Subject:
+    """Robot, tasks and criteria that a document describes.
+
+    Raises:
+        JtikError: for an unknown or missing key, a name that is not registered, or an argument that is refused.
+    """
+    _table("the problem", document, KEYS)
+    if "robot" not in document:
+        raise InputError(f"robot is missing; a problem needs one, and takes {', '.join(KEYS)}")
+    return Subject(
+        _robot(document["robot"]),
+        _tasks(document.get("task", {})),
+        _criteria(document.get("criteria", []), _obstacles(document.get("obstacles", {}))),
+    )
+
+
 def read(document: Table) -> Problem:
     """The problem a document describes.
 
     Raises:
         JtikError: for an unknown or missing key, a name that is not registered, or an argument that is refused.
     """
-    _table("the problem", document, KEYS)
-    for key in ("robot", "target"):
-        if key not in document:
-            raise InputError(f"{key} is missing; a problem needs robot and target, and takes {', '.join(KEYS)}")
+    if "target" not in document:
+        raise InputError(f"target is missing; a problem needs robot and target, and takes {', '.join(KEYS)}")
+    subject = read_subject(document)
     options = dict(_table("[solve]", document.get("solve", {}), (*_SOLVE, "limits")))
     limits = options.pop("limits", True)
     if not isinstance(limits, bool):
         raise ArgumentError("limits", limits, "true or false")
     ik = InverseKinematics(
-        _robot(document["robot"]),
-        _tasks(document.get("task", {})),
-        criteria=_criteria(document.get("criteria", []), _obstacles(document.get("obstacles", {}))),
+        subject.robot,
+        subject.tasks,
+        criteria=subject.criteria,
         strategy=_strategy(document.get("strategy", "hybrid")),
         limits=limits,
     )

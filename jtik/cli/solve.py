@@ -13,10 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from jtik.cli.document import InputError, Problem, load, read, robot_table
+from jtik.cli.document import InputError, Problem, read
+from jtik.cli.problem_options import add_problem_options, lay_over, problem_document
 from jtik.solution import Solution, Trace
-
-_SHAPES = {"circle": ("X", "Y", "RADIUS"), "sphere": ("X", "Y", "Z", "RADIUS"), "point": ("X",)}
 
 
 def add_arguments(commands: Any) -> None:
@@ -27,30 +26,10 @@ def add_arguments(commands: Any) -> None:
         description="Find joint positions for a target. Options override what a --file says.",
         epilog="Exit code: 0 converged, 1 ended otherwise, 2 wrong input. Lengths in m, angles in rad.",
     )
-    command.add_argument("--file", metavar="PROBLEM", help="a problem in TOML or JSON")
-    command.add_argument("--robot", metavar="SPEC", help="planar:10, planar:1,0.8,0.5, vehicle:3 or a built-in robot")
-    command.add_argument("--frame", help="frame to bring to the target (default: tip)")
-    command.add_argument("--kind", help="position, orientation or pose (default: position)")
-    command.add_argument("--axes", nargs="+", metavar="AXIS", help="rows of the task to keep: x y z rx ry rz")
+    add_problem_options(command, kind="position")
     command.add_argument("--target", nargs="+", type=float, metavar="NUMBER", help="such as X Y, or X Y Z")
     command.add_argument("--q0", nargs="+", type=float, metavar="NUMBER", help="configuration to start from")
     command.add_argument("--strategy", metavar="NAME", help="a name that `jtik list` shows (default: hybrid)")
-    command.add_argument(
-        "--criterion",
-        action="append",
-        metavar="NAME[=WEIGHT]",
-        help="a criterion to minimise; may be repeated",
-    )
-    for shape, names in _SHAPES.items():
-        count: Any = len(names) if shape != "point" else "+"
-        command.add_argument(
-            f"--{shape}",
-            action="append",
-            nargs=count,
-            type=float,
-            metavar=names if shape != "point" else "NUMBER",
-            help=f"a {shape} to keep away from; may be repeated",
-        )
     command.add_argument("--until", choices=("steady", "reached"), help="when to stop (default: steady)")
     command.add_argument("--max-iterations", type=int, metavar="N", help="most steps to try")
     command.add_argument("--position-tolerance", type=float, metavar="METRES")
@@ -127,36 +106,17 @@ def _plain(value: Any) -> Any:
 
 def _document(arguments: argparse.Namespace) -> dict[str, Any]:
     """The file's document with the options laid over it."""
-    document = load(arguments.file) if arguments.file else {}
-    if arguments.robot is not None:
-        document["robot"] = robot_table(arguments.robot)
+    document = problem_document(arguments)
     for key in ("target", "q0", "strategy"):
         if getattr(arguments, key) is not None:
             document[key] = getattr(arguments, key)
-    if arguments.criterion is not None:
-        document["criteria"] = [_weighted(text) for text in arguments.criterion]
-    obstacles = {f"{shape}s": rows for shape in _SHAPES if (rows := getattr(arguments, shape)) is not None}
-    if obstacles:
-        document["obstacles"] = obstacles
-    for section, names in (
-        ("task", ("frame", "kind", "axes")),
-        ("solve", ("until", "max_iterations", "position_tolerance", "orientation_tolerance", "limits")),
-    ):
-        given = {name: value for name in names if (value := getattr(arguments, name)) is not None}
-        if given:
-            below = document.get(section, {})
-            if section == "task" and isinstance(below, list):
-                raise InputError("--frame, --kind and --axes change a single [task]; the file has several")
-            document[section] = {**below, **given} if isinstance(below, dict) else below
+    lay_over(
+        document,
+        "solve",
+        arguments,
+        ("until", "max_iterations", "position_tolerance", "orientation_tolerance", "limits"),
+    )
     return document
-
-
-def _weighted(text: str) -> dict[str, Any]:
-    name, equals, weight = text.partition("=")
-    try:
-        return {"name": name, "weight": float(weight) if equals else 1.0}
-    except ValueError:
-        raise InputError(f"--criterion {text}: accepted: NAME or NAME=WEIGHT, a number from 0") from None
 
 
 def _write_trace(path: Path, trace: Trace) -> None:

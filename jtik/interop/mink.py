@@ -17,7 +17,7 @@ from jtik.criterion import Criterion, CriterionSum
 from jtik.errors import ArgumentError, Array
 from jtik.interop.mujoco_model import Correspondence, to_mujoco
 from jtik.interop.numbers import CriterionNumbers, Curvature, checked
-from jtik.qp import Rows
+from jtik.qp import Elastic, Rows
 from jtik.robot import Robot
 from jtik.strategy import LocalModel
 
@@ -173,11 +173,15 @@ class LimitRows:
         bounded = np.isfinite(found.h)
         return Inequality(found.G[bounded], found.h[bounded])
 
-    def rows(self, model: LocalModel, name: str = "mink limit") -> Rows:
-        """Rows for the program of a strategy, evaluated by mink in the middle of the step."""
+    def rows(self, model: LocalModel, name: str = "mink limit", *, elastic: Elastic | None = None) -> Rows:
+        """Rows for the program of a strategy, evaluated by mink in the middle of the step.
+
+        A limit of theirs may ask for a motion, h < 0, and two of them for motions that contradict each other: then the
+        program has no answer and the solve ends as `jtik.Status.UNSOLVED`. With ``elastic`` they give way.
+        """
         k, n = self._count, model.robot.n
         G, h = model.compute(name, self._padded, [model.here.q], [(k, n), (k, 1)])
-        return Rows(name, G, -np.inf + 0 * h, h)
+        return Rows(name, G, -np.inf + 0 * h, h, elastic)
 
     def _padded(self, arguments: Sequence[Array]) -> list[Array]:
         """All rows, always as many, those without a bound as 0 dq <= 1."""

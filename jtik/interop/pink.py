@@ -15,7 +15,7 @@ from jtik.criterion import Criterion, CriterionSum
 from jtik.errors import ArgumentError, Array, MissingExtraError
 from jtik.interop.numbers import CriterionNumbers, Curvature, checked
 from jtik.interop.pinocchio_model import Correspondence
-from jtik.qp import Rows
+from jtik.qp import Elastic, Rows
 from jtik.robot import Robot
 from jtik.strategy import LocalModel
 
@@ -200,11 +200,15 @@ class LimitRows:
         bounded = np.isfinite(h)
         return G[bounded], h[bounded]
 
-    def rows(self, model: LocalModel, name: str = "pink limit") -> Rows:
-        """Rows for the program of a strategy, evaluated by pink in the middle of the step."""
+    def rows(self, model: LocalModel, name: str = "pink limit", *, elastic: Elastic | None = None) -> Rows:
+        """Rows for the program of a strategy, evaluated by pink in the middle of the step.
+
+        A limit of theirs may ask for a motion, h < 0, and two of them for motions that contradict each other: then the
+        program has no answer and the solve ends as `jtik.Status.UNSOLVED`. With ``elastic`` they give way.
+        """
         k, n = self._count, model.robot.n
         G, h = model.compute(name, self._padded, [model.here.q], [(k, n), (k, 1)])
-        return Rows(name, G, -np.inf + 0 * h, h)
+        return Rows(name, G, -np.inf + 0 * h, h, elastic)
 
     def _padded(self, arguments: Sequence[Array]) -> list[Array]:
         """All rows, always as many, those without a bound as 0 dq <= 1."""

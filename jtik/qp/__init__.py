@@ -2,6 +2,7 @@
 
 from jtik.qp.backend import Backend, BackendError, available, backend_of
 from jtik.qp.conic import Conic
+from jtik.qp.elastic import Elastic
 from jtik.qp.foreign import Foreign, as_problem
 from jtik.qp.persistent import PersistentOSQP
 from jtik.qp.program import Program, ProgramSolution, Recorded, Recorder, Rows
@@ -10,6 +11,7 @@ __all__ = [
     "Backend",
     "BackendError",
     "Conic",
+    "Elastic",
     "Foreign",
     "PersistentOSQP",
     "Program",

@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.errors import JtikError
+from jtik.errors import ArgumentError, JtikError, finite_array
 from jtik.symbolic import Function, has_conic
 
 Array = NDArray[np.float64]
@@ -49,13 +49,24 @@ class Numbers:
     lower: Array
     upper: Array
 
+    @property
+    def sound(self) -> bool:
+        """Whether every number is finite, or an infinite bound: there are solvers that loop on NaN."""
+        finite = np.isfinite(self.P).all() and np.isfinite(self.q).all() and np.isfinite(self.C).all()
+        bounds = (self.low, self.high, self.lower, self.upper)
+        return bool(finite) and not any(np.isnan(bound).any() for bound in bounds)
+
 
 class Backend(ABC):
-    """Solves the programs of a step. ``name`` is what the user called it; ``accuracy`` what its answers are held to."""
+    """Solves the programs of a step. ``name`` is what the user called it; ``accuracy`` what its answers are held to.
+
+    ``second`` is asked where a fused back end has no answer.
+    """
 
     name: str
     accuracy: float
     fused: ClassVar[bool] = False
+    second: Backend | None = None
 
     def function(self, n: int, rows: int) -> Function:
         """Of a fused back end: (P, q, C, l, u, lb, ub) -> (x, row multipliers, box multipliers) inside CasADi."""
@@ -64,6 +75,22 @@ class Backend(ABC):
     def solver(self, n: int, rows: int) -> Solver:
         """Of the others: something that solves programs of this size, one after the other."""
         raise NotImplementedError
+
+
+def accuracy_of(given: float | None, usual: float) -> float:
+    """What answers are held to. Raises ArgumentError unless it is finite and positive."""
+    if given is None:
+        return usual
+    accuracy = float(finite_array("accuracy", given, ()))
+    if not accuracy > 0:
+        raise ArgumentError("accuracy", given, "a positive number")
+    return accuracy
+
+
+def simplest() -> Numbers:
+    """A program that every solver answers, to try its options on: x = -1 in a box, above -2."""
+    one = np.ones((1, 1))
+    return Numbers(one, one[0], one, -2 * one[0], np.full(1, np.inf), -3 * one[0], 3 * one[0])
 
 
 class Solver(ABC):

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from jtik.qp.backend import PLUGINS, WRONG, Backend, BackendError
+from jtik.qp.backend import PLUGINS, WRONG, Backend, BackendError, accuracy_of
+from jtik.qp.foreign import Foreign
 from jtik.symbolic import Function, conic, has_conic
 
 _QUIET: Mapping[str, Mapping[str, Any]] = {
@@ -23,7 +24,9 @@ class Conic(Backend):
     """A conic plugin of CasADi. Options pass through to it.
 
     Raises:
-        BackendError: when CasADi came without the plugin.
+        ArgumentError: for an accuracy that is none.
+        BackendError: when CasADi came without the plugin; from `function` when the plugin cannot do such programs, or
+            refuses the options.
     """
 
     fused: ClassVar[bool] = True
@@ -33,8 +36,10 @@ class Conic(Backend):
             usable = [plugin for plugin in PLUGINS if plugin not in WRONG and has_conic(plugin)]
             raise BackendError(name, f"no plugin of this CasADi that can be used; there are {', '.join(usable)}")
         self.name = name
-        self.accuracy = PLUGINS.get(name, 1e-5) if accuracy is None else accuracy
+        self.accuracy = accuracy_of(accuracy, PLUGINS.get(name, 1e-5))
         self._options = {**_QUIET.get(name, {}), **options}
+        if name == "daqp" and not options:  # CasADi's own copy gives up on one in some thousands that this one solves
+            self.second = Foreign("daqp", primal_tol=1e-8)
 
     def __repr__(self) -> str:
         return f"Conic({self.name!r})"
@@ -44,4 +49,13 @@ class Conic(Backend):
         try:
             return conic(f"qp_{self.name}", self.name, n, rows, {"error_on_fail": False, **self._options})
         except RuntimeError as error:
-            raise BackendError(self.name, str(error).strip().splitlines()[-1]) from error
+            raise BackendError(self.name, _reason(error, self._options)) from error
+
+
+def _reason(error: RuntimeError, options: Mapping[str, Any]) -> str:
+    """What a plugin says of a program or of an option that it cannot do, without the trail that CasADi lays."""
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    unknown = [line for line in lines if "nknown option" in line]
+    if unknown:
+        return f"{unknown[-1].split('] ')[-1].split(': ', 1)[-1]} of the options {dict(options)}"
+    return f"cannot do dense quadratic programs with a box and rows, {dict(options)}: {lines[-1]}"

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from importlib.metadata import metadata
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.qp.backend import ELSEWHERE, PLUGINS, Backend, BackendError, Numbers, Solver
+from jtik.qp.backend import ELSEWHERE, PLUGINS, Backend, BackendError, Numbers, Solver, accuracy_of, simplest
 
 Array = NDArray[np.float64]
 
@@ -26,7 +27,9 @@ class Foreign(Backend):
     """A solver of qpsolvers. Options pass through to it.
 
     Raises:
-        BackendError: when it is not installed; it says which are, and how to install one.
+        ArgumentError: for an accuracy that is none.
+        BackendError: when it is not installed; it says which are, and how to install one. Or when it refuses the
+            options.
     """
 
     def __init__(self, name: str, *, accuracy: float | None = None, **options: Any) -> None:
@@ -35,11 +38,19 @@ class Foreign(Backend):
         if name not in qpsolvers.available_solvers:
             from jtik.qp.backend import available
 
-            others = f"others come with: pip install 'qpsolvers[{name}]'"
-            raise BackendError(name, f"not installed; there are {', '.join(available())}; {others}")
+            missing = [extra for extra in _installable() if extra not in available()]
+            more = f"no solver that qpsolvers could install, which are {', '.join(missing)}"
+            if name in missing:
+                more = f"install it with: pip install 'qpsolvers[{name}]'"
+            raise BackendError(name, f"not installed; there are {', '.join(available())}; {more}")
         self.name = name
-        self.accuracy = PLUGINS.get(name, ELSEWHERE) if accuracy is None else accuracy
+        self.accuracy = accuracy_of(accuracy, PLUGINS.get(name, ELSEWHERE))
         self._options = {**_EXACT.get(name, {}), **options}
+        if options:
+            try:
+                _solved(name, simplest(), self._options)
+            except Exception as error:
+                raise BackendError(name, f"refuses the options {options}: {error}") from error
 
     def __repr__(self) -> str:
         return f"Foreign({self.name!r})"
@@ -55,28 +66,33 @@ class _Solver(Solver):
 
     def solve(self, program: Numbers) -> Sequence[Array] | None:
         """Through ``qpsolvers.solve_problem``; a solver that raises has no answer."""
-        import qpsolvers
-
-        problem, equal, above, below = as_problem(program)
-        if self._name not in qpsolvers.dense_solvers:
-            problem = _sparse(problem)
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # what a solver says of its own interface is not the caller's business
-                solution = qpsolvers.solve_problem(problem, solver=self._name, **self._options)
-        except (qpsolvers.exceptions.QPError, ValueError, ArithmeticError, RuntimeError):
+            return _solved(self._name, program, self._options)
+        except Exception:  # their errors have no base in common
             return None
-        if not solution.found or solution.x is None:
-            return None
-        rows = np.zeros(len(program.low))
-        if equal.any() and solution.y is not None:
-            rows[equal] = solution.y
-        if (above.any() or below.any()) and solution.z is not None:
-            count = int(above.sum())
-            rows[above] += solution.z[:count]
-            rows[below] -= solution.z[count:]
-        box = solution.z_box if solution.z_box is not None and len(solution.z_box) else np.zeros(len(program.q))
-        return solution.x, rows, box
+
+
+def _solved(name: str, program: Numbers, options: dict[str, Any]) -> Sequence[Array] | None:
+    """Through ``qpsolvers.solve_problem``, which may raise anything."""
+    import qpsolvers
+
+    problem, equal, above, below = as_problem(program)
+    if name not in qpsolvers.dense_solvers:
+        problem = _sparse(problem)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what a solver says of its own interface is not the caller's business
+        solution = qpsolvers.solve_problem(problem, solver=name, **options)
+    if not solution.found or solution.x is None:
+        return None
+    rows = np.zeros(len(program.low))
+    if equal.any() and solution.y is not None:
+        rows[equal] = solution.y
+    if (above.any() or below.any()) and solution.z is not None:
+        count = int(above.sum())
+        rows[above] += solution.z[:count]
+        rows[below] -= solution.z[count:]
+    box = solution.z_box if solution.z_box is not None and len(solution.z_box) else np.zeros(len(program.q))
+    return solution.x, rows, box
 
 
 def as_problem(program: Numbers) -> tuple[Any, NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
@@ -104,3 +120,9 @@ def _sparse(problem: Any) -> Any:
     P, q, G, h, A, b, lb, ub = problem.unpack()
     matrices = [None if matrix is None else sparse.csc_matrix(matrix) for matrix in (P, G, A)]
     return qpsolvers.Problem(matrices[0], q, matrices[1], h, matrices[2], b, lb, ub)
+
+
+def _installable() -> list[str]:
+    """Names of solvers that come as extras of qpsolvers."""
+    extras = metadata("qpsolvers").get_all("Provides-Extra") or []
+    return [extra for extra in extras if "-" not in extra]

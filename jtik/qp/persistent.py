@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.qp.backend import Backend, Numbers, Solver
+from jtik.qp.backend import Backend, BackendError, Numbers, Solver, accuracy_of, simplest
 
 Array = NDArray[np.float64]
 
@@ -17,12 +17,22 @@ _INFINITE = 1e30
 
 
 class PersistentOSQP(Backend):
-    """OSQP by its own interface. Options pass through to ``osqp.OSQP.setup``."""
+    """OSQP by its own interface. Options pass through to ``osqp.OSQP.setup``.
+
+    Raises:
+        ArgumentError: for an accuracy that is none.
+        BackendError: when OSQP refuses the options.
+    """
 
     def __init__(self, *, accuracy: float = 1e-3, **options: Any) -> None:
         self.name = "osqp"
-        self.accuracy = accuracy
+        self.accuracy = accuracy_of(accuracy, 1e-3)
         self._options = {**_EXACT, **options}
+        if options:
+            try:
+                _Workspace(1, 1, self._options).ask(simplest())
+            except Exception as error:
+                raise BackendError(self.name, f"refuses the options {options}: {error}") from error
 
     def __repr__(self) -> str:
         return "PersistentOSQP()"
@@ -40,6 +50,14 @@ class _Workspace(Solver):
         self._bounds = np.zeros((2, rows + n))
 
     def solve(self, program: Numbers) -> Sequence[Array] | None:
+        """None also where OSQP raises, as for what is not convex; it then sets up a new workspace the next time."""
+        try:
+            return self.ask(program)
+        except Exception:  # its errors have no base in common
+            self._osqp = None
+            return None
+
+    def ask(self, program: Numbers) -> Sequence[Array] | None:
         """Rows first, then the box as rows of the identity; every entry is stored, so that the pattern stays."""
         import osqp
         from scipy import sparse

@@ -3,22 +3,28 @@
     minimise 1/2 x' P x + q' x   subject to   l <= C x <= u (each group of rows),   lb <= x <= ub
 
 A strategy writes its program where it needs the answer and goes on with the answer as an expression; the engine puts
-the solver in between. A strategy that needs several, one after the other, just asks again.
+the solver in between. A strategy that needs several, one after the other, just asks again. Rows may be elastic: they
+give way where they must, at a price, and the solution says by how much.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeAlias
 
 from jtik.errors import ArgumentError, Array
+from jtik.qp.convexity import FLAT, convex, lowest_eigenvalue
+from jtik.qp.elastic import Elastic, Expansion, mispriced
 from jtik.symbolic import (
     Expression,
     fmax,
+    if_else,
     is_finite,
     logic_and,
+    logic_not,
     logic_or,
     mmax,
     norm_inf,
@@ -32,23 +38,30 @@ Compute: TypeAlias = Callable[[Sequence[Array]], "Sequence[Any] | None"]
 """What Python does in the middle of a step: flat arrays (columns first) to arrays; None where there is no answer."""
 
 
+CROSSED = 1e-9
+"""A lower bound may be above its upper one by this much: rounding."""
+
 EXACT = 1e-12
 """What an answer in closed form may break of a row, or leave of P x + q relative to 1 + |q|: rounding."""
 
 
 @dataclass(frozen=True)
 class Rows:
-    """A named group of rows ``lower <= matrix x <= upper``: (k, n), (k, 1), (k, 1); equal bounds are an equality."""
+    """A named group of rows ``lower <= matrix x <= upper``: (k, n), (k, 1), (k, 1); equal bounds are an equality.
+
+    With ``elastic`` each of them may be broken by as much as that allows, for its price.
+    """
 
     name: str
     matrix: Expression
     lower: Expression
     upper: Expression
+    elastic: Elastic | None = None
 
     @classmethod
-    def equal(cls, name: str, matrix: Expression, to: Expression) -> Rows:
+    def equal(cls, name: str, matrix: Expression, to: Expression, elastic: Elastic | None = None) -> Rows:
         """matrix x = to."""
-        return cls(name, matrix, to, to)
+        return cls(name, matrix, to, to, elastic)
 
     @property
     def count(self) -> int:
@@ -80,16 +93,64 @@ class Program:
             if group.matrix.shape[1] != n or group.lower.shape != (group.count, 1):
                 given = f"matrix {group.matrix.shape}, bounds {group.lower.shape}"
                 raise ArgumentError(f"{self.name}, rows {group.name!r}", given, f"(k, {n}) and (k, 1)")
+            if group.elastic:
+                group.elastic.columns(group.count)
+        lowest = lowest_eigenvalue(self.P)
+        if lowest is not None and lowest < -FLAT:
+            given = f"a matrix that is not convex: its lowest eigenvalue is {lowest:.3g} of its largest entry"
+            raise ArgumentError(f"{self.name}.P", given, "a positive semidefinite one")
 
     @property
     def size(self) -> int:
         """Number of variables."""
         return int(self.q.shape[0])
 
+    @cached_property
+    def convex(self) -> Expression:
+        """1 where P is positive semidefinite: else a steady point need not be a minimum."""
+        return 1 if self.closed_form else convex(self.P)  # a law that knows answers knows its P
+
+    @cached_property
+    def sound(self) -> Expression:
+        """1 where every number is finite, or an infinite bound, and no bounds cross: else no solver need be asked."""
+        P, q, C, low, high, lower, upper = self.data()
+        good = logic_and(is_finite(P), logic_and(is_finite(q), is_finite(C)))
+        for below, above in ((low, high), (lower, upper)):
+            for i in range(below.shape[0]):
+                good = logic_and(good, below[i] <= above[i] + CROSSED)
+        return good
+
     @property
     def row_count(self) -> int:
         """Number of rows of all groups."""
         return sum(group.count for group in self.rows)
+
+    def rows_of(self, name: str) -> tuple[Rows, slice]:
+        """A group of rows, and where it lies among all. Raises ArgumentError when there is none of the name."""
+        start = 0
+        for group in self.rows:
+            if group.name == name:
+                return group, slice(start, start + group.count)
+            start += group.count
+        raise ArgumentError("name", name, f"one of {[group.name for group in self.rows]}")
+
+    @cached_property
+    def expansion(self) -> Expansion | None:
+        """How it becomes a plain program; None where no row is elastic and it is one."""
+        elastic, start = list[int](), 0
+        for group in self.rows:
+            elastic += range(start, start + group.count) if group.elastic else ()
+            start += group.count
+        if not elastic:
+            return None
+        _, _, _, low, high, _, _ = self.data()
+        return Expansion.of(self.size, self.row_count, elastic, low, high)
+
+    @cached_property
+    def prices(self) -> list[Expression]:
+        """Price, curvature and give of the elastic rows, (e, 1) each; nothing where there are none."""
+        columns = [group.elastic.columns(group.count) for group in self.rows if group.elastic]
+        return [vertcat(*column) for column in zip(*columns, strict=True)]
 
     def data(self) -> list[Expression]:
         """P, q, C, l, u, lb, ub, the groups one below the other."""
@@ -103,10 +164,13 @@ class Program:
         """The minimiser without rows and box, (n, 1), and 1 where it keeps to both and so is the answer, or 0.
 
         Far from limits most programs are solved by it, and no solver need be called. Where P is singular it is not
-        finite, and no answer.
+        finite, and no answer. A program that is not sound has NaN for one: there are solvers that loop on it.
         """
-        if self.closed_form is not None:
-            return self.closed_form
+        x, holds = self.closed_form or self._without_limits()
+        return if_else(self.sound, x, math.nan), logic_or(holds, logic_not(self.sound))
+
+    def _without_limits(self) -> tuple[Expression, Expression]:
+        """-P^-1 q, and whether limits leave it as it is."""
         P, q, C, low, high, lower, upper = self.data()
         x = -solve_ldl(P, q)
         inside = logic_and(mmax(lower - x) <= 0, mmax(x - upper) <= 0)
@@ -115,7 +179,7 @@ class Program:
             kept = logic_and(mmax(low - Cx) <= EXACT, mmax(Cx - high) <= EXACT)
             inside = logic_and(inside, kept)
         steady = norm_inf(P @ x + q) <= EXACT * (1 + norm_inf(q))
-        return x, logic_and(logic_and(inside, steady), is_finite(x))
+        return x, logic_and(logic_and(inside, logic_and(steady, self.convex)), is_finite(x))
 
 
 @dataclass(frozen=True)
@@ -133,21 +197,30 @@ class ProgramSolution:
 
     def multipliers(self, name: str) -> Expression:
         """Of one group of rows, (k, 1)."""
-        start = 0
-        for group in self.program.rows:
-            if group.name == name:
-                return self.row_multipliers[start : start + group.count]
-            start += group.count
-        raise ArgumentError("name", name, f"one of {[group.name for group in self.program.rows]}")
+        return self.row_multipliers[self.program.rows_of(name)[1]]
+
+    def slack(self, name: str) -> Expression:
+        """By how much each row of an elastic group gave way, (k, 1), from 0."""
+        group, _ = self.program.rows_of(name)
+        if group.elastic is None:
+            elastic = [each.name for each in self.program.rows if each.elastic]
+            raise ArgumentError("name", name, f"an elastic group of rows, one of {elastic}")
+        used = group.matrix @ self.x
+        return fmax(fmax(group.lower - used, used - group.upper), 0)
 
     @cached_property
     def violation(self) -> Expression:
-        """The largest amount by which a row or the box is broken."""
+        """The largest amount by which a row, beyond what it may give, or the box is broken."""
         _, _, C, low, high, lower, upper = self.program.data()
         worst = fmax(mmax(lower - self.x), mmax(self.x - upper))
         if self.program.row_count:
             Cx = C @ self.x
-            worst = fmax(worst, fmax(mmax(low - Cx), mmax(Cx - high)))
+            below, above = low - Cx, Cx - high
+            if self.program.expansion:
+                rows, give = list(self.program.expansion.elastic), self.program.prices[2]
+                below[rows] -= give
+                above[rows] -= give
+            worst = fmax(worst, fmax(mmax(below), mmax(above)))
         return fmax(worst, 0)
 
     @cached_property
@@ -157,9 +230,14 @@ class ProgramSolution:
         return norm_inf(P @ self.x + q + C.T @ self.row_multipliers + self.box_multipliers)
 
     def solved(self, accuracy: float) -> Expression:
-        """1 where both are within ``accuracy``, relative to q for the second, and nothing is NaN."""
+        """1 where both are within ``accuracy``, relative to q for the second, P is convex and nothing is NaN."""
         size = 1 + norm_inf(self.program.q)
         near = logic_and(self.violation <= accuracy, self.stationarity <= accuracy * size)
+        near = logic_and(near, logic_and(self.program.convex, self.program.sound))
+        if self.program.expansion:
+            groups = [group.name for group in self.program.rows if group.elastic]
+            slacks, multipliers = (vertcat(*map(of, groups)) for of in (self.slack, self.multipliers))
+            near = logic_and(near, mispriced(slacks, multipliers, self.program.prices, accuracy) <= accuracy)
         # maxima pass over NaN, sums do not
         return logic_and(near, is_finite(vertcat(self.x, self.row_multipliers, self.box_multipliers)))
 
@@ -213,6 +291,16 @@ class Computation:
         return good
 
 
+@dataclass(frozen=True)
+class Preparation:
+    """A program before the step: when it is needed, its solution, what is made of it, and the symbols for that."""
+
+    needed: Expression
+    solution: ProgramSolution
+    results: list[Expression]
+    answers: list[Expression]
+
+
 @dataclass
 class Recorder:
     """Takes programs and computations in the order in which a strategy asks for answers."""
@@ -220,6 +308,7 @@ class Recorder:
     accuracy: float
     solver: str = "daqp"
     programs: list[Recorded | Computation] = field(default_factory=list)
+    preparations: list[Preparation] = field(default_factory=list)
 
     def compute(
         self, name: str, compute: Compute, inputs: Sequence[Expression], shapes: Sequence[tuple[int, int]]
@@ -232,10 +321,31 @@ class Recorder:
 
     def solve(self, program: Program) -> ProgramSolution:
         """The answer, as symbols."""
-        k, n, rows = len(self.programs), program.size, program.row_count
-        solution = ProgramSolution(symbol(f"x{k}", n), symbol(f"y{k}", rows), symbol(f"z{k}", n), program)
+        solution = _symbols(program, str(len(self.programs)))
         self.programs.append(Recorded(program, solution))
         return solution
+
+    def solutions(self) -> list[tuple[Program, ProgramSolution]]:
+        """The programs so far, with their answers."""
+        return [(each.program, each.solution) for each in self.programs if isinstance(each, Recorded)]
+
+    def prepare(
+        self,
+        needed: Expression,
+        program: Program,
+        results: Callable[[ProgramSolution], Sequence[Expression]],
+    ) -> list[Expression]:
+        """What a program of the local model alone has to say where it is ``needed``, before the step; else zeros.
+
+        Where it is not, nothing of it is evaluated. ``results`` makes columns of its solution, which nobody checks: a
+        step must be able to do without.
+        """
+        name = f"prepared{len(self.preparations)}"
+        solution = _symbols(program, name)
+        made = list(results(solution))
+        answers = [symbol(f"{name}_{i}", each.shape[0]) for i, each in enumerate(made)]
+        self.preparations.append(Preparation(needed, solution, made, answers))
+        return answers
 
     def solved(self) -> Expression:
         """1 where every program so far was answered rightly."""
@@ -243,3 +353,8 @@ class Recorder:
         for recorded in self.programs:
             good = logic_and(good, recorded.solved(self.accuracy))
         return good
+
+
+def _symbols(program: Program, name: str) -> ProgramSolution:
+    n, rows = program.size, program.row_count
+    return ProgramSolution(symbol(f"x{name}", n), symbol(f"y{name}", rows), symbol(f"z{name}", n), program)

@@ -43,6 +43,7 @@ class Update:
         unsteady: how far H still is from steady, as ``model.null_length`` measures it, where the law knows better than
             that; None where it does not.
         progress: relative decrease of what the law brings down, where that is not V; None where it is.
+        gave_way: by how much something falls short of what was asked for, from 0, by its name and unit.
     """
 
     point: Point
@@ -54,6 +55,7 @@ class Update:
     figures: Mapping[str, Expression] = field(default_factory=dict)
     unsteady: Expression | None = None
     progress: Expression | None = None
+    gave_way: Mapping[tuple[str, str], Expression] = field(default_factory=dict)
 
 
 class Strategy(ABC):
@@ -78,6 +80,10 @@ class Strategy(ABC):
 
     def solves_programs(self, has_criterion: bool) -> bool:
         """Whether the law asks a QP solver, by ``model.solve``, where there is a criterion (or a clearance)."""
+        return False
+
+    def keeps_clear(self) -> bool:
+        """Whether its programs have the rows of clearances and it takes no step that does not keep them."""
         return False
 
     @abstractmethod

@@ -76,7 +76,7 @@ class NullMove:
     Attributes: term; its length; the decrease of H it promises to first order, (dH/dv)' term; the gain beta a trace
     reports; how far H is from steady, where the law knows better than ``model.null_length``; the
     share of the task step to take, where clearances leave no room for all of it; whether both terms together end inside
-    the limits as they are; what a trace reports beside beta, scalars by name.
+    the limits as they are; what a trace reports beside beta, scalars by name; what gave way, by name and unit.
     """
 
     term: Expression
@@ -87,6 +87,7 @@ class NullMove:
     task_scale: Expression = 1
     keeps_limits: bool = False
     figures: Mapping[str, Expression] = field(default_factory=dict)
+    gave_way: Mapping[tuple[str, str], Expression] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -136,6 +137,10 @@ class SecondaryTerm(ABC):
         """Whether it asks a QP solver, by ``model.solve``."""
         return False
 
+    def keeps_clear(self) -> bool:
+        """Whether its programs have the rows of clearances, and leave of the task step what they allow."""
+        return False
+
     def correct(self, model: LocalModel, term: Expression) -> Expression:
         """The whole step ``term`` (n, 1), task step and null step, as it is to be tried: within the limits, too."""
         return term
@@ -177,6 +182,10 @@ class Composition(Strategy):
         """If its secondary term does, and there is one."""
         return has_criterion and self.secondary_term().solves_programs()
 
+    def keeps_clear(self) -> bool:
+        """If its secondary term does."""
+        return self.secondary_term().keeps_clear()
+
     def update(self, model: LocalModel, state: State) -> Update:
         """Propose, join, judge, adapt."""
         task_step, secondary, rule = self.task_step(), self.secondary_term(), self.acceptance()
@@ -209,6 +218,8 @@ class Composition(Strategy):
             accepted = logic_or(falls, logic_and(model.near, judged.length <= model.tube))
         else:
             accepted = falls
+        if model.clearance:
+            accepted = logic_or(accepted, model.recovery.takes(term, point.length))
         judges = self.judges(model.has_criterion)
         accepted = logic_and(accepted, is_finite(point.V + point.H if judges else term))
         clear = model.clearance.keeps(term) if model.clearance else 1
@@ -234,7 +245,8 @@ class Composition(Strategy):
             "actual_decrease": model.here.V - point.V,
             **proposed.figures,
         }
-        return Update(point, accepted, after, term, wanted, null.term, figures, proposed.unsteady)
+        unsteady, gave_way = proposed.unsteady, proposed.gave_way
+        return Update(point, accepted, after, term, wanted, null.term, figures, unsteady, gave_way=gave_way)
 
 
 def _shortened(model: LocalModel, task_term: Expression, null: NullMove) -> NullMove:

@@ -14,6 +14,7 @@ from jtik.clearance import ClearanceModel
 from jtik.errors import JtikError
 from jtik.factorization import RowSpace, RowVector, Split
 from jtik.qp.program import Compute, Program, ProgramSolution, Recorder
+from jtik.recovery import Recovery, recovery
 from jtik.robot import Robot
 from jtik.symbolic import TINY, Expression, Function, dot, fmax, fmin, norm, sqrt, sumsqr, vertcat
 from jtik.task import TaskStack
@@ -91,6 +92,23 @@ class LocalModel:
         if self.programs is None:
             raise JtikError(f"a program of a strategy whose solves_programs() is False: {program.name}")
         return self.programs.solve(program)
+
+    @cached_property
+    def recovery(self) -> Recovery:
+        """How bodies that are too near are moved out, and the rows of the clearances for every program of the step.
+
+        A law takes a step that ``recovery.takes``, too, and none that ``clearance.keeps`` does not.
+        """
+        if self.clearance is None or self.programs is None:
+            raise JtikError("recovery of a model without clearances, or of a strategy that solves no programs")
+        return recovery(
+            self.clearance,
+            self.programs,
+            self.box,
+            lambda: self.full_rows.unit_basis,
+            self.full_J,
+            self.here.length,
+        )
 
     def compute(
         self, name: str, compute: Compute, inputs: Sequence[Expression], shapes: Sequence[tuple[int, int]]

@@ -278,11 +278,37 @@ def test_limit_rows_in_a_program_of_a_strategy():
     assert qpsolvers.solve_problem(problem, solver="daqp").x == pytest.approx([0.29], abs=1e-9)
 
 
-class _Behind(jtik.Strategy):
-    """min 1/2 |J dq + r|^2 under a limit of mink's."""
+class _Push(mink.Limit):
+    """dq >= 0.5, whatever is in the way."""
 
-    def __init__(self, limit):
-        self._limit = limit
+    def compute_qp_inequalities(self, configuration, dt):
+        return mink.Constraint(G=np.array([[-1.0]]), h=np.array([-0.5]))
+
+
+def test_limits_that_contradict_each_other_end_as_a_status_or_give_way():
+    """One asks for half a metre, the wall is nearer: as mink has them there is no step; an elastic one gives way."""
+    robot, model = runner()
+    wall, push = limit_rows(avoidance(model), robot, model, dt=0.01), limit_rows(_Push(), robot, model)
+    task = jtik.FrameTask("ball", axes="x")
+    stuck = jtik.InverseKinematics(robot, task, strategy=_Behind(wall, push)).solve([1.4, 0, 0], q0=[0.6])
+    assert stuck.status is jtik.Status.UNSOLVED
+    assert stuck.q == pytest.approx([0.6])
+    law = _Behind(wall, push, elastic=jtik.qp.Elastic(100.0, curvature=1e-3))
+    ik = jtik.InverseKinematics(robot, task, strategy=law)
+    solution = ik.solve([1.4, 0, 0], q0=[0.6], max_iterations=5)
+    assert solution.status is not jtik.Status.UNSOLVED
+    assert solution.q[0] <= 0.88 + 1e-9  # the wall is hard
+    [entry] = solution.gave_way
+    assert entry.name == "program: limit 1, row 0"
+    step = ik.step(solution.q, [1.4, 0, 0]).q[0] - solution.q[0]
+    assert entry.amount == pytest.approx(0.5 - step, abs=1e-6)
+
+
+class _Behind(jtik.Strategy):
+    """min 1/2 |J dq + r|^2 under limits of mink's, the later ones elastic."""
+
+    def __init__(self, *limits, elastic=None):
+        self._limits, self._elastic = limits, elastic
 
     def solves_programs(self, has_criterion):
         return True
@@ -290,7 +316,9 @@ class _Behind(jtik.Strategy):
     def update(self, model, state):
         J, r = model.full_J, model.here.residual
         low, high = model.box
-        rows = [self._limit.rows(model)]
+        first, *rest = self._limits
+        rows = [first.rows(model)]
+        rows += [each.rows(model, f"limit {i}", elastic=self._elastic) for i, each in enumerate(rest, start=1)]
         program = jtik.qp.Program(P=J.T @ J, q=J.T @ r, lower=low, upper=high, rows=rows)
         dq = model.solve(program).x
         return jtik.strategy.Update(

@@ -1,7 +1,7 @@
-"""The script of papers/das1988 on a tenth of its problems: what it states must hold there too."""
+"""The scripts of papers/das1988: each as its quick run, and the tables of the README against what they check."""
 
-import importlib.util
 import math
+import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -10,82 +10,159 @@ import pytest
 
 import jtik
 
-COUNT = 20
-SCRIPT = Path(__file__).parents[2] / "papers" / "das1988" / "five_families.py"
+FOLDER = Path(__file__).parents[2] / "papers" / "das1988"
+TIMED = "time of a step"
+"""How the numbers begin that a full run alone computes."""
+HELPERS = {"claim", "claims"}
+NAMES = sorted(path.stem for path in FOLDER.glob("*.py") if path.stem not in HELPERS)
 
 
-@pytest.fixture(scope="module")
-def paper():
-    spec = importlib.util.spec_from_file_location("das1988_five_families", SCRIPT)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look their module up
-    spec.loader.exec_module(module)
-    yield module
-    del sys.modules[spec.name]
+@pytest.fixture(scope="session")
+def claims(script):
+    return script("claims")
 
 
-@pytest.fixture(scope="module")
-def rows(paper):
-    return paper.table(COUNT)
+@pytest.mark.parametrize("name", NAMES)
+def test_quickly_run_every_statement_holds_and_every_number_is_as_expected(name, claims):
+    report = claims.SCRIPTS[name].run(quick=True)
+    assert report.trouble == []
+    rows = [row for row in claims.listed()["claim"] if row["script"] == f"{name}.py"]
+    for row in rows:
+        assert row["checks"], row["claim"]
+        # statements about times are made by full runs alone
+        timed = row["number"].startswith(TIMED)
+        assert timed or set(row["checks"]) <= set(report.statements), row["claim"]
 
 
-@pytest.fixture(scope="module")
-def at(rows):
-    return {(row.family, row.method): row for row in rows}
+def test_every_claim_names_a_script_that_is_there_and_every_script_has_a_claim(claims):
+    named = {row["script"] for row in claims.listed()["claim"]}
+    assert all((FOLDER / script).is_file() for script in named)
+    assert named | {"five_families.py"} == {f"{name}.py" for name in NAMES}
 
 
-def test_every_method_meets_every_family_once(paper, rows):
-    assert len(rows) == len(paper.FAMILIES) * len(paper.METHODS)
-    assert {(row.family, row.method) for row in rows} == {(f, m) for f in paper.FAMILIES for m in paper.METHODS}
+def test_what_the_full_run_says_of_times_is_a_statement_of_the_script(claims):
+    script = claims.SCRIPTS["twice_slower"]
+    said = script.statements(script.read_expected())
+    (row,) = (row for row in claims.listed()["claim"] if row["number"].startswith(TIMED))
+    assert set(row["checks"]) <= set(said)
+    assert all(said.values())
 
 
-def test_the_statements_of_the_readme_hold(paper, rows):
-    assert paper.broken(rows) == []
+@pytest.mark.parametrize("name", NAMES)
+def test_the_expected_numbers_of_the_full_run_bear_the_statements_out(name, claims):
+    script = claims.SCRIPTS[name]
+    said = script.statements(script.read_expected())
+    assert [sentence for sentence, holds in said.items() if not holds] == []
 
 
-def test_hybrid_reaches_every_reachable_target_and_never_raises_the_error(paper, at):
-    for family in paper.REACHABLE:
-        assert at[family, "hybrid"].success == 100
-        assert at[family, "hybrid"].rises == 0
+def test_the_tables_of_the_readme_are_those_of_claims_and_expected_numbers(claims):
+    assert claims.main(["--check"]) == 0
 
 
-@pytest.mark.parametrize("family", ["generic", "far"])
-def test_the_targets_drawn_from_configurations_are_the_robots_own_tip(paper, family):
-    q0, target = next(paper.problems(family, 1))
-    assert q0.shape == (10,)
-    assert paper.tip(q0) == pytest.approx(jtik.Robot.planar(10).position(q0, "tip"), abs=1e-12)
-    assert math.hypot(*target) <= 10
+def test_a_number_that_changes_in_the_expected_file_is_missed_in_the_readme(claims, tmp_path):
+    changed = tmp_path / "README.md"
+    changed.write_text((FOLDER / "README.md").read_text(encoding="utf-8").replace("123.5 (82.5)", "122.5 (82.5)"))
+    assert claims.main(["--check"], path=changed) == 1
+    assert claims.main([], path=changed) == 0
+    assert claims.main(["--check"], path=changed) == 0
 
 
-def test_problems_do_not_depend_on_how_many_are_asked_for(paper):
-    few, many = list(paper.problems("far", 2)), list(paper.problems("far", 5))
-    for (q, target), (same_q, same_target) in zip(few, many, strict=False):
-        assert (q == same_q).all()
-        assert (target == same_target).all()
+def test_verdicts_are_few(claims):
+    allowed = {"holds", "holds, and more", "holds under the condition", "does not hold", "does not hold as printed"}
+    assert {row["verdict"] for row in claims.listed()["claim"]} <= allowed | {"misprint", "holds, and does not pay"}
 
 
-def test_the_printed_S_changes_nothing_on_a_revolute_arm(at):
-    # alpha undoes S up to rounding, which a chaotic run may amplify by a few iterations
-    for family in ("generic", "far", "near-straight 1e-3"):
-        printed, plain = at[family, "transpose, S as printed"], at[family, "transpose, alpha only"]
-        assert printed.iterations == pytest.approx(plain.iterations, rel=0.05)
-        assert printed.success == plain.success
+def test_the_figure_is_drawn(script, tmp_path, monkeypatch):
+    figure = script("figure_2_2")
+    monkeypatch.setattr(figure, "TARGETS", figure.FEW)
+    figure.draw(tmp_path, [])
+    assert (tmp_path / "figure_2_2.png").stat().st_size > 10_000
 
 
-def test_a_difference_beyond_the_tolerance_is_found_and_named(paper, rows):
-    assert paper.differing(rows, rows) == []
-    worse = [replace(rows[0], success=rows[0].success - 5), *rows[1:]]
-    (line,) = paper.differing(worse, rows)
-    assert rows[0].method in line
-    assert "success" in line
+class TestComparison:
+    """What a script says of numbers that are not as expected."""
+
+    @pytest.fixture
+    def example(self, script):
+        claim = script("claim")
+        return claim, claim.Script(
+            name="example",
+            keys=("case",),
+            tolerances={"share": claim.Within(absolute=3.0), "steps": claim.Within(relative=0.1)},
+            compute=lambda quick: [],
+            statements=lambda rows: {},
+        )
+
+    ROWS = ({"case": "a", "share": 50.0, "steps": 20.0}, {"case": "b", "steps": math.inf})
+
+    def test_rows_differ_beyond_the_tolerance_and_not_within(self, example):
+        _, script = example
+        assert script.differing(self.ROWS, self.ROWS) == []
+        assert script.differing([{**self.ROWS[0], "share": 53.0}, self.ROWS[1]], self.ROWS) == []
+        assert script.differing([{**self.ROWS[0], "share": 53.1}, self.ROWS[1]], self.ROWS) == [
+            "a: share is 53.1, expected 50"
+        ]
+        assert script.differing([{**self.ROWS[0], "share": 58.0}, self.ROWS[1]], self.ROWS, slack=3.0) == []
+
+    def test_a_failure_is_no_large_number(self, example):
+        _, script = example
+        found = script.differing([self.ROWS[0], {"case": "b", "steps": 1e6}], self.ROWS)
+        assert found == ["b: steps is 1000000, expected inf"]
+
+    def test_rows_and_cells_that_one_of_both_lacks_are_named(self, example):
+        _, script = example
+        assert script.differing(self.ROWS[:1], self.ROWS) == ["b: expected, but not there"]
+        assert script.differing(self.ROWS, self.ROWS[:1]) == ["b: not expected"]
+        assert script.differing([self.ROWS[0], {"case": "b"}], self.ROWS) == ["b: steps is in one of both alone"]
+
+    def test_rows_survive_the_csv_file(self, example, tmp_path):
+        claim, _ = example
+        claim.write(tmp_path / "deep" / "rows.csv", self.ROWS)
+        assert claim.read(tmp_path / "deep" / "rows.csv", ("case",)) == list(self.ROWS)
+
+    def test_a_statement_that_does_not_hold_ends_in_status_1(self, example, tmp_path, capsys, monkeypatch):
+        claim, script = example
+        monkeypatch.setattr(claim, "HERE", tmp_path)
+        told = replace(script, compute=lambda quick: list(self.ROWS), statements=lambda rows: {"pigs fly": False})
+        assert told.main("An example.", ["--accept", "--out", str(tmp_path / "out")]) == 1
+        assert "pigs fly" in capsys.readouterr().err
+        fine = replace(told, statements=lambda rows: {"pigs walk": True})
+        assert fine.main("An example.", ["--out", str(tmp_path / "out")]) == 0
+        off = replace(fine, compute=lambda quick: [{**self.ROWS[0], "share": 60.0}, self.ROWS[1]])
+        assert off.main("An example.", ["--out", str(tmp_path / "out")]) == 1
+        assert "share is 60, expected 50" in capsys.readouterr().err
 
 
-def test_rows_survive_the_csv_file(paper, rows, tmp_path):
-    path = tmp_path / "results" / "rows.csv"
-    paper.write(path, rows)
-    assert paper.differing(rows, paper.read(path)) == []
+def test_a_script_runs_from_the_command_line(tmp_path):
+    command = [sys.executable, str(FOLDER / "curvature.py"), "--quick", "--out", str(tmp_path)]
+    run = subprocess.run(command, capture_output=True, text=True, check=False, cwd=FOLDER.parents[1])
+    if "No module named 'jtik'" in run.stderr:
+        pytest.skip("jtik is on the path of the tests and not installed")
+    assert run.returncode == 0, run.stderr
+    assert "as expected" in run.stdout
+    assert (tmp_path / "curvature.csv").is_file()
 
 
-def test_there_is_an_expected_row_for_every_row(paper):
-    expected = {(row.family, row.method) for row in paper.read(SCRIPT.parent / "expected" / "five_families.csv")}
-    assert expected == {(family, method) for family in paper.FAMILIES for method in paper.METHODS}
+class TestFamilies:
+    """The problems most scripts draw from."""
+
+    @pytest.fixture
+    def families(self, script):
+        return script("five_families")
+
+    @pytest.mark.parametrize("family", ["generic", "far"])
+    def test_targets_drawn_from_configurations_are_the_robots_own_tip(self, families, family):
+        q0, target = next(families.problems(family, 1))
+        assert q0.shape == (10,)
+        assert families.tip(q0) == pytest.approx(jtik.Robot.planar(10).position(q0, "tip"), abs=1e-12)
+        assert math.hypot(*target) <= 10
+
+    def test_problems_do_not_depend_on_how_many_are_asked_for(self, families):
+        few, many = list(families.problems("far", 2)), list(families.problems("far", 5))
+        for (q, target), (same_q, same_target) in zip(few, many, strict=False):
+            assert (q == same_q).all()
+            assert (target == same_target).all()
+
+    def test_there_is_an_expected_row_for_every_row(self, families, claims):
+        expected = {(row["family"], row["method"]) for row in families.SCRIPT.read_expected()}
+        assert expected == {(family, method) for family in families.FAMILIES for method in families.METHODS}

@@ -42,8 +42,8 @@ class JointCentering(Criterion):
         *,
         name: str = "joint_centering",
     ) -> None:
-        self._stiffness = np.array(stiffness, dtype=float)
-        self._preferred = None if preferred is None else np.array(preferred, dtype=float)
+        self._stiffness = _array("stiffness", stiffness)
+        self._preferred = None if preferred is None else _array("preferred", preferred)
         self.name = name
         if not np.all(self._stiffness >= 0):
             raise ArgumentError("stiffness", stiffness, "values from 0")
@@ -62,3 +62,11 @@ class JointCentering(Criterion):
         scalar = [int(i) for i in kinematics.robot.scalar_q]
         away = (kinematics.q - parameters["preferred"])[scalar]
         return 0.5 * dot(parameters["stiffness"][scalar], away**2)
+
+
+def _array(argument: str, given: ArrayLike) -> Array:
+    """The numbers given. Raises ArgumentError for what is none."""
+    try:
+        return np.array(given, dtype=float)
+    except (TypeError, ValueError):
+        raise ArgumentError(argument, given, "numbers, one for each configuration entry") from None

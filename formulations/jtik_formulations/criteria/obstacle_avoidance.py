@@ -8,7 +8,7 @@ from typing import Literal
 from numpy.typing import ArrayLike
 
 from jtik import Criterion, register_criterion
-from jtik.errors import ArgumentError
+from jtik.errors import ArgumentError, finite_array
 from jtik.geometry import (
     Obstacle,
     Solid,
@@ -58,9 +58,9 @@ class ObstacleAvoidance(Criterion):
         name: str = "obstacle_avoidance",
     ) -> None:
         self._obstacles = [obstacles] if isinstance(obstacles, Obstacle) else list(obstacles)
-        self._gain = float(gain)
+        self._gain = float(finite_array("gain", gain, ()))
         self._bodies = bodies
-        self._floor = float(floor)
+        self._floor = float(finite_array("floor", floor, ()))
         self.name = name
         if not self._obstacles:
             raise ArgumentError("obstacles", "none", "at least one jtik.Point, jtik.Circle or jtik.Sphere")
@@ -96,6 +96,17 @@ class ObstacleAvoidance(Criterion):
                 ends = kinematics.point(frame, first), kinematics.point(frame, last)
                 bodies.append([segment_to_ball(*ends, *ball) - radius for ball in balls])
         return bodies
+
+    def body_names(self, robot: Robot) -> list[str]:
+        """What the bodies of `distances` are called, in their order: by their frames."""
+        names = []
+        if self._bodies in ("joints", "both"):
+            names += list(robot.moving_frames)
+        if self._bodies in ("links", "both"):
+            names += [f"{start}-{end}" for start, end in robot.segments]
+        if self._bodies == "shapes":
+            names += [frame for frame, _ in _moving_solids(robot)]
+        return names
 
     def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
         """-gain * sum of ln d, continued below the floor."""

@@ -17,8 +17,10 @@ from jtik.symbolic import (
     fmin,
     horzcat,
     identity,
+    if_else,
     logic_and,
     logic_not,
+    logic_or,
     mmax,
     mmin,
     norm,
@@ -51,11 +53,13 @@ class Descent:
     """What the levels came to.
 
     Attributes: step (n, 1); free (n, 1), 0 for a joint whose limit keeps a level from its aim: whoever moves it away
-    from there makes that level worse, so it has nothing left to give to what comes below; else 1.
+    from there makes that level worse, so it has nothing left to give to what comes below; else 1; missed, for each
+    level the norm of the error that limits and rows leave of it, 0 where they do not keep it from its aim.
     """
 
     step: Expression
     free: Expression
+    missed: Sequence[Expression]
 
 
 def descend(
@@ -68,6 +72,7 @@ def descend(
     damping: float = 0.0,
     brake: Expression = 0,
     rows: Rows | None = None,
+    start: Expression | None = None,
 ) -> Descent:
     """x (n, 1) that lexicographically minimises |r_k + J_k x| over the levels k, within the box and the rows.
 
@@ -79,10 +84,13 @@ def descend(
         solver: what answers the programs.
         damping: of each level's step, in proportion to half its squared error.
         brake: damping of all levels' steps.
-        rows: inequalities that hold at every level; x = 0 must satisfy them.
+        rows: inequalities that hold at every level; ``start`` must satisfy them.
+        start: the x to which the first level adds its own, within the box; 0 by default.
     """
     n = J.shape[1]
-    x, free, above = zeros(n), vertcat(*[1] * n), list[int]()
+    x = zeros(n) if start is None else start
+    free, above = vertcat(*[1] * n), list[int]()
+    missed = list[Expression]()
     for k, level in enumerate(map(list, levels)):
         # a joint that a level above has pressed against its limit is none of this level's
         space = RowSpace(J[above + level, :] @ diag(free) if above else J[level, :])
@@ -91,10 +99,11 @@ def descend(
             bounds = [space.dependent_bounds(side)[: len(above)] for side in (-1, 1)]
             kept = [Rows("levels above", space.unit_basis[: len(above), :], *bounds)]
         own = space.unit_basis[len(above) :, :]  # what this level can move and none above it feels
-        x, pressed = _level(J[level, :], r[level], own, x, box, solver, kept, damping, brake, rows, f"level {k}")
+        x, pressed, left = _level(J[level, :], r[level], own, x, box, solver, kept, damping, brake, rows, f"level {k}")
         free = vertcat(*[logic_and(free[j], logic_not(pressed[j])) for j in range(n)])
         above = above + level
-    return Descent(x, free)
+        missed.append(left)
+    return Descent(x, free, missed)
 
 
 def _level(
@@ -109,8 +118,9 @@ def _level(
     brake: Expression,
     rows: Rows | None,
     name: str,
-) -> tuple[Expression, list[Expression]]:
-    """From the answer of the levels above to that of this one too; and which joints' limits keep it from its aim."""
+) -> tuple[Expression, list[Expression], Expression]:
+    """From the answer of the levels above to that of this one too; which joints' limits keep it from its aim; and what
+    error limits and rows leave of it."""
     (low, high), (m, n) = box, J.shape
     C = J @ own.T
     error = r + J @ x
@@ -147,4 +157,10 @@ def _level(
     moved = norm(reached - x)
     force = [scale * fabs(answer.box_multipliers[j]) for j in range(n)]
     least = fmax(PRESSED * sqrt(size) * left, 10 * scale * moved)
-    return reached, [logic_and(missed, each > least) for each in force]
+    held = mmax(vertcat(*force)) > least
+    if rows:
+        used = answer.multipliers(rows.name)
+        pressing = [scale * fabs(used[i]) * norm(rows.matrix[i, :]) for i in range(rows.count)]
+        held = logic_or(held, mmax(vertcat(*pressing)) > least)
+    short = if_else(logic_and(missed, held), left, 0)
+    return reached, [logic_and(missed, each > least) for each in force], short

@@ -84,6 +84,10 @@ class LexicographicQP(Strategy):
         """One a level, and one for a criterion."""
         return True
 
+    def keeps_clear(self) -> bool:
+        """Its programs have the rows."""
+        return True
+
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
         """Damping that refusals have added, weights of the levels, penalty, and what the secondary term remembers."""
         state = {"brake": np.zeros(1), "weights": np.zeros(shape.m), "penalty": np.zeros(1)}
@@ -93,26 +97,34 @@ class LexicographicQP(Strategy):
 
     def update(self, model: LocalModel, state: State) -> Update:
         """All levels, the criterion, the verdict."""
+        box = capped(model, self.q_limit)
+        room = model.recovery.within(*box) if model.clearance else None
         found = descend(
             model.full_J,
             model.here.residual,
             model.levels,
-            capped(model, self.q_limit),
+            box,
             model,
             damping=self.damping,
             brake=state["brake"],
-            rows=model.clearance.rows() if model.clearance else None,
+            rows=room.rows if room else None,
+            start=room.step if room else None,
         )
         step = found.step
         null = NullMove(zeros(model.robot.n), 0, 0, 0)
         if model.has_criterion or model.clearance:
+            if room:  # what makes room is no share of the task's
+                step = step - model.recovery.step
             null = self.secondary.propose(_below(model, found.free), state, -step)
             step = null.task_scale * step
         term = model.within_limits(null.term - step)
         point = model.moved(term)
         verdict = LevelMerit(model, model.levels).judge(state["weights"], state["penalty"], step, null, point)
         watched = point.V + point.H if self.judges(model.has_criterion) else term
-        accepted = logic_and(verdict.accepted if self.backtracking else 1, is_finite(watched))
+        accepted = verdict.accepted if self.backtracking else 1
+        if model.clearance:
+            accepted = logic_or(accepted, model.recovery.takes(term, point.length))
+        accepted = logic_and(accepted, is_finite(watched))
         clear = model.clearance.keeps(term) if model.clearance else 1
         accepted = logic_and(accepted, clear)
         null_blamed = null.length > norm(step) if model.has_criterion else 0
@@ -133,7 +145,9 @@ class LexicographicQP(Strategy):
             "V2": null.length**2 / 2,
             "predicted_decrease": model.predicted_decrease(-(model.full_J @ step)),
             "actual_decrease": model.here.V - point.V,
+            **null.figures,
         }
+        missed = {(f"level {k}", "of its residual"): left for k, left in enumerate(found.missed)}
         return Update(
             point=point,
             accepted=accepted,
@@ -144,6 +158,7 @@ class LexicographicQP(Strategy):
             figures=figures,
             unsteady=null.unsteady,
             progress=verdict.progress,
+            gave_way={**null.gave_way, **missed},
         )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik import register_strategy
-from jtik.errors import ArgumentError
+from jtik.errors import ArgumentError, finite_array
 from jtik.strategy import LocalModel, NullMove, Outcome, Shape, State, Strategy, Update
 from jtik.symbolic import fmax, fmin, if_else, is_finite, norm, ratio, vertcat, zeros
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
@@ -64,7 +64,7 @@ class Mink(Strategy):
         for name in ("lm_damping", "damping"):
             if not 0 <= getattr(self, name) < math.inf:
                 raise ArgumentError(name, getattr(self, name), "a finite number from 0")
-        if not 0 < self.weight < math.inf:
+        if not finite_array("weight", self.weight, ()) > 0:
             raise ArgumentError("weight", self.weight, "a positive, finite number")
         if not self.step_limit > 0:
             raise ArgumentError("step_limit", self.step_limit, "a positive angle [rad], math.inf for none")

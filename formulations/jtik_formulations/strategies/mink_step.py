@@ -47,7 +47,9 @@ class MinkStep:
         has_criterion: bool,
     ) -> None:
         if solver not in qpsolvers.available_solvers:
-            raise ArgumentError("solver", solver, f"one that mink can use: {qpsolvers.available_solvers}")
+            names = ", ".join(qpsolvers.available_solvers)
+            more = "more come with: pip install 'qpsolvers[open-source-solvers]'"
+            raise ArgumentError("solver", solver, f"one that mink can use: {names}; {more}")
         mujoco_model = to_mujoco(robot)
         mujoco_model.jnt_limited[:] = 0  # the box has them
         self._law, self._solver, self._robot = law, solver, robot
@@ -100,7 +102,7 @@ class MinkStep:
                     constraints=[*equal, *self._followers],
                     **_EXACT.get(self._solver, {}),
                 )
-        except (mink.NoSolutionFound, qpsolvers.exceptions.QPError):
+        except (mink.NoSolutionFound, qpsolvers.exceptions.QPError, ValueError, ArithmeticError, RuntimeError):
             return None
         return self._places.velocity(dq) if self._holds(dq, equal) else None
 

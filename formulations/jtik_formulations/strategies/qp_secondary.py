@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from jtik import register_secondary
 from jtik.errors import ArgumentError
 from jtik.factorization import RowSpace
-from jtik.limits import AT_LIMIT
 from jtik.qp import Program, Rows
 from jtik.strategy import LocalModel, NullMove, State
 from jtik.symbolic import (
@@ -19,6 +18,7 @@ from jtik.symbolic import (
     Expression,
     diag,
     dot,
+    fmax,
     fmin,
     horzcat,
     if_else,
@@ -27,9 +27,11 @@ from jtik.symbolic import (
     logic_or,
     norm,
     ratio,
+    sqrt,
     vertcat,
     zeros,
 )
+from jtik.working_set import AT_LIMIT
 from jtik_formulations.strategies.projected_gradient import NOISE, ProjectedGradient
 
 Array = NDArray[np.float64]
@@ -61,11 +63,18 @@ class QPSecondary(ProjectedGradient):
         super().__post_init__()
         if self.rule != "merit":
             raise ArgumentError("rule", self.rule, "'merit': the other rules know nothing of limits")
-        weight = np.asarray(self.weight, dtype=float)
+        try:
+            weight = np.asarray(self.weight, dtype=float)
+        except (TypeError, ValueError):
+            weight = np.full(1, np.nan)
         if weight.ndim > 1 or not (np.isfinite(weight).all() and (weight > 0).all()):
             raise ArgumentError("weight", self.weight, "a positive number, or one for each velocity entry")
 
     def solves_programs(self) -> bool:
+        """Yes."""
+        return True
+
+    def keeps_clear(self) -> bool:
         """Yes."""
         return True
 
@@ -78,8 +87,12 @@ class QPSecondary(ProjectedGradient):
         weight = np.broadcast_to(weight, n)
         length = norm(h)
         beta = fmin(self._barzilai_borwein(h, state), ratio(state["null_cap"], length))
+        figures, gave_way = dict[str, Expression](), dict[tuple[str, str], Expression]()
         if model.clearance:
             move, scale = self._clear(model, weight, beta, task_term)
+            figures["task_share"] = scale
+            short = logic_and((1 - scale) * norm(task_term) > SHORT, scale < MOST)
+            gave_way["task step", "share"] = if_else(short, 1 - scale, 0)
         else:
             move, scale = self._within_limits(model, weight, beta, length, task_term), 1
         moved = norm(move)
@@ -91,6 +104,8 @@ class QPSecondary(ProjectedGradient):
             unsteady=ratio(norm(weight * move), beta),
             task_scale=scale,
             keeps_limits=True,
+            figures=figures,
+            gave_way=gave_way,
         )
 
     def _within_limits(
@@ -116,31 +131,34 @@ class QPSecondary(ProjectedGradient):
     ) -> tuple[Expression, Expression]:
         """nu and the share s of the task step t that the clearances leave room for, from (y, s) with y = s t + nu.
 
-        y = 0, s = 0 is always feasible. s comes before H: its price is far above what nu could gain.
+        Without bodies that are too near y = 0, s = 0 is always feasible, with them y = x, s = 0, the step that moves
+        them out, whose motion of the task stays. s comes before H: its price is far above what nu could gain. Its
+        unit in the program is chosen so that the curvature is 1, however short t is.
         """
-        assert model.clearance is not None
         n, t = model.robot.n, -task_term
         low, high = model.box
         K = model.full_rows.unit_basis
-        Wt = weight * t
-        price = _PRICE * (dot(t, Wt) + beta * norm(model.full_gradient) * norm(t) + TINY) + _LEAST_PRICE
-        P = vertcat(horzcat(diag(vertcat(*weight.tolist())), -Wt), horzcat(-Wt.T, dot(t, Wt) + price))
-        q = vertcat(beta * model.full_gradient, -beta * dot(model.full_gradient, t) - price)
-        kept = model.clearance.rows()
+        Wt, slope = weight * t, beta * model.full_null_gradient  # the rest of the gradient is the multipliers' alone
+        price = _PRICE * (dot(t, Wt) + norm(slope) * norm(t) + TINY) + _LEAST_PRICE
+        unit = sqrt(dot(t, Wt) + price)
+        P = vertcat(horzcat(diag(vertcat(*weight.tolist())), -Wt / unit), horzcat(-Wt.T / unit, 1))
+        q = vertcat(slope, -(dot(slope, t) + price) / unit)
+        room = model.recovery
+        kept, demanded = room.rows, K @ room.step
         answer = model.solve(
             Program(
                 P=P,
                 q=q,
                 lower=vertcat(low, 0),
-                upper=vertcat(high, 1),
+                upper=vertcat(high, unit),
                 rows=[
-                    _task_rows(model, horzcat(K, -K @ t)),
+                    _task_rows(model, horzcat(K, -K @ t / unit), demanded),
                     Rows(kept.name, horzcat(kept.matrix, zeros(kept.count)), kept.lower, kept.upper),
                 ],
                 name="null-space step",
             )
         )
-        y, scale = answer.x[:n], answer.x[n]
+        y, scale = answer.x[:n], fmin(fmax(answer.x[n] / unit, 0), 1)
         return y - scale * t, scale
 
 
@@ -161,10 +179,16 @@ def _reduced_gradient(model: LocalModel) -> Expression:
     return RowSpace(J).split(vertcat(*free) * model.full_gradient).null
 
 
-def _task_rows(model: LocalModel, matrix: Expression) -> Rows:
-    """matrix x = 0; rows of zeros, of a dependent task, are free."""
-    return Rows("task", matrix, *[model.full_rows.dependent_bounds(side) for side in (-1, 1)])
+def _task_rows(model: LocalModel, matrix: Expression, to: Expression = 0) -> Rows:
+    """matrix x = to; rows of zeros, of a dependent task, are free."""
+    return Rows("task", matrix, *[to + model.full_rows.dependent_bounds(side) for side in (-1, 1)])
 
+
+SHORT = 1e-6
+"""Length of a task step [rad] below which it is no matter how much of it is left out."""
+
+MOST = 0.999
+"""A share of the task step above this is all of it, but for the solver's rounding."""
 
 _PRICE = 1e4
 """Price of a share of the task step in units of what the null space could gain: near enough to strict priority."""

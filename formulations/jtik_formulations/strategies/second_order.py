@@ -16,7 +16,6 @@ from jtik import register_secondary
 from jtik.curvature import lagrangian_hessian
 from jtik.errors import ArgumentError
 from jtik.factorization import RowSpace, Split
-from jtik.limits import AT_LIMIT
 from jtik.qp import Program, Rows
 from jtik.strategy import LocalModel, NullMove, Outcome, SecondaryTerm, Shape, State
 from jtik.symbolic import (
@@ -40,6 +39,7 @@ from jtik.symbolic import (
     vec,
     vertcat,
 )
+from jtik.working_set import AT_LIMIT
 from jtik_formulations.strategies.projected_gradient import NOISE
 
 Array = NDArray[np.float64]
@@ -87,7 +87,7 @@ class SecondOrder(SecondaryTerm):
     source = "Nocedal and Wright 2006, chapter 18; Gill, Murray and Wright 1981"
 
     def __post_init__(self) -> None:
-        if self.curvature not in ("exact", "gauss_newton"):
+        if not (isinstance(self.curvature, str) and self.curvature in ("exact", "gauss_newton")):
             raise ArgumentError("curvature", self.curvature, "'exact' or 'gauss_newton'")
         if not 0 < self.step_limit < math.inf:
             raise ArgumentError("step_limit", self.step_limit, "a positive, finite length [rad]")

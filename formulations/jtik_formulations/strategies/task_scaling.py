@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from jtik.errors import ArgumentError
 from jtik.factorization import RowSpace, damped_multipliers
-from jtik.limits import AT_LIMIT
 from jtik.strategy import Acceptance, LocalModel, NullMove, Outcome, Shape, State, Strategy, Update
 from jtik.symbolic import (
     Expression,
@@ -31,6 +30,7 @@ from jtik.symbolic import (
     vertcat,
     zeros,
 )
+from jtik.working_set import AT_LIMIT
 from jtik_formulations.strategies.level_merit import LevelMerit
 from jtik_formulations.strategies.projected_gradient import NOISE, ProjectedGradient
 from jtik_formulations.strategies.weighted_qp import capped

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik import register_strategy
-from jtik.errors import ArgumentError
-from jtik.qp import Program
+from jtik.errors import ArgumentError, finite_array
+from jtik.qp import Program, ProgramSolution
 from jtik.strategy import Acceptance, LocalModel, Shape, State, Strategy, Update
 from jtik.symbolic import (
     Expression,
@@ -24,6 +24,10 @@ from jtik.symbolic import (
     if_else,
     is_finite,
     logic_and,
+    logic_or,
+    mmax,
+    norm,
+    norm_inf,
     ratio,
     sumsqr,
     vertcat,
@@ -43,6 +47,10 @@ HARDER, SOFTER = 8.0, 0.25
 
 FIRST_BRAKE = 1e-6
 """Least damping a refusal adds, relative to |J|^2: less would not shorten the step that was refused."""
+
+
+PRESSED = 1e-6
+"""Least multiplier of a limit that has a say, relative to 1 + |slope|: below it is the solver's."""
 
 
 @register_strategy("weighted_qp")
@@ -86,6 +94,7 @@ class WeightedQP(Strategy):
         if not 0 < self.gain <= 1:
             raise ArgumentError("gain", self.gain, "a number in (0, 1]")
         for name in ("damping", "weight", "curvature"):
+            finite_array(name, getattr(self, name), ())
             if not 0 < getattr(self, name) < math.inf:
                 raise ArgumentError(name, getattr(self, name), "a positive, finite number")
         if not 0 <= self.lm_damping < math.inf:
@@ -105,6 +114,10 @@ class WeightedQP(Strategy):
         """Always one."""
         return True
 
+    def keeps_clear(self) -> bool:
+        """Its programs have the rows."""
+        return True
+
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
         """The damping that refusals have added."""
         return {"brake": np.zeros(1)} if self.backtracking else {}
@@ -120,8 +133,9 @@ class WeightedQP(Strategy):
         brake: Expression = state["brake"] if self.backtracking else 0
         P = J.T @ J + (mu + brake) * identity(n)
         low, high = capped(model, self.q_limit)
-        rows = [model.clearance.rows()] if model.clearance else []
-        dq = model.solve(Program(P=P, q=slope, lower=low, upper=high, rows=rows, name="step")).x
+        rows = [model.recovery.within(low, high).rows] if model.clearance else []
+        answer = model.solve(Program(P=P, q=slope, lower=low, upper=high, rows=rows, name="step"))
+        dq = answer.x
         point = model.moved(-dq)
         predicted = -dot(slope, dq) - self.gain * sumsqr(J @ dq) / 2
         actual = self.gain * (model.here.V - point.V)
@@ -136,6 +150,7 @@ class WeightedQP(Strategy):
         if self.backtracking:
             accepted = logic_and(predicted > 0, actual >= SUFFICIENT * predicted - noise)
         if model.clearance:
+            accepted = logic_or(accepted, model.recovery.takes(-dq, point.length))
             accepted = logic_and(accepted, model.clearance.keeps(-dq))
         if self.backtracking:
             harder = fmax(HARDER * brake, fmax(mu, FIRST_BRAKE * model.full_rows.squared_length))
@@ -158,7 +173,18 @@ class WeightedQP(Strategy):
             null_term=zeros(n),
             figures=figures,
             progress=progress,
+            gave_way={("task", "of its residual"): if_else(_hindered(answer), norm(model.here.residual + J @ dq), 0)},
         )
+
+
+def _hindered(answer: ProgramSolution) -> Expression:
+    """Whether a limit or a row has a say in the step."""
+    program = answer.program
+    forces = [fabs(answer.box_multipliers[j]) for j in range(program.size)]
+    for group in program.rows:
+        multipliers = answer.multipliers(group.name)
+        forces += [fabs(multipliers[i]) * norm(group.matrix[i, :]) for i in range(group.count)]
+    return mmax(vertcat(*forces)) > PRESSED * (1 + norm_inf(program.q))
 
 
 def capped(model: LocalModel, q_limit: float) -> tuple[Expression, Expression]:

@@ -1,0 +1,482 @@
+"""Ten links among four circles: a step with clearance rows for all 40 pairs of links and circles, DAQP.
+
+jtik's strategies beside mink with its collision limit and placo with its collision constraint, round one closed path
+of the tip, in closed loop, in one process and interleaved. Every way that a step goes is judged in closed form: how
+near the links come to the circles, and how far the tip is from its target.
+
+    python benchmarks/clearances.py [--strategies hybrid+qp weighted_qp] [--code C] [--cpu]
+
+The peers are those of qp_step.py; one that is missing is a row that says so.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import platform
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from qp_step import (  # sets the numbers of threads, so before NumPy
+    DT,
+    POSTURE_COST,
+    REPEATED,
+    STRATEGIES,
+    Clock,
+    interleaved,
+    package_versions,
+)
+
+# isort: split
+import numpy as np
+
+import jtik
+from jtik_formulations import JointCentering, ObstacleAvoidance, WeightedQP
+
+Array = np.ndarray
+LINKS, LENGTH, RADIUS = 10, 0.1, 0.01
+"""How many links, how long and how thick [m]: each is a capsule."""
+CIRCLES = (
+    jtik.Circle((0.02, 0.25), 0.05),
+    jtik.Circle((0.33, 0.11), 0.06),
+    jtik.Circle((0.53, 0.35), 0.05),
+    jtik.Circle((0.62, 0.12), 0.05),
+)
+SAFE = 0.01
+"""The clearance that all libraries are asked for [m]."""
+EVERYTHING = 10.0
+"""A distance that nothing here is beyond [m]: for libraries that ask from where on a pair counts."""
+NEARBY = 0.1
+"""The same where far pairs are to be left out [m]."""
+HOME = np.array([1.3, -0.4, -0.4, -0.4, -0.4, 0.2, 0.4, 0.4, 0.4, 0.2])
+"""Where the path begins, and the posture to prefer [rad]."""
+PLACES = 100
+"""Targets on the path."""
+JUDGED = 3
+"""Times round the path that are judged."""
+SWEPT = 25
+"""Configurations on the way of a step at which the clearance is measured."""
+ALONE = 5
+"""Every how many places a call is timed alone."""
+CODES = ("C", "machine")
+
+Step = Callable[[Array, Any], "Array | None"]
+"""(q, target) -> q (n,) after the step, None where there is no answer."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """Figures of one way to step.
+
+    Attributes: times [us]; least clearance on the whole way [mm]; distance of the tip from the target after a step,
+    median and worst [mm]; the share of steps that end within 20 mm of a circle; steps without an answer; why there are
+    no figures.
+    """
+
+    name: str
+    median: float = math.nan
+    p10: float = math.nan
+    p90: float = math.nan
+    clearance: float = math.nan
+    missed: float = math.nan
+    worst: float = math.nan
+    near: float = math.nan
+    unanswered: int = 0
+    missing: str = ""
+
+
+def arm() -> jtik.Robot:
+    """Capsules in the plane, limits on positions and velocities."""
+    plain = jtik.Robot.planar([LENGTH] * LINKS, lower=-2.0, upper=2.0, velocity_limit=2.0)
+    capsule = jtik.Capsule((0.0, 0.0, 0.0), (LENGTH, 0.0, 0.0), RADIUS)
+    shapes = {f"link{i}": (capsule,) for i in range(1, LINKS + 1)}
+    return jtik.Robot(plain.joints, name="ten", planar=True, tip=plain.tip, shapes=shapes)
+
+
+def points(q: Array) -> Array:
+    """The ends of all links, (..., n + 1, 2), in closed form."""
+    angle = np.cumsum(q, axis=-1)
+    ends = np.cumsum(LENGTH * np.stack([np.cos(angle), np.sin(angle)], axis=-1), axis=-2)
+    return np.concatenate([np.zeros((*q.shape[:-1], 1, 2)), ends], axis=-2)
+
+
+def clearances(q: Array) -> Array:
+    """Distances of all links' surfaces to all circles [m], (..., n, 4)."""
+    ends = points(q)
+    start, along = ends[..., :-1, None, :], np.diff(ends, axis=-2)[..., None, :]
+    centers = np.array([circle.center for circle in CIRCLES])
+    share = np.clip(((centers - start) * along).sum(-1) / LENGTH**2, 0, 1)
+    gap = np.linalg.norm(start + share[..., None] * along - centers, axis=-1)
+    return gap - np.array([circle.radius for circle in CIRCLES]) - RADIUS
+
+
+def targets() -> list[Array]:
+    """Once round, from the tip's place at home: through the gaps, half a centimetre a step."""
+    tip, angle = points(HOME)[-1], np.linspace(0, 2 * np.pi, PLACES, endpoint=False)
+    return list(tip + np.stack([0.06 * (np.cos(angle) - 1), 0.10 * np.sin(angle)], axis=-1))
+
+
+def solver(robot: jtik.Robot, strategy: str, *, code: str, recover: bool = True) -> jtik.InverseKinematics:
+    """The problem as jtik has it: every pair has its row, from whatever distance."""
+    measure = ObstacleAvoidance(CIRCLES, bodies="shapes")
+    ik = jtik.InverseKinematics(
+        robot,
+        jtik.FrameTask(),
+        criteria=JointCentering(),
+        strategy=WeightedQP(weight=POSTURE_COST**2) if strategy == "weighted_qp" else strategy,
+        clearances=jtik.Clearance(measure, safe=SAFE, influence=math.inf, recover=recover),
+        compiled=code == "C",
+    )
+    ik.parameters["joint_centering.preferred"] = HOME
+    return ik
+
+
+def stepping(ik: jtik.InverseKinematics) -> Step:
+    """``ik.step`` as a controller calls it."""
+
+    def step(q: Array, target: Array) -> Array:
+        return ik.step(q, target, dt=DT).q
+
+    return step
+
+
+def minks(robot: jtik.Robot, *, gain: float = 0.85, within: float = EVERYTHING) -> Step:
+    """mink as its examples have it; its collision limit bounds displacements by gain (d - safe) / dt."""
+    import mink
+
+    from jtik.interop.mink import to_mujoco, velocity_limit
+
+    model = to_mujoco(robot, obstacles=CIRCLES)
+    configuration = mink.Configuration(model)
+    tip = mink.FrameTask(robot.tip, "body", position_cost=[1.0, 1.0, 0.0], orientation_cost=0.0)
+    posture = mink.PostureTask(model, cost=POSTURE_COST)
+    posture.set_target(HOME)
+    links, circles = [f"link{i} solid0" for i in range(1, LINKS + 1)], [f"obstacle{i}" for i in range(len(CIRCLES))]
+    clear = mink.CollisionAvoidanceLimit(
+        model,
+        [(links, circles)],
+        gain=gain,
+        minimum_distance_from_collisions=SAFE,
+        collision_detection_distance=within,
+    )
+    assert clear.max_num_contacts == LINKS * len(CIRCLES)
+    tasks, limits = [tip, posture], [mink.ConfigurationLimit(model), velocity_limit(robot, model), clear]
+
+    def step(q: Array, target: Array) -> Array | None:
+        configuration.update(q)
+        tip.set_target(mink.SE3.from_translation(np.append(target, 0.0)))
+        try:
+            v = mink.solve_ik(configuration=configuration, tasks=tasks, dt=DT, solver="daqp", limits=limits)
+        except mink.NoSolutionFound:
+            return None
+        return q + DT * v
+
+    return step
+
+
+def slower(robot: jtik.Robot) -> Step:
+    """The same with a gain that makes up for the division: what its documentation describes."""
+    return minks(robot, gain=0.85 * DT)
+
+
+def nearby(robot: jtik.Robot) -> Step:
+    """The same with its broad phase at work: far pairs have no distance and an empty row."""
+    return minks(robot, gain=0.85 * DT, within=NEARBY)
+
+
+@dataclass(frozen=True)
+class Placo:
+    """placo with its collision constraint on all pairs of links and circles, which hang on the base."""
+
+    wrapper: Any
+    kinematics: Any
+    tip: Any
+    full: Array
+    offset: int
+    first: int
+
+    @classmethod
+    def of(cls, robot: jtik.Robot, within: float) -> Placo:
+        """Reads a URDF of the arm and the circles."""
+        import placo
+
+        with tempfile.TemporaryDirectory() as folder:
+            description, pairs = os.path.join(folder, "robot.urdf"), os.path.join(folder, "collisions.json")
+            with open(description, "w", encoding="utf-8") as file:
+                file.write(urdf(robot))
+            with open(pairs, "w", encoding="utf-8") as file:
+                circles = [f"circle{i}" for i in range(len(CIRCLES))]
+                json.dump([[f"link{i}", circle] for i in range(1, LINKS + 1) for circle in circles], file)
+            wrapper = placo.RobotWrapper(description)
+            wrapper.load_collision_pairs(pairs)
+        kinematics = placo.KinematicsSolver(wrapper)
+        kinematics.mask_fbase(True)
+        kinematics.dt = DT
+        kinematics.enable_joint_limits(True)
+        kinematics.enable_velocity_limits(True)
+        tip = kinematics.add_position_task(robot.tip, np.zeros(3))
+        tip.mask.set_axises("xy")
+        tip.configure("tip", "soft", 1.0)
+        posture = kinematics.add_joints_task()
+        posture.set_joints(dict(zip(robot.joint_names, HOME.tolist(), strict=True)))
+        posture.configure("posture", "soft", POSTURE_COST**2)  # a weight where others have a cost
+        clear = kinematics.add_avoid_self_collisions_constraint()
+        clear.self_collisions_margin, clear.self_collisions_trigger = SAFE, within
+        clear.configure("clear", "hard")
+        wrapper.update_kinematics()
+        assert len(wrapper.distances()) == LINKS * len(CIRCLES)
+        offset = wrapper.get_joint_offset(robot.joint_names[0])
+        first = wrapper.get_joint_v_offset(robot.joint_names[0])
+        return cls(wrapper, kinematics, tip, wrapper.neutral_state().q.copy(), offset, first)
+
+    def place(self, q: Array, target: Array) -> None:
+        """Configuration and target."""
+        self.full[self.offset :] = q
+        self.wrapper.state.q = self.full
+        self.tip.target_world = np.append(target, 0.0)
+
+    def __call__(self, q: Array, target: Array) -> Array | None:
+        """One step."""
+        self.place(q, target)
+        self.wrapper.update_kinematics()
+        try:
+            return q + np.array(self.kinematics.solve(False)[self.first :])
+        except RuntimeError:  # what it raises where its program has no solution
+            return None
+
+    def alone(self) -> None:
+        """Kinematics and solve, with configuration and target in place already: the counterpart of a fused step."""
+        self.wrapper.update_kinematics()
+        self.kinematics.solve(False)
+
+
+def placos(robot: jtik.Robot) -> Step:
+    """placo with a row for every pair."""
+    return Placo.of(robot, EVERYTHING)
+
+
+def placos_nearby(robot: jtik.Robot) -> Step:
+    """placo with rows for near pairs alone."""
+    return Placo.of(robot, NEARBY)
+
+
+def urdf(robot: jtik.Robot) -> str:
+    """The arm as capsules, which Pinocchio makes of cylinders that are said to be some, and the circles as spheres."""
+    inertial = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    parts = [f'<link name="{robot.base}">{inertial}</link>']
+    for i, circle in enumerate(CIRCLES):
+        x, y = circle.center
+        parts.append(
+            f'<link name="circle{i}">{inertial}<collision><geometry><sphere radius="{circle.radius}"/></geometry>'
+            f'</collision></link><joint name="mount{i}" type="fixed"><parent link="{robot.base}"/>'
+            f'<child link="circle{i}"/><origin xyz="{x} {y} 0"/></joint>'
+        )
+    for joint in robot.joints:
+        shape = limit = ""
+        if joint.is_moving:
+            limit = (
+                f'<axis xyz="0 0 1"/><limit lower="{joint.lower}" upper="{joint.upper}" '
+                f'velocity="{joint.velocity_limit}" effort="1"/>'
+            )
+            shape = (
+                f'<collision_checking><capsule name="{joint.child}_body"/></collision_checking>'
+                f'<collision name="{joint.child}_body"><origin xyz="{LENGTH / 2} 0 0" rpy="0 {math.pi / 2} 0"/>'
+                f'<geometry><cylinder radius="{RADIUS}" length="{LENGTH}"/></geometry></collision>'
+            )
+        kind, name = ("revolute", joint.name) if joint.is_moving else ("fixed", f"{joint.name} mount")
+        x, y, z = joint.origin[:3, 3]
+        parts.append(
+            f'<link name="{joint.child}">{inertial}{shape}</link><joint name="{name}" type="{kind}">'
+            f'<parent link="{joint.parent}"/><child link="{joint.child}"/><origin xyz="{x} {y} {z}"/>{limit}</joint>'
+        )
+    return f'<robot name="{robot.name}">{"".join(parts)}</robot>'
+
+
+PEERS: dict[str, Callable[[jtik.Robot], Step]] = {
+    "mink (DAQP)": minks,
+    "mink (DAQP), gain times dt": slower,
+    "mink (DAQP), gain times dt, near pairs": nearby,
+    "placo (C++)": placos,
+    "placo (C++), near pairs": placos_nearby,
+}
+"""The first of each library is what ratios are formed with; all of them ask for the same clearance."""
+
+
+def judged(name: str, step: Step) -> Row:
+    """What becomes of the arm, JUDGED times round."""
+    q, least, missed, near, unanswered = HOME, math.inf, [], [], 0
+    share = np.linspace(0, 1, SWEPT)[:, None]
+    for target in JUDGED * targets():
+        after = step(q, target)
+        if after is None:
+            unanswered, after = unanswered + 1, q
+        way = clearances(q + share * (after - q)).min(axis=(-1, -2))
+        least = min(least, float(way.min()))
+        near.append(way[-1] < 0.02 + 1e-3)
+        missed.append(1e3 * float(np.linalg.norm(points(after)[-1] - target)))
+        q = after
+    return Row(
+        name,
+        clearance=1e3 * least,
+        missed=float(np.median(missed)),
+        worst=float(np.max(missed)),
+        near=float(np.mean(near)),
+        unanswered=unanswered,
+    )
+
+
+def along(step: Step, home: Array, path: Sequence[Any], clock: Clock) -> Callable[[], float]:
+    """Time of one step [s], averaged once round, in closed loop; once round before, for what others left in caches."""
+    q = home
+
+    def round_it() -> None:
+        nonlocal q
+        for target in path:
+            after = step(q, target)
+            if after is not None:
+                q = after
+
+    def batch() -> float:
+        round_it()
+        begin = clock()
+        round_it()
+        return (clock() - begin) / len(path)
+
+    return batch
+
+
+def bare(ik: jtik.InverseKinematics, home: Array, path: Sequence[Any], clock: Clock) -> Callable[[], float]:
+    """The fused step alone, at places of its own closed loop and with what it remembered there."""
+    q, seen = home, []
+    for i, target in enumerate([*path, *path]):
+        if i >= len(path) and i % ALONE == 0:
+            seen.append((q, target, runner_of(ik).state[runner_of(ik).at].copy()))
+        q = ik.step(q, target, dt=DT).q
+    runner = runner_of(ik)
+
+    def place(q: Array, target: Any, state: Array) -> None:
+        ik.step(q, target, dt=DT)  # which leaves target and box in memory
+        runner.start(q)
+        runner.state[0][:] = state
+
+    again = runner.calls[0]
+    return repeated([lambda each=each: place(*each) for each in seen], again, clock)
+
+
+def runner_of(ik: jtik.InverseKinematics) -> Any:
+    """What ``ik.step`` with a time calls."""
+    return ik._timed[0]
+
+
+def placo_alone(robot: jtik.Robot, within: float, clock: Clock) -> Callable[[], float]:
+    """placo's kinematics and solve, at places of its own closed loop."""
+    placo, q, seen = Placo.of(robot, within), HOME, []
+    for i, target in enumerate(2 * targets()):
+        if i >= PLACES and i % ALONE == 0:
+            seen.append((q, target))
+        after = placo(q, target)
+        q = q if after is None else after
+    return repeated([lambda each=each: placo.place(*each) for each in seen], placo.alone, clock)
+
+
+def repeated(places: list[Callable[[], None]], call: Callable[[], None], clock: Clock) -> Callable[[], float]:
+    """Time of a call [s], REPEATED times in a row at every place."""
+
+    def batch() -> float:
+        seconds = 0.0
+        for place in places:
+            place()
+            call()
+            begin = clock()
+            for _ in range(REPEATED):
+                call()
+            seconds += clock() - begin
+        return seconds / (REPEATED * len(places))
+
+    return batch
+
+
+def main() -> None:
+    """Build, judge, time, print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--repeats", type=int, default=40, help="rounds (default %(default)s)")
+    parser.add_argument("--strategies", nargs="+", default=list(STRATEGIES))
+    parser.add_argument("--code", nargs="+", choices=CODES, default=list(CODES), help="what evaluates jtik's step")
+    parser.add_argument("--hold", action="store_true", help="jtik does not move out what is nearer than it should be")
+    parser.add_argument("--cpu", action="store_true", help="processor time in place of time: for a busy machine")
+    parser.add_argument("--json", metavar="FILE", help="also write the figures to FILE")
+    arguments = parser.parse_args()
+    if arguments.repeats < 1:
+        parser.error("--repeats must be at least 1")
+
+    clock = time.thread_time if arguments.cpu else time.perf_counter
+    robot = arm()
+    rows: dict[str, Row] = {}
+    timers: dict[str, Callable[[], float]] = {}
+    for strategy in arguments.strategies:
+        for code in arguments.code:
+            name, ways = f"jtik {strategy}, {code}", {"code": code, "recover": not arguments.hold}
+            rows[f"{name}, ik.step"] = judged(f"{name}, ik.step", stepping(solver(robot, strategy, **ways)))
+            timers[f"{name}, ik.step"] = along(stepping(solver(robot, strategy, **ways)), HOME, targets(), clock)
+            timers[f"{name}, fused"] = bare(solver(robot, strategy, **ways), HOME, targets(), clock)
+    for name, build in PEERS.items():
+        try:
+            rows[name] = judged(name, build(robot))
+        except ImportError as error:
+            rows[name] = Row(name, missing=f"not installed: {error}")
+            continue
+        timers[name] = along(build(robot), HOME, targets(), clock)
+    for name, within in (("placo (C++)", EVERYTHING), ("placo (C++), near pairs", NEARBY)):
+        if name in timers:
+            timers[f"{name}, alone"] = placo_alone(robot, within, clock)
+
+    for name, times in interleaved(timers, arguments.repeats).items():
+        p10, median, p90 = (float(x) for x in np.percentile(times, [10, 50, 90]))
+        before = asdict(rows.get(name, Row(name)))
+        rows[name] = Row(**before | {"median": median, "p10": p10, "p90": p90})
+    show(list(rows.values()))
+    if arguments.json:
+        record = {
+            "machine": f"{platform.machine()}, {platform.system()}",
+            "python": platform.python_version(),
+            "packages": package_versions(),
+            "clock": "processor" if arguments.cpu else "wall",
+            "repeats": arguments.repeats,
+            "rows": [asdict(row) for row in rows.values()],
+        }
+        with open(arguments.json, "w", encoding="utf-8") as file:
+            json.dump(record, file, indent=2)
+
+
+def show(rows: list[Row]) -> None:
+    """A table with ratios to mink and to placo."""
+    times = {row.name: row.median for row in rows}
+    mink, placo = times.get("mink (DAQP)", math.nan), times.get("placo (C++)", math.nan)
+    width = max(len(row.name) for row in rows)
+    print(
+        f"{'':{width}}  median [us]    10 %    90 %  mink /  placo /  "
+        "clearance [mm]  tip off [mm]   worst  near  no answer"
+    )
+    for row in rows:
+        if row.missing:
+            print(f"{row.name:{width}}  {row.missing}")
+            continue
+        kept = ""
+        if not math.isnan(row.clearance):
+            kept = (
+                f"  {row.clearance:14.3f}  {row.missed:12.3f}  {row.worst:6.2f}  {row.near:4.0%}  {row.unanswered:9d}"
+            )
+        print(
+            f"{row.name:{width}}  {row.median:11.2f}  {row.p10:6.2f}  {row.p90:6.2f}"
+            f"  {mink / row.median:6.1f}  {placo / row.median:7.2f}{kept}"
+        )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

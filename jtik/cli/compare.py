@@ -1,0 +1,136 @@
+"""``jtik compare``: strategies side by side on the same problems; a table here, and a report as one HTML file."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import jtik
+from jtik.cli.document import InputError, Subject, read_subject
+from jtik.cli.problem_options import add_problem_options, problem_document
+from jtik.problems import ProblemSet, named
+from jtik.registry import strategies
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C; what was done is in the report."""
+
+FEW = ("hybrid", "newton", "transpose", "damped")
+"""Who takes part when nobody is named."""
+
+
+def add_arguments(commands: Any) -> None:
+    """Add the command ``compare`` to argparse's subparsers."""
+    command = commands.add_parser(
+        "compare",
+        help="strategies side by side on the same problems",
+        description="Compare strategies: the same problems, starts and tolerances; a table, and a report in HTML.",
+        epilog="Exit code: 0 done, 2 wrong input, 130 interrupted. Lengths in m, angles in rad. The robot is planar:10 "
+        "and the task a position of its tip if nothing else is said.",
+    )
+    add_problem_options(command, kind="position")
+    what = f"names that `jtik list` shows, or all; peer:NAME for another library (default: {' '.join(FEW)})"
+    command.add_argument("--strategies", nargs="+", metavar="NAME", default=list(FEW), help=what)
+    command.add_argument(
+        "--problems",
+        nargs="+",
+        metavar="KIND[:COUNT]",
+        default=["reachable"],
+        help="reachable, near_singular, boundary, unreachable, near_limits, circle, line, lissajous; or named:NAME for "
+        "a collection with robot, task and known answers (default: reachable)",
+    )
+    command.add_argument("--count", type=int, default=50, help="problems of a kind (default: %(default)s)")
+    command.add_argument("--seed", type=int, default=0, help="of the problems and restarts (default: %(default)s)")
+    command.add_argument("--restarts", type=int, default=0, help="other starts to try (default: %(default)s)")
+    command.add_argument("--until", choices=("reached", "steady"), default="reached", help="(default: %(default)s)")
+    command.add_argument("--max-iterations", type=int, default=1000, metavar="N", help="(default: %(default)s)")
+    command.add_argument("--position-tolerance", type=float, default=1e-6, metavar="METRES")
+    command.add_argument("--orientation-tolerance", type=float, default=1e-6, metavar="RADIANS")
+    command.add_argument("--no-limits", dest="limits", action="store_false", help="ignore joint limits")
+    command.add_argument("--compiled", action="store_true", help="steps as generated C, where there is a compiler")
+    command.add_argument("--repeats", type=int, default=3, help="timed rounds (default: %(default)s)")
+    command.add_argument("--jobs", type=int, default=1, metavar="N", help="processes (default: %(default)s)")
+    command.add_argument("--save", metavar="FILE.npz", help="keep the study here as it goes, and resume from it")
+    command.add_argument("--csv", metavar="FILE", help="write every row to this file")
+    command.add_argument("--markdown", action="store_true", help="print the table in Markdown")
+    command.add_argument(
+        "--out", metavar="FILE.html", default="jtik-compare.html", help="report (default: %(default)s)"
+    )
+    command.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Compare, print the table, write the report."""
+    for path in (arguments.out, arguments.csv, arguments.save):
+        if path and not Path(path).absolute().parent.is_dir():
+            raise InputError(f"{path}: no such folder")
+    if arguments.jobs < 1:
+        raise InputError(f"--jobs {arguments.jobs}: accepted: an integer from 1")
+    subject, problems = _subject(arguments)
+    with _executor(arguments.jobs) as executor:
+        found = jtik.compare(
+            subject.robot,
+            subject.tasks,
+            strategies=list(strategies) if arguments.strategies == ["all"] else arguments.strategies,
+            criteria=subject.criteria if subject.criteria.terms else None,
+            problems=problems,
+            count=arguments.count,
+            seed=arguments.seed,
+            restarts=arguments.restarts,
+            until=arguments.until,
+            max_iterations=arguments.max_iterations,
+            position_tolerance=arguments.position_tolerance,
+            orientation_tolerance=arguments.orientation_tolerance,
+            limits=arguments.limits,
+            compiled=arguments.compiled,
+            repeats=arguments.repeats,
+            executor=executor,
+            save=arguments.save,
+            progress=True,
+        )
+    print(found.to_markdown() if arguments.markdown else found)
+    if arguments.csv:
+        found.to_csv(arguments.csv)
+    found.to_html(arguments.out)
+    print(f"written: {arguments.out}")
+    return 0 if found.complete else INTERRUPTED
+
+
+def _subject(arguments: argparse.Namespace) -> tuple[Subject, ProblemSet | dict[str, int]]:
+    """Robot, task and criteria, and the problems."""
+    words: list[str] = arguments.problems
+    collections = [word.partition(":")[2] for word in words if word.startswith("named:")]
+    document = problem_document(arguments)
+    if collections:
+        if len(words) > 1 or document.get("robot") or document.get("task"):
+            raise InputError("--problems named:NAME: accepted: alone, since it brings its own robot and task")
+        entry = named(collections[0])
+        own = read_subject({**document, "robot": "planar:1"}).criteria
+        criteria = own if own.terms else jtik.CriterionSum(()) + entry.criteria if entry.criteria else own
+        return Subject(entry.robot, _as_list(entry.task), criteria), entry.problems
+    document.setdefault("robot", "planar:10")
+    return read_subject(document), dict(_counted(word, arguments.count) for word in words)
+
+
+def _as_list(task: Any) -> list[jtik.Task]:
+    return [task] if isinstance(task, jtik.Task) else list(task)
+
+
+def _counted(word: str, count: int) -> tuple[str, int]:
+    kind, colon, number = word.partition(":")
+    if colon and not number.isdecimal():
+        raise InputError(f"--problems {word}: accepted: KIND or KIND:COUNT")
+    return kind, int(number) if colon else count
+
+
+@contextmanager
+def _executor(jobs: int) -> Iterator[Executor | None]:
+    """Processes, where more than one is asked for."""
+    if jobs == 1:
+        yield None
+        return
+    with ProcessPoolExecutor(jobs) as pool:
+        yield pool

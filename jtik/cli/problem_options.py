@@ -1,0 +1,68 @@
+"""Options that say what is to be solved, shared by the commands that solve: robot, task, criteria, obstacles."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from jtik.cli.document import InputError, load, robot_table
+
+SHAPES = {"circle": ("X", "Y", "RADIUS"), "sphere": ("X", "Y", "Z", "RADIUS"), "point": ("X",)}
+
+
+def add_problem_options(command: argparse.ArgumentParser, *, kind: str) -> None:
+    """Add them to a command; ``kind`` is what its task is by default."""
+    command.add_argument("--file", metavar="PROBLEM", help="a problem in TOML or JSON")
+    command.add_argument("--robot", metavar="SPEC", help="planar:10, planar:1,0.8,0.5, vehicle:3 or a built-in robot")
+    command.add_argument("--frame", help="frame to bring to the target (default: tip)")
+    command.add_argument("--kind", help=f"position, orientation or pose (default: {kind})")
+    command.add_argument("--axes", nargs="+", metavar="AXIS", help="rows of the task to keep: x y z rx ry rz")
+    command.add_argument(
+        "--criterion",
+        action="append",
+        metavar="NAME[=WEIGHT]",
+        help="a criterion to minimise; may be repeated",
+    )
+    for shape, names in SHAPES.items():
+        count: Any = len(names) if shape != "point" else "+"
+        command.add_argument(
+            f"--{shape}",
+            action="append",
+            nargs=count,
+            type=float,
+            metavar=names if shape != "point" else "NUMBER",
+            help=f"a {shape} to keep away from; may be repeated",
+        )
+
+
+def problem_document(arguments: argparse.Namespace) -> dict[str, Any]:
+    """The file's document with these options laid over it."""
+    document = load(arguments.file) if arguments.file else {}
+    if arguments.robot is not None:
+        document["robot"] = robot_table(arguments.robot)
+    if arguments.criterion is not None:
+        document["criteria"] = [_weighted(text) for text in arguments.criterion]
+    obstacles = {f"{shape}s": rows for shape in SHAPES if (rows := getattr(arguments, shape)) is not None}
+    if obstacles:
+        document["obstacles"] = obstacles
+    lay_over(document, "task", arguments, ("frame", "kind", "axes"))
+    return document
+
+
+def lay_over(document: dict[str, Any], section: str, arguments: argparse.Namespace, names: tuple[str, ...]) -> None:
+    """Options into a section of the document."""
+    given = {name: value for name in names if (value := getattr(arguments, name)) is not None}
+    if not given:
+        return
+    below = document.get(section, {})
+    if isinstance(below, list):
+        raise InputError("--frame, --kind and --axes change a single [task]; the file has several")
+    document[section] = {**below, **given} if isinstance(below, dict) else below
+
+
+def _weighted(text: str) -> dict[str, Any]:
+    name, equals, weight = text.partition("=")
+    try:
+        return {"name": name, "weight": float(weight) if equals else 1.0}
+    except ValueError:
+        raise InputError(f"--criterion {text}: accepted: NAME or NAME=WEIGHT, a number from 0") from None

@@ -1,0 +1,124 @@
+"""A robot as URDF text, for libraries that read nothing else: joints, limits and masses; no solids, no meshes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+
+from jtik.errors import ArgumentError, Array
+from jtik.robot import Joint, JointType, Robot
+from jtik.robot.body import Mass
+
+UNLIMITED = 1e6
+"""Limit [rad] or [m], and speed [rad/s] or [m/s], where a joint has none but URDF wants a number."""
+
+NO_ROOM = 1e-9
+"""Range [rad] or [m] of a joint that cannot move: readers take limits that are both zero for none."""
+
+
+def to_urdf(robot: Robot, *, turn: float | None = None, frame: str | None = None) -> str:
+    """The robot as URDF: every frame a link of its name, every joint a joint of its name.
+
+    A fixed joint that is called like a frame gets " (fixed)" added, since Pinocchio has both in one list. Limits that
+    are infinite become "continuous" where both are and the joint is a hinge, else `UNLIMITED`. A planar robot lies in
+    the x-y plane of space.
+
+    Args:
+        robot: the robot, of hinges, slides and fixed joints.
+        turn: limits -turn and turn [rad] for hinges that have none, for libraries that want some.
+        frame: write only the chain from the base to this frame; all of the robot by default.
+
+    Raises:
+        ArgumentError: for a joint that URDF has no numbers for, a ball or a free one, or a turn that is not positive.
+        UnknownNameError: when there is no such frame.
+    """
+    if turn is not None and not 0 < turn < math.inf:
+        raise ArgumentError("turn", turn, "a positive angle [rad], or None")
+    joints = robot.joints if frame is None else _chain(robot, frame)
+    frames = [robot.base, *(joint.child for joint in joints)]
+    root = Element("robot", name=robot.name)
+    # MuJoCo would merge links that do not move into one
+    SubElement(SubElement(root, "mujoco"), "compiler", fusestatic="false")
+    for link in frames:
+        element = SubElement(root, "link", name=link)
+        if link in robot.masses:
+            _add_mass(element, robot.masses[link])
+    for joint in joints:
+        _add_joint(root, joint, turn, frames)
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="unicode")
+
+
+def _chain(robot: Robot, frame: str) -> Iterable[Joint]:
+    """The joints before a frame. Raises ArgumentError when one of them follows a joint that is not among them."""
+    joints = robot.path(frame)
+    names = {joint.name for joint in joints}
+    for joint in joints:
+        if joint.mimic is not None and joint.mimic.joint not in names:
+            given = f"{frame!r}, whose joint {joint.name!r} follows {joint.mimic.joint!r} elsewhere"
+            raise ArgumentError("frame", given, "a frame whose joints depend on no others, or None for all")
+    return joints
+
+
+def _add_joint(root: Element, joint: Joint, turn: float | None, frames: list[str]) -> None:
+    free = math.isinf(joint.lower) and math.isinf(joint.upper)
+    kinds = {JointType.FIXED: "fixed", JointType.SLIDE: "prismatic", JointType.HINGE: "revolute"}
+    if joint.type not in kinds:
+        raise ArgumentError("robot", f"a {joint.type.value} joint {joint.name!r}", "hinges, slides and fixed joints")
+    kind = kinds[joint.type]
+    if joint.type is JointType.HINGE and free and turn is None:
+        kind = "continuous"
+    name = f"{joint.name} (fixed)" if not joint.is_moving and joint.name in frames else joint.name
+    element = SubElement(root, "joint", name=name, type=kind)
+    SubElement(element, "origin", xyz=_words(joint.origin[:3, 3]), rpy=_words(_angles(joint.origin[:3, :3])))
+    SubElement(element, "parent", link=joint.parent)
+    SubElement(element, "child", link=joint.child)
+    if not joint.is_moving:
+        return
+    SubElement(element, "axis", xyz=_words(joint.axis))
+    speed = _word(min(joint.velocity_limit, UNLIMITED))
+    if kind == "continuous":
+        SubElement(element, "limit", effort="0", velocity=speed)
+    else:
+        reach = turn if free and turn is not None and joint.type is JointType.HINGE else UNLIMITED
+        low, high = max(joint.lower, -reach), min(joint.upper, reach)
+        bounds = {"lower": _word(low), "upper": _word(max(high, low + NO_ROOM))}
+        SubElement(element, "limit", bounds, effort="0", velocity=speed)
+    if joint.mimic is not None:
+        follow = joint.mimic
+        ratio = {"multiplier": _word(follow.multiplier), "offset": _word(follow.offset)}
+        SubElement(element, "mimic", ratio, joint=follow.joint)
+
+
+def _add_mass(link: Element, mass: Mass) -> None:
+    """The mass as a point: jtik has no inertias."""
+    inertial = SubElement(link, "inertial")
+    SubElement(inertial, "origin", xyz=_words(np.asarray(mass.center, dtype=float)), rpy="0 0 0")
+    SubElement(inertial, "mass", value=_word(mass.mass))
+    SubElement(inertial, "inertia", {"ixx": "0", "iyy": "0", "izz": "0"}, ixy="0", ixz="0", iyz="0")
+
+
+def _angles(R: Array) -> Array:
+    """Roll, pitch and yaw [rad] about fixed axes: R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    yaw = math.atan2(R[1, 0], R[0, 0])
+    c, s = math.cos(yaw), math.sin(yaw)
+    pitch = math.atan2(-R[2, 0], c * R[0, 0] + s * R[1, 0])
+    # out of what the yaw leaves: where the pitch is near a right angle, yaw is rounding and roll has to match it
+    roll = math.atan2(s * R[0, 2] - c * R[1, 2], c * R[1, 1] - s * R[0, 1])
+    return np.array([roll, pitch, yaw])
+
+
+def _words(values: Array) -> str:
+    return " ".join(_word(value) for value in values)
+
+
+def _word(value: float) -> str:
+    """The shortest text that reads back as the same number."""
+    return repr(float(value) + 0.0)  # no -0.0
+
+
+__all__ = ["UNLIMITED", "to_urdf"]

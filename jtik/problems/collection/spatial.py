@@ -1,0 +1,118 @@
+"""Arms in space at and near their singular postures, and on a closed path."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from jtik.problems.case import Case, ProblemSet
+from jtik.problems.collection.named import Named
+from jtik.robot import Robot
+from jtik.task import FrameTask
+
+ELBOW, SHOULDER_LINK, WRIST_LINK = 0.0825, 0.316, 0.384
+"""Of the Panda: how far the elbow lies beside the line from shoulder to wrist, and its lengths on both sides [m]."""
+
+
+def panda_stretched() -> Named:
+    """A Panda stretched out: shoulder, elbow axis and wrist on one line, and the wrist's first axis square to it.
+
+    With joint 4 at -atan(a / d3) - atan(a / d5) the wrist is as far from the shoulder as it goes; with joint 5 at zero
+    the offset of the last joints cannot make up for the direction lost.
+    """
+    robot, task = Robot.builtin("panda"), FrameTask("tip", kind="pose")
+    origin = "a stretched Panda: joint 4 where shoulder, elbow and wrist are on a line, joint 5 at zero; pulled inwards"
+    stretched = -math.atan2(ELBOW, SHOULDER_LINK) - math.atan2(ELBOW, WRIST_LINK)
+    cases = []
+    for i, others in enumerate(((0.3, 0.5, 0.4, 1.6, 0.5), (0.3, -0.4, -0.9, 2.6, 0.5), (0.0, 0.6, 0.0, 1.8, 0.8))):
+        posture = np.array([*others[:3], stretched, 0.0, *others[3:]])
+        goal = posture + np.array([0.0, -0.4, 0.0, -0.9, 0.2, 0.5, 0.0])
+        for bend in (0.0, 1e-6, 1e-3):
+            cases.append(
+                Case(
+                    name=f"panda_stretched {i} {bend:g}",
+                    kind="near_singular",
+                    q0=posture - bend * np.array([0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0]),
+                    targets=(robot.pose(goal),),
+                    reachable=True,
+                    known={"error": 0.0} | ({"sigma_min": 0.0} if bend == 0 else {}),
+                    origin=origin,
+                )
+            )
+    return Named(
+        name="panda_stretched",
+        summary="a stretched Panda pulled inwards, from a singular posture and from 1e-6 and 1e-3 rad beside it",
+        robot=robot,
+        task=task,
+        problems=ProblemSet("panda_stretched", tuple(cases), origin=origin),
+        origin=origin,
+    )
+
+
+def ur5e_wrist() -> Named:
+    """A UR5e with its wrist singular: the axes of wrist 1 and wrist 3 are parallel where wrist 2 is zero.
+
+    The shoulder lift, the elbow, wrist 1 and wrist 3 then turn about four parallel axes, which span three motions.
+    """
+    robot, task = Robot.builtin("ur5e"), FrameTask("tip", kind="pose")
+    origin = "the wrist singularity of a UR5e, wrist 2 at zero; the target is where the arm is with wrist 2 at 0.3 rad"
+    cases = []
+    for bend in (0.0, 1e-6, 1e-3):
+        q0 = robot.keyframes["home"].copy()
+        goal = q0 + np.array([0.1, -0.1, 0.2, 0.1, 0.0, 0.2])
+        q0[4], goal[4] = bend, 0.3
+        cases.append(
+            Case(
+                name=f"ur5e_wrist {bend:g}",
+                kind="near_singular",
+                q0=q0,
+                targets=(robot.pose(goal),),
+                reachable=True,
+                known={"error": 0.0} | ({"sigma_min": 0.0} if bend == 0 else {}),
+                origin=origin,
+            )
+        )
+    return Named(
+        name="ur5e_wrist",
+        summary="out of the wrist's singularity, from it and from 1e-6 and 1e-3 rad beside it",
+        robot=robot,
+        task=task,
+        problems=ProblemSet("ur5e_wrist", tuple(cases), origin=origin),
+        origin=origin,
+    )
+
+
+def circle_panda() -> Named:
+    """A Panda's hand on a circle in a plane across, its orientation kept."""
+    robot, task = Robot.builtin("panda"), FrameTask("tip", kind="pose")
+    origin = "from the Panda's ready posture, in the y-z plane of the base, with the hand's orientation kept"
+    q0 = robot.keyframes["home"]
+    cases = []
+    for radius in (0.05, 0.1):
+        targets = np.repeat(robot.pose(q0)[None], 101, axis=0)
+        angle = np.linspace(0, 2 * np.pi, 101)
+        targets[:, 1, 3] += radius * np.sin(angle)
+        targets[:, 2, 3] += radius * (1 - np.cos(angle))
+        targets[-1] = targets[0]
+        cases.append(
+            Case(
+                name=f"circle_panda r={radius:g}",
+                kind="circle",
+                q0=q0,
+                targets=tuple(targets),
+                dt=0.02,
+                closed=True,
+                reachable=True,
+                known={"error": 0.0, "size": radius},
+                origin=origin,
+            )
+        )
+    return Named(
+        name="circle_panda",
+        summary="a circle of the hand in an upright plane, from a start on it",
+        robot=robot,
+        task=task,
+        problems=ProblemSet("circle_panda", tuple(cases), origin=origin),
+        origin=origin,
+    )

@@ -1,0 +1,103 @@
+"""Five families of problems for an arm of ten unit links, and one out of its reach: the table of papers/das1988.
+
+The families are those of the study behind `Das, Slotine and Sheridan 1988 <papers/das1988>`: ordinary, far and nearly
+straight starts, to targets inside, on the edge of and beyond the reach.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from jtik.errors import ArgumentError, Array, UnknownNameError
+from jtik.problems.case import Case, ProblemSet, case_name
+
+LINKS = 10
+"""Links of the arm, of 1 m each."""
+
+SEED = 1988
+
+Drawn = tuple[Array, Array]
+"""Start (10,) [rad] and target (2,) [m]."""
+
+
+def tip(q: Array) -> Array:
+    """The tip of an arm of unit links at q [m], in closed form."""
+    angle = np.cumsum(q)
+    return np.array([np.cos(angle).sum(), np.sin(angle).sum()])
+
+
+def _around(radius: float, generator: np.random.Generator) -> Array:
+    """A point at that distance from the base, in a random direction [m]."""
+    direction = generator.uniform(-np.pi, np.pi)
+    return radius * np.array([np.cos(direction), np.sin(direction)])
+
+
+def anywhere(spread: float) -> Callable[[np.random.Generator], Drawn]:
+    """Start and goal configuration uniform in (-spread, spread); the target is the goal's tip."""
+    return lambda drawn: (drawn.uniform(-spread, spread, LINKS), tip(drawn.uniform(-spread, spread, LINKS)))
+
+
+def straight(bend: float) -> Callable[[np.random.Generator], Drawn]:
+    """Joint angles normal with deviation ``bend``, the target on the x axis between 3 and 9 m."""
+    return lambda drawn: (bend * drawn.standard_normal(LINKS), np.array([drawn.uniform(3, 9), 0.0]))
+
+
+def ring(radius: float) -> Callable[[np.random.Generator], Drawn]:
+    """A start uniform in (-1, 1), the target at that distance from the base in a random direction."""
+    return lambda drawn: (drawn.uniform(-1, 1, LINKS), _around(radius, drawn))
+
+
+FAMILIES: dict[str, Callable[[np.random.Generator], Drawn]] = {
+    "generic": anywhere(1.0),
+    "far": anywhere(np.pi),
+    "near-straight 1e-3": straight(1e-3),
+    "near-straight 1e-6": straight(1e-6),
+    "boundary 9.999": ring(9.999),
+    "unreachable 10.5": ring(10.5),
+}
+"""How each family draws a start and a target; only the last has targets out of reach."""
+
+LEAST_ERROR = {"unreachable 10.5": 0.5}
+"""The least possible error of a family [m]; 0 for the others."""
+
+
+def family(name: str, count: int = 200) -> ProblemSet:
+    """The first ``count`` problems of a family, as cases of that kind; the same ones for every count.
+
+    Raises:
+        UnknownNameError: when there is no such family.
+        ArgumentError: when count is not a whole number from 1.
+    """
+    if name not in FAMILIES:
+        raise UnknownNameError("family", name, FAMILIES)
+    if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 1:
+        raise ArgumentError("count", count, "an integer from 1")
+    place, error = list(FAMILIES).index(name), LEAST_ERROR.get(name, 0.0)
+    origin = "five families of ten unit links, papers/das1988"
+    cases = []
+    for index in range(count):
+        q0, target = FAMILIES[name](np.random.default_rng([SEED, place, index]))
+        cases.append(
+            Case(
+                name=case_name(name, index),
+                kind=name,
+                q0=q0,
+                targets=(target,),
+                reachable=error == 0,
+                known={"error": error},
+                origin=origin,
+            )
+        )
+    return ProblemSet(name, tuple(cases), SEED, origin)
+
+
+def five_families(count: int = 200) -> ProblemSet:
+    """All families one after the other, ``count`` problems each, for ``Robot.planar(10)`` and a position of its tip.
+
+    Raises:
+        ArgumentError: when count is not a whole number from 1.
+    """
+    cases = tuple(case for name in FAMILIES for case in family(name, count))
+    return ProblemSet("five families", cases, SEED, cases[0].origin)

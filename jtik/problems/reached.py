@@ -1,0 +1,54 @@
+"""The target that a configuration meets: what makes a drawn target reachable by construction."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from jtik.errors import ArgumentError, Array
+from jtik.robot import Robot
+from jtik.task import AxisTask, CenterOfMassTask, LookAtTask, PlacementTask, RelativeFrameTask, Task
+
+SIGHT = 1.0
+"""How far ahead of the frame a camera's target is put [m]."""
+
+
+def target_of(task: Task, robot: Robot, q: Array) -> Any:
+    """The target of ``task`` that ``q`` (nq,) meets exactly, up to rounding.
+
+    A task of your own takes part if it has a method ``target_at(robot, q)``.
+
+    Raises:
+        ArgumentError: for any other task.
+    """
+    own = getattr(task, "target_at", None)
+    if callable(own):
+        return own(robot, q)
+    if isinstance(task, PlacementTask):
+        pose = robot.pose(q, task.frame)
+        if isinstance(task, RelativeFrameTask):
+            pose = np.linalg.inv(robot.pose(q, task.reference)) @ pose
+            pose[3] = 0, 0, 0, 1
+        return _kept(pose, task.kind, robot.dimension)
+    if isinstance(task, CenterOfMassTask):
+        return robot.center_of_mass(q)
+    if isinstance(task, (AxisTask, LookAtTask)):
+        pose = robot.pose(q, task.frame)
+        ahead = pose[:3, :3] @ task.axis
+        place = pose[:3, 3] + SIGHT * ahead
+        return (ahead if isinstance(task, AxisTask) else place)[: robot.dimension]
+    accepted = "tasks of jtik, such as jtik.FrameTask, or one with a method target_at(robot, q)"
+    raise ArgumentError("task", task, accepted)
+
+
+def _kept(pose: Array, kind: str, dimension: int) -> Any:
+    """What a kind of placement keeps of a pose."""
+    position = pose[:dimension, 3].copy()
+    if kind == "position":
+        return position
+    if dimension == 3:
+        return pose if kind == "pose" else pose[:3, :3].copy()
+    angle = math.atan2(pose[1, 0], pose[0, 0])
+    return angle if kind == "orientation" else np.array([*position, angle])

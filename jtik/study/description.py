@@ -1,0 +1,91 @@
+"""jtik's own values as plain data and back: robots, tasks and what they are made of, for files without pickles.
+
+Only classes that this module lists are ever made from a file.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Any
+
+import numpy as np
+
+from jtik import geometry, task
+from jtik.errors import JtikError
+from jtik.robot import Joint, JointType, Robot
+from jtik.robot.body import Mass
+from jtik.robot.tree import Mimic
+
+_OPTIONS = ("masses", "shapes", "keyframes")
+
+_CLASSES: dict[str, type[Any]] = {
+    kind.__name__: kind
+    for kind in (
+        *(each for each in vars(geometry).values() if isinstance(each, type) and issubclass(each, geometry.Solid)),
+        *(each for each in vars(task).values() if isinstance(each, type) and issubclass(each, task.Task)),
+        Joint,
+        Mass,
+        Mimic,
+    )
+}
+
+
+class DescriptionError(JtikError):
+    """A value that has no description, or a description of no value. Attributes: given."""
+
+    def __init__(self, given: object) -> None:
+        super().__init__(given)
+        self.given = given
+
+    def __str__(self) -> str:
+        return f"no description for {self.given!r}"
+
+
+def as_data(value: Any) -> Any:
+    """Strings, numbers, lists and dicts for a value. Raises DescriptionError for one that is not jtik's own."""
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return value
+    if isinstance(value, (np.ndarray, np.generic)):
+        return {"array": np.asarray(value).tolist(), "shape": list(np.shape(value))}
+    if isinstance(value, JointType):
+        return {"joint type": value.name}
+    if isinstance(value, tuple):
+        return {"tuple": [as_data(each) for each in value]}
+    if isinstance(value, list):
+        return [as_data(each) for each in value]
+    if isinstance(value, dict):
+        return {"dict": [[str(key), as_data(each)] for key, each in value.items()]}
+    if isinstance(value, Robot):
+        options = {name: as_data(dict(getattr(value, name))) for name in _OPTIONS}
+        own = {"name": value.name, "planar": value.dimension == 2, "base": value.base, "tip": value.tip, **options}
+        return {"robot": own, "joints": [as_data(joint) for joint in value.joints]}
+    if _CLASSES.get(type(value).__name__) is type(value) and not isinstance(value, Enum):
+        return {"class": type(value).__name__, "state": {name: as_data(each) for name, each in vars(value).items()}}
+    raise DescriptionError(value)
+
+
+def from_data(data: Any) -> Any:
+    """The value that `as_data` described. Raises DescriptionError for what describes none."""
+    if isinstance(data, list):
+        return [from_data(each) for each in data]
+    if not isinstance(data, dict):
+        return data
+    if "array" in data:
+        array = np.array(data["array"], dtype=np.float64).reshape(data["shape"])
+        array.flags.writeable = False
+        return array
+    if "joint type" in data:
+        return JointType[data["joint type"]]
+    if "tuple" in data:
+        return tuple(from_data(each) for each in data["tuple"])
+    if "dict" in data:
+        return {key: from_data(each) for key, each in data["dict"]}
+    if "robot" in data:
+        options = {name: from_data(each) for name, each in data["robot"].items()}
+        return Robot([from_data(joint) for joint in data["joints"]], **options)
+    if data.get("class") in _CLASSES:
+        made = object.__new__(_CLASSES[data["class"]])
+        for name, each in data["state"].items():
+            object.__setattr__(made, name, from_data(each))
+        return made
+    raise DescriptionError(data)

@@ -1,0 +1,74 @@
+"""Tables as text, Markdown and HTML."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+Table = Mapping[str, Sequence[Any]]
+
+
+def cell(value: Any) -> str:
+    """One entry: three digits of a number, nothing for NaN."""
+    if isinstance(value, float):
+        if math.isnan(value):
+            return ""
+        return f"{value:.0f}" if 1000 <= abs(value) < 1e5 else f"{value:.3g}"
+    return str(value)
+
+
+def text(table: Table) -> str:
+    """For a terminal: words to the left, numbers to the right, titles broken over lines where that saves width."""
+    titles, rows = list(table), _rows(table)
+    heads = [_stacked(title) for title in titles]
+    height = max(len(head) for head in heads)
+    lines = [[head[i - height + len(head)] if i >= height - len(head) else "" for head in heads] for i in range(height)]
+    widths = [max(len(line[i]) for line in [*lines, *rows]) for i in range(len(titles))]
+    words = _words(table)
+
+    def aligned(line: Sequence[str]) -> str:
+        places = zip(line, widths, words, strict=True)
+        return "  ".join(each.ljust(width) if word else each.rjust(width) for each, width, word in places).rstrip()
+
+    return "\n".join(aligned(line) for line in [*lines, *rows])
+
+
+def markdown(table: Table) -> str:
+    """A Markdown table."""
+    marks = ["---" if word else "---:" for word in _words(table)]
+    lines = [[title.replace("|", "\\|") for title in table], marks, *_rows(table)]
+    return "\n".join(f"| {' | '.join(each.replace(chr(10), ' ') for each in line)} |" for line in lines) + "\n"
+
+
+def markup(table: Table) -> str:
+    """An HTML table."""
+    words = _words(table)
+
+    def line(tag: str, cells: Sequence[str]) -> str:
+        parts = [
+            f'<{tag} style="text-align:{"left" if word else "right"}">{html.escape(each)}</{tag}>'
+            for each, word in zip(cells, words, strict=True)
+        ]
+        return f"<tr>{''.join(parts)}</tr>"
+
+    body = "".join(line("td", row) for row in _rows(table))
+    return f"<table><thead>{line('th', list(table))}</thead><tbody>{body}</tbody></table>"
+
+
+def _rows(table: Table) -> list[list[str]]:
+    return [[cell(value) for value in row] for row in zip(*table.values(), strict=True)]
+
+
+def _words(table: Table) -> list[bool]:
+    """Which columns are words."""
+    return [all(isinstance(value, str) for value in column) for column in table.values()]
+
+
+def _stacked(title: str) -> list[str]:
+    """A title over lines: its unit below, and its words below each other where they are long."""
+    name, bracket, unit = title.partition(" [")
+    words = name.split(" ")
+    lines = [name] if len(name) <= 9 else words
+    return [*lines, *([f"[{unit}"] if bracket else [])]

@@ -1,0 +1,56 @@
+"""An arm that moves as a contender moved it."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from jtik.errors import ArgumentError, Array
+from jtik.plotting import write_animation
+from jtik.study.figures.canvas import chosen, panels, who
+from jtik.study.figures.postures import one, ways
+from jtik.study.figures.scenery import Scenery, balls
+
+if TYPE_CHECKING:
+    from jtik.study.comparison import Comparison
+
+FRAMES = 60
+"""Pictures of an animation, at least."""
+
+
+def animation(
+    comparison: Comparison,
+    path: str | Path,
+    *,
+    contender: str | None = None,
+    case: str | None = None,
+    criteria: str | None = None,
+) -> None:
+    """Write a GIF of one contender on one case, iterations joined by straight lines in joint space."""
+    if Path(path).suffix.lower() != ".gif":
+        raise ArgumentError("path", path, "a file that ends in .gif")
+    at = chosen(comparison, criteria, case)
+    name = who(comparison, None if contender is None else [contender])[0]
+    q = _smooth(comparison, ways(comparison, at, [name])[name])
+    scene = Scenery(comparison.robot, [q], balls(one(comparison, at.case)))
+    figure, table = panels(1, 1, width=5.0, height=4.6, **scene.projection)
+    axes = table[0, 0]
+
+    def draw(k: int) -> None:
+        axes.clear()
+        scene.draw(axes, q[k : k + 1], f"{name}: {at.case}", way=q)
+
+    write_animation(path, figure, draw, len(q))
+
+
+def _smooth(comparison: Comparison, q: Array) -> Array:
+    """The same way with more stations where there are few."""
+    each = max(1, FRAMES // max(1, len(q) - 1))
+    robot, frames = comparison.robot, [q[0]]
+    for start, end in pairwise(q):
+        way = robot.difference(start, end)
+        frames += [robot.integrate(start, k / each * way) for k in range(1, each + 1)]
+    return np.array(frames)

@@ -1,0 +1,70 @@
+"""Error by iteration."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from jtik.plotting import MUTED, Figure
+from jtik.study.figures.canvas import FLOOR, kept, label, legend, lines, panels, stretched, which, who
+
+if TYPE_CHECKING:
+    from jtik.study.comparison import Comparison
+
+
+LONG = 60
+"""Iterations from which on the axis is logarithmic beyond ten: some laws take ten times as many as others."""
+
+
+def convergence(
+    comparison: Comparison,
+    *,
+    contenders: Iterable[str] | None = None,
+    criteria: str | None = None,
+    kind: str | None = None,
+) -> Figure:
+    """The task error, kind by kind: its median over the cases kept, and a band that holds the middle half of them.
+
+    A solve that has ended stays at its last error, so that the median goes on to the longest of them.
+    """
+    criteria, names = which(comparison, criteria), who(comparison, contenders)
+    every = kept(comparison, kind)
+    cases = {case.name: case.kind for case in comparison.problems if case.name in every}
+    kinds = [each for each in dict.fromkeys(cases.values()) if _has(comparison, cases, each)] or [
+        next(iter(cases.values()))
+    ]
+    figure, table = panels(1, len(kinds), sharey=True)
+    style = lines(comparison.contenders)
+    for axes, each in zip(table[0], kinds, strict=True):
+        longest = 1
+        for name in names:
+            keys = [(name, criteria, case) for case, of in cases.items() if of == each]
+            errors = [np.maximum(comparison.traces[key].error, FLOOR) for key in keys if key in comparison.traces]
+            if not errors:
+                continue
+            rows = stretched(errors)
+            k = np.arange(rows.shape[1])
+            axes.plot(k, np.median(rows, axis=0), label=name, **style[name])
+            if len(rows) > 1:
+                low, high = np.percentile(rows, [25, 75], axis=0)
+                axes.fill_between(k, low, high, color=style[name]["color"], alpha=0.12, linewidth=0)
+            longest = max(longest, int(np.median([len(error) for error in errors])))
+        axes.set(yscale="log", xlim=(0, 1.05 * longest), ylim=(1e-10, None))
+        if longest > LONG:
+            axes.set_xscale("symlog", linthresh=10)
+            axes.set_xticks([k for k in (0, 5, 10, 100, 1000, 10000) if k <= longest])
+            axes.xaxis.set_major_formatter("{x:g}")
+        tolerance = comparison.settings.get("position_tolerance")
+        if tolerance:
+            axes.axhline(tolerance, color=MUTED, linewidth=0.8, linestyle=":")
+        label(axes, "iteration", "task error [m, rad]", each.replace("_", " "))
+    for axes in table[0, 1:]:
+        axes.set_ylabel("")
+    legend(figure, max(table[0], key=lambda axes: len(axes.get_lines())))
+    return figure
+
+
+def _has(comparison: Comparison, cases: dict[str, str], kind: str) -> bool:
+    return any(cases.get(case) == kind for _, _, case in comparison.traces)

@@ -1,0 +1,56 @@
+"""Joint positions along a solve or a path, with their limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from jtik.plotting import MUTED, Figure, shades
+from jtik.study.figures.canvas import chosen, grid, label, legend, panels
+from jtik.study.figures.postures import one, ways
+
+if TYPE_CHECKING:
+    from jtik.study.comparison import Comparison
+
+
+def joint_panels(
+    comparison: Comparison,
+    *,
+    case: str | None = None,
+    contenders: Iterable[str] | None = None,
+    criteria: str | None = None,
+) -> Figure:
+    """The entries of q by iteration, or by time along a path, a panel a contender; dotted where a limit lies near."""
+    at = chosen(comparison, criteria, case)
+    found, which_case, robot = ways(comparison, at, contenders), one(comparison, at.case), comparison.robot
+    rows, columns = grid(len(found), 3)
+    figure, table = panels(rows, columns, width=4.0, height=3.0, sharey=True)
+    names = [
+        name if length == 1 else f"{name}[{k}]"
+        for name in robot.joint_names
+        for length in [robot.q_slice(name).stop - robot.q_slice(name).start]
+        for k in range(length)
+    ]
+    along = which_case.is_path and which_case.dt
+    spans = [(float(q.min()), float(q.max())) for q in found.values()]
+    low, high = min(each[0] for each in spans), max(each[1] for each in spans)
+    room = 0.08 * max(high - low, 1e-3)
+    for axes, (contender, q) in zip(table.flat, found.items(), strict=False):
+        x = np.arange(len(q)) * (along or 1)
+        for k, (name, color) in enumerate(zip(names, shades(len(names), "viridis"), strict=True)):
+            axes.plot(x, q[:, k], color=color, linewidth=1.3, label=name)
+            for limit in (robot.lower[k], robot.upper[k]):
+                if low - room < limit < high + room:
+                    axes.axhline(limit, color=color, linewidth=0.8, linestyle=":")
+        axes.set_ylim(low - room, high + room)
+        label(axes, "time [s]" if along else "iteration", "", contender)
+    unit = "[rad]" if robot.rotational.all() else "[rad, m]"
+    for axes in table[:, 0]:
+        axes.set_ylabel(f"joint position {unit}", fontsize=10)
+    for axes in table.flat[len(found) :]:
+        axes.remove()
+    figure.suptitle(at.case, fontsize=11, x=0.01, ha="left", color=MUTED)
+    legend(figure, table.flat[0])
+    return figure

@@ -1,0 +1,46 @@
+"""V by iteration, and where it rose."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from jtik.errors import ArgumentError
+from jtik.plotting import Figure
+from jtik.study.figures.canvas import FLOOR, chosen, label, legend, lines, of_case, panels
+
+if TYPE_CHECKING:
+    from jtik.study.comparison import Comparison
+
+
+def lyapunov(
+    comparison: Comparison,
+    *,
+    case: str | None = None,
+    contenders: Iterable[str] | None = None,
+    criteria: str | None = None,
+) -> Figure:
+    """V = 1/2 e' Kp e of one case, the first kept by default; rings mark accepted steps that raised it."""
+    at = chosen(comparison, criteria, case)
+    traces = of_case(comparison, at, contenders)
+    figure, table = panels(1, 1, width=6.4, height=4.0)
+    axes, style = table[0, 0], lines(comparison.contenders)
+    drawn = 0
+    for name, trace in traces.items():
+        V = trace.figures.get("V")
+        if V is None or not len(V):
+            continue
+        drawn += 1
+        V = np.maximum(V, FLOOR)
+        axes.plot(np.arange(len(V)), V, label=name, **style[name])
+        rises = np.flatnonzero(V[1:] > V[:-1] * (1 + 1e-12)) + 1
+        rises = rises[V[rises] > 1e-14]  # rounding on target is no rise
+        axes.plot(rises, V[rises], "o", color=style[name]["color"], markersize=5, markerfacecolor="none")
+    if not drawn:
+        raise ArgumentError("case", at.case, "one that a strategy of jtik solved in more than no step")
+    axes.set(yscale="log")
+    label(axes, "iteration", "V = ½ e'Kp e [m², rad²]", f"{at.case}; a ring where V rose")
+    legend(figure, axes)
+    return figure

@@ -1,0 +1,66 @@
+"""Performance profiles: how often each strategy is within a factor of the best (Dolan and More 2002)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+import numpy as np
+
+from jtik.errors import ArgumentError, Array
+from jtik.plotting import Figure
+from jtik.study.figures.canvas import label, legend, lines, panels, which, who
+
+if TYPE_CHECKING:
+    from jtik.study.comparison import Comparison
+
+Measure: TypeAlias = Literal["seconds", "iterations"]
+
+WIDEST = 1e3
+"""The largest factor that is drawn."""
+
+
+def ratios(comparison: Comparison, measure: Measure, criteria: str, names: tuple[str, ...]) -> dict[str, Array]:
+    """For each contender the factor by which it is behind the best of each case, (cases,); infinite where it failed."""
+    columns, cases = comparison.columns, {case.name: k for k, case in enumerate(comparison.problems)}
+    table = np.full((len(names), len(cases)), np.inf)
+    for i, name in enumerate(names):
+        rows = comparison.rows(contender=name, criteria=criteria)
+        good = rows[columns["success"][rows] & (columns[measure][rows] >= 0)]
+        places = [cases[case] for case in columns["case"][good].tolist()]
+        # a solve that was there from the beginning took no step; one, so that there is a ratio
+        table[i, places] = np.maximum(columns[measure][good], 1 if measure == "iterations" else 1e-9)
+    best = table.min(axis=0)
+    table[:, np.isfinite(best)] /= best[np.isfinite(best)]
+    return dict(zip(names, table, strict=True))
+
+
+def profile(
+    comparison: Comparison,
+    *,
+    measure: Measure = "seconds",
+    contenders: Iterable[str] | None = None,
+    criteria: str | None = None,
+) -> Figure:
+    """The share of cases solved within a factor of the fastest: at 1 who is best, on the right who solves most."""
+    if measure not in ("seconds", "iterations"):
+        raise ArgumentError("measure", measure, "'seconds' or 'iterations'")
+    names = who(comparison, contenders)
+    found = ratios(comparison, measure, which(comparison, criteria), names)
+    finite = [value for each in found.values() for value in each[np.isfinite(each)]]
+    widest = min(WIDEST, 1.3 * max(finite, default=1.0))
+    figure, table = panels(1, 1, width=6.4, height=4.0)
+    axes, style = table[0, 0], lines(comparison.contenders)
+    for name, each in found.items():
+        steps = np.sort(each[np.isfinite(each)])
+        share = np.arange(1, len(steps) + 1) / len(each)
+        x, y = (
+            np.concatenate([[1.0], steps, [max(widest, 1.0)]]),
+            np.concatenate([[0.0], share, share[-1:] if len(share) else [0.0]]),
+        )
+        axes.step(x, 100 * y, where="post", label=name, **style[name])
+    axes.set(xscale="log", xlim=(1, max(widest, 1.1)), ylim=(-2, 102))
+    what = "time" if measure == "seconds" else "iterations"
+    label(axes, f"{what}, as a factor of the least on the same case", "cases solved within it [%]")
+    legend(figure, axes)
+    return figure

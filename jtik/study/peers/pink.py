@@ -1,0 +1,87 @@
+"""pink: a quadratic program a step on Pinocchio's kinematics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from jtik.errors import Array
+from jtik.study.peers.base import Goal, imported
+from jtik.study.peers.differential import Differential, DifferentialLoop
+
+
+@dataclass(kw_only=True)
+class Pink(Differential):
+    """A loop round ``pink.solve_ik``: a frame task, position limits, and a criterion as `jtik.interop.pink` gives it.
+
+    Its defaults are those found for mink, whose program it shares.
+    """
+
+    label: str = "pink"
+    module: ClassVar[str] = "pink"
+    package: ClassVar[str] = "pin-pink"
+
+    def build(self, library: Any, goal: Goal) -> DifferentialLoop:
+        """On the robot as a URDF read by Pinocchio."""
+        return _PinkLoop(library, goal, self)
+
+
+class _PinkLoop(DifferentialLoop):
+    """pink at work."""
+
+    def __init__(self, library: Any, goal: Goal, options: Pink) -> None:
+        from jtik.interop.pink import Correspondence, criterion_task
+        from jtik.interop.urdf import to_urdf
+
+        super().__init__(goal, restarted=options.restarted)
+        self._pinocchio = imported("pinocchio", options.package)
+        self._library, self._options = library, options
+        model = self._pinocchio.buildModelFromXML(to_urdf(goal.robot))
+        self._places = Correspondence(goal.robot, model)
+        start = self._places.theirs(goal.robot.neutral)
+        self.configuration = library.Configuration(model, model.createData(), start)
+        self.task = library.FrameTask(
+            goal.frame,
+            position_cost=1.0 if goal.places else 0.0,
+            orientation_cost=options.orientation_cost if goal.turns else 0.0,
+            lm_damping=options.lm_damping,
+        )
+        self._limits = []
+        if goal.setting.limits:
+            self._limits.append(library.limits.ConfigurationLimit(model, config_limit_gain=options.limit_gain))
+        if goal.setting.criteria is not None:
+            self.minimise(criterion_task(goal.setting.criteria, goal.robot, model, curvature="convex"))
+
+    def convert(self, target: Any) -> Any:
+        """A ``pinocchio.SE3``."""
+        return self._pinocchio.SE3(self.goal.pose(target))
+
+    def aim(self, target: Any) -> None:
+        """Set the task's target."""
+        self.task.set_target(target)
+
+    def theirs(self, q: Array) -> Array:
+        """Pinocchio's q."""
+        return self._places.theirs(q)
+
+    def q(self) -> Array:
+        """Out of Pinocchio's q."""
+        return self._places.q(self.configuration.q)
+
+    def displacement(self, tasks: list[Any], constraints: list[Any]) -> Array | None:
+        """By ``pink.solve_ik``."""
+        try:
+            dq = self._library.solve_ik(
+                configuration=self.configuration,
+                tasks=tasks,
+                dt=1.0,
+                solver=self._options.solver,
+                limits=self._limits,
+                constraints=constraints or None,
+                safety_break=False,
+            )
+        except self._library.exceptions.NoSolutionFound:
+            return None
+        return dq if np.isfinite(dq).all() else None

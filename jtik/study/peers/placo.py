@@ -1,0 +1,116 @@
+"""placo: a quadratic program a step in C++, on Pinocchio's kinematics."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from jtik.errors import Array
+from jtik.study.peers.base import Goal, Peer
+from jtik.study.peers.loop import Loop
+
+
+@dataclass(kw_only=True)
+class Placo(Peer):
+    """A loop round ``KinematicsSolver.solve``: a soft frame, position or orientation task, and position limits.
+
+    Criteria cannot be given from Python. Its defaults were found on a Panda and a UR5e: orientation at weights 1, 1/4
+    and 1/16, regularization 1e-6 to 1e-2, 15 to 60 steps an attempt.
+
+    Attributes:
+        orientation_weight: weight of a squared radian where a squared metre has 1.
+        regularization: weight of the squared step; None is 1e-3, or 1e-6 where restarts are allowed.
+        restarted: most steps of an attempt where restarts are allowed.
+    """
+
+    label: str = "placo"
+    orientation_weight: float = 0.0625
+    regularization: float | None = None
+    restarted: int = 30
+    module: ClassVar[str] = "placo"
+    package: ClassVar[str] = "placo"
+    optimizes = False
+
+    def build(self, library: Any, goal: Goal) -> Loop:
+        """On the robot as a URDF."""
+        return _PlacoLoop(library, goal, self)
+
+
+class _PlacoLoop(Loop):
+    """placo at work."""
+
+    def __init__(self, library: Any, goal: Goal, options: Placo) -> None:
+        super().__init__(goal, restarted=options.restarted)
+        self._wrapper = _read(library, goal)
+        self._solver = library.KinematicsSolver(self._wrapper)
+        self._solver.mask_fbase(True)
+        self._solver.enable_joint_limits(bool(goal.setting.limits))
+        self._solver.enable_velocity_limits(False)
+        usual = 1e-6 if goal.setting.restarts else 1e-3
+        self._solver.add_regularization_task(usual if options.regularization is None else options.regularization)
+        self._position = self._orientation = None
+        if goal.places:
+            self._position = self._solver.add_position_task(goal.frame, np.zeros(3))
+            self._position.configure("position", "soft", 1.0)
+        if goal.turns:
+            self._orientation = self._solver.add_orientation_task(goal.frame, np.eye(3))
+            self._orientation.configure("orientation", "soft", options.orientation_weight)
+        names = [joint.name for joint in goal.robot.independent_joints]
+        self._places = [self._wrapper.get_joint_offset(name) for name in names]
+        self._full = self._wrapper.neutral_state().q.copy()
+
+    def convert(self, target: Any) -> Any:
+        """A pose (4, 4)."""
+        return self.goal.pose(target)
+
+    def aim(self, target: Any) -> None:
+        """Set the targets of its tasks."""
+        if self._position is not None:
+            self._position.target_world = target[:3, 3]
+        if self._orientation is not None:
+            self._orientation.R_world_frame = target[:3, :3]
+
+    def place(self, q: Array) -> None:
+        """Set the state's q."""
+        self._full[self._places] = q
+        self._wrapper.state.q = self._full
+        self._wrapper.update_kinematics()
+
+    def q(self) -> Array:
+        """Out of the state's q."""
+        q: Array = np.array(self._wrapper.state.q)[self._places]
+        return q
+
+    def error(self) -> tuple[float, float]:
+        """Of its tasks."""
+        found = []
+        for task in (self._position, self._orientation):
+            if task is not None:
+                task.update()
+            found.append(0.0 if task is None else float(task.error_norm()))
+        return found[0], found[1]
+
+    def step(self) -> float | None:
+        """By ``solve``, which raises where the program has no solution."""
+        try:
+            dq = self._solver.solve(True)
+        except RuntimeError:
+            return None
+        self._wrapper.update_kinematics()
+        length = math.sqrt(dq @ dq)
+        return length if math.isfinite(length) else None
+
+
+def _read(library: Any, goal: Goal) -> Any:
+    """placo's robot; hinges without limits are written with wide ones, since it has them as numbers of one kind."""
+    from jtik.interop.urdf import UNLIMITED, to_urdf
+
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "robot.urdf"
+        file.write_text(to_urdf(goal.robot, turn=UNLIMITED), encoding="utf-8")
+        return library.RobotWrapper(str(file), library.Flags.ignore_collisions)

@@ -1,0 +1,151 @@
+"""pyroki: nonlinear least squares on a robot in JAX."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from jtik.errors import Array
+from jtik.study.contender import Answer, Ready
+from jtik.study.peers.base import Goal, Peer, imported
+
+
+@dataclass(kw_only=True)
+class Pyroki(Peer):
+    """Its pose cost and its limit cost, solved by ``jaxls`` in double precision; an attempt is compiled once.
+
+    Its defaults are those of its own benchmark, but for the linear solver: jaxls, as installed from PyPI, has no dense
+    one in double precision. Limits are a cost, so an attempt may end beyond one and does not count then. What PyPI has
+    is a fork, almond-pyroki, which installs the module ``pyroki``.
+
+    Attributes:
+        position_weight: of the pose cost.
+        orientation_weight: of the pose cost.
+        limit_weight: of the cost of a joint beyond its limit.
+        trust: lambda that the trust region begins with.
+        linear_solver: what jaxls solves its normal equations with.
+        restarted: most steps of an attempt where restarts are allowed.
+    """
+
+    label: str = "pyroki"
+    position_weight: float = 10.0
+    orientation_weight: float = 5.0
+    limit_weight: float = 50.0
+    trust: float = 10.0
+    linear_solver: str = "conjugate_gradient"
+    restarted: int = 30
+    module: ClassVar[str] = "pyroki"
+    package: ClassVar[str] = "almond-pyroki"
+    optimizes = False
+
+    def build(self, library: Any, goal: Goal) -> Ready:
+        """On the robot as a URDF."""
+        return _PyrokiReady(library, goal, self)
+
+
+class _PyrokiReady(Ready):
+    """pyroki at work."""
+
+    def __init__(self, library: Any, goal: Goal, options: Pyroki) -> None:
+        from jtik.interop.urdf import UNLIMITED, to_urdf
+
+        jax = imported("jax", options.package)
+        yourdfpy = imported("yourdfpy", options.package)
+        self._jax, self._lie, self._goal = jax, imported("jaxlie", options.package), goal
+        text = to_urdf(goal.bare, turn=UNLIMITED).encode()
+        urdf = yourdfpy.URDF.load(io.BytesIO(text), build_scene_graph=True, load_meshes=False)
+        with jax.enable_x64(True):
+            robot = library.Robot.from_urdf(urdf)
+            names = list(robot.joints.actuated_names)
+            self._places = [names.index(joint.name) for joint in goal.robot.independent_joints]
+            self._full = np.zeros(len(names))
+            self._attempt = _attempt(library, robot, goal, options)
+            with _silent(options.package):
+                self._attempt(self._full, np.array(self._lie.SE3.identity().wxyz_xyz))
+
+    def convert(self, target: Any) -> Any:
+        """Quaternion (w, x, y, z) and position as one vector (7,)."""
+        with self._jax.enable_x64(True):
+            return np.array(self._lie.SE3.from_matrix(self._goal.pose(target)).wxyz_xyz)
+
+    def solve(self, target: Any, q0: Array) -> Answer:
+        """Attempt after attempt until one arrives; else the nearest."""
+        goal, taken = self._goal, 0
+        nearest, least = np.asarray(q0), math.inf
+        with self._jax.enable_x64(True):
+            for start in goal.starts(q0):
+                self._full[self._places] = start
+                found, position, orientation, steps = self._attempt(self._full, target)
+                taken += int(steps)
+                q = goal.rounded(np.array(found)[self._places])
+                errors = (float(position), float(orientation))
+                if goal.arrived(*errors) and np.array_equal(q, goal.inside(q)):
+                    return Answer(q, "REACHED", True, taken)
+                if sum(errors) < least:
+                    nearest, least = q, sum(errors)
+        return Answer(nearest, "ITERATION_LIMIT", False, taken)
+
+
+@contextmanager
+def _silent(package: str) -> Iterator[None]:
+    """Without what pyroki and jaxls log about every problem that they build."""
+    logger = imported("loguru", package).logger
+    for name in ("pyroki", "jaxls"):
+        logger.disable(name)
+    try:
+        yield
+    finally:
+        for name in ("pyroki", "jaxls"):
+            logger.enable(name)
+
+
+def _attempt(library: Any, robot: Any, goal: Goal, options: Pyroki) -> Any:
+    """(q, target) -> q, errors [m], [rad], steps; compiled at its first call."""
+    jax = imported("jax", options.package)
+    jaxlie, jaxls = imported("jaxlie", options.package), imported("jaxls", options.package)
+    numbers = jax.numpy
+    link = robot.links.names.index(goal.frame)
+    most = goal.setting.max_iterations
+    if goal.setting.restarts:
+        most = min(most, options.restarted)
+
+    def attempt(start: Any, target: Any) -> Any:
+        variable, wanted = robot.joint_var_cls(0), jaxlie.SE3(target)
+        costs = [
+            library.costs.pose_cost_analytic_jac(
+                robot,
+                variable,
+                wanted,
+                numbers.array(link, dtype=numbers.int32),
+                pos_weight=options.position_weight if goal.places else 0.0,
+                ori_weight=options.orientation_weight if goal.turns else 0.0,
+            ),
+            library.costs.limit_cost(robot, variable, weight=options.limit_weight),
+        ]
+        solution, summary = (
+            jaxls.LeastSquaresProblem(costs, [variable])
+            .analyze()
+            .solve(
+                initial_vals=jaxls.VarValues.make([variable.with_value(start)]),
+                verbose=False,
+                linear_solver=options.linear_solver,
+                trust_region=jaxls.TrustRegionConfig(lambda_initial=options.trust),
+                termination=jaxls.TerminationConfig(
+                    max_iterations=most, gradient_tolerance=1e-10, parameter_tolerance=1e-10
+                ),
+                return_summary=True,
+            )
+        )
+        q = solution[variable]
+        reached = jaxlie.SE3(robot.forward_kinematics(q)[link])
+        turn = (wanted.rotation().inverse() @ reached.rotation()).log()
+        position = numbers.linalg.norm(reached.translation() - wanted.translation())
+        return q, position, numbers.linalg.norm(turn), summary.iterations
+
+    return jax.jit(attempt)

@@ -1,0 +1,185 @@
+"""jtik's own strategies as contenders of a study."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import MISSING, fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from jtik.errors import ArgumentError, Array, UnknownNameError
+from jtik.qp import Backend
+from jtik.registry import secondaries, strategies
+from jtik.solution import Trace
+from jtik.solver import InverseKinematics
+from jtik.strategy import Strategy
+from jtik.study.contender import Answer, Contender, Ready, Setting
+
+PEER = "peer:"
+"""How the name of a contender from another library begins: "peer:mink"."""
+
+
+class Law(Contender):
+    """A strategy of jtik, where a study needs more of it than its name.
+
+    Args:
+        strategy: name of a registered strategy, or a Strategy object.
+        solver: what solves its programs, as in `jtik.InverseKinematics`.
+        compiled: whether it runs as generated C; as the rest of the study when None.
+        label: its name in the study; the strategy's by default, with the options that are not the usual ones.
+    """
+
+    def __init__(
+        self,
+        strategy: str | Strategy,
+        *,
+        solver: str | Backend | None = None,
+        compiled: bool | None = None,
+        label: str | None = None,
+    ) -> None:
+        if not isinstance(strategy, (str, Strategy)):
+            raise ArgumentError("strategies", strategy, "a name, a jtik.Strategy, or a jtik.study.Contender")
+        self.strategy, self.solver, self.compiled = strategy, solver, compiled
+        own = strategy if isinstance(strategy, str) else described(strategy)
+        extra = [f"solver={solver}"] if solver else []
+        extra += [] if compiled is None else ["compiled" if compiled else "not compiled"]
+        self.label = label or ", ".join([own, *extra])
+
+    def __repr__(self) -> str:
+        return f"Law({self.strategy!r}, label={self.label!r})"
+
+    def prepare(self, setting: Setting) -> Ready:
+        """Build the solver. Raises what `jtik.InverseKinematics` raises."""
+        ik = InverseKinematics(
+            setting.robot,
+            setting.task,
+            criteria=setting.criteria,
+            strategy=self.strategy,
+            solver=self.solver,
+            limits=setting.limits,
+            clearances=setting.clearances or None,
+            joints=setting.joints,
+            at=setting.at,
+            compiled=setting.compiled if self.compiled is None else self.compiled,
+        )
+        return ReadyLaw(ik, setting)
+
+
+class ReadyLaw(Ready):
+    """A solver, with the options of a setting's solves."""
+
+    def __init__(self, ik: InverseKinematics, setting: Setting) -> None:
+        self.ik = ik
+        self._solve = ik.solve
+        self._first = {name: value.copy() for name, value in ik.parameters.items()}
+        self._options: dict[str, Any] = {
+            "restarts": setting.restarts,
+            "seed": setting.seed,
+            "max_iterations": setting.max_iterations,
+            "position_tolerance": setting.position_tolerance,
+            "orientation_tolerance": setting.orientation_tolerance,
+            "optimality_tolerance": setting.optimality_tolerance,
+            "until": setting.until,
+        }
+
+    def set(self, parameters: Mapping[str, Array]) -> None:
+        """These values; parameters that are not named get their first ones back."""
+        for name, value in self._first.items():
+            self.ik.parameters[name] = parameters.get(name, value)
+
+    def solve(self, target: Any, q0: Array) -> Answer:
+        """`InverseKinematics.solve`."""
+        solution = self._solve(target, q0=q0, **self._options)
+        return Answer(solution.q, solution.status.name, solution.converged, solution.iterations)
+
+    def traced(self, target: Any, q0: Array) -> tuple[Answer, Trace | None]:
+        """The same, recorded."""
+        solution = self._solve(target, q0=q0, trace=True, **self._options)
+        return Answer(solution.q, solution.status.name, solution.converged, solution.iterations), solution.trace
+
+
+class Unknown(Contender):
+    """What a study was given by a name that nobody has: it takes part by saying so."""
+
+    def __init__(self, label: str, error: Exception) -> None:
+        self.label, self._error = label, error
+
+    def prepare(self, setting: Setting) -> Ready:
+        """Raises the error."""
+        raise self._error
+
+
+def contenders_of(given: Any) -> dict[str, Contender]:
+    """The contenders of a study by label, from names, objects, or a mapping from label to either.
+
+    Raises:
+        ArgumentError: for none, or something that is neither name nor strategy nor contender.
+    """
+    if isinstance(given, (str, Strategy, Contender)):
+        given = [given]
+    if not isinstance(given, Iterable):
+        raise ArgumentError("strategies", given, "names, jtik.Strategy objects or jtik.study.Contender objects")
+    if isinstance(given, Mapping):
+        found = {str(label): _contender(each)[1] for label, each in given.items()}
+    else:
+        found = {}
+        for each in given:
+            own, contender = _contender(each)
+            label, number = own, 1
+            while label in found:
+                number += 1
+                label = f"{own} #{number}"
+            found[label] = contender
+    if not found:
+        raise ArgumentError("strategies", "none", f"at least one, such as {', '.join(strategies)}")
+    return found
+
+
+def _contender(given: Any) -> tuple[str, Contender]:
+    """A contender and what to call it."""
+    if isinstance(given, Contender):
+        return given.label, given
+    if isinstance(given, str) and given.startswith(PEER):
+        from jtik.study import peers
+
+        try:
+            return given, peers.named(given.removeprefix(PEER))
+        except UnknownNameError as error:
+            return given, Unknown(given, error)
+    law = Law(given)
+    return law.label, law
+
+
+def described(strategy: Strategy) -> str:
+    """The registered name of a strategy with the options that are not its defaults: "damped(damping=0.3)"."""
+    name = _registered(type(strategy))
+    if not is_dataclass(strategy):
+        return name
+    options = []
+    for each in fields(strategy):
+        value = getattr(strategy, each.name)
+        default = each.default if each.default_factory is MISSING else each.default_factory()
+        if each.repr and not _same(value, default):
+            options.append(f"{each.name}={_short(value)}")
+    return f"{name}({', '.join(options)})" if options else name
+
+
+def _registered(kind: type[Any]) -> str:
+    for registry in (strategies, secondaries):
+        for name in registry:
+            if registry[name] is kind:
+                return name
+    return kind.__name__
+
+
+def _short(value: Any) -> str:
+    if type(value) in {secondaries[name] for name in secondaries} and is_dataclass(value):
+        return described(value)  # type: ignore[arg-type]
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _same(value: Any, default: Any) -> bool:
+    if isinstance(value, np.ndarray) or isinstance(default, np.ndarray):
+        return np.array_equal(value, default)
+    return bool(value == default)

@@ -1,0 +1,158 @@
+"""Figure 2.2: a ten-link arm moves through a field of obstacles.
+
+The copies in circulation lack the drawings. What the text says is drawn: ten links in the plane, the tip led along a
+way an operator might enter, obstacle avoidance and zero joint angles for the rest. The field is that of jtik's demo.
+Six postures of the sequence, and the clearances along it: of the joints, which is what the paper's potential keeps
+away, and of the links; beside zero angles alone, the law as printed, and links in the potential.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from claim import MEDIAN, Row, Script, Within, by_key, median, percent
+
+import jtik
+from jtik import plotting
+from jtik.demo.measure import clearances
+from jtik.demo.scene import Scene
+from jtik_formulations import Hybrid, JointCentering, ObstacleAvoidance, ProjectedGradient, Transpose
+
+SCENE = Scene()
+TARGETS, FEW = 61, 16
+PANELS = 6
+WINDOW: plotting.Window = (-2.9, 9.5, -2.6, 3.6)
+CASES = {
+    "zero angles alone": (JointCentering(), Hybrid()),
+    "joints, as printed": (
+        JointCentering() + ObstacleAvoidance(SCENE.obstacles),
+        Transpose(rule="paper", q_limit=1.0, backtracking=False, secondary=ProjectedGradient(rule="paper")),
+    ),
+    "joints, transpose": (JointCentering() + ObstacleAvoidance(SCENE.obstacles), Transpose()),
+    "joints, hybrid": (JointCentering() + ObstacleAvoidance(SCENE.obstacles), Hybrid()),
+    "joints and links, hybrid": (JointCentering() + ObstacleAvoidance(SCENE.obstacles, bodies="both"), Hybrid()),
+}
+SHOWN = "joints and links, hybrid"
+
+
+@cache
+def led(case: str, targets: int) -> tuple[np.ndarray, tuple[int, ...], tuple[bool, ...]]:
+    """Configurations (targets, 10), iterations and whether each target was reached, from one target to the next."""
+    criteria, strategy = CASES[case]
+    ik = jtik.InverseKinematics(SCENE.robot, jtik.FrameTask("tip"), criteria=criteria, strategy=strategy)
+    q, way, iterations, reached = np.array(SCENE.start), [], [], []
+    for target in SCENE.path(targets):
+        solution = ik.solve(target, q0=q, max_iterations=1000)
+        q = solution.q
+        way.append(q)
+        iterations.append(solution.iterations)
+        reached.append(solution.position_error <= 1e-6)
+    return np.array(way), tuple(iterations), tuple(reached)
+
+
+def row(case: str, targets: int) -> Row:
+    """joints, links: least clearance from a disc along the way [m], negative inside. bend: the median of |q| [rad].
+
+    reached: targets [%]. iterations: median for a target.
+    """
+    q, iterations, reached = led(case, targets)
+    joints, links = clearances(plotting.Skeleton(SCENE.robot).links(q), SCENE.obstacles)
+    return {
+        "case": case,
+        "joints": float(joints.min()),
+        "links": float(links.min()),
+        "bend": float(np.median(np.linalg.norm(q, axis=1))),
+        "reached": percent(reached),
+        "iterations": median(iterations),
+    }
+
+
+def compute(quick: bool) -> list[Row]:
+    """The way with every criterion and law."""
+    return [row(case, FEW if quick else TARGETS) for case in CASES]
+
+
+def statements(rows: Sequence[Row]) -> dict[str, bool]:
+    """What these rows show."""
+    at = by_key(rows, ["case"])
+    none, joints, links = at["zero angles alone"], at["joints, hybrid"], at[SHOWN]
+    printed, transpose = at["joints, as printed"], at["joints, transpose"]
+    return {
+        "the hybrid reaches every target": all(row["reached"] == 100 for row in (none, joints, links)),
+        "the transpose with jtik's rules reaches more than as printed": float(transpose["reached"])
+        > float(printed["reached"]),
+        "the law as printed misses targets, winds the arm up and leads joints into discs": float(printed["reached"])
+        < 100
+        and float(printed["bend"]) > 10
+        and float(printed["joints"]) < 0,
+        "zero angles alone lead joints and links through the discs": float(none["joints"]) < 0
+        and float(none["links"]) < 0,
+        "with the potential on the joints no joint touches a disc": float(joints["joints"]) > 0
+        and float(transpose["joints"]) > 0,
+        "but a link does": float(joints["links"]) < 0,
+        "with links in the potential no link does": float(links["links"]) > 0,
+    }
+
+
+def draw(folder: Path, rows: Sequence[Row]) -> None:
+    """Six panels: where the arm is, light where it was in the panel before, and the way of the tip."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    q = led(SHOWN, TARGETS)[0]
+    path = SCENE.path(TARGETS)
+    chosen = np.linspace(0, TARGETS - 1, PANELS).round().astype(int)
+    left, right, bottom, top = WINDOW
+    width = 14.0
+    figure = Figure(figsize=(width, width / 3 * 2 * (top - bottom) / (right - left) + 0.3), layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.set_facecolor(plotting.BACKGROUND)
+    grid = figure.subplots(2, 3, sharex=True, sharey=True)
+    skeleton = plotting.Skeleton(SCENE.robot)
+    for panel, (axes, k) in enumerate(zip(grid.flat, chosen, strict=True)):
+        axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal", facecolor=plotting.BACKGROUND)
+        plotting.frame_axes(axes)
+        axes.tick_params(color=plotting.THIN, labelcolor=plotting.MUTED, labelsize=10)
+        if panel >= 3:
+            axes.set_xlabel("x [m]", color=plotting.MUTED, fontsize=11)
+        if panel % 3 == 0:
+            axes.set_ylabel("y [m]", color=plotting.MUTED, fontsize=11)
+        label = f"{panel + 1}   target {k + 1} of {TARGETS}"
+        axes.text(0.02, 0.96, label, transform=axes.transAxes, va="top", fontsize=12, color=plotting.INK)
+    figure.draw_without_rendering()  # the width of a link is in metres: the layout has to be known
+    for panel, (axes, k) in enumerate(zip(grid.flat, chosen, strict=True)):
+        plotting.draw_obstacles(axes, SCENE.obstacles)
+        plotting.draw_path(axes, path, color=plotting.THIN)
+        if panel:
+            plotting.draw_path(axes, path[: k + 1])
+            before = plotting.DrawnArm(
+                axes, skeleton, color=plotting.shades(PANELS)[1], joints=False, halo=False, zorder=2.5
+            )
+            before.move(q[chosen[panel - 1]])
+        plotting.DrawnArm(axes, skeleton, color=plotting.shades(PANELS)[-1]).move(q[k])
+        plotting.draw_base(axes)
+    folder.mkdir(parents=True, exist_ok=True)
+    figure.savefig(folder / "figure_2_2.png", dpi=110)
+
+
+SCRIPT = Script(
+    name="figure_2_2",
+    keys=("case",),
+    tolerances={
+        "joints": Within(absolute=5e-3),
+        "links": Within(absolute=5e-3),
+        "bend": Within(absolute=0.02),
+        "reached": Within(absolute=2.0),
+        "iterations": MEDIAN,
+    },
+    compute=compute,
+    statements=statements,
+    draw=draw,
+)
+
+if __name__ == "__main__":
+    sys.exit(SCRIPT.main(__doc__))

@@ -1,0 +1,505 @@
+"""Two thousand random problems over every registered strategy and every back end, a third of them nasty.
+
+These are out of reach, start outside the limits or exactly singular, have their target behind the limits, or stand
+between obstacles that leave no room.
+
+Nothing raises, nothing is NaN, limits and clearances hold at every configuration, and a status is what kinematics
+written down here says: chains of the textbook in the plane, the makers' tables in space, NumPy's SVD, SciPy's bounded
+least squares.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+import qpsolvers
+from scipy.optimize import lsq_linear
+from scipy.spatial.transform import Rotation as Turn
+
+import jtik
+from jtik import Status
+from jtik.qp import Foreign, PersistentOSQP, available
+from jtik.registry import strategy_of
+from jtik_formulations import JointCentering, ObstacleAvoidance
+
+from ..conftest import planar, planar_jacobian, planar_points
+from .test_gallery_tables import AHEAD, BACKWARDS, NONE, PANDA, UR5E, multiplied
+
+PROBLEMS = 2000
+MOST = 60
+"""Iterations a solve may take."""
+
+TOLERANCE = 1e-6
+"""The default one of a solve: [m], [rad], and of the projected gradient."""
+
+ROUNDING = 1e-9
+"""Of a pose [m] or [rad], and of a distance [m], beside the one that the engine has worked out."""
+
+AT_LIMIT = 1e-9
+"""Distance [rad] or [m] from which a joint counts as at its limit."""
+
+FLAT = 1e-5
+"""|J' e| / (|J| |e|) where the error cannot fall to first order."""
+
+SAFE, MARGIN = 0.05, 0.01
+"""Of clearances [m]."""
+
+
+# --- arms, and their kinematics once more
+
+
+@dataclass(frozen=True)
+class Arm:
+    """A robot, what its tip must do, a straight posture, and a frame-free twin of its kinematics."""
+
+    robot: jtik.Robot
+    kind: str
+    straight: np.ndarray
+    pose: object
+    jacobian: object
+    reach: float
+    """The tip comes no farther than this from the base [m]."""
+
+    too_near: float = 0.0
+    """The limits keep the tip this far from the base [m]."""
+
+
+def planar_arm(n, limit):
+    """Limits so narrow that the chain cannot close: its most bent posture is nearest to the base."""
+    robot = planar(n, lower=-limit, upper=limit)
+    nearest = math.sin(n * limit / 2) / math.sin(limit / 2)
+    return Arm(robot, "position", np.zeros(n), lambda q: planar_points(q)[-1], planar_jacobian, n, nearest)
+
+
+def vehicle():
+    robot = jtik.Robot.vehicle(3, heading=True, lower=-1.5, upper=1.5, vehicle_lower=-1.0, vehicle_upper=1.0)
+
+    def turned(q):
+        return np.concatenate([[q[2] + q[3]], q[4:]])
+
+    def jacobian(q):
+        arm = planar_jacobian(turned(q))
+        return np.column_stack([np.eye(2), arm[:, 0], arm])
+
+    reach = 3 + math.sqrt(2)
+    return Arm(robot, "position", np.zeros(6), lambda q: q[:2] + planar_points(turned(q))[-1], jacobian, reach)
+
+
+def table_arm(name, kind, rows, before, after, convention, straight):
+    """A Denavit-Hartenberg table, differentiated by imaginary steps."""
+    robot = jtik.Robot.builtin(name)
+
+    def pose_of(q):
+        return before @ multiplied(rows, q, convention) @ after
+
+    def pose(q):
+        return pose_of(q)[:3, 3] if kind == "position" else pose_of(q)
+
+    def jacobian(q):
+        columns = []
+        for unit in np.eye(len(q)):
+            slope = pose_of(q + 1e-30j * unit).imag / 1e-30
+            spin = slope[:3, :3] @ pose_of(q)[:3, :3].T
+            turn = [spin[2, 1], spin[0, 2], spin[1, 0]]
+            columns.append([*slope[:3, 3], *(turn if kind == "pose" else [])])
+        return np.array(columns).T
+
+    reach = sum(abs(a) + abs(d) for _, a, d, _ in rows) + np.linalg.norm(after[:3, 3])
+    return Arm(robot, kind, np.array(straight), pose, jacobian, float(reach))
+
+
+HAND = AHEAD @ np.block(
+    [[Turn.from_euler("z", -45, degrees=True).as_matrix(), np.array([[0], [0], [0.1034]])], [np.zeros((1, 3)), 1]]
+)
+
+BUILD = {
+    "planar3": lambda: planar_arm(3, 1.0),
+    "planar5": lambda: planar_arm(5, 0.9),
+    "planar10": lambda: planar_arm(10, 0.3),
+    "vehicle": vehicle,
+    "panda": lambda: table_arm(
+        "panda", "pose", PANDA, NONE, HAND, "craig", [0.3, 0.0, math.pi / 2, -1.5, 0.0, 0.7, 0.2]
+    ),
+    "ur5e": lambda: table_arm("ur5e", "position", UR5E, BACKWARDS, NONE, "standard", [0.4, -0.8, 0.0, 0.5, 1.0, 0.2]),
+}
+
+
+@functools.cache
+def arm_of(name):
+    return BUILD[name]()
+
+
+def error_of(arm, q, target):
+    """The rows of the error, with rotations as rotation vectors in world axes."""
+    pose = arm.pose(q)
+    if arm.kind == "position":
+        return pose - target
+    turned = Turn.from_matrix(pose[:3, :3] @ target[:3, :3].T).as_rotvec()
+    return np.concatenate([pose[:3, 3] - target[:3, 3], turned])
+
+
+# --- criteria, with their gradients
+
+
+@jtik.criterion
+def waves(q, robot):
+    """As often concave as convex."""
+    import casadi
+
+    return sum(casadi.cos(2 * q[i] + 0.3 * i) for i in range(robot.nq))
+
+
+CRITERIA = {
+    "none": (lambda: None, None),
+    "centring": (JointCentering, lambda arm, q: q - arm.robot.neutral),
+    "waves": (lambda: waves, lambda arm, q: -2 * np.sin(2 * q + 0.3 * np.arange(len(q)))),
+}
+
+
+# --- strategies, back ends, and which of them meet
+
+
+def _pairs(with_qp):
+    """The registered strategies and their compositions, those that solve programs or those that do not."""
+    names = list(jtik.strategies)
+    for name in jtik.strategies:
+        try:
+            strategy_of(f"{name}+qp")
+        except jtik.ArgumentError:
+            continue
+        names.append(f"{name}+qp")
+    names.append("hybrid+second_order")
+    return [name for name in names if strategy_of(name).solves_programs(True) == with_qp]
+
+
+SLOW = ("clarabel", "quadprog", "qpsolvers:daqp", "qpsolvers:osqp", "persistent osqp")
+
+BACKENDS = {
+    **{name: lambda name=name: name for name in available()},
+    **{f"qpsolvers:{name}": lambda name=name: Foreign(name) for name in ("daqp", "osqp")},
+    "persistent osqp": PersistentOSQP,
+}
+
+
+@dataclass(frozen=True)
+class Case:
+    """What one InverseKinematics is built of, and how many problems it is given."""
+
+    strategy: str
+    backend: str | None
+    arm: str
+    criterion: str
+    clear: bool
+    count: int = 0
+    seed: int = 0
+
+
+def _cases():
+    found, arms, criteria = [], list(BUILD), list(CRITERIA)
+    for i, strategy in enumerate(_pairs(False)):
+        for j in range(3):
+            found.append(Case(strategy, None, arms[(i + 2 * j) % 6], criteria[(i // 2 + j) % 3], False))
+    for i, strategy in enumerate(_pairs(True)):
+        backends = [name for name in BACKENDS if strategy != "mink" or name in qpsolvers.available_solvers]
+        for j, backend in enumerate(backends):
+            if backend != "daqp" and (i + j) % 2:
+                continue
+            for k in range(3 if backend == "daqp" else 1):
+                arm = arms[(i + j // 2 + 2 * k) % 6]
+                clear = arm == "planar5" and strategy_of(strategy).keeps_clear()
+                number = i // 2 + j // 2 + k
+                always = clear or strategy_of(strategy).solves_programs(False)
+                criterion = criteria[number % 3 if always else 1 + number % 2]
+                found.append(Case(strategy, backend, arm, criterion, clear))
+    # slow ones, called from Python, have a third of the problems
+    share = np.array([1 if case.backend in SLOW else 3 for case in found])
+    ends = (PROBLEMS * np.cumsum(share) / share.sum()).round().astype(int)
+    counts = np.diff(ends, prepend=0).tolist()
+    return [replace(case, count=count, seed=k) for k, (case, count) in enumerate(zip(found, counts, strict=True))]
+
+
+CASES = _cases()
+
+
+# --- problems
+
+NASTY = ("too far", "start outside", "singular", "behind limits", "contradictory clearances")
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Start, target, places of the obstacles, what to wait for, and for how long."""
+
+    kind: str
+    q0: np.ndarray
+    target: np.ndarray
+    centers: np.ndarray
+    until: str
+    most: int = MOST
+
+
+FAR = np.array([[50.0, 0.0], [50.0, 5.0]])
+RADIUS = 0.3
+
+
+def problems_of(case):
+    """Every third is nasty, in turn."""
+    rng = np.random.default_rng(case.seed)
+    arm = arm_of(case.arm)
+    for k in range(case.count):
+        number = case.seed + k
+        kind = NASTY[number // 3 % len(NASTY)] if number % 3 == 0 else "ordinary"
+        until = ("steady", "reached")[number // 2 % 2]
+        most = 6 * MOST if kind == "too far" and case.backend is None else MOST  # the last digits come slowly there
+        yield Problem(kind, *_posed(arm, kind, case.clear, rng), until, most)
+
+
+def _posed(arm, kind, clear, rng):
+    robot = arm.robot
+    q0 = robot.random_configuration(rng)
+    if kind == "contradictory clearances" and not clear:
+        kind = "singular"
+    if kind == "singular":
+        q0 = arm.straight.copy()
+    if kind == "start outside":
+        q0 = q0 + rng.choice([-1, 1], robot.n) * rng.uniform(0.0, 4.0, robot.n)
+    goal = robot.random_configuration(rng)
+    if kind == "behind limits":
+        goal = np.where(rng.random(robot.n) < 0.4, robot.upper + rng.uniform(0.1, 1.0, robot.n), goal)
+    target = np.array(arm.pose(goal))
+    if kind == "too far":
+        place = target if target.ndim == 1 else target[:3, 3]
+        target = _scaled(target, rng.uniform(1.2, 2.0) * arm.reach / np.linalg.norm(place))
+    if kind == "singular":
+        target = _scaled(np.array(arm.pose(q0)), rng.uniform(0.5, 0.95))
+    if kind == "behind limits" and arm.too_near:
+        heading = rng.uniform(-math.pi, math.pi)
+        target = 0.5 * arm.too_near * np.array([math.cos(heading), math.sin(heading)])
+    centers = FAR
+    if clear:
+        for _ in range(100):
+            centers = rng.uniform(-3, 5, (2, 2))
+            if min(gaps(q0, centers).min(), gaps(goal, centers).min()) > SAFE:
+                break
+        if kind == "contradictory clearances":
+            points = np.vstack([[0.0, 0.0], planar_points(q0)])
+            link = rng.integers(1, 5)
+            along = points[link + 1] - points[link]
+            across = np.array([-along[1], along[0]])
+            off = (RADIUS + rng.uniform(0.2, 0.9) * SAFE) * across
+            middle = points[link] + 0.5 * along
+            centers = np.array([middle + off, middle - off])
+    return q0, target, centers
+
+
+def _scaled(target, by):
+    """The place times ``by``; the attitude as it is."""
+    target = target.copy()
+    if target.ndim == 1:
+        return by * target
+    target[:3, 3] *= by
+    return target
+
+
+def gaps(q, centers):
+    """Distance of each link of a planar arm to each circle, by the closest point of its segment."""
+    points = np.vstack([[0.0, 0.0], planar_points(q)])
+    a, along = points[:-1, None], np.diff(points, axis=0)[:, None]
+    share = np.clip(((centers - a) * along).sum(-1) / (along**2).sum(-1), 0, 1)
+    return np.linalg.norm(a + share[..., None] * along - centers, axis=-1) - RADIUS
+
+
+# --- verdicts
+
+
+def outside(robot, q):
+    return np.maximum(np.maximum(robot.lower - q, q - robot.upper), 0.0)
+
+
+def limits_at(robot, q):
+    """+1, -1 or 0 a joint: at its upper limit, at its lower limit, at neither."""
+    return (q >= robot.upper - AT_LIMIT).astype(int) - (q <= robot.lower + AT_LIMIT).astype(int)
+
+
+def projected(J, gradient, at):
+    """Norm of what is left of a gradient by multipliers of the task, and by those of limits, of the right sign."""
+    held = np.diag(at.astype(float))[:, at != 0]
+    A = np.hstack([J.T, held])
+    lowest = np.concatenate([np.full(len(J), -np.inf), np.zeros(held.shape[1])])
+    found = lsq_linear(A, -gradient, bounds=(lowest, np.inf), method="bvls", tol=1e-14)
+    return float(np.linalg.norm(A @ found.x + gradient))
+
+
+def flatness(J, e, at):
+    """|J' e| / (|J| |e|) over all joints, and over those that a limit does not keep from following -J' e."""
+    force = J.T @ e
+    free = at * force >= 0
+    size = np.linalg.norm(J) * np.linalg.norm(e)
+    return np.linalg.norm(force) / size, np.linalg.norm(force[free]) / size
+
+
+def complaints(case, arm, problem, solution, slope):
+    """What is wrong with a solution, a sentence each."""
+    robot, q, status = arm.robot, solution.q, solution.status
+    if not np.isfinite(q).all():
+        return ["q is not finite"]
+    said = []
+
+    def require(good, sentence):
+        if not good:
+            said.append(sentence)
+
+    require(not outside(robot, q).any(), f"outside its limits by {outside(robot, q).max():.3g}")
+    require(solution.iterations <= problem.most, f"{solution.iterations} iterations")
+    e, J, at = error_of(arm, q, problem.target), arm.jacobian(q), limits_at(robot, q)
+    place, turn = np.linalg.norm(e[:3]), np.linalg.norm(e[3:])
+    far = max(1.0, place)
+    require(abs(solution.position_error - place) <= ROUNDING * far, f"error {solution.position_error} is {place}")
+    require(abs(solution.orientation_error - turn) <= 1e-7, f"angle {solution.orientation_error} is {turn}")
+    require(status is not Status.NOT_FINITE, "NOT_FINITE")
+    arrived = status in (Status.CONVERGED, Status.REACHED)
+    if min(abs(place - TOLERANCE), abs(turn - TOLERANCE)) > ROUNDING:
+        reached = place <= TOLERANCE and turn <= TOLERANCE
+        require(arrived == reached, f"{status.name} at an error of {place:.3g} m, {turn:.3g} rad")
+    success = status is Status.CONVERGED or (status is Status.REACHED and problem.until == "reached")
+    require(solution.converged == success, f"converged is {solution.converged} with {status.name}")
+    if arrived and slope is not None:
+        gradient = slope(arm, q)
+        left = projected(J, gradient, at) / max(1.0, np.linalg.norm(gradient))
+        if status is Status.CONVERGED and not case.clear:
+            require(left <= 1.01 * TOLERANCE, f"CONVERGED with a projected gradient of {left:.3g}")
+        if status is Status.REACHED and not case.clear:
+            require(left > 0.5 * TOLERANCE, f"REACHED with a projected gradient of {left:.3g}")
+    if status is Status.ITERATION_LIMIT:
+        require(solution.iterations == problem.most, f"ITERATION_LIMIT after {solution.iterations}")
+    if status in (Status.LOCAL_MINIMUM, Status.SINGULAR):
+        require(flatness(J, e, at)[0] <= FLAT, f"{status.name} with a slope of {flatness(J, e, at)[0]:.3g}")
+    if status is Status.LIMITS:
+        everything, free = flatness(J, e, at)
+        require(free <= FLAT < 20 * everything, f"LIMITS with slopes of {everything:.3g}, {free:.3g}")
+    if status is Status.BLOCKED:
+        require(case.clear, "BLOCKED without clearances")
+        if case.clear:
+            least = gaps(q, problem.centers).min()
+            require(least <= SAFE + 2 * MARGIN + ROUNDING, f"BLOCKED {least:.3g} m from the nearest obstacle")
+    if problem.kind == "too far" or (problem.kind == "behind limits" and arm.too_near):
+        require(not arrived, f"{status.name} where nothing can be")
+    return said
+
+
+def walked(case, arm, problem, ik):
+    """What is wrong with steps one by one, as a controller takes them."""
+    ik.reset()
+    q, before = problem.q0, outside(arm.robot, problem.q0)
+    for _ in range(4):
+        q = ik.step(q, problem.target).q
+        if not np.isfinite(q).all():
+            return ["a step is not finite"]
+        after = outside(arm.robot, q)
+        if (after > before).any():
+            return [f"a step goes {(after - before).max():.3g} farther outside"]
+        before = after
+    return ["still outside after four steps"] if after.any() else []
+
+
+def undercut(case, problem, trace):
+    """What is wrong with clearances at the iterates and half-way between them."""
+    q = trace.q
+    start = gaps(q[0], problem.centers)
+    allowed = np.minimum(start, SAFE) - ROUNDING - 1e-10 * len(q)
+    ways = np.vstack([q, (q[1:] + q[:-1]) / 2])
+    worst = max((float((allowed - gaps(p, problem.centers)).max()) for p in ways), default=0.0)
+    return [f"a clearance {worst:.3g} m below what it may be"] if worst > 0 else []
+
+
+def build(case):
+    arm = arm_of(case.arm)
+    clearance = None
+    if case.clear:
+        field = [jtik.Circle(center, RADIUS) for center in FAR]
+        clearance = jtik.Clearance(ObstacleAvoidance(field, bodies="links"), safe=SAFE, margin=MARGIN)
+    return jtik.InverseKinematics(
+        arm.robot,
+        jtik.FrameTask("tip", arm.kind),
+        criteria=CRITERIA[case.criterion][0](),
+        strategy=case.strategy,
+        solver=None if case.backend is None else BACKENDS[case.backend](),
+        clearances=clearance,
+    )
+
+
+def swept(case):
+    """Every complaint about every problem of a case."""
+    ik, arm, slope = build(case), arm_of(case.arm), CRITERIA[case.criterion][1]
+    for number, problem in enumerate(problems_of(case)):
+        if case.clear:
+            ik.parameters["clearance.centers"] = problem.centers
+        options = {"q0": problem.q0, "max_iterations": problem.most, "until": problem.until, "trace": case.clear}
+        solution = ik.solve(problem.target, **options)
+        said = complaints(case, arm, problem, solution, slope)
+        if case.clear:
+            said += undercut(case, problem, solution.trace)
+        said += walked(case, arm, problem, ik)
+        yield problem, solution, [f"{case}, problem {number} ({problem.kind}): {each}" for each in said]
+
+
+KINDS = {(case.strategy, case.backend) for case in CASES}
+
+
+@pytest.mark.parametrize(("strategy", "backend"), sorted(KINDS, key=str))
+def test_what_comes_back_is_true_and_within_limits(strategy, backend):
+    unsolved, said = 0, []
+    for case in CASES:
+        if (case.strategy, case.backend) == (strategy, backend):
+            for _, solution, complaints_of_one in swept(case):
+                said += complaints_of_one
+                unsolved += solution.status is Status.UNSOLVED
+    assert not said, "\n".join(said)
+    if backend in (None, "daqp"):  # the others may fail where rows nearly say the same, and say so
+        assert unsolved <= 1
+
+
+def test_there_are_as_many_as_promised_and_a_third_is_nasty():
+    kinds = [problem.kind for case in CASES for problem in problems_of(case)]
+    assert len(kinds) == PROBLEMS
+    assert 0.32 <= 1 - kinds.count("ordinary") / PROBLEMS <= 0.35
+    assert set(kinds) == {"ordinary", *NASTY}
+    assert {case.strategy for case in CASES} >= set(jtik.strategies)
+    assert {case.backend for case in CASES} == {None, *BACKENDS}
+    assert sum(case.clear for case in CASES) >= 10
+
+
+class TestTheJudge:
+    """What it would say of answers that are wrong."""
+
+    CASE = Case("hybrid", None, "planar5", "centring", False)
+
+    def said(self, problem=None, **wrong):
+        arm = arm_of("planar5")
+        goal = np.array([0.3, 0.4, -0.2, 0.5, 0.1])
+        problem = problem or Problem("ordinary", goal, arm.pose(goal), FAR, "steady")
+        ik = build(self.CASE)
+        solution = ik.solve(problem.target, q0=problem.q0, max_iterations=MOST)
+        assert solution.converged
+        assert not complaints(self.CASE, arm, problem, solution, CRITERIA["centring"][1])
+        return complaints(self.CASE, arm, problem, replace(solution, **wrong), CRITERIA["centring"][1])
+
+    def test_a_status_that_flatters(self):
+        wrong = np.array([0.3, 0.4, -0.2, 0.5, 0.2])
+        assert any("CONVERGED at an error" in said for said in self.said(q=wrong))
+
+    def test_one_that_belittles(self):
+        assert any("LOCAL_MINIMUM at an error" in said for said in self.said(status=Status.LOCAL_MINIMUM))
+        assert any("REACHED with a projected" in said for said in self.said(status=Status.REACHED, converged=False))
+
+    def test_a_posture_that_is_not_settled(self):
+        wrong = np.array([0.3, 0.4, -0.2, 0.5, 0.1])
+        assert any("CONVERGED with a projected gradient" in said for said in self.said(q=wrong))
+
+    def test_one_outside_the_limits_or_not_finite(self):
+        assert any("outside its limits by 1.1" in said for said in self.said(q=np.full(5, 2.0)))
+        assert self.said(q=np.full(5, np.nan)) == ["q is not finite"]

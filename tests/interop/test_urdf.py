@@ -1,0 +1,147 @@
+"""URDF text: read back by jtik itself and by Pinocchio, which no line of the writer knows."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation as Turn
+
+import jtik
+from jtik.interop.urdf import UNLIMITED, to_urdf
+from jtik.robot import JointType
+from jtik.robot.body import Mass
+from jtik.robot.tree import Mimic
+
+from ..conftest import ball_arm, floating_arm
+
+EXACT = 1e-12
+
+
+def placed(x, y, z, *turn):
+    """A pose by position and roll, pitch and yaw."""
+    pose = np.eye(4)
+    pose[:3, 3] = x, y, z
+    pose[:3, :3] = Turn.from_euler("xyz", turn).as_matrix()
+    return pose
+
+
+def arm(pitch=0.3):
+    """Every kind of joint that URDF has numbers for, skew axes, one mount that may be turned upright."""
+    skew = np.array([1.0, 2.0, -2.0]) / 3
+    return jtik.Robot(
+        [
+            jtik.Joint("yaw", JointType.HINGE, "base", "a", origin=placed(0, 0, 0.3, 0.1, 0.2, 0.3)),
+            jtik.Joint("shoulder", JointType.HINGE, "a", "b", axis=skew, lower=-2.0, upper=2.5, velocity_limit=1.5),
+            jtik.Joint(
+                "reach", JointType.SLIDE, "b", "c", origin=placed(0.3, 0, 0.1, 0.5, pitch, -2.0), lower=-0.1, upper=0.4
+            ),
+            jtik.Joint("rail", JointType.SLIDE, "c", "d", axis=skew),
+            jtik.Joint("stop", JointType.HINGE, "d", "e", lower=-1.0),
+            jtik.Joint("twin", JointType.HINGE, "e", "f", axis=skew, mimic=Mimic("shoulder", 0.5, 0.1)),
+            jtik.Joint("tip", JointType.FIXED, "f", "tip", origin=placed(0.1, 0.2, 0.3, 1.0, -pitch, 2.0)),
+        ],
+        name="arm",
+        masses={"b": Mass(2.0, np.array([0.1, 0.0, 0.2])), "tip": Mass(0.5)},
+    )
+
+
+@pytest.mark.parametrize("pitch", [0.3, math.pi / 2, -math.pi / 2, math.pi / 2 - 1e-7])
+def test_there_and_back(pitch, rng):
+    """Also where roll and yaw turn about one axis."""
+    robot = arm(pitch)
+    again = jtik.Robot.from_urdf(to_urdf(robot), tip="tip")
+    assert again.joint_names == robot.joint_names
+    assert again.frame_names == robot.frame_names
+    for _ in range(5):
+        q = robot.random_configuration(rng)
+        for frame in robot.frame_names:
+            assert again.pose(q, frame) == pytest.approx(robot.pose(q, frame), abs=EXACT)
+        assert again.center_of_mass(q) == pytest.approx(robot.center_of_mass(q), abs=EXACT)
+
+
+def test_limits():
+    robot = arm()
+    again = jtik.Robot.from_urdf(to_urdf(robot), tip="tip")
+    known = np.isfinite(robot.lower) & np.isfinite(robot.upper)
+    assert (again.lower[known] == robot.lower[known]).all()
+    assert (again.upper[known] == robot.upper[known]).all()
+    assert again.lower.tolist() == [-math.inf, *robot.lower[1:3], -UNLIMITED, -1.0]
+    assert again.upper.tolist() == [math.inf, *robot.upper[1:3], UNLIMITED, UNLIMITED]
+    assert again.velocity_limit.tolist() == [UNLIMITED, *robot.velocity_limit[1:2], *[UNLIMITED] * 3]
+
+
+def test_a_joint_without_room_keeps_none():
+    """Limits that are both zero would be read as none."""
+    robot = jtik.Robot([jtik.Joint("stuck", JointType.HINGE, "base", "tip", lower=0.0, upper=0.0)])
+    again = jtik.Robot.from_urdf(to_urdf(robot))
+    assert (again.lower[0], again.upper[0]) == pytest.approx((0.0, 0.0), abs=1e-8)
+
+
+def test_limits_for_those_who_want_some():
+    again = jtik.Robot.from_urdf(to_urdf(arm(), turn=3.0), tip="tip")
+    assert (again.lower[0], again.upper[0]) == (-3.0, 3.0)
+    assert again.lower[3] == -UNLIMITED  # a slide does not turn
+
+
+def test_one_chain_of_a_tree():
+    robot = jtik.Robot.builtin("panda")
+    again = jtik.Robot.from_urdf(to_urdf(robot, frame="tip"), tip="tip")
+    assert [joint.child for joint in again.joints] == [joint.child for joint in robot.path("tip")]
+    q = robot.keyframes["home"]
+    own = np.concatenate([q[robot.q_slice(joint)] for joint in again.joint_names])
+    assert again.pose(own) == pytest.approx(robot.pose(q), abs=EXACT)
+
+
+@pytest.mark.parametrize("name", ["panda", "ur5e", "jaco2", "vehicle_panda", "planar10"])
+def test_pinocchio_sees_the_same_robot(name, rng):
+    pinocchio = pytest.importorskip("pinocchio")
+    from jtik.interop.pinocchio_model import Correspondence
+
+    robot = jtik.Robot.builtin(name)
+    model = pinocchio.buildModelFromXML(to_urdf(robot))
+    places, data = Correspondence(robot, model), model.createData()
+    for _ in range(3):
+        q = robot.random_configuration(rng)
+        pinocchio.framesForwardKinematics(model, data, places.theirs(q))
+        for frame in robot.frame_names:
+            # by its name alone, as pink asks: a fixed joint must not be called like a frame
+            pose = data.oMf[model.getFrameId(frame)].homogeneous
+            assert robot.pose(q, frame) == pytest.approx(pose, abs=EXACT)
+
+
+def test_pinocchio_reads_limits_and_followers(rng):
+    pinocchio = pytest.importorskip("pinocchio")
+    robot = arm()
+    model = pinocchio.buildModelFromXML(to_urdf(robot))
+    number = model.joints[model.getJointId("shoulder")]
+    assert (model.lowerPositionLimit[number.idx_q], model.upperPositionLimit[number.idx_q]) == (-2.0, 2.5)
+    assert model.velocityLimit[number.idx_v] == 1.5
+    assert model.existJointName("twin")
+
+
+class TestWrongInput:
+    @pytest.mark.parametrize("robot", [ball_arm(), floating_arm()], ids=["ball", "free"])
+    def test_joints_that_urdf_has_no_numbers_for(self, robot):
+        with pytest.raises(jtik.ArgumentError, match="accepted: hinges, slides and fixed joints"):
+            to_urdf(robot)
+
+    def test_a_frame_that_is_not_there(self):
+        with pytest.raises(jtik.errors.UnknownNameError, match="frame 'top'"):
+            to_urdf(arm(), frame="top")
+
+    def test_a_chain_that_follows_another(self):
+        robot = jtik.Robot(
+            [
+                jtik.Joint("left", JointType.HINGE, "base", "l"),
+                jtik.Joint("right", JointType.HINGE, "base", "r", mimic=Mimic("left")),
+            ]
+        )
+        with pytest.raises(jtik.ArgumentError, match="'right' follows 'left' elsewhere"):
+            to_urdf(robot, frame="r")
+
+    @pytest.mark.parametrize("turn", [0.0, -1.0, math.inf, math.nan])
+    def test_a_turn_that_is_none(self, turn):
+        with pytest.raises(jtik.ArgumentError, match="turn"):
+            to_urdf(arm(), turn=turn)

@@ -1,0 +1,256 @@
+"""Elastic rows: hard where they can be, broken at their price where they cannot, and told of by how much."""
+
+from __future__ import annotations
+
+import casadi
+import numpy as np
+import pytest
+from scipy.optimize import linprog, minimize
+
+import jtik
+from jtik.compile import bind
+from jtik.qp import Elastic, Foreign, PersistentOSQP, Program, Recorder, Rows, available, backend_of
+from jtik.qp.staged import staged
+from jtik.strategy import Strategy, Update
+
+from ..conftest import planar
+
+BACKENDS = [*[backend_of(name) for name in available() if name != "qpoases"], Foreign("daqp"), PersistentOSQP()]
+NEAR = {"daqp": 1e-8, "osqp": 2e-5, "highs": 2e-5}
+
+
+def solved(program, backend=None, joined=None):
+    """x, row multipliers, slack of the group "soft", and whether the engine believes the answer."""
+    backend = backend_of(backend)
+    number, cut = casadi.SX.sym("number"), casadi.SX.sym("cut")
+    recorder = Recorder(backend.accuracy)
+    solution = recorder.solve(program)
+    outputs = [solution.x, solution.row_multipliers, solution.slack("soft"), recorder.solved()]
+    parts = staged([number], [number], [cut], recorder, outputs, backend)
+    results = [np.zeros(output.numel()) for output in outputs]
+    joined = backend.fused if joined is None else joined
+    (bind(parts.joined(), [np.zeros(1)], results) if joined else parts.bind([np.zeros(1)], results))()
+    return *results[:3], bool(results[3][0])
+
+
+def random_data(rng, n=5, k=4):
+    """P, q, C, lower, upper, lb, ub: rows around 0, of which some contradict q strongly."""
+    M, C = rng.standard_normal((n, n)), rng.standard_normal((k, n))
+    low, high = -rng.uniform(0.1, 0.5, k), rng.uniform(0.1, 0.5, k)
+    low[0], high[1] = -np.inf, np.inf
+    return M @ M.T + np.eye(n), 4 * rng.standard_normal(n), C, low, high, np.full(n, -0.8), np.full(n, 0.8)
+
+
+def program_of(data, elastic, hard=()):
+    P, q, C, low, high, lower, upper = map(casadi.SX, map(np.asarray, data))
+    soft = Rows("soft", C, low, high, elastic)
+    rows = [Rows("hard", *map(casadi.SX, hard)), soft] if hard else [soft]
+    return Program(P, q, lower, upper, rows)
+
+
+def slsqp(data, price, curvature, give=np.inf):
+    """The least cost over x and slacks, by SciPy."""
+    P, q, C, low, high, lower, upper = data
+    n, k = len(q), len(C)
+
+    def cost(z):
+        x, s = z[:n], z[n:]
+        return x @ P @ x / 2 + q @ x + price * s.sum() + curvature * (s @ s) / 2
+
+    def slope(z):
+        return np.concatenate([P @ z[:n] + q, price + curvature * z[n:]])
+
+    A, B = np.hstack([C, np.eye(k)]), np.hstack([C, -np.eye(k)])
+    kept = [
+        {"type": "ineq", "fun": lambda z, r=row, b=b: r @ z - b, "jac": lambda z, r=row: r}
+        for row, b in zip([*A, *-B], [*low, *-high], strict=True)
+        if np.isfinite(b)
+    ]
+    box = [*zip(lower, upper, strict=True), *[(0, None if np.isinf(give) else give)] * k]
+    found = minimize(
+        cost, np.zeros(n + k), jac=slope, bounds=box, constraints=kept, options={"ftol": 1e-14, "maxiter": 500}
+    )
+    assert found.success or found.status == 8  # it is as exact as it can be
+    return found.x[:n]
+
+
+def test_equals_the_hard_program_where_that_can_be_solved_and_the_price_is_above_its_multipliers(rng):
+    for _ in range(20):
+        data = random_data(rng)
+        x, y, slack, good = solved(program_of(data, Elastic(1e4)))
+        P, q, C, low, high, lower, upper = map(casadi.SX, map(np.asarray, data))
+        hard = Program(P, q, lower, upper, [Rows("soft", C, low, high)])
+        exact, multipliers = hard_answer(hard)
+        assert good
+        assert np.abs(multipliers).max() < 1e4
+        assert x == pytest.approx(exact, abs=1e-8)
+        assert y == pytest.approx(multipliers, abs=1e-6)
+        assert slack == pytest.approx(np.zeros(4), abs=1e-9)
+
+
+def hard_answer(program):
+    recorder = Recorder(1e-9)
+    solution = recorder.solve(program)
+    symbols = casadi.SX.sym("a"), casadi.SX.sym("b")
+    outputs = [solution.x, solution.row_multipliers, recorder.solved()]
+    results = [np.zeros(output.numel()) for output in outputs]
+    parts = staged([symbols[0]], [symbols[0]], [symbols[1]], recorder, outputs, backend_of("daqp"))
+    bind(parts.joined(), [np.zeros(1)], results)()
+    assert results[2][0]
+    return results[:2]
+
+
+@pytest.mark.parametrize("price", [0.2, 1.0])
+def test_below_them_it_gives_way_as_scipy_says(price, rng):
+    gave = 0
+    for _ in range(10):
+        data = random_data(rng)
+        x, y, slack, good = solved(program_of(data, Elastic(price, curvature=2.0)))
+        assert good
+        assert x == pytest.approx(slsqp(data, price, 2.0), abs=2e-6)
+        used = data[2] @ x
+        assert slack == pytest.approx(np.clip(np.maximum(data[3] - used, used - data[4]), 0, None), abs=1e-9)
+        broken = slack > 1e-7
+        assert np.abs(y[broken]) == pytest.approx(price + 2 * slack[broken], abs=1e-6)  # what it costs
+        assert (np.abs(y) <= price + 2 * slack + 1e-6).all()
+        gave += broken.any()
+    assert gave >= 5
+
+
+def test_no_row_gives_more_than_its_most(rng):
+    gave = 0
+    for _ in range(10):
+        data = random_data(rng)
+        x, _, slack, good = solved(program_of(data, Elastic(0.2, curvature=2.0, give=0.1)))
+        assert good
+        assert slack.max() <= 0.1 + 1e-8
+        assert x == pytest.approx(slsqp(data, 0.2, 2.0, 0.1), abs=2e-6)
+        gave += (slack > 0.1 - 1e-8).any()
+    assert gave >= 5
+
+
+@pytest.mark.parametrize("backend", BACKENDS, ids=repr)
+def test_every_back_end_answers_alike(backend, rng):
+    for _ in range(5):
+        program = program_of(random_data(rng), Elastic(1.0, curvature=2.0))
+        x, _, slack, good = solved(program, backend)
+        exact = solved(program)
+        assert good
+        assert x == pytest.approx(exact[0], abs=NEAR.get(backend.name, 1e-5))
+        assert slack == pytest.approx(exact[2], abs=NEAR.get(backend.name, 1e-5))
+
+
+def test_fused_or_called_in_between_is_the_same(rng):
+    program = program_of(random_data(rng), Elastic(1.0))
+    assert np.concatenate(solved(program, joined=False)[:3]) == pytest.approx(np.concatenate(solved(program)[:3]))
+
+
+def test_contradictions_break_by_the_least_sum(rng):
+    """Four rows that demand more than there is: the total slack is that of a linear program."""
+    for _ in range(10):
+        C = rng.standard_normal((4, 3))
+        low = np.abs(rng.standard_normal(4)) + 1
+        data = (np.eye(3), np.zeros(3), C, low, np.full(4, np.inf), np.full(3, -0.3), np.full(3, 0.3))
+        _, _, slack, good = solved(program_of(data, Elastic(1e3, curvature=1.0)))
+        least = linprog(
+            np.r_[np.zeros(3), np.ones(4)],
+            A_ub=-np.hstack([C, np.eye(4)]),
+            b_ub=-low,
+            bounds=[(-0.3, 0.3)] * 3 + [(0, None)] * 4,
+        )
+        assert good
+        assert slack.sum() == pytest.approx(least.fun, abs=1e-3)
+
+
+def test_equalities_may_give_way_to_either_side():
+    """x = 1 and x = -0.5, the first dearer by a half: cost 2 |x - 1| + 3 |x + 0.5| is least at x = -0.5."""
+    rows = casadi.SX([[1.0], [1.0]])
+    program = Program(
+        casadi.SX(1e-9),
+        casadi.SX(0),
+        casadi.SX(-np.inf),
+        casadi.SX(np.inf),
+        [Rows.equal("soft", rows, casadi.SX([1, -0.5]), Elastic([2.0, 3.0], curvature=1e-9))],
+    )
+    x, y, slack, good = solved(program)
+    assert good
+    assert x == pytest.approx([-0.5], abs=1e-7)
+    assert slack == pytest.approx([1.5, 0], abs=1e-7)
+    assert y == pytest.approx([-2, 2], abs=1e-6)
+
+
+def test_hard_rows_beside_them_stay_hard(rng):
+    for _ in range(10):
+        data, C = random_data(rng), rng.standard_normal((2, 5))
+        hard = C, np.full(2, -0.01), np.full(2, 0.01)
+        x, _, slack, good = solved(program_of(data, Elastic(0.3), hard))
+        assert good
+        assert np.abs(C @ x).max() <= 0.01 + 1e-8
+        assert len(slack) == 4
+
+
+def test_a_solver_that_ignores_the_price_is_not_believed():
+    """x >= 1 at the price 1 while |x|^2 / 2 costs less: x = 1 with the multiplier 1; x = 2 with none is no answer."""
+    program = program_of(
+        (np.eye(1), np.zeros(1), np.ones((1, 1)), [3.0], [np.inf], [-9.0], [9.0]), Elastic(1.0, curvature=1e-6)
+    )
+    recorder = Recorder(1e-6)
+    solution = recorder.solve(program)
+    check = casadi.Function(
+        "check", [solution.x, solution.row_multipliers, solution.box_multipliers], [recorder.solved()]
+    )
+    assert float(check(1.0, -1.0 - 2e-6, 2e-6)) == 1
+    assert float(check(1.5, -1.5, 0)) == 0  # cheaper to give way more
+    assert float(check(0.5, -0.5, 0)) == 0  # cheaper to give way less
+    assert float(check(3.0, -3.0, 0)) == 0
+
+
+class Wish(Strategy):
+    """A third party's law: all joints by 1 and by -1 at once, the second thrice as dear, under a limit of 0.4."""
+
+    def solves_programs(self, has_criterion):
+        return True
+
+    def update(self, model, state):
+        n = model.robot.n
+        both = casadi.SX([1.0] * n + [-1.0] * n)
+        price = Elastic([1.0] * n + [3.0] * n)
+        rows = [Rows.equal("soft", casadi.vertcat(*[casadi.SX.eye(n)] * 2), both, price)]
+        box = casadi.SX([-0.4] * n), casadi.SX([0.4] * n)
+        answer = model.solve(Program(1e-6 * casadi.SX.eye(n), casadi.SX(n, 1), *box, rows, name="wish"))
+        return Update(model.moved(-answer.x), 1, {}, -answer.x, -answer.x, casadi.SX(n, 1))
+
+
+@pytest.mark.parametrize("solver", ["daqp", Foreign("daqp"), PersistentOSQP()], ids=str)
+def test_a_strategy_may_use_them_and_a_user_sees_a_plain_program(solver):
+    ik = jtik.InverseKinematics(planar(2), jtik.FrameTask(), strategy=Wish(), solver=solver)
+    q = np.array([0.3, 0.5])
+    assert ik.step(q, [1.0, 1.0]).q - q == pytest.approx([-0.4, -0.4], abs=1e-6)
+    problem = ik.build(q, [1.0, 1.0])
+    assert problem.P.shape == (10, 10)  # two joints, and up and down of four rows
+    assert problem.lb[2:] == pytest.approx(np.zeros(8))
+    assert problem.q[2:] == pytest.approx([1, 1, 3, 3] * 2)
+
+
+class TestWrongInput:
+    @pytest.mark.parametrize(
+        ("options", "named"),
+        [
+            ({"price": 0.0}, "price"),
+            ({"price": np.nan}, "price"),
+            ({"price": 1.0, "curvature": -1.0}, "curvature"),
+            ({"price": 1.0, "give": -1.0}, "give"),
+        ],
+    )
+    def test_values(self, options, named):
+        with pytest.raises(jtik.ArgumentError, match=named):
+            Elastic(**options)
+
+    def test_as_many_prices_as_rows(self, rng):
+        with pytest.raises(jtik.ArgumentError, match=r"price.*\(4, 1\)"):
+            program_of(random_data(rng), Elastic([1.0, 2.0]))
+
+    def test_slack_of_hard_rows(self):
+        program = Program(*map(casadi.SX, (1, 0, -1, 1)), [Rows("hard", *map(casadi.SX, (1, -1, 1)))])
+        with pytest.raises(jtik.ArgumentError, match="elastic"):
+            Recorder(1e-9).solve(program).slack("hard")

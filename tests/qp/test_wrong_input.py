@@ -1,0 +1,237 @@
+"""Solvers, options, programs and weights that cannot be used: an error that says so, or a status, no exception."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+import casadi
+import numpy as np
+import pytest
+import qpsolvers
+
+import jtik
+from jtik.qp import BackendError, Conic, Foreign, PersistentOSQP, Program, Rows, available, backend_of
+from jtik.qp.convexity import convex
+from jtik.strategy import Strategy, Update
+from jtik.symbolic import fmax, fmin, function, has_conic, identity, symbol, zeros
+from jtik_formulations import JointCentering, Mink, Newton, ObstacleAvoidance, QPSecondary, SecondOrder, WeightedQP
+
+from ..conftest import planar
+
+START = np.array([0.3, 0.2, 0.1, 0.4])
+TARGET = np.array([2.0, 1.5])
+SILENT = [name for name in available() if name != "qpoases"]  # which prints its licence
+
+
+def solver(strategy="newton+qp", criteria=None, **options):
+    robot = planar(4, lower=-2.0, upper=2.0)
+    criteria = JointCentering() if criteria is None else criteria
+    return jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=criteria, strategy=strategy, **options)
+
+
+class TestASolverThatIsNotInstalled:
+    def test_says_which_are_and_how_to_install_it(self, monkeypatch):
+        monkeypatch.setattr(qpsolvers, "available_solvers", ["daqp", "quadprog"])
+        with pytest.raises(BackendError) as caught:
+            solver(solver="ecos")
+        assert "'ecos': not installed; there are daqp, osqp" in str(caught.value)
+        assert "quadprog; install it with: pip install 'qpsolvers[ecos]'" in str(caught.value)
+        assert (caught.value.solver, isinstance(caught.value, jtik.JtikError)) == ("ecos", True)
+
+    @pytest.mark.parametrize("name", ["DAQP", "nothing", ""])
+    def test_one_that_nobody_has_is_not_said_to_be_installable(self, name):
+        with pytest.raises(
+            BackendError, match=f"'{name}': not installed; there are daqp.*no solver that qpsolvers"
+        ) as e:
+            solver(solver=name)
+        assert "pip install" not in str(e.value)
+
+    @pytest.mark.parametrize("given", [3.0, ["daqp"], Conic])
+    def test_what_is_no_name(self, given):
+        with pytest.raises(BackendError, match=r"give a jtik.qp.Backend, or one of daqp"):
+            solver(solver=given)
+
+    def test_mink_says_which_it_can_use(self):
+        plugins = [name for name in SILENT if name not in qpsolvers.available_solvers]
+        if not plugins:
+            pytest.skip("qpsolvers has all of them")
+        with pytest.raises(jtik.ArgumentError, match=r"one that mink can use: .*daqp.*; more come with: pip install"):
+            solver("mink", solver=plugins[0])
+
+
+class TestABackEndThatCannotDoAProgram:
+    @pytest.mark.parametrize("plugin", ["clp", "cbc"])
+    def test_one_for_linear_programs(self, plugin):
+        if not has_conic(plugin):
+            pytest.skip("no such plugin")
+        with pytest.raises(BackendError, match=f"'{plugin}': cannot do dense quadratic programs.*Not an LP"):
+            solver(solver=Conic(plugin))
+
+    @pytest.mark.parametrize(
+        "build",
+        [
+            lambda: solver(solver=Conic("daqp", nonsense=1)),
+            lambda: solver(solver=Conic("daqp", daqp={"nonsense": 1})),
+            lambda: Foreign("daqp", nonsense=1),
+            lambda: Foreign("osqp", nonsense=1),
+            lambda: PersistentOSQP(nonsense=1),
+        ],
+    )
+    def test_an_option_it_does_not_know(self, build):
+        with pytest.raises(BackendError, match="nonsense"):
+            build()
+
+    @pytest.mark.parametrize("accuracy", [0.0, -1.0, np.nan, np.inf, "high"])
+    @pytest.mark.parametrize("backend", [Conic, lambda **options: Foreign("daqp", **options), PersistentOSQP])
+    def test_an_accuracy_that_is_none(self, backend, accuracy):
+        with pytest.raises(jtik.ArgumentError, match="accuracy"):
+            backend(accuracy=accuracy)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spoilt(Strategy):
+    """A user's law with one mistake in its program: Gauss-Newton within a box otherwise."""
+
+    mistake: str
+
+    def solves_programs(self, has_criterion):
+        return True
+
+    def update(self, model, state):
+        n, J, r = model.robot.n, model.full_J, model.here.residual
+        P, (low, high), rows = J.T @ J + 1e-3 * identity(n), model.box, []
+        low, high, nan = fmax(low, -0.2), fmin(high, 0.2), casadi.sqrt(-1 - r[0] ** 2)
+        if self.mistake == "not convex":
+            P = J.T @ J - 0.5 * identity(n)
+        if self.mistake == "nowhere convex":
+            P = -(J.T @ J) - identity(n)
+        if self.mistake == "crossed box":
+            low, high = high, low - 0.1
+        if self.mistake == "crossed rows":
+            rows = [Rows("mine", J, 0 * r + 1, 0 * r - 1)]
+        if self.mistake == "contradictory":
+            rows = [Rows("mine", J, 0 * r + 9, 0 * r + 10)]
+        if self.mistake == "nan in P":
+            P = nan * P
+        if self.mistake == "nan in the box":
+            low = low + nan
+        dq = model.solve(Program(P=P, q=J.T @ r, lower=low, upper=high, rows=rows, name="mine")).x
+        point = model.moved(-dq)
+        accepted = point.V < model.here.V
+        return Update(point=point, accepted=accepted, state={}, term=-dq, wanted=-dq, null_term=zeros(n))
+
+
+MISTAKES = [
+    "not convex",
+    "nowhere convex",
+    "crossed box",
+    "crossed rows",
+    "contradictory",
+    "nan in P",
+    "nan in the box",
+]
+
+
+@functools.cache
+def backend(name):
+    special = {"persistent": PersistentOSQP, "qpsolvers daqp": lambda: Foreign("daqp")}
+    return special.get(name, lambda: backend_of(name))()
+
+
+@pytest.mark.parametrize("name", [*available(), "persistent", "qpsolvers daqp"])
+class TestAProgramThatHasNoAnswer:
+    """Every solver fails in its own way: some raise, some leave their results as they were, some answer nonsense."""
+
+    @pytest.mark.parametrize("mistake", MISTAKES)
+    def test_is_a_status_and_the_robot_stays(self, mistake, name):
+        ik = solver(Spoilt(mistake=mistake), solver=backend(name))
+        for start in (START, START + 5.0):
+            solution = ik.solve(TARGET, q0=start, restarts=1, max_iterations=20)
+            assert solution.status is jtik.Status.UNSOLVED
+            assert np.abs(solution.q).max() <= 2.0
+        step = ik.step(START, TARGET)
+        assert not step.accepted
+        assert step.q.tolist() == START.tolist()
+        assert step.position_error > 0.1
+
+    def test_without_the_mistake_it_is_solved(self, name):
+        assert solver(Spoilt(mistake=""), solver=backend(name)).solve(TARGET, q0=START).position_error <= 1e-6
+
+
+class TestWhatIsNotConvex:
+    @pytest.mark.parametrize("P", [-np.eye(4), np.diag([1.0, 1, 1, -1e-3]), np.ones((4, 4)) - np.eye(4)])
+    def test_numbers_are_refused_by_name(self, P):
+        box = np.full((4, 1), np.inf)
+        with pytest.raises(
+            jtik.ArgumentError, match=r"mine\.P: given .*not convex: its lowest eigenvalue is -.*semidef"
+        ):
+            Program(P=casadi.SX(P), q=zeros(4), lower=-box, upper=box, name="mine")
+
+    def test_expressions_are_judged_by_their_numbers(self, rng):
+        P = symbol("P", 5, 5)
+        judge = function("judge", [P], [convex(P)])
+        for _ in range(200):
+            M = rng.standard_normal((5, rng.integers(1, 6)))
+            basis = np.linalg.qr(rng.standard_normal((5, 5)))[0]
+            assert judge(M @ M.T) == 1  # of any rank
+            eigenvalues = np.append(-(10.0 ** rng.uniform(-3, 0)), rng.uniform(0, 1, 4))
+            assert judge(basis @ np.diag(eigenvalues) @ basis.T) == 0
+        assert judge(np.zeros((5, 5))) == 1
+        assert judge(np.eye(5)[::-1]) == 0
+        assert judge(np.full((5, 5), np.nan)) == 0
+
+    def test_a_criterion_that_is_not_convex_is_none_of_it(self):
+        """The second-order term makes its program convex itself."""
+
+        @jtik.criterion
+        def hills(q, robot):
+            return sum(casadi.cos(2 * q[i]) for i in range(4))
+
+        ik = solver("hybrid+second_order", criteria=hills)
+        assert ik.solve(TARGET, q0=START, until="steady").converged
+        assert np.linalg.eigvalsh(ik.build(START, TARGET).P)[0] > 0
+
+
+class TestWeights:
+    @pytest.mark.parametrize("weight", [-1.0, np.nan, np.inf, [1.0, 2.0], "much"])
+    def test_of_criteria(self, weight):
+        with pytest.raises(jtik.ArgumentError, match="weight"):
+            solver(criteria=weight * JointCentering() if weight != "much" else JointCentering().__rmul__("much"))
+        ik = solver()
+        before = ik.parameters["joint_centering.weight"]
+        with pytest.raises(jtik.ArgumentError, match=r"joint_centering\.weight"):
+            ik.parameters["joint_centering.weight"] = weight
+        assert ik.parameters["joint_centering.weight"] == before == 1.0
+
+    @pytest.mark.parametrize(
+        "stiffness", [-1.0, 0.0, np.nan, [1, -1], [1, 1, 1], [[1, 2], [0, 1]], [[1, 2], [2, 1]], "x"]
+    )
+    def test_of_task_rows(self, stiffness):
+        with pytest.raises(jtik.ArgumentError, match="stiffness"):
+            jtik.InverseKinematics(planar(4), jtik.FrameTask(stiffness=stiffness))
+
+    @pytest.mark.parametrize("weight", [0.0, -1.0, np.nan, np.inf, [1.0, 0.0], [1.0, 1.0], np.eye(4), "heavy", None])
+    def test_of_the_secondary_program(self, weight):
+        with pytest.raises(jtik.ArgumentError, match="(?s)weight: given .*; accepted: a positive number, or"):
+            solver(Newton(secondary=QPSecondary(weight=weight)))
+
+    @pytest.mark.parametrize("law", [WeightedQP, Mink])
+    @pytest.mark.parametrize("weight", [0.0, -1.0, np.nan, np.inf, [1.0, 2.0], "heavy"])
+    def test_of_weighted_programs(self, law, weight):
+        with pytest.raises(jtik.ArgumentError, match="weight"):
+            law(weight=weight)
+
+    @pytest.mark.parametrize("stiffness", [-1.0, [1, 1, 1, -1], [1, 1, 1], np.nan, np.eye(4), "stiff"])
+    def test_of_joints(self, stiffness):
+        with pytest.raises(jtik.ArgumentError, match="stiffness"):
+            solver(criteria=JointCentering(stiffness))
+
+    @pytest.mark.parametrize("gain", [-1.0, np.nan, np.inf, [1.0, 2.0], "much"])
+    def test_of_obstacles(self, gain):
+        with pytest.raises(jtik.ArgumentError, match="gain"):
+            ObstacleAvoidance(jtik.Circle((1, 1), 0.2), gain=gain)
+
+    def test_a_hessian_is_not_an_option(self):
+        with pytest.raises(jtik.ArgumentError, match="(?s)curvature: given .*accepted: 'exact' or 'gauss_newton'"):
+            SecondOrder(curvature=np.eye(4))

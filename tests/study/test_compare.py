@@ -1,0 +1,288 @@
+"""A study: what takes part, what is asked, what its rows say."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import jtik
+from jtik.problems import Case, ProblemSet
+from jtik.study import Law
+from jtik_formulations import Damped, JointCentering, ObstacleAvoidance
+
+START = np.array([0.3, 0.4, -0.2, 0.5])
+
+
+def case(name, target, **options):
+    return Case(name=name, kind="given", q0=START, targets=[target], **options)
+
+
+@pytest.fixture(scope="module")
+def study(arm, task):
+    return jtik.compare(
+        arm,
+        task,
+        strategies=["hybrid", "damped", "nonsense"],
+        criteria={"none": None, "centred": JointCentering()},
+        problems={"reachable": 4, "unreachable": 2, "circle": 1},
+        traces=2,
+        repeats=2,
+    )
+
+
+class TestRows:
+    def test_there_is_one_for_each_contender_criteria_and_case(self, study):
+        keys = list(zip(*[study.columns[name] for name in ("contender", "criteria", "case")], strict=True))
+        assert len(study) == len(keys) == len(set(keys)) == 3 * 2 * 7
+        assert study.contenders == ("hybrid", "damped", "nonsense")
+        assert study.criteria == ("none", "centred")
+        assert study.complete
+
+    def test_they_are_those_of_the_same_solve_by_itself(self, study, arm, task):
+        ik = jtik.InverseKinematics(arm, task, criteria=JointCentering(), strategy="damped")
+        for row in study.rows(contender="damped", criteria="centred", kind="reachable"):
+            one = study.problems[str(study.columns["case"][row])]
+            solution = ik.solve(one.target, q0=one.q0, until="reached")
+            np.testing.assert_array_equal(study.answers[row], solution.q)
+            assert study.columns["status"][row] == solution.status.name
+            assert study.columns["iterations"][row] == solution.iterations
+            assert study.columns["success"][row] == solution.converged
+            assert study.columns["H"][row] == pytest.approx(solution.cost, rel=1e-12)
+            assert study.columns["condition"][row] == pytest.approx(solution.condition, rel=1e-9)
+            assert study.columns["position_error"][row] == pytest.approx(solution.position_error, abs=1e-12)
+
+    def test_what_cannot_be_reached_stays_with_its_status(self, study):
+        rows = study.rows(contender="hybrid", criteria="none", kind="unreachable")
+        assert not study.columns["success"][rows].any()
+        assert set(study.columns["status"][rows]) <= {"LOCAL_MINIMUM", "STALLED", "ITERATION_LIMIT"}
+        for row in rows:
+            known = study.problems[str(study.columns["case"][row])].known["error"]
+            assert study.columns["position_error"][row] == pytest.approx(known, abs=1e-6)
+
+    def test_a_path_has_figures_of_its_own(self, study):
+        rows = study.rows(contender="hybrid", criteria="none", kind="circle")
+        for name in ("smoothness", "drift", "path_length"):
+            assert np.isfinite(study.columns[name][rows]).all()
+        others = study.rows(contender="hybrid", criteria="none", kind="reachable")
+        assert np.isnan(study.columns["drift"][others]).all()
+        assert np.isnan(study.columns["smoothness"][others]).all()
+
+    def test_times_are_a_median_between_the_least_and_the_largest(self, study):
+        good = study.columns["contender"] != "nonsense"
+        seconds, low, high = (study.columns[name][good] for name in ("seconds", "seconds_low", "seconds_high"))
+        assert (low > 0).all()
+        assert (low <= seconds).all()
+        assert (seconds <= high).all()
+
+    def test_without_a_criterion_hybrid_never_raises_V(self, study):
+        assert (study.columns["monotone"][study.rows(contender="hybrid", criteria="none")] == 1).all()
+
+    def test_regret_is_what_the_best_is_better_by(self, study):
+        H, regret, solved = (study.columns[name] for name in ("H", "regret", "success"))
+        for name in (each.name for each in study.problems.of("reachable")):
+            rows = [row for row in study.rows(criteria="centred", case=name) if solved[row]]
+            assert min(regret[rows]) == 0
+            np.testing.assert_allclose(regret[rows], H[rows] - min(H[rows]))
+        assert np.isnan(regret[study.rows(criteria="none")]).all()
+        assert np.isnan(regret[~solved]).all()
+
+    def test_traces_are_kept_of_the_first_cases_of_each_kind(self, study):
+        names = {name for who, what, name in study.traces if (who, what) == ("hybrid", "none")}
+        assert names == {"reachable-000", "reachable-001", "unreachable-000", "unreachable-001"}
+        assert {key[2] for key in study.paths} == {"circle-000"}
+        assert study.paths["hybrid", "none", "circle-000"].shape == (101, 4)
+
+
+class TestContenders:
+    def test_an_unknown_name_does_not_stop_the_others(self, study):
+        rows = study.rows(contender="nonsense")
+        assert set(study.columns["status"][rows]) == {"not built"}
+        assert all("unknown strategy 'nonsense'" in note for note in study.columns["note"][rows])
+        assert np.isnan(study.answers[rows]).all()
+
+    def test_one_that_raises_says_what(self, arm, task, broken):
+        study = jtik.compare(arm, task, strategies=[broken, "damped"], count=3)
+        rows = study.rows(contender="broken")
+        assert set(study.columns["status"][rows]) == {"raised"}
+        assert set(study.columns["note"][rows]) == {"RuntimeError: the arm fell off"}
+        assert study.columns["success"][study.rows(contender="damped")].any()
+
+    def test_one_that_lies_is_not_believed(self, arm, task, fixed):
+        study = jtik.compare(arm, task, strategies=[fixed(START)], problems=case("far", [0.0, 3.0]))
+        away = np.linalg.norm(arm.position(START) - [0.0, 3.0])
+        assert not study.columns["success"][0]
+        assert study.columns["position_error"][0] == pytest.approx(away, rel=1e-12)
+        assert study.columns["note"][0].startswith("says it is on target, but is")
+        assert "fixed: says it is on target where it is not" in study.notes
+
+    def test_one_that_is_right_without_knowing_is(self, arm, task, fixed):
+        here = case("here", arm.position(START))
+        contender = fixed(START, claimed=False)
+        assert jtik.compare(arm, task, strategies=contender, problems=here).columns["success"][0]
+        assert not jtik.compare(arm, task, strategies=contender, problems=here, until="steady").columns["success"][0]
+
+    def test_one_out_of_its_limits_is_not(self, task, fixed):
+        arm = jtik.Robot.planar(4, lower=-1.0, upper=0.45)
+        here = case("here", arm.position(START))
+        study = jtik.compare(arm, task, strategies=fixed(START), problems=here)
+        assert not study.columns["success"][0]
+        assert study.columns["limit_margin"][0] == pytest.approx(-0.05 / 1.45)
+        assert study.columns["note"][0] == "outside the joint limits"
+        assert jtik.compare(arm, task, strategies=fixed(START), problems=here, limits=False).columns["success"][0]
+
+    def test_one_with_an_answer_of_another_robot_says_so(self, arm, task, fixed):
+        study = jtik.compare(arm, task, strategies=fixed(START[:3]), problems=case("here", [1.0, 1.0]))
+        assert study.columns["status"][0] == "raised"
+        assert "shape (3,), not (4,)" in study.columns["note"][0]
+
+    def test_a_peer_that_nobody_has_heard_of_is_a_row(self, arm, task):
+        study = jtik.compare(arm, task, strategies="peer:elbow", count=1)
+        assert "unknown peer 'elbow'" in study.columns["note"][0]
+
+    def test_labels_are_names_options_or_the_caller_s_own(self):
+        from jtik.study.strategies import contenders_of
+
+        given = ["damped", Damped(), Damped(damping=0.5), Law("hybrid", compiled=True), "damped"]
+        assert list(contenders_of(given)) == [
+            "damped",
+            "damped #2",
+            "damped(damping=0.5)",
+            "hybrid, compiled",
+            "damped #3",
+        ]
+        assert list(contenders_of({"mine": Damped(damping=0.5), "theirs": "peer:mink"})) == ["mine", "theirs"]
+
+
+class TestParameters:
+    """Cases with obstacles of their own."""
+
+    FIELD = (jtik.Circle(center=(2.0, 2.0), radius=0.3),)
+
+    def test_each_case_is_solved_among_its_own_obstacles(self, arm, task):
+        places = [np.array([[2.5, 1.5]]), np.array([[1.0, 2.5]])]
+        cases = [
+            case("first", [2.0, 1.0], parameters={"obstacle_avoidance.centers": places[0]}),
+            case("second", [2.0, 1.0], parameters={"obstacle_avoidance.centers": places[1]}),
+            case("third", [2.0, 1.0]),
+        ]
+        avoid = ObstacleAvoidance(self.FIELD)
+        study = jtik.compare(
+            arm, task, strategies="damped", criteria=avoid, problems=ProblemSet("some", tuple(cases)), until="steady"
+        )
+        for row, center in enumerate([*places, np.array([[2.0, 2.0]])]):
+            ik = jtik.InverseKinematics(arm, task, criteria=avoid, strategy="damped")
+            ik.parameters["obstacle_avoidance.centers"] = center
+            solution = ik.solve([2.0, 1.0], q0=START, trace=True)
+            np.testing.assert_array_equal(study.answers[row], solution.q)
+            assert study.columns["H"][row] == pytest.approx(solution.cost, rel=1e-12)
+            joints = [arm.position(q, frame) for q in solution.trace.q for frame in arm.moving_frames]
+            nearest = min(np.linalg.norm(joint - center[0]) for joint in joints) - 0.3
+            assert study.columns["clearance"][row] == pytest.approx(nearest, abs=1e-12)
+
+    def test_obstacles_are_measured_for_criteria_that_do_not_see_them_too(self, arm, task):
+        labels = {"blind": None, "seeing": ObstacleAvoidance(self.FIELD)}
+        study = jtik.compare(arm, task, strategies="damped", criteria=labels, problems="scene", count=3)
+        assert np.isfinite(study.columns["clearance"]).all()
+        assert len(study.problems[0].parameters["obstacle_avoidance.centers"]) == 1
+
+    def test_without_obstacles_there_is_no_clearance(self, study):
+        assert np.isnan(study.columns["clearance"]).all()
+        assert "clearance [m]" not in study.summary()
+
+
+class TestWrongInput:
+    @pytest.mark.parametrize(
+        ("options", "message"),
+        [
+            ({"strategies": []}, "strategies"),
+            ({"strategies": 3}, "strategies"),
+            ({"strategies": [3]}, "strategies"),
+            ({"problems": "hard"}, "unknown kind of problems 'hard'"),
+            ({"problems": []}, "problems"),
+            ({"problems": "scene"}, "problems"),
+            ({"criteria": "low"}, "criteria"),
+            ({"criteria": {}}, "criteria"),
+            ({"repeats": 0}, "repeats"),
+            ({"traces": -1}, "traces"),
+            ({"block": True}, "block"),
+            ({"executor": 2}, "executor"),
+            ({"until": "soon"}, "until"),
+            ({"limits": None}, "limits"),
+            ({"position_tolerance": 0.0}, "position_tolerance"),
+            ({"joints": ["knee"]}, "knee"),
+        ],
+    )
+    def test_it_is_named_before_anything_is_solved(self, arm, task, options, message):
+        with pytest.raises(jtik.JtikError, match=message):
+            jtik.compare(arm, task, **{"strategies": "damped", "count": 1, **options})
+
+    def test_problems_of_another_robot_are_refused(self, arm, task):
+        others = jtik.problems.reachable(jtik.Robot.planar(3), task, 2)
+        with pytest.raises(jtik.ArgumentError, match=r"problems\['reachable-000'\]\.q0"):
+            jtik.compare(arm, task, strategies="damped", problems=others)
+
+    def test_obstacles_that_no_criterion_has_are_refused(self, arm, task):
+        strange = case("strange", [1.0, 1.0], parameters={"obstacle_avoidance.centers": np.zeros((1, 2))})
+        with pytest.raises(jtik.ArgumentError, match=r"problems\['strange'\]\.parameters"):
+            jtik.compare(arm, task, strategies="damped", problems=strange)
+
+    def test_a_criterion_that_cannot_be_used_is_refused(self, arm, task):
+        @jtik.criterion
+        def wrong(q, robot):
+            return q
+
+        with pytest.raises(jtik.CriterionError, match="scalar"):
+            jtik.compare(arm, task, strategies="damped", criteria=wrong, count=1)
+
+
+class TestTables:
+    def test_the_summary_has_a_line_for_each_contender_and_criteria(self, study):
+        table = study.summary()
+        assert list(zip(table["contender"], table["criteria"], strict=True)) == [
+            (who, what) for what in ("none", "centred") for who in ("hybrid", "damped", "nonsense")
+        ]
+        assert table["cases"] == [7] * 6
+        assert table["success [%]"][2] == 0
+        solved = study.rows(contender="hybrid", criteria="none")
+        solved = solved[study.columns["success"][solved]]
+        assert table["time [ms]"][0] == pytest.approx(1e3 * np.median(study.columns["seconds"][solved]))
+        assert math.isnan(table["time [ms]"][2])
+        assert "orientation error [rad]" not in table
+
+    def test_it_groups_by_what_it_is_asked_for(self, study):
+        assert study.summary("kind")["kind"] == ["reachable", "unreachable", "circle"]
+        assert study.summary(("kind", "contender"))["cases"][0] == 8
+        with pytest.raises(jtik.ArgumentError, match="by"):
+            study.summary("colour")
+
+    def test_it_reads_in_a_terminal_in_a_notebook_and_in_markdown(self, study):
+        assert "hybrid" in repr(study)
+        assert "nonsense: not built: unknown strategy" in repr(study)
+        assert study._repr_html_().count("<tr>") == 7
+        lines = study.to_markdown().splitlines()
+        assert len(lines) == 8
+        assert len({line.count("|") for line in lines}) == 1
+
+    def test_csv_has_every_row_to_the_last_bit(self, study, tmp_path):
+        import csv
+
+        study.to_csv(tmp_path / "rows.csv")
+        with (tmp_path / "rows.csv").open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        assert [float(row["seconds"]) for row in rows] == pytest.approx(study.columns["seconds"], abs=0, nan_ok=True)
+        assert [row["note"] for row in rows] == study.columns["note"].tolist()
+
+    def test_pandas_has_both_tables(self, study):
+        pytest.importorskip("pandas")
+        assert study.table().shape[0] == 6
+        assert list(study.frame()["contender"]) == study.columns["contender"].tolist()
+
+
+def test_a_robot_with_joints_that_take_no_part_is_measured_without_them():
+    arm = jtik.Robot.builtin("panda")
+    study = jtik.compare(arm, jtik.FrameTask("tip", "pose"), strategies="damped", count=3, restarts=20)
+    assert study.answers.shape == (3, 7)
+    assert study.columns["success"].all()
+    assert (study.columns["limit_margin"] >= 0).all()

@@ -1,0 +1,154 @@
+"""Figures of a study show its numbers, on labelled axes, in colours that can be told apart."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import jtik
+from jtik import problems
+from jtik.errors import ArgumentError, UnknownNameError
+from jtik.study import Comparison, compare
+from jtik.study.figures import canvas
+from jtik.study.figures.profile import ratios
+from jtik_formulations import JointCentering, ObstacleAvoidance
+
+pytest.importorskip("matplotlib")
+
+
+@pytest.fixture(scope="module")
+def study() -> Comparison:
+    return compare(
+        jtik.Robot.planar(3),
+        jtik.FrameTask("tip", kind="position"),
+        strategies=["hybrid", "newton", "transpose", "nobody"],
+        criteria=JointCentering(),
+        problems={"reachable": 4, "circle": 1},
+        until="steady",
+        traces=3,
+        repeats=1,
+    )
+
+
+@pytest.fixture(scope="module")
+def bare() -> Comparison:
+    """Without a criterion, a path or kept iterations."""
+    robot, task = jtik.Robot.planar(3), jtik.FrameTask("tip", kind="position")
+    return compare(robot, task, strategies="newton", count=2, traces=0, repeats=1)
+
+
+PLOTS = ("convergence", "profile", "lyapunov", "criteria", "postures", "joints")
+
+
+@pytest.mark.parametrize("name", PLOTS)
+def test_every_axis_is_labelled_with_its_unit(study: Comparison, name: str) -> None:
+    figure = getattr(study, f"plot_{name}")()
+    texts = [axes.get_xlabel() + axes.get_ylabel() + "".join(t.get_text() for t in axes.texts) for axes in figure.axes]
+    assert all(texts), name
+    wanted = {"profile": "%", "criteria": "criterion H"}.get(name, "[")
+    assert wanted in "".join(texts)
+
+
+@pytest.mark.parametrize("name", PLOTS)
+def test_a_figure_shows_itself_in_a_notebook(study: Comparison, name: str) -> None:
+    assert getattr(study, f"plot_{name}")()._repr_png_().startswith(b"\x89PNG")
+
+
+def test_convergence_draws_the_median_error(study: Comparison) -> None:
+    axes = study.plot_convergence(kind="reachable", contenders=["newton"]).axes[0]
+    line = next(each for each in axes.get_lines() if each.get_label() == "newton")
+    errors = [trace.error for (who, _, case), trace in study.traces.items() if who == "newton" and "reach" in case]
+    assert len(errors) == 3
+    assert line.get_ydata()[0] == pytest.approx(np.median([error[0] for error in errors]))
+    assert line.get_ydata()[-1] == pytest.approx(np.median([max(error[-1], canvas.FLOOR) for error in errors]))
+
+
+def test_the_profile_is_that_of_dolan_and_more(study: Comparison) -> None:
+    names = study.contenders
+    found = ratios(study, "iterations", study.criteria[0], names)
+    rows = {name: study.rows(contender=name, kind="reachable") for name in names}
+    used = {name: np.maximum(study.columns["iterations"][rows[name]], 1) for name in names[:3]}
+    best = np.min(list(used.values()), axis=0)
+    for name in names[:3]:
+        assert study.columns["success"][rows[name]].all()
+        np.testing.assert_allclose(found[name][:4], used[name] / best)
+    assert np.isinf(found["nobody"]).all()
+    assert np.min([found[name] for name in names[:3]], axis=0) == pytest.approx(1.0)
+    line = next(
+        each for each in study.plot_profile(measure="iterations").axes[0].get_lines() if each.get_label() == "newton"
+    )
+    assert line.get_ydata().max() == pytest.approx(100 * np.isfinite(found["newton"]).mean())
+
+
+def test_rings_mark_where_V_rose() -> None:
+    robot, task = jtik.Robot.planar(10), jtik.FrameTask("tip", kind="position")
+    start = 1e-3 * np.random.default_rng(1).standard_normal(10)
+    undamped = jtik.strategies["newton"](q_limit=np.inf, backtracking=False)
+    straight = problems.Case(name="straight", kind="straight", q0=start, targets=[(5.0, 0.0)])
+    study = compare(robot, task, strategies={"undamped": undamped, "hybrid": "hybrid"}, problems=[straight], repeats=1)
+    axes = study.plot_lyapunov().axes[0]
+    V = study.traces["undamped", study.criteria[0], "straight"].figures["V"]
+    rings = {line.get_color(): line.get_xdata() for line in axes.get_lines() if line.get_marker() == "o"}
+    colors = canvas.lines(study.contenders)
+    assert list(rings[colors["undamped"]["color"]]) == list(np.flatnonzero((V[1:] > V[:-1]) & (V[1:] > 1e-14)) + 1)
+    assert len(rings[colors["undamped"]["color"]]) > 0
+    assert len(rings[colors["hybrid"]["color"]]) == 0
+
+
+def test_colours_and_dashes_tell_many_lines_apart() -> None:
+    styles = canvas.lines([f"strategy {i}" for i in range(28)])
+    assert len({(style["color"], str(style["linestyle"])) for style in styles.values()}) == 28
+
+
+def test_an_animation_moves(study: Comparison, tmp_path) -> None:
+    image = pytest.importorskip("PIL.Image")
+    study.animate(tmp_path / "arm.gif", contender="newton", case="circle-000")
+    with image.open(tmp_path / "arm.gif") as gif:
+        assert gif.n_frames >= 30
+
+
+def test_obstacles_of_a_scene_are_drawn() -> None:
+    robot, task = jtik.Robot.planar(4), jtik.FrameTask("tip", kind="position")
+    scenes = problems.scene(robot, task, 1, obstacles=2)
+    avoid = ObstacleAvoidance(problems.obstacles_of(scenes[0]), bodies="links")
+    study = compare(robot, task, strategies="hybrid", criteria=avoid, problems=scenes, repeats=1, max_iterations=50)
+    figure = study.plot_postures()
+    drawn = {tuple(np.round(patch.center, 9)) for patch in figure.axes[0].patches}
+    assert {tuple(np.round(center, 9)) for center in scenes[0].parameters["obstacle_avoidance.centers"]} <= drawn
+
+
+def test_a_robot_in_space_is_drawn_in_space() -> None:
+    robot = jtik.Robot.builtin("ur5e")
+    study = compare(robot, jtik.FrameTask(robot.tip), strategies=["hybrid"], count=1, repeats=1)
+    assert study.plot_postures().axes[0].name == "3d"
+    assert study.plot_joints()._repr_png_()
+
+
+def test_what_is_not_there_is_refused(study: Comparison, bare: Comparison, tmp_path) -> None:
+    with pytest.raises(UnknownNameError, match="contender"):
+        study.plot_convergence(contenders=["else"])
+    with pytest.raises(UnknownNameError, match="case"):
+        study.plot_postures(case="reachable-003")  # solved, but not kept
+    with pytest.raises(UnknownNameError, match="kind"):
+        study.plot_convergence(kind="scene")
+    with pytest.raises(UnknownNameError, match="criteria"):
+        study.plot_profile(criteria="else")
+    with pytest.raises(ArgumentError, match="measure"):
+        study.plot_profile(measure="hours")
+    with pytest.raises(ArgumentError, match="traces"):
+        bare.plot_convergence()
+    with pytest.raises(ArgumentError, match="gif"):
+        study.animate(tmp_path / "arm.mp4")
+
+
+def test_the_report_needs_no_other_file(study: Comparison, bare: Comparison, tmp_path) -> None:
+    for each, figures in ((study, 6), (bare, 1)):
+        each.to_html(tmp_path / "report.html")
+        page = (tmp_path / "report.html").read_text(encoding="utf-8")
+        assert all(name in page for name in each.contenders)
+        sources = re.findall(r'(?:src|href)="([^"]*)"', page)
+        assert len(sources) == figures
+        assert all(source.startswith("data:image/svg+xml;base64,") for source in sources)
+    assert "nobody" in page or "unknown strategy" not in page
