@@ -307,20 +307,15 @@ def write_animation(
 
 
 @cache
-def _picture() -> Any:
+def _picture(figure_class: Any, canvas_class: Any) -> Any:
     """The class of all figures: matplotlib's, which notebooks show without pyplot."""
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise MissingExtraError("matplotlib", "plot", "a picture") from error
 
-    class Picture(Figure):
+    class Picture(figure_class):  # type: ignore[misc]
         """A figure that draws itself as PNG where it is the value of a cell."""
 
         def __init__(self, *args: Any, **options: Any) -> None:
             super().__init__(*args, **options)
-            FigureCanvasAgg(self)
+            canvas_class(self)
 
         def _repr_png_(self) -> bytes:
             file = BytesIO()
@@ -336,4 +331,9 @@ def new_figure(size: tuple[float, float], **options: Any) -> Figure:
     Raises:
         MissingExtraError: without matplotlib.
     """
-    return _picture()(figsize=size, facecolor=BACKGROUND, **options)
+    try:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise MissingExtraError("matplotlib", "plot", "a picture") from error
+    return _picture(Figure, FigureCanvasAgg)(figsize=size, facecolor=BACKGROUND, **options)

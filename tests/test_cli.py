@@ -307,7 +307,7 @@ def test_wrong_input_is_refused_in_one_line(capsys: Capture, words: str, said: s
         ("q_limit = 0.25", "radius = 0.25", "q_limit"),
         ("q_limit = 0.25", "q_limit = 'wide'", "strategy 'hybrid'"),
         ('name = "hybrid"', "", "[strategy] name"),
-        ("stiffness = 2.0", "stiffness = 'soft'", "criterion 'joint_centering'"),
+        ("stiffness = 2.0", "stiffness = 'soft'", "stiffness: given soft"),
         ("stiffness = 2.0", "hardness = 2.0", "stiffness"),
         ("weight = 0.5", "weight = 'much'", "weight of joint_centering"),
         ('bodies = "both"', "obstacles = [[1, 2]]", "[obstacles]"),

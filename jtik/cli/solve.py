@@ -71,6 +71,7 @@ SHOWN = (
     "second_order",
     "condition",
     "active_limits",
+    "gave_way",
     "seconds",
 )
 """What of a Solution the JSON holds."""

@@ -43,6 +43,9 @@ def animation(
         axes.clear()
         scene.draw(axes, q[k : k + 1], f"{name}: {at.case}", way=q)
 
+    draw(0)
+    figure.canvas.draw()
+    figure.set_layout_engine("none")  # found once; it is what takes long
     write_animation(path, figure, draw, len(q))
 
 
