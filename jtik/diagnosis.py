@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.compile import Compiled
-from jtik.fused import Code
 from jtik.problem import Problem
 from jtik.report import Report
 from jtik.rescue import FLAT, NEGATIVE, Rescue
 from jtik.solution import Status
+from jtik.stop import Code
 from jtik.working_set import AT_LIMIT
 from jtik.yielding import GaveWay
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.criterion import Parameters
-from jtik.fused import Settings
+from jtik.stop import Settings
 
 Array = NDArray[np.float64]
 

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.compile import Library
-from jtik.fused import Code
 from jtik.runner import Runner
+from jtik.stop import Code
 
 Array = NDArray[np.float64]
 

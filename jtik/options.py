@@ -8,8 +8,8 @@ from typing import Literal
 import numpy as np
 
 from jtik.errors import ArgumentError, finite_array
-from jtik.fused import Settings
 from jtik.search import Request
+from jtik.stop import Settings
 
 Until = Literal["steady", "reached"]
 

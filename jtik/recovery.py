@@ -8,7 +8,8 @@ from functools import cached_property
 from math import inf
 
 from jtik.clearance import ClearanceModel
-from jtik.qp.program import Program, ProgramSolution, Recorder, Rows
+from jtik.qp.program import Program, ProgramSolution, Rows
+from jtik.qp.recorder import Recorder
 from jtik.symbolic import (
     TINY,
     Expression,

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jtik.fused import OUTCOME, FusedStep
+from jtik.fused import FusedStep
+from jtik.stop import OUTCOME
 
 Array = NDArray[np.float64]
 

@@ -14,12 +14,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.fused import OUTCOME, Code
 from jtik.native import NativeSearch
 from jtik.recorder import Recorder
 from jtik.rescue import Rescue
 from jtik.robot import Robot
 from jtik.runner import Runner
+from jtik.stop import OUTCOME, Code
 
 Array = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ from jtik.compile import to_c
 from jtik.criterion import Criterion, CriterionSum, CriterionTerms, Parameters
 from jtik.diagnosis import Diagnosis
 from jtik.errors import ArgumentError, finite_array
-from jtik.fused import Code, FusedStep, Settings, fused_step
+from jtik.fused import FusedStep, fused_step
 from jtik.limits import Limits, limits_of
 from jtik.memory import Memory
 from jtik.native import NativeSearch
@@ -37,6 +37,7 @@ from jtik.runner import Runner
 from jtik.search import Found, Request, Search
 from jtik.solution import Solution, Status, Step, is_success
 from jtik.step_box import StepBox, box_function
+from jtik.stop import Code, Settings
 from jtik.strategy import Strategy
 from jtik.symbolic import Function
 from jtik.task import Task

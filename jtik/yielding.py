@@ -13,7 +13,7 @@ from jtik.symbolic import Expression, mmax, vertcat
 
 if TYPE_CHECKING:
     from jtik.problem import Problem
-    from jtik.qp.program import Recorder
+    from jtik.qp.recorder import Recorder
     from jtik.recovery import Recovery
     from jtik.strategy import Update
 

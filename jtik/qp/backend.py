@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,24 +57,36 @@ class Numbers:
         return bool(finite) and not any(np.isnan(bound).any() for bound in bounds)
 
 
-class Backend(ABC):
-    """Solves the programs of a step. ``name`` is what the user called it; ``accuracy`` what its answers are held to.
+class _Answering(ABC):
+    """What solves the programs of a step.
 
-    ``second`` is asked where a fused back end has no answer.
+    ``name`` is what the user called it; ``accuracy`` what its answers are held to; ``second`` is asked where a fused
+    one has no answer.
     """
 
     name: str
     accuracy: float
-    fused: ClassVar[bool] = False
-    second: Backend | None = None
+    second: CalledBackend | None = None
 
+
+class FusedBackend(_Answering):
+    """One that CasADi calls, so that a step stays one function."""
+
+    @abstractmethod
     def function(self, n: int, rows: int) -> Function:
-        """Of a fused back end: (P, q, C, l, u, lb, ub) -> (x, row multipliers, box multipliers) inside CasADi."""
-        raise NotImplementedError
+        """(P, q, C, l, u, lb, ub) -> (x, row multipliers, box multipliers), for programs of this size."""
 
+
+class CalledBackend(_Answering):
+    """One that Python calls, between the functions of a step."""
+
+    @abstractmethod
     def solver(self, n: int, rows: int) -> Solver:
-        """Of the others: something that solves programs of this size, one after the other."""
-        raise NotImplementedError
+        """Something that solves programs of this size, one after the other."""
+
+
+Backend: TypeAlias = FusedBackend | CalledBackend
+"""What ``solver=`` takes, beside a name."""
 
 
 def accuracy_of(given: float | None, usual: float) -> float:
@@ -122,7 +134,9 @@ def backend_of(solver: str | Backend | None) -> Backend:
         return solver
     name = "daqp" if solver is None else solver
     if not isinstance(name, str):
-        raise BackendError(repr(solver), f"give a jtik.qp.Backend, or one of {', '.join(available())}")
+        raise BackendError(
+            repr(solver), f"give a FusedBackend or a CalledBackend of jtik.qp, or one of {', '.join(available())}"
+        )
     if name in WRONG:
         raise BackendError(name, f"is wrong on box-constrained programs; use one of {', '.join(available())}")
     if name in PLUGINS and has_conic(name):

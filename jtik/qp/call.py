@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.compile import bind
-from jtik.qp.backend import Backend, Numbers
+from jtik.qp.backend import CalledBackend, FusedBackend, Numbers
 from jtik.qp.elastic import Expansion
-from jtik.qp.program import Compute, Program
+from jtik.qp.program import Program
+from jtik.qp.recorder import Compute
 from jtik.symbolic import MX, Expression, Function, either, function
 
 Array = NDArray[np.float64]
@@ -61,7 +62,7 @@ class ProgramCall:
         n, (P, q, C, low, high, lower, upper) = self.plain_size, plain
         return Numbers(P.reshape(n, n).T, q, C.reshape(n, self.rows).T, low, high, lower, upper)
 
-    def solved_by(self, backend: Backend) -> Function:
+    def solved_by(self, backend: FusedBackend) -> Function:
         """(the program's data, the answer of its shortcut and whether that holds) -> answer, by a fused back end.
 
         The solver is not called where the shortcut holds.
@@ -72,7 +73,7 @@ class ProgramCall:
         solver = function("far", [*given, x], self.answered(given, backend))
         return function("solved", data, called(either(near, solver), [holds, *given, x]))
 
-    def answered(self, given: Sequence[Expression], backend: Backend) -> list[Expression]:
+    def answered(self, given: Sequence[Expression], backend: FusedBackend) -> list[Expression]:
         """The answer of a fused back end to a program's data."""
         plain = called(self.expansion.function(), given) if self.expansion else given
         answer = called(backend.function(self.plain_size, self.rows), plain)
@@ -100,7 +101,7 @@ class PythonCall:
 class Answering:
     """A solver with the memory of its program and of its answer; NaN is the answer where there is none."""
 
-    def __init__(self, backend: Backend, program: Numbers, answer: list[Array]) -> None:
+    def __init__(self, backend: CalledBackend, program: Numbers, answer: list[Array]) -> None:
         self._solver = backend.solver(len(program.q), len(program.low))
         self._program, self._answer = program, answer
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
-from jtik.qp.backend import PLUGINS, WRONG, Backend, BackendError, accuracy_of
+from jtik.qp.backend import PLUGINS, WRONG, BackendError, FusedBackend, accuracy_of
 from jtik.qp.foreign import Foreign
 from jtik.symbolic import Function, conic, has_conic
 
@@ -20,7 +20,7 @@ _QUIET: Mapping[str, Mapping[str, Any]] = {
 """What keeps a plugin silent and exact enough for a step."""
 
 
-class Conic(Backend):
+class Conic(FusedBackend):
     """A conic plugin of CasADi. Options pass through to it.
 
     Raises:
@@ -28,8 +28,6 @@ class Conic(Backend):
         BackendError: when CasADi came without the plugin; from `function` when the plugin cannot do such programs, or
             refuses the options.
     """
-
-    fused: ClassVar[bool] = True
 
     def __init__(self, name: str = "daqp", *, accuracy: float | None = None, **options: Any) -> None:
         if name in WRONG or not has_conic(name):

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.qp.backend import ELSEWHERE, PLUGINS, Backend, BackendError, Numbers, Solver, accuracy_of, simplest
+from jtik.qp.backend import ELSEWHERE, PLUGINS, BackendError, CalledBackend, Numbers, Solver, accuracy_of, simplest
 
 Array = NDArray[np.float64]
 
@@ -23,7 +23,7 @@ _EXACT: dict[str, dict[str, Any]] = {
 """Defaults of first-order solvers are for control, too coarse to converge by."""
 
 
-class Foreign(Backend):
+class Foreign(CalledBackend):
     """A solver of qpsolvers. Options pass through to it.
 
     Raises:

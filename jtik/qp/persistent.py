@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.qp.backend import Backend, BackendError, Numbers, Solver, accuracy_of, simplest
+from jtik.qp.backend import BackendError, CalledBackend, Numbers, Solver, accuracy_of, simplest
 
 Array = NDArray[np.float64]
 
@@ -16,7 +16,7 @@ _EXACT: dict[str, Any] = {"eps_abs": 1e-8, "eps_rel": 1e-8, "max_iter": 20000, "
 _INFINITE = 1e30
 
 
-class PersistentOSQP(Backend):
+class PersistentOSQP(CalledBackend):
     """OSQP by its own interface. Options pass through to ``osqp.OSQP.setup``.
 
     Raises:

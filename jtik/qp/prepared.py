@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.compile import bind, to_c
-from jtik.qp.backend import Backend
+from jtik.qp.backend import Backend, FusedBackend
 from jtik.qp.call import Answering, ProgramCall, called, outputs_of
-from jtik.qp.program import Preparation
+from jtik.qp.recorder import Preparation
 from jtik.symbolic import MX, Expression, Function, either, function
 
 Array = NDArray[np.float64]
@@ -51,7 +51,7 @@ class PreparedCall:
         """The same as generated C; the solver stays as it is."""
         return replace(self, needed=to_c(self.needed), data=to_c(self.data), finish=to_c(self.finish))
 
-    def solved_by(self, backend: Backend) -> Function:
+    def solved_by(self, backend: FusedBackend) -> Function:
         """known -> results, by a fused back end."""
         known = [MX.sym(f"k{i}", *self.needed.size_in(i)) for i in range(self.needed.n_in())]
         answer = self.call.answered(called(self.data, known), backend)
@@ -61,7 +61,7 @@ class PreparedCall:
 
     def bind(self, backend: Backend, known: list[Array], results: list[Array]) -> Callable[[], None]:
         """A call without arguments on memory bound once."""
-        if backend.fused:
+        if isinstance(backend, FusedBackend):
             return bind(self.solved_by(backend), known, results)
         data, needed = outputs_of(self.data), np.zeros(1)
         memory, expand = self.call.plain(data)

@@ -10,12 +10,11 @@ give way where they must, at a price, and the solution says by how much.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeAlias
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.qp.convexity import FLAT, convex, lowest_eigenvalue
 from jtik.qp.elastic import Elastic, Expansion, mispriced
 from jtik.symbolic import (
@@ -29,14 +28,9 @@ from jtik.symbolic import (
     mmax,
     norm_inf,
     solve_ldl,
-    symbol,
     vertcat,
     zeros,
 )
-
-Compute: TypeAlias = Callable[[Sequence[Array]], "Sequence[Any] | None"]
-"""What Python does in the middle of a step: flat arrays (columns first) to arrays; None where there is no answer."""
-
 
 CROSSED = 1e-9
 """A lower bound may be above its upper one by this much: rounding."""
@@ -240,121 +234,3 @@ class ProgramSolution:
             near = logic_and(near, mispriced(slacks, multipliers, self.program.prices, accuracy) <= accuracy)
         # maxima pass over NaN, sums do not
         return logic_and(near, is_finite(vertcat(self.x, self.row_multipliers, self.box_multipliers)))
-
-
-@dataclass(frozen=True)
-class Recorded:
-    """A program and the symbols that stand for its answer."""
-
-    program: Program
-    solution: ProgramSolution
-
-    @property
-    def name(self) -> str:
-        """The program's."""
-        return self.program.name
-
-    def data(self) -> list[Expression]:
-        """What the solver is given."""
-        return self.program.data()
-
-    @property
-    def answers(self) -> list[Expression]:
-        """What it answers."""
-        return [self.solution.x, self.solution.row_multipliers, self.solution.box_multipliers]
-
-    def solved(self, accuracy: float) -> Expression:
-        """1 where the answer holds."""
-        return self.solution.solved(accuracy)
-
-
-@dataclass(frozen=True)
-class Computation:
-    """Something that Python computes from numbers of the step, and the symbols that stand for what comes out."""
-
-    name: str
-    compute: Compute
-    inputs: list[Expression]
-    answers: list[Expression]
-
-    def data(self) -> list[Expression]:
-        """What it is given."""
-        return self.inputs
-
-    def solved(self, accuracy: float) -> Expression:
-        """1 where there is an answer without NaN."""
-        good: Expression = 1
-        for answer in self.answers:
-            for i in range(answer.numel()):
-                # every number is on one side of zero, NaN on neither
-                good = logic_and(good, logic_or(answer[i] <= 0, answer[i] >= 0))
-        return good
-
-
-@dataclass(frozen=True)
-class Preparation:
-    """A program before the step: when it is needed, its solution, what is made of it, and the symbols for that."""
-
-    needed: Expression
-    solution: ProgramSolution
-    results: list[Expression]
-    answers: list[Expression]
-
-
-@dataclass
-class Recorder:
-    """Takes programs and computations in the order in which a strategy asks for answers."""
-
-    accuracy: float
-    solver: str = "daqp"
-    programs: list[Recorded | Computation] = field(default_factory=list)
-    preparations: list[Preparation] = field(default_factory=list)
-
-    def compute(
-        self, name: str, compute: Compute, inputs: Sequence[Expression], shapes: Sequence[tuple[int, int]]
-    ) -> list[Expression]:
-        """What Python will answer, as symbols of these shapes."""
-        k = len(self.programs)
-        answers = [symbol(f"c{k}_{i}", *shape) for i, shape in enumerate(shapes)]
-        self.programs.append(Computation(name, compute, list(inputs), answers))
-        return answers
-
-    def solve(self, program: Program) -> ProgramSolution:
-        """The answer, as symbols."""
-        solution = _symbols(program, str(len(self.programs)))
-        self.programs.append(Recorded(program, solution))
-        return solution
-
-    def solutions(self) -> list[tuple[Program, ProgramSolution]]:
-        """The programs so far, with their answers."""
-        return [(each.program, each.solution) for each in self.programs if isinstance(each, Recorded)]
-
-    def prepare(
-        self,
-        needed: Expression,
-        program: Program,
-        results: Callable[[ProgramSolution], Sequence[Expression]],
-    ) -> list[Expression]:
-        """What a program of the local model alone has to say where it is ``needed``, before the step; else zeros.
-
-        Where it is not, nothing of it is evaluated. ``results`` makes columns of its solution, which nobody checks: a
-        step must be able to do without.
-        """
-        name = f"prepared{len(self.preparations)}"
-        solution = _symbols(program, name)
-        made = list(results(solution))
-        answers = [symbol(f"{name}_{i}", each.shape[0]) for i, each in enumerate(made)]
-        self.preparations.append(Preparation(needed, solution, made, answers))
-        return answers
-
-    def solved(self) -> Expression:
-        """1 where every program so far was answered rightly."""
-        good: Expression = 1
-        for recorded in self.programs:
-            good = logic_and(good, recorded.solved(self.accuracy))
-        return good
-
-
-def _symbols(program: Program, name: str) -> ProgramSolution:
-    n, rows = program.size, program.row_count
-    return ProgramSolution(symbol(f"x{name}", n), symbol(f"y{name}", rows), symbol(f"z{name}", n), program)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.qp.backend import Backend, Numbers, Solver
+from jtik.qp.backend import CalledBackend, Numbers, Solver
 from jtik.qp.staged import Staged
 
 Array = NDArray[np.float64]
@@ -18,7 +18,7 @@ UNTOUCHED = -1.0
 """No code of a step."""
 
 
-class Nobody(Backend):
+class Nobody(CalledBackend):
     """Has no answer to anything: a step then says so, and stays where it is."""
 
     name = "nobody"

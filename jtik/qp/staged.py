@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from jtik.compile import bind, to_c
 from jtik.errors import UnknownNameError
-from jtik.qp.backend import Backend, Numbers
+from jtik.qp.backend import Backend, FusedBackend, Numbers
 from jtik.qp.call import Answering, Computing, ProgramCall, PythonCall, called, evaluated, outputs_of
 from jtik.qp.conic import Conic
 from jtik.qp.partition import partitioned
 from jtik.qp.prepared import PreparedCall
-from jtik.qp.program import Computation, Recorded, Recorder
+from jtik.qp.recorder import Computation, Recorded, Recorder
 from jtik.symbolic import MX, Expression, Function, function
 
 Array = NDArray[np.float64]
@@ -48,7 +48,7 @@ class Staged:
     @property
     def fusible(self) -> bool:
         """Whether nothing in it needs Python."""
-        return self.backend.fused and all(isinstance(call, ProgramCall) for call in self.calls)
+        return isinstance(self.backend, FusedBackend) and all(isinstance(call, ProgramCall) for call in self.calls)
 
     def compiled(self) -> Staged:
         """The same with every expression as generated C; the solver stays as it is."""
@@ -61,6 +61,7 @@ class Staged:
 
     def joined(self) -> Function:
         """One function of MX with the calls of a fused back end inside."""
+        assert isinstance(self.backend, FusedBackend)
         inputs = [MX.sym(f"i{k}", *self.local.size_in(k)) for k in range(self.local.n_in())]
         at = [*inputs, *called(self.local, inputs)]
         known = [*at, *[part for each in self.preparations for part in called(each.solved_by(self.backend), at)]]
@@ -113,7 +114,7 @@ class Staged:
             answer = [np.zeros(size) for size in call.sizes]
             if isinstance(call, PythonCall):
                 calls.append(Computing(call.compute, data, answer))
-            elif self.backend.fused:
+            elif isinstance(self.backend, FusedBackend):
                 calls.append(bind(call.solved_by(self.backend), data, answer))
             else:
                 memory, expand = call.plain(data)

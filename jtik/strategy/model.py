@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from jtik.clearance import ClearanceModel
 from jtik.errors import JtikError
 from jtik.factorization import RowSpace, RowVector, Split
-from jtik.qp.program import Compute, Program, ProgramSolution, Recorder
+from jtik.qp.program import Program, ProgramSolution
+from jtik.qp.recorder import Compute, Recorder
 from jtik.recovery import Recovery, recovery
 from jtik.robot import Robot
 from jtik.symbolic import TINY, Expression, Function, dot, fmax, fmin, norm, sqrt, sumsqr, vertcat

@@ -8,7 +8,7 @@ import qpsolvers
 
 import jtik
 from jtik.compile import Compiled
-from jtik.qp import BackendError, Conic, Foreign, PersistentOSQP, available, backend_of
+from jtik.qp import BackendError, Conic, Foreign, FusedBackend, PersistentOSQP, available, backend_of
 from jtik.qp.backend import Numbers
 from jtik_formulations import JointCentering
 
@@ -25,7 +25,7 @@ BACKENDS = [*[backend_of(name) for name in SILENT], Foreign("daqp"), Foreign("os
 def answer(backend, program):
     """x, row multipliers, box multipliers; None where there is no answer."""
     n, rows = len(program.q), len(program.low)
-    if not backend.fused:
+    if not isinstance(backend, FusedBackend):
         return backend.solver(n, rows).solve(program)
     data = (program.P, program.q, program.C, program.low, program.high, program.lower, program.upper)
     return [column[:, 0] for column in Compiled(backend.function(n, rows))(*data)]

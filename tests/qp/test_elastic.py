@@ -9,7 +9,7 @@ from scipy.optimize import linprog, minimize
 
 import jtik
 from jtik.compile import bind
-from jtik.qp import Elastic, Foreign, PersistentOSQP, Program, Recorder, Rows, available, backend_of
+from jtik.qp import Elastic, Foreign, FusedBackend, PersistentOSQP, Program, Recorder, Rows, available, backend_of
 from jtik.qp.staged import staged
 from jtik.strategy import Strategy, Update
 
@@ -28,7 +28,7 @@ def solved(program, backend=None, joined=None):
     outputs = [solution.x, solution.row_multipliers, solution.slack("soft"), recorder.solved()]
     parts = staged([number], [number], [cut], recorder, outputs, backend)
     results = [np.zeros(output.numel()) for output in outputs]
-    joined = backend.fused if joined is None else joined
+    joined = isinstance(backend, FusedBackend) if joined is None else joined
     (bind(parts.joined(), [np.zeros(1)], results) if joined else parts.bind([np.zeros(1)], results))()
     return *results[:3], bool(results[3][0])
 

@@ -49,7 +49,7 @@ class TestASolverThatIsNotInstalled:
 
     @pytest.mark.parametrize("given", [3.0, ["daqp"], Conic])
     def test_what_is_no_name(self, given):
-        with pytest.raises(BackendError, match=r"give a jtik.qp.Backend, or one of daqp"):
+        with pytest.raises(BackendError, match=r"give a FusedBackend or a CalledBackend of jtik.qp, or one of daqp"):
             solver(solver=given)
 
     def test_mink_says_which_it_can_use(self):
