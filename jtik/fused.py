@@ -144,7 +144,7 @@ def fused_step(
     robot, m, bounded = problem.robot, problem.m, problem.bounded
     arriving = arriving or strategy.judges(problem.has_criterion) or bool(problem.clearances)
     first = {name: np.array(value, dtype=float) for name, value in _engine_state(problem, arriving).items()}
-    own = strategy.initial_state(Shape(robot.n, m, problem.has_criterion, bool(problem.clearances)))
+    own = strategy.initial_state(Shape(robot.n, robot.nq, m, problem.has_criterion, bool(problem.clearances)))
     first |= {f"strategy.{name}": np.array(value, dtype=float) for name, value in own.items()}
     layout = Layout.of({name: value.size for name, value in first.items()})
 

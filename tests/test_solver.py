@@ -548,6 +548,7 @@ class TestManifolds:
             target,
             q0=q0,
             trace=True,
+            restarts=3,  # a limit may hold the first attempt
             max_iterations=3000,
             position_tolerance=1e-4,
             orientation_tolerance=1e-4,

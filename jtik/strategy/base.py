@@ -20,9 +20,10 @@ State = Mapping[str, Expression]
 
 @dataclass(frozen=True)
 class Shape:
-    """What a state may depend on: n velocities, m residual rows, whether there is a criterion, and a clearance."""
+    """What a state may depend on: numbers of velocities, coordinates and residual rows, a criterion, clearances."""
 
     n: int
+    nq: int
     m: int
     has_criterion: bool
     has_clearance: bool = False

@@ -21,13 +21,13 @@ from numpy.typing import NDArray
 
 from jtik.factorization import RowVector
 from jtik.strategy.base import Shape, State, Strategy, Update
-from jtik.strategy.model import LocalModel, Point
+from jtik.strategy.merit import SUFFICIENT, outweighs, penalty, reach_of
+from jtik.strategy.model import LocalModel
 from jtik.symbolic import (
     Expression,
     dot,
     fabs,
     fmax,
-    fmin,
     if_else,
     is_finite,
     logic_and,
@@ -35,18 +35,11 @@ from jtik.symbolic import (
     logic_or,
     ratio,
     sqrt,
-    sumsqr,
     zeros,
 )
 
 Array = NDArray[np.float64]
 Acceptance = Literal["merit", "task", "always"]
-
-SUFFICIENT = 1e-4
-"""Fraction of the predicted decrease an accepted step must bring (Armijo 1966)."""
-
-ROUNDING = 1e-14
-"""Relative error of an evaluated H, and of a residual beside the reach |J|: a smaller change says nothing."""
 
 
 @dataclass(frozen=True)
@@ -207,13 +200,15 @@ class Composition(Strategy):
         judged = model.moved(task_term) if rule == "task" and model.has_criterion else point
         actual = model.here.V - judged.V
         falls = logic_and(predicted > 0, actual >= SUFFICIENT * predicted)
-        penalty = None
+        mu = None
         if rule == "always":
             accepted = 1
         elif rule == "merit" and model.has_criterion:
             unhindered = task.row_vector if as_proposed else None
             rise = model.slope_of_criterion(unhindered) if unhindered else dot(model.gradient, task_term)
-            accepted, penalty = _weigh(model, state["penalty"], point, null.decrease + rise, predicted, falls)
+            slope, reach = null.decrease + rise, reach_of(model, predicted)
+            mu = penalty(model, state["penalty"], slope, reach, task_term, term, point.H)
+            accepted = if_else(model.near, outweighs(model, mu, point, slope, reach), falls)
         elif rule == "task" and model.has_criterion:
             accepted = logic_or(falls, logic_and(model.near, judged.length <= model.tube))
         else:
@@ -236,7 +231,7 @@ class Composition(Strategy):
         if model.has_criterion or model.clearance:
             after |= secondary.adapt(model, state, proposed, outcome)
         if model.has_criterion:
-            after["penalty"] = state["penalty"] if penalty is None else penalty
+            after["penalty"] = state["penalty"] if mu is None else mu
         figures = {
             "alpha": task.alpha,
             "beta": null.beta,
@@ -264,25 +259,3 @@ def _shortened(model: LocalModel, task_term: Expression, null: NullMove) -> Null
         blocked = logic_and(moves, fraction < scale)
         scale = if_else(blocked, fmax(fraction, 0), scale)
     return NullMove(scale * null.term, scale * null.length, scale * null.decrease, scale * null.beta)
-
-
-def _weigh(
-    model: LocalModel,
-    before: Expression,
-    point: Point,
-    slope: Expression,
-    predicted: Expression,
-    falls: Expression,
-) -> tuple[Expression, Expression]:
-    """Acceptance by V outside the tube, by H + mu |r| inside it, where ``slope`` = (dH/dv)' step; and the new mu."""
-    here = model.here
-    reach = here.length - sqrt(fmax(2 * (here.V - predicted), 0))
-    enough = 1.5 * sumsqr(model.multipliers) ** 0.5 + 0.1 * model.gradient_length / model.jacobian_length
-    needed = fmin(ratio(-slope, 0.5 * fmax(reach, 0)), 100 * enough)
-    penalty = fmax(fmax(enough, 0.5 * before), needed)
-    promised = penalty * reach + slope
-    merit, after = here.H + penalty * here.length, point.H + penalty * point.length
-    noise = ROUNDING * (fabs(here.H) + fabs(merit) + penalty * model.jacobian_length)
-    better = logic_and(promised > -noise, merit - after >= SUFFICIENT * promised - noise)
-    inside = logic_and(point.length <= model.tube, better)
-    return if_else(model.near, inside, falls), penalty

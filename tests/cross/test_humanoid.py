@@ -169,7 +169,7 @@ def test_hands_feet_and_balance_are_reached_within_the_limits(humanoid, feet, st
     assert ik.robot.nq == ik.robot.n + 1
     for _ in range(10):
         targets = wanted_at(oracle, ik, humanoid.posture(rng))
-        solution = ik.solve(targets, q0=humanoid.standing, max_iterations=100, until="reached")
+        solution = ik.solve(targets, q0=humanoid.standing, max_iterations=200, until="reached")
         assert solution.converged, solution
         check(humanoid, ik, oracle, targets, solution)
         if criteria is None:

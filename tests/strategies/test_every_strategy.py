@@ -2,12 +2,32 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import jtik
 from jtik.testing import check_strategy
+from jtik_formulations import JointCentering
 
 
 @pytest.mark.parametrize("name", sorted(jtik.strategies))
 def test_contract(name):
     check_strategy(name)
+
+
+@pytest.mark.parametrize("name", [*sorted(jtik.strategies), "hybrid+qp"])
+def test_an_arm_at_rest_where_H_is_least_follows_a_target_that_moves_off(name):
+    """There grad H and all multipliers are zero, and every step to the target raises H."""
+    arm = jtik.Robot.builtin("panda")
+    ik = jtik.InverseKinematics(arm, jtik.FrameTask(arm.tip, kind="pose"), criteria=JointCentering(), strategy=name)
+    q = home = np.array([0.0, -0.8, 0.0, -2.4, 0.0, 1.6, 0.8])
+    ik.parameters["joint_centering.preferred"] = home
+    target = arm.pose(home)
+    for _ in range(3):
+        assert np.abs(ik.step(q, target, dt=0.02).q - home).max() <= 1e-12
+    for _ in range(20):
+        target[0, 3] -= 0.002
+        step = ik.step(q, target, dt=0.02)
+        assert step.accepted
+        q = step.q
+    assert step.position_error <= 5e-3

@@ -124,6 +124,34 @@ def test_merit_ends_lower_than_where_it_first_arrived(law, rng):
         assert settled.cost <= arrived.cost + 1e-5
 
 
+def excess_on_a_circle(strategy, weight):
+    """Largest H above the least one of the same target, over the second of two laps at the speed of a controller."""
+    arm = jtik.Robot.builtin("panda")
+    task, home = jtik.FrameTask(arm.tip, kind="pose"), np.array([0.0, -0.8, 0.0, -2.4, 0.0, 1.6, 0.8])
+    moving = jtik.InverseKinematics(arm, task, criteria=weight * JointCentering(), strategy=strategy)
+    settled = jtik.InverseKinematics(arm, task, criteria=weight * JointCentering())
+    for ik in (moving, settled):
+        ik.parameters["joint_centering.preferred"] = home
+    q, worst = home, 0.0
+    for k in range(200):
+        angle, target = 2 * np.pi * k / 100, arm.pose(home)
+        target[:2, 3] += 0.15 * (np.cos(angle) - 1), 0.15 * np.sin(angle)
+        step = moving.step(q, target, dt=0.02)
+        q = step.q
+        assert step.accepted or step.done
+        if k >= 100:
+            best = settled.solve(target, q0=q, max_iterations=200)
+            assert best.status is jtik.Status.CONVERGED
+            worst = max(worst, np.sum((q - home) ** 2) / 2 - best.cost / weight)
+    return worst
+
+
+@pytest.mark.parametrize("strategy", ["newton", "hybrid", "newton+qp"])
+@pytest.mark.parametrize("weight", [1e-3, 1.0, 1e3])
+def test_a_controller_keeps_to_the_optimum_of_a_moving_target_whatever_the_unit_of_H(strategy, weight):
+    assert excess_on_a_circle(strategy, weight) <= 1.5e-3  # a step behind
+
+
 @pytest.mark.parametrize(
     ("options", "argument"),
     [

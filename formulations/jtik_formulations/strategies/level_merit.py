@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from jtik.factorization import damped_multipliers, squared_length
 from jtik.strategy import LocalModel, NullMove, Point
+from jtik.strategy.merit import penalty
 from jtik.symbolic import (
     TINY,
     Expression,
@@ -30,7 +31,7 @@ ROUNDING = 1e-14
 """Relative error of an evaluated merit: a smaller change says nothing."""
 
 MOST = 100
-"""How much a single step may raise a penalty above the least one."""
+"""How much a single step may raise a weight above the least one."""
 
 
 BLURRED = 1e-6
@@ -63,7 +64,7 @@ class LevelMerit:
     levels: Sequence[Sequence[int]]
 
     def judge(
-        self, weights: Expression, penalty: Expression, step: Expression, null: NullMove, point: Point
+        self, weights: Expression, before_mu: Expression, step: Expression, null: NullMove, point: Point
     ) -> Verdict:
         """Of a step ``step`` (n, 1) for the tasks with a null-space move, from the weights and penalty before."""
         model = self.model
@@ -80,14 +81,12 @@ class LevelMerit:
         progress = ratio(F - F_after, F)
         gained = ratio(F - F_after, fmax(promised, 0))
         if not model.has_criterion:
-            return Verdict(falls, gained, progress, vertcat(*weighed), penalty)
+            return Verdict(falls, gained, progress, vertcat(*weighed), before_mu)
         slope = null.decrease - dot(model.full_gradient, step)
-        enough = 1.5 * norm(model.multipliers) + 0.1 * model.gradient_length / model.jacobian_length
-        needed = fmin(ratio(-slope, 0.5 * fmax(promised, 0)), MOST * enough)
-        penalty = fmax(fmax(enough, 0.5 * penalty), needed)
-        phi, phi_after = model.here.H + penalty * F, point.H + penalty * F_after
+        mu = penalty(model, before_mu, slope, promised, step, step - null.term, point.H)
+        phi, phi_after = model.here.H + mu * F, point.H + mu * F_after
         size = fabs(model.here.H) + fabs(phi)
-        worth = penalty * promised + slope
+        worth = mu * promised + slope
         better = logic_and(worth > 0, phi - phi_after >= SUFFICIENT * worth - ROUNDING * size)
         inside = logic_and(point.length <= model.tube, better)
         return Verdict(
@@ -95,7 +94,7 @@ class LevelMerit:
             ratio=if_else(model.near, inside, gained),
             progress=progress,
             weights=vertcat(*weighed),
-            penalty=penalty,
+            penalty=mu,
         )
 
     def _weights(self, known: Expression, gains: Sequence[Expression]) -> list[Expression]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from jtik import register_strategy
 from jtik.errors import ArgumentError, finite_array
 from jtik.strategy import LocalModel, NullMove, Outcome, Shape, State, Strategy, Update
-from jtik.symbolic import fmax, fmin, if_else, is_finite, norm, ratio, vertcat, zeros
+from jtik.symbolic import fmax, fmin, if_else, is_finite, norm, ratio, sumsqr, vertcat, zeros
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ class Mink(Strategy):
         ]
         dq, strict = model.compute("mink", step, inputs, [(n, 1), (1, 1)])
         point = model.moved(model.within_limits(-dq))
-        outcome = Outcome(1, 1, down, 0, 0)
+        outcome = Outcome(1, 1, down, 0, 2 * down.length**2 > sumsqr(dq))  # at right angles to the task's part
         figures = {
             "alpha": math.nan,
             "beta": down.beta,

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from jtik import register_secondary
 from jtik.errors import ArgumentError
 from jtik.strategy import LocalModel, NullMove, Outcome, SecondaryTerm, Shape, State
-from jtik.symbolic import TINY, Expression, dot, fmax, fmin, if_else, ratio
+from jtik.symbolic import TINY, Expression, dot, fmax, fmin, if_else, logic_and, norm, ratio, sumsqr
 
 Array = NDArray[np.float64]
 
@@ -20,6 +20,9 @@ _UNBOUNDED = 1e30
 
 NOISE = 1e-13
 """|h| / |grad H| below which h is rounding, not a direction."""
+
+UNTOLD = 1e-12
+"""Change of grad H, relative to it, below which it is rounding and tells no curvature."""
 
 
 @register_secondary("gradient")
@@ -58,6 +61,9 @@ class ProjectedGradient(SecondaryTerm):
             "null_cap": np.full(1, self.step_limit),
             "null_gradient": np.zeros(shape.n),
             "null_length": np.zeros(1),
+            "seen": np.zeros(1),
+            "seen_at": np.zeros(shape.nq),
+            "seen_gradient": np.zeros(shape.n),
             "gain": np.zeros(1),
             "beta": np.full(1, self.beta_max),
         }
@@ -67,7 +73,7 @@ class ProjectedGradient(SecondaryTerm):
         h = model.null_gradient
         length = model.null_length
         if self.rule == "merit":
-            beta = self._barzilai_borwein(h, state)
+            beta = self._barzilai_borwein(model, h, state)
             cap = state["null_cap"]
             gain = (length > NOISE * model.gradient_length) * fmin(beta, ratio(cap, length))
             return _along(h, length, gain)
@@ -79,15 +85,20 @@ class ProjectedGradient(SecondaryTerm):
             beta = if_else(length**2 > energy, ratio(energy, length**2), self.beta_max)
         return _along(h, length, beta)
 
-    def _barzilai_borwein(self, h: Expression, state: State) -> Expression:
-        """s's / s'y of the last null step s, along which h changed by y; as before after a refusal.
+    def _barzilai_borwein(self, model: LocalModel, h: Expression, state: State) -> Expression:
+        """s's / s'y of the last null step s, along which h changed by y, if it was most of the way that q has come.
 
         With s = -gain h0 and y = h - h0 this is gain |h0|^2 / (|h0|^2 - h0'h), without a bound where H is not convex.
+        Else s is the whole way and y what grad H changed by on it; as before where q has not moved, or H is not convex.
         """
         squared = state["null_length"] ** 2
         curvature = squared - dot(state["null_gradient"], h)
         known = state["gain"] * squared / fmax(curvature, squared / _UNBOUNDED + TINY)
-        return if_else(state["gain"] > 0, known, state["beta"])
+        way = model.robot.difference(state["seen_at"], model.here.q)
+        rise = dot(way, model.full_gradient - state["seen_gradient"])
+        told = logic_and(state["seen"], rise > UNTOLD * norm(way) * model.gradient_length)
+        seen = if_else(told, sumsqr(way) / rise, state["beta"])
+        return if_else(state["gain"] > 0, known, seen)
 
     def adapt(self, model: LocalModel, state: State, move: NullMove, outcome: Outcome) -> State:
         """Cap and memory after the step was judged; or the energy V2 the next step may have."""
@@ -101,8 +112,11 @@ class ProjectedGradient(SecondaryTerm):
             "null_cap": if_else(accepted, fmin(2 * cap, self.step_limit), shorter),
             "null_gradient": model.null_gradient,
             "null_length": model.null_length,
-            "gain": if_else(accepted, outcome.null.beta, 0),
+            "gain": if_else(logic_and(accepted, outcome.null_blamed), outcome.null.beta, 0),
             "beta": if_else(move.beta > 0, move.beta, state["beta"]),
+            "seen": 1,
+            "seen_at": model.here.q,
+            "seen_gradient": model.full_gradient,
         }
 
 

@@ -86,7 +86,7 @@ class QPSecondary(ProjectedGradient):
             raise ArgumentError("weight", self.weight, f"a positive number, or {n}, one for each velocity entry")
         weight = np.broadcast_to(weight, n)
         length = norm(h)
-        beta = fmin(self._barzilai_borwein(h, state), ratio(state["null_cap"], length))
+        beta = fmin(self._barzilai_borwein(model, h, state), ratio(state["null_cap"], length))
         figures, gave_way = dict[str, Expression](), dict[tuple[str, str], Expression]()
         if model.clearance:
             move, scale = self._clear(model, weight, beta, task_term)
