@@ -35,6 +35,7 @@ from jtik.symbolic import (
     logic_or,
     ratio,
     sqrt,
+    sumsqr,
     zeros,
 )
 
@@ -207,7 +208,10 @@ class Composition(Strategy):
             unhindered = task.row_vector if as_proposed else None
             rise = model.slope_of_criterion(unhindered) if unhindered else dot(model.gradient, task_term)
             slope, reach = null.decrease + rise, reach_of(model, predicted)
-            mu = penalty(model, state["penalty"], slope, reach, task_term, term, point.H)
+            lengths = (task.length**2, task.length**2 + null.length**2)  # at right angles
+            if not (as_proposed and task.row_vector):
+                lengths = (sumsqr(task_term), sumsqr(term))
+            mu = penalty(model, state["penalty"], slope, reach, lengths, point.H)
             accepted = if_else(model.near, outweighs(model, mu, point, slope, reach), falls)
         elif rule == "task" and model.has_criterion:
             accepted = logic_or(falls, logic_and(model.near, judged.length <= model.tube))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from jtik.strategy.model import LocalModel, Point
-from jtik.symbolic import Expression, fabs, fmax, fmin, logic_and, norm, ratio, sqrt, sumsqr
+from jtik.symbolic import Expression, fabs, fmax, fmin, logic_and, norm, ratio, sqrt
 
 SUFFICIENT = 1e-4
 """Fraction of the predicted decrease an accepted step must bring (Armijo 1966)."""
@@ -20,8 +20,7 @@ def penalty(
     before: Expression,
     slope: Expression,
     reach: Expression,
-    task_term: Expression,
-    term: Expression,
+    lengths: tuple[Expression, Expression],
     H_after: Expression,
 ) -> Expression:
     """mu for a step, from the one before (M6).
@@ -29,15 +28,14 @@ def penalty(
     Args:
         slope: the decrease of H that it promises to first order.
         reach: the decrease of the error that it promises.
-        task_term: its task part (n, 1), of either sign.
-        term: all of it (n, 1), of either sign.
+        lengths: of its task part and of all of it, squared.
         H_after: the criterion where it ends.
     """
-    squared = sumsqr(task_term)
-    bend = ratio(2 * fmax(H_after - model.here.H + slope, 0), sumsqr(term))
+    own, whole = lengths
+    bend = ratio(2 * fmax(H_after - model.here.H + slope, 0), whole)
     least = 1.5 * norm(model.multipliers)
-    least += (0.1 * model.gradient_length + bend * squared**0.5) / model.jacobian_length
-    needed = fmin(ratio(bend * squared - slope, 0.5 * fmax(reach, 0)), MOST * least)
+    least += (0.1 * model.gradient_length + bend * own**0.5) / model.jacobian_length
+    needed = fmin(ratio(bend * own - slope, 0.5 * fmax(reach, 0)), MOST * least)
     return fmax(fmax(least, 0.5 * before), needed)
 
 

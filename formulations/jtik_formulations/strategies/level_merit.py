@@ -20,6 +20,7 @@ from jtik.symbolic import (
     norm,
     ratio,
     sqrt,
+    sumsqr,
     vertcat,
     zeros,
 )
@@ -83,7 +84,7 @@ class LevelMerit:
         if not model.has_criterion:
             return Verdict(falls, gained, progress, vertcat(*weighed), before_mu)
         slope = null.decrease - dot(model.full_gradient, step)
-        mu = penalty(model, before_mu, slope, promised, step, step - null.term, point.H)
+        mu = penalty(model, before_mu, slope, promised, (sumsqr(step), sumsqr(step - null.term)), point.H)
         phi, phi_after = model.here.H + mu * F, point.H + mu * F_after
         size = fabs(model.here.H) + fabs(phi)
         worth = mu * promised + slope

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from jtik import register_secondary
 from jtik.errors import ArgumentError
 from jtik.strategy import LocalModel, NullMove, Outcome, SecondaryTerm, Shape, State
-from jtik.symbolic import TINY, Expression, dot, fmax, fmin, if_else, logic_and, norm, ratio, sumsqr
+from jtik.symbolic import TINY, Expression, dot, fmax, fmin, if_else, logic_and, ratio, sqrt, sumsqr
 
 Array = NDArray[np.float64]
 
@@ -23,6 +23,9 @@ NOISE = 1e-13
 
 UNTOLD = 1e-12
 """Change of grad H, relative to it, below which it is rounding and tells no curvature."""
+
+NOTHING, WAY, NULL_STEP = 0.0, 1.0, 2.0
+"""What is known of the last step: nothing; where it began; that a null step was most of it."""
 
 
 @register_secondary("gradient")
@@ -59,12 +62,10 @@ class ProjectedGradient(SecondaryTerm):
             return {"null_energy": np.full(1, _UNBOUNDED)}
         return {
             "null_cap": np.full(1, self.step_limit),
-            "null_gradient": np.zeros(shape.n),
-            "null_length": np.zeros(1),
-            "seen": np.zeros(1),
             "seen_at": np.zeros(shape.nq),
             "seen_gradient": np.zeros(shape.n),
-            "gain": np.zeros(1),
+            "seen_free": np.zeros(shape.n),
+            "seen": np.full(1, NOTHING),
             "beta": np.full(1, self.beta_max),
         }
 
@@ -73,7 +74,7 @@ class ProjectedGradient(SecondaryTerm):
         h = model.null_gradient
         length = model.null_length
         if self.rule == "merit":
-            beta = self._barzilai_borwein(model, h, state)
+            beta = self.barzilai_borwein(model, state)
             cap = state["null_cap"]
             gain = (length > NOISE * model.gradient_length) * fmin(beta, ratio(cap, length))
             return _along(h, length, gain)
@@ -85,20 +86,23 @@ class ProjectedGradient(SecondaryTerm):
             beta = if_else(length**2 > energy, ratio(energy, length**2), self.beta_max)
         return _along(h, length, beta)
 
-    def _barzilai_borwein(self, model: LocalModel, h: Expression, state: State) -> Expression:
-        """s's / s'y of the last null step s, along which h changed by y, if it was most of the way that q has come.
+    def free_gradient(self, model: LocalModel) -> Expression:
+        """h, whose change along a null step is the curvature that beta answers to, (n, 1)."""
+        return model.null_gradient
 
-        With s = -gain h0 and y = h - h0 this is gain |h0|^2 / (|h0|^2 - h0'h), without a bound where H is not convex.
-        Else s is the whole way and y what grad H changed by on it; as before where q has not moved, or H is not convex.
+    def barzilai_borwein(self, model: LocalModel, state: State) -> Expression:
+        """s's / s'y, s the way that q has come since the last step, y the change of the gradient on it (P2).
+
+        If a null step was most of the way, y is the change of h, and where H is not convex there is no bound. Else y
+        is that of grad H; and where H is not convex, or q has not moved, the gain stays as it was.
         """
-        squared = state["null_length"] ** 2
-        curvature = squared - dot(state["null_gradient"], h)
-        known = state["gain"] * squared / fmax(curvature, squared / _UNBOUNDED + TINY)
         way = model.robot.difference(state["seen_at"], model.here.q)
-        rise = dot(way, model.full_gradient - state["seen_gradient"])
-        told = logic_and(state["seen"], rise > UNTOLD * norm(way) * model.gradient_length)
-        seen = if_else(told, sumsqr(way) / rise, state["beta"])
-        return if_else(state["gain"] > 0, known, seen)
+        squared = sumsqr(way)
+        free = dot(way, self.free_gradient(model) - state["seen_free"])
+        whole = dot(way, model.full_gradient - state["seen_gradient"])
+        told = logic_and(state["seen"] == WAY, whole > UNTOLD * sqrt(squared) * model.gradient_length)
+        held = if_else(told, squared / whole, state["beta"])
+        return if_else(state["seen"] == NULL_STEP, squared / fmax(free, squared / _UNBOUNDED + TINY), held)
 
     def adapt(self, model: LocalModel, state: State, move: NullMove, outcome: Outcome) -> State:
         """Cap and memory after the step was judged; or the energy V2 the next step may have."""
@@ -110,13 +114,11 @@ class ProjectedGradient(SecondaryTerm):
         shorter = if_else(outcome.null_blamed, fmin(size, cap) / 4, cap)
         return {
             "null_cap": if_else(accepted, fmin(2 * cap, self.step_limit), shorter),
-            "null_gradient": model.null_gradient,
-            "null_length": model.null_length,
-            "gain": if_else(logic_and(accepted, outcome.null_blamed), outcome.null.beta, 0),
             "beta": if_else(move.beta > 0, move.beta, state["beta"]),
-            "seen": 1,
             "seen_at": model.here.q,
             "seen_gradient": model.full_gradient,
+            "seen_free": self.free_gradient(model),
+            "seen": if_else(logic_and(accepted, outcome.null_blamed), NULL_STEP, WAY),
         }
 
 

@@ -78,6 +78,10 @@ class QPSecondary(ProjectedGradient):
         """Yes."""
         return True
 
+    def free_gradient(self, model: LocalModel) -> Expression:
+        """That of all joints: a program finds out by itself who is held."""
+        return model.full_null_gradient
+
     def propose(self, model: LocalModel, state: State, task_term: Expression) -> NullMove:
         """The program's answer, and how far H is from steady: |nu| / beta."""
         h, n = _reduced_gradient(model), model.robot.n
@@ -86,7 +90,7 @@ class QPSecondary(ProjectedGradient):
             raise ArgumentError("weight", self.weight, f"a positive number, or {n}, one for each velocity entry")
         weight = np.broadcast_to(weight, n)
         length = norm(h)
-        beta = fmin(self._barzilai_borwein(model, h, state), ratio(state["null_cap"], length))
+        beta = fmin(self.barzilai_borwein(model, state), ratio(state["null_cap"], length))
         figures, gave_way = dict[str, Expression](), dict[tuple[str, str], Expression]()
         if model.clearance:
             move, scale = self._clear(model, weight, beta, task_term)

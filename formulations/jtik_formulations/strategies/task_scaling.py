@@ -180,7 +180,7 @@ class TaskScaling(Strategy):
         releases = self.releases()
         h = model.full_null_gradient if releases else model.null_gradient
         length = norm(h)
-        known = self.secondary._barzilai_borwein(model, model.null_gradient, state)
+        known = self.secondary.barzilai_borwein(model, state)
         beta = fmin(if_else(known > 0, known, self.secondary.beta_max), ratio(state["null_cap"], length))
         wish = -beta * h
         move = (length > NOISE * norm(model.full_gradient)) * (here.towards(wish).x - here.x)
