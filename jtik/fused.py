@@ -19,7 +19,7 @@ from jtik.factorization import squared_length
 from jtik.problem import Problem
 from jtik.qp.backend import Backend
 from jtik.qp.recorder import Recorder
-from jtik.qp.second import with_second
+from jtik.qp.second import near_or_far
 from jtik.qp.staged import Staged, staged
 from jtik.recovery import LONGEST
 from jtik.stop import Code, Settings, Stop
@@ -107,8 +107,9 @@ class FusedStep:
         """A call without arguments on this memory."""
         if isinstance(self.function, Staged):
             return self.function.bind(arguments, results)
-        step = bind(self.function, arguments, results)
-        return with_second(step, self.parts, Code.UNSOLVED, arguments, results) if self.parts else step
+        if self.parts:
+            return near_or_far(self.function, self.parts, Code.UNSOLVED, arguments, results)
+        return bind(self.function, arguments, results)
 
     def compiled(self, beside: str = "") -> FusedStep:
         """The same in generated C, all but the solver's calls, with more C beside it where there are none.
@@ -258,7 +259,7 @@ def fused_step(
     first_state = np.concatenate(list(first.values()))
     if not (programs and backend):
         return FusedStep(function("jtik_step", inputs, outputs), first_state, record, yielding=yielding)
-    parts = staged(inputs, local, cut, programs, outputs, backend)
+    parts = staged(inputs, local, cut, programs, outputs, backend, crowded=bool(problem.clearances))
     return FusedStep(parts.joined() if parts.fusible else parts, first_state, record, parts, yielding=yielding)
 
 

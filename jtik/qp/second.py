@@ -1,16 +1,20 @@
-"""A step whose solver found no answer, taken again with another one that may."""
+"""A step taken without a solver where that will do, with one where not, and with another where that has no answer."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik.compile import bind
 from jtik.qp.backend import CalledBackend, Numbers, Solver
+from jtik.qp.call import outputs_of
 from jtik.qp.staged import Staged
+from jtik.symbolic import Function
 
 Array = NDArray[np.float64]
 
@@ -35,34 +39,62 @@ class _Silent(Solver):
         return None
 
 
-def with_second(
-    step: Callable[[], None], parts: Staged, unsolved: int, arguments: list[Array], results: list[Array]
+def near_or_far(
+    whole: Function, parts: Staged, unsolved: int, arguments: list[Array], results: list[Array]
 ) -> Callable[[], None]:
-    """``step`` on this memory; where it ends ``unsolved``, or its solver fails, the same by the back end's second.
+    """The step on this memory: without a solver, else by the back end's, else, if that has no answer, by its second.
 
     Args:
-        step: the parts joined by a fused back end, bound to ``arguments`` and ``results``.
-        parts: what to bind again, the first time that it is needed.
+        whole: the parts joined by a fused back end.
+        parts: what to bind in its place.
         unsolved: the first number of ``results[2]`` after a step whose program has no answer.
         arguments, results: as in `Staged.bind`.
     """
-    code: Any = memoryview(results[2].data)  # of doubles
-    second = parts.backend.second
-    bound: list[Callable[[], None]] = []
+    again = _Again(parts, arguments, results)
+    if parts.near is None:
+        return _guarded(bind(whole, arguments, results), again, unsolved)
+    missing, *between = outputs_of(parts.near)[len(results) :]
+    need: Any = memoryview(missing.data)
+    near = bind(parts.near, arguments, [*results, missing, *between])
+    far = {
+        float(kind): _guarded(bind(way, [*arguments, *between], results), again, unsolved)
+        for kind, way in parts.far().items()
+    }
 
-    def again() -> None:
-        if not bound:
-            bound.append(replace(parts, backend=second or Nobody()).bind(arguments, results))
-        bound[0]()
+    def step() -> None:
+        near()
+        if need[0]:
+            far[need[0]]()
+
+    return step
+
+
+class _Again:
+    """The step by the back end's second, bound the first time that it is needed."""
+
+    def __init__(self, parts: Staged, arguments: list[Array], results: list[Array]) -> None:
+        self._parts, self._arguments, self.results = parts, arguments, results
+        self.second = parts.backend.second
+
+    @cached_property
+    def step(self) -> Callable[[], None]:
+        """The call."""
+        return replace(self._parts, backend=self.second or Nobody()).bind(self._arguments, self.results)
+
+
+def _guarded(step: Callable[[], None], again: _Again, unsolved: int) -> Callable[[], None]:
+    """``step``; where it ends ``unsolved``, or its solver fails, again."""
+    code: Any = memoryview(again.results[2].data)  # of doubles
+    second = again.second is not None
 
     def guarded() -> None:
         code[0] = UNTOUCHED  # some plugins fail by leaving all results as they were
         try:
             step()
         except RuntimeError:  # how CasADi reports whatever goes wrong in a plugin, bounds that cross among it
-            again()
+            again.step()
         else:
             if code[0] == UNTOUCHED or (second and code[0] == unsolved):
-                again()
+                again.step()
 
     return guarded

@@ -1,13 +1,17 @@
 """A step with solvers in it: expressions up to a program, its answer, expressions up to the next, to the end.
 
 The expressions are functions of SX, generated and fast; a fused back end joins them with its calls into one function of
-MX, any other is called between them from here.
+MX, any other is called between them from here. Most steps need no solver, because shortcuts hold: with a fused back end
+one function is the whole of such a step, and says whether it was one; the stages go on from there where it was not.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from enum import IntEnum
+from functools import reduce
 from typing import TypeAlias
 
 import numpy as np
@@ -21,7 +25,7 @@ from jtik.qp.conic import Conic
 from jtik.qp.partition import partitioned
 from jtik.qp.prepared import PreparedCall
 from jtik.qp.recorder import Computation, Recorded, Recorder
-from jtik.symbolic import MX, Expression, Function, function
+from jtik.symbolic import MX, Expression, Function, either, function, if_else, logic_and, logic_or, symbol, zeros
 
 Array = NDArray[np.float64]
 
@@ -30,13 +34,23 @@ Call: TypeAlias = ProgramCall | PythonCall
 """What happens between two stages."""
 
 
+class Need(IntEnum):
+    """What a step needs beyond its expressions."""
+
+    NOTHING = 0
+    SOLVER = 1
+    PREPARED = 2
+
+
 @dataclass(frozen=True)
 class Staged:
     """A step that a solver, or Python, takes part in.
 
     Attributes: local, inputs -> local model; stages, (inputs, local model, what was prepared, and what each stage
     before handed on and was answered) -> what a call is given, and what is handed on, the last -> the step's outputs;
-    the calls between them; what solves programs; what is prepared from the local model, where it is needed.
+    the calls between them; what solves programs; what is prepared from the local model, where it is needed; near, of a
+    step that a fused back end can join, inputs -> the outputs if it has no `Need` of anything else; which it has; the
+    local model; what the first stage gives.
     """
 
     local: Function
@@ -44,6 +58,7 @@ class Staged:
     calls: tuple[Call, ...]
     backend: Backend
     preparations: tuple[PreparedCall, ...] = ()
+    near: Function | None = None
 
     @property
     def fusible(self) -> bool:
@@ -52,24 +67,58 @@ class Staged:
 
     def compiled(self) -> Staged:
         """The same with every expression as generated C; the solver stays as it is."""
+        near = [self.near] if self.near else []
+        with ThreadPoolExecutor() as compilers:
+            local, *rest = compilers.map(to_c, [self.local, *near, *self.stages])
         return replace(
             self,
-            local=to_c(self.local),
-            stages=tuple(to_c(stage) for stage in self.stages),
+            local=local,
+            stages=tuple(rest[len(near) :]),
             preparations=tuple(each.compiled() for each in self.preparations),
+            near=rest[0] if near else None,
         )
 
     def joined(self) -> Function:
         """One function of MX with the calls of a fused back end inside."""
+        inputs, ends = _columns(self.local, self.local.n_in()), self.stages[-1].n_out()
+        if self.near is None:
+            at = [*inputs, *called(self.local, inputs)]
+            return function("jtik_step", inputs, self._through([*at, *self._prepared(at)]))
+        parts = called(self.near, inputs)
+        arguments = [*parts[: ends + 1], *inputs, *parts[ends + 1 :]]
+        inside = [MX.sym(f"a{i}", *part.shape) for i, part in enumerate(arguments)]
+        way = function("near", inside, inside[:ends])
+        for need, far in self.far().items():
+            other = function("far", inside, called(far, inside[ends + 1 :]))
+            way = function("way", inside, called(either(other, way), [inside[ends] == int(need), *inside]))
+        return function("jtik_step", inputs, called(way, arguments))
+
+    def far(self) -> dict[Need, Function]:
+        """(inputs, the local model, what the first stage gives) -> outputs by way of the solver, by what is needed.
+
+        Where something is to be prepared, what the first stage gives is computed again.
+        """
+        first, before = self.stages[0], self.local.n_in() + self.local.n_out()
+        at, given = _columns(first, before), [MX.sym(f"g{i}", *first.size_out(i)) for i in range(first.n_out())]
+        unprepared = [MX.zeros(size) for each in self.preparations for size in each.sizes]
+        ways = {Need.SOLVER: self._through([*at, *unprepared], given)}
+        if self.preparations:
+            ways[Need.PREPARED] = self._through([*at, *self._prepared(at)])
+        return {need: function("jtik_far", [*at, *given], way) for need, way in ways.items()}
+
+    def _prepared(self, at: Sequence[MX]) -> list[MX]:
+        """The results of the preparations."""
         assert isinstance(self.backend, FusedBackend)
-        inputs = [MX.sym(f"i{k}", *self.local.size_in(k)) for k in range(self.local.n_in())]
-        at = [*inputs, *called(self.local, inputs)]
-        known = [*at, *[part for each in self.preparations for part in called(each.solved_by(self.backend), at)]]
-        for stage, call in zip(self.stages, self.calls, strict=False):
+        return [part for each in self.preparations for part in called(each.solved_by(self.backend), at)]
+
+    def _through(self, known: list[MX], given: Sequence[MX] | None = None) -> list[MX]:
+        """The step's outputs by stages and calls, from what is known before them, perhaps with what the first gives."""
+        assert isinstance(self.backend, FusedBackend)
+        for k, call in enumerate(self.calls):
             assert isinstance(call, ProgramCall)
-            *data, handed = called(stage, known)
-            known += [handed, *called(call.solved_by(self.backend), data)]
-        return function("jtik_step", inputs, called(self.stages[-1], known))
+            *data, handed = called(self.stages[k], known) if k or given is None else given
+            known = [*known, handed, *called(call.solved_by(self.backend), data)]
+        return called(self.stages[-1], known)
 
     def program(self, name: str | None, arguments: list[Array]) -> Numbers:
         """The numbers of the program called ``name``, or of the first; those before it are solved on the way.
@@ -137,8 +186,13 @@ def staged(
     programs: Recorder,
     outputs: Sequence[Expression],
     backend: Backend,
+    *,
+    crowded: bool = False,
 ) -> Staged:
-    """The step from ``inputs`` to ``outputs``, which are written in ``cut`` for the local model and in the answers."""
+    """The step from ``inputs`` to ``outputs``, which are written in ``cut`` for the local model and in the answers.
+
+    In a ``crowded`` step shortcuts seldom hold, and it has no function for the case that all do.
+    """
     model = function("jtik_local", inputs, local)
     at = [*inputs, *cut]
     known: list[Sequence[Expression]] = [[*at, *[part for each in programs.preparations for part in each.answers]]]
@@ -153,7 +207,31 @@ def staged(
     names = [*[f"jtik_program{k}" for k in range(len(calls))], "jtik_end"]
     stages = partitioned(names, known, [*[_given(each) for each in programs.programs], outputs])
     prepared = tuple(PreparedCall.of(each, at) for each in programs.preparations)
-    return Staged(model, tuple(stages), tuple(calls), backend, prepared)
+    parts = Staged(model, tuple(stages), tuple(calls), backend, prepared)
+    return replace(parts, near=_near(parts)) if parts.fusible and not crowded else parts
+
+
+def _near(parts: Staged) -> Function:
+    """The whole step as if no call needed its solver; see `Staged`."""
+    inputs = [symbol(f"i{k}", *parts.local.size_in(k)) for k in range(parts.local.n_in())]
+    local = called(parts.local, inputs)
+    known: list[Expression] = [*inputs, *local]
+    prepared = reduce(logic_or, [called(each.needed, known)[0] for each in parts.preparations], 0)
+    known += [zeros(size) for each in parts.preparations for size in each.sizes]
+    first = given = called(parts.stages[0], known)
+    holds: Expression = 1
+    for stage, call in zip(parts.stages[1:], parts.calls, strict=True):
+        *_, x, shortcut, handed = given
+        holds = logic_and(holds, shortcut)
+        known += [handed, x, *[zeros(size) for size in call.sizes[1:]]]
+        given = called(stage, known)
+    need = if_else(prepared, int(Need.PREPARED), if_else(holds, int(Need.NOTHING), int(Need.SOLVER)))
+    return function("jtik_near", inputs, [*given, need, *local, *first])
+
+
+def _columns(of: Function, count: int) -> list[MX]:
+    """Symbols for its first inputs."""
+    return [MX.sym(f"i{k}", *of.size_in(k)) for k in range(count)]
 
 
 def _given(recorded: Recorded | Computation) -> list[Expression]:
