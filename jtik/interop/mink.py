@@ -6,8 +6,7 @@ arguments by keyword: ``limits`` stands where pink has ``barriers``, and None me
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 import mink
 import numpy as np
@@ -15,11 +14,10 @@ from mink.tasks import BaseTask, Objective
 
 from jtik.criterion import Criterion, CriterionSum
 from jtik.errors import ArgumentError, Array
+from jtik.interop.limit_rows import Inequality, LimitRows
 from jtik.interop.mujoco_model import Correspondence, to_mujoco
 from jtik.interop.numbers import CriterionNumbers, Curvature, checked
-from jtik.qp import Elastic, Rows
 from jtik.robot import Robot
-from jtik.strategy import LocalModel
 
 __all__ = [
     "Correspondence",
@@ -145,49 +143,20 @@ def as_criterion(task: BaseTask, robot: Robot, model: Any) -> TaskCriterion:
     return TaskCriterion(task, robot, model)
 
 
-class Inequality(NamedTuple):
-    """G dq <= h: (k, n) and (k,)."""
-
-    G: Array
-    h: Array
-
-
-class LimitRows:
+class MinkRows(LimitRows):
     """A limit of mink's on the displacement dq of a jtik robot; see `limit_rows`."""
+
+    library = "mink"
 
     def __init__(self, limit: mink.Limit, robot: Robot, model: Any, dt: float) -> None:
         if not isinstance(limit, mink.Limit):
             raise ArgumentError("limit", limit, "a mink.Limit")
-        if not 0 < dt < np.inf:
-            raise ArgumentError("dt", dt, "a positive time [s]")
-        self._limit, self._robot = limit, robot
+        super().__init__(robot, dt)
+        self._limit = limit
         # h of this one is a speed where a displacement belongs; at 1 s the two are the same number
         self._dt = 1.0 if isinstance(limit, mink.CollisionAvoidanceLimit) else float(dt)
         self._places = Correspondence(robot, model)
         self._configuration = mink.Configuration(model)
-        self._count = len(self._all(robot.neutral).h)
-
-    def __call__(self, q: Any) -> Inequality:
-        """The rows at q (nq,) that say something: those without a bound are left out."""
-        found = self._all(self._robot.configuration(q))
-        bounded = np.isfinite(found.h)
-        return Inequality(found.G[bounded], found.h[bounded])
-
-    def rows(self, model: LocalModel, name: str = "mink limit", *, elastic: Elastic | None = None) -> Rows:
-        """Rows for the program of a strategy, evaluated by mink in the middle of the step.
-
-        A limit of theirs may ask for a motion, h < 0, and two of them for motions that contradict each other: then the
-        program has no answer and the solve ends as `jtik.Status.UNSOLVED`. With ``elastic`` they give way.
-        """
-        k, n = self._count, model.robot.n
-        G, h = model.compute(name, self._padded, [model.here.q], [(k, n), (k, 1)])
-        return Rows(name, G, -np.inf + 0 * h, h, elastic)
-
-    def _padded(self, arguments: Sequence[Array]) -> list[Array]:
-        """All rows, always as many, those without a bound as 0 dq <= 1."""
-        G, h = self._all(arguments[0])
-        bounded = np.isfinite(h)
-        return [np.where(bounded[:, None], G, 0.0), np.where(bounded, h, 1.0)]
 
     def _all(self, q: Array) -> Inequality:
         self._configuration.update(self._places.qpos(q))
@@ -212,7 +181,7 @@ def limit_rows(limit: mink.Limit, robot: Robot, model: Any, *, dt: float = 1.0) 
     Raises:
         ArgumentError: when it is no limit of mink's, dt is not positive, or the model lacks a joint of the robot.
     """
-    return LimitRows(limit, robot, model, dt)
+    return MinkRows(limit, robot, model, dt)
 
 
 def velocity_limit(robot: Robot, model: Any) -> mink.VelocityLimit:

@@ -6,18 +6,16 @@ pink's functions take their arguments in another order than mink's and stop at a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from jtik.criterion import Criterion, CriterionSum
 from jtik.errors import ArgumentError, Array, MissingExtraError
+from jtik.interop.limit_rows import Inequality, LimitRows
 from jtik.interop.numbers import CriterionNumbers, Curvature, checked
 from jtik.interop.pinocchio_model import Correspondence
-from jtik.qp import Elastic, Rows
 from jtik.robot import Robot
-from jtik.strategy import LocalModel
 
 __all__ = [
     "Correspondence",
@@ -179,51 +177,29 @@ def fresh(barrier: Any) -> FreshBarrier:
     return FreshBarrier(barrier)
 
 
-class LimitRows:
+class PinkRows(LimitRows):
     """A limit or barrier of pink's on the displacement dq of a jtik robot; see `limit_rows`."""
+
+    library = "pink"
 
     def __init__(self, limit: Any, robot: Robot, model: Any, dt: float) -> None:
         if hasattr(limit, "compute_barrier"):
             limit = FreshBarrier(limit)
         if not hasattr(limit, "compute_qp_inequalities"):
             raise ArgumentError("limit", limit, "a pink limit or barrier")
-        if not 0 < dt < np.inf:
-            raise ArgumentError("dt", dt, "a positive time [s]")
-        self._limit, self._robot, self._dt = limit, robot, float(dt)
+        super().__init__(robot, dt)
+        self._limit, self._dt = limit, float(dt)
         self._places = Correspondence(robot, model)
         self._configuration = _configuration(model, self._places.theirs(robot.neutral))
-        self._count = len(self._all(robot.neutral)[1])
 
-    def __call__(self, q: Any) -> tuple[Array, Array]:
-        """(G, h) of the rows at q (nq,) that say something, (k, n) and (k,)."""
-        G, h = self._all(self._robot.configuration(q))
-        bounded = np.isfinite(h)
-        return G[bounded], h[bounded]
-
-    def rows(self, model: LocalModel, name: str = "pink limit", *, elastic: Elastic | None = None) -> Rows:
-        """Rows for the program of a strategy, evaluated by pink in the middle of the step.
-
-        A limit of theirs may ask for a motion, h < 0, and two of them for motions that contradict each other: then the
-        program has no answer and the solve ends as `jtik.Status.UNSOLVED`. With ``elastic`` they give way.
-        """
-        k, n = self._count, model.robot.n
-        G, h = model.compute(name, self._padded, [model.here.q], [(k, n), (k, 1)])
-        return Rows(name, G, -np.inf + 0 * h, h, elastic)
-
-    def _padded(self, arguments: Sequence[Array]) -> list[Array]:
-        """All rows, always as many, those without a bound as 0 dq <= 1."""
-        G, h = self._all(arguments[0])
-        bounded = np.isfinite(h)
-        return [np.where(bounded[:, None], G, 0.0), np.where(bounded, h, 1.0)]
-
-    def _all(self, q: Array) -> tuple[Array, Array]:
+    def _all(self, q: Array) -> Inequality:
         self._configuration.update(self._places.theirs(q))
         found = self._limit.compute_qp_inequalities(self._configuration, self._dt)
         if found is None:
-            return np.zeros((0, self._robot.n)), np.zeros(0)
+            return Inequality(np.zeros((0, self._robot.n)), np.zeros(0))
         G, h = np.asarray(found[0], dtype=float), np.asarray(found[1], dtype=float)
         scale = self._dt if isinstance(self._limit, FreshBarrier) else 1.0  # a barrier's rows are on dq / dt
-        return scale * (G @ self._places.moves(q)), scale * h
+        return Inequality(scale * (G @ self._places.moves(q)), scale * h)
 
 
 def limit_rows(limit: Any, robot: Robot, model: Any, *, dt: float = 1.0) -> LimitRows:
@@ -239,7 +215,7 @@ def limit_rows(limit: Any, robot: Robot, model: Any, *, dt: float = 1.0) -> Limi
         ArgumentError: when it is neither, dt is not positive, or the model lacks a joint of the robot.
         MissingExtraError: when pink is not installed.
     """
-    return LimitRows(limit, robot, model, dt)
+    return PinkRows(limit, robot, model, dt)
 
 
 def _configuration(model: Any, q: Array) -> Any:

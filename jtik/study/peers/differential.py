@@ -121,14 +121,32 @@ class DifferentialLoop(Loop):
     task: Any
     criterion: DampedCriterion | None = None
 
-    def __init__(self, goal: Goal, *, restarted: int) -> None:
-        super().__init__(goal, restarted=restarted)
+    def __init__(self, library: Any, goal: Goal, options: Differential, no_answer: type[Exception]) -> None:
+        super().__init__(goal, restarted=options.restarted)
+        self._library, self._options, self._no_answer = library, options, no_answer
+        self._limits: list[Any] = []
         self._near, self._low = math.inf, -math.inf  # the criterion has a part where low < near <= NEAR
         self._first: dict[str, Array] = {}
 
-    @abstractmethod
-    def displacement(self, tasks: list[Any], constraints: list[Any]) -> Array | None:
+    def aim(self, target: Any) -> None:
+        """Set the task's target."""
+        self.task.set_target(target)
+
+    def displacement(self, tasks: list[Any], constraints: list[Any], **more: Any) -> Array | None:
         """What ``solve_ik`` answers with dt = 1, or None when it finds no solution."""
+        try:
+            dq: Array = self._library.solve_ik(
+                configuration=self.configuration,
+                tasks=tasks,
+                dt=1.0,
+                solver=self._options.solver,
+                limits=self._limits,
+                constraints=constraints or None,
+                **more,
+            )
+        except self._no_answer:
+            return None
+        return dq if np.isfinite(dq).all() else None
 
     @abstractmethod
     def theirs(self, q: Array) -> Array:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-
 from jtik.errors import Array
 from jtik.study.peers.base import Goal
 from jtik.study.peers.differential import Differential, DifferentialLoop
@@ -39,9 +37,8 @@ class _MinkLoop(DifferentialLoop):
         from jtik.interop.mink import criterion_task
         from jtik.interop.mujoco_model import Correspondence, to_mujoco
 
-        super().__init__(goal, restarted=options.restarted)
+        super().__init__(library, goal, options, library.NoSolutionFound)
         model = to_mujoco(goal.robot)
-        self._library, self._options = library, options
         self._places = Correspondence(goal.robot, model)
         self.configuration = library.Configuration(model)
         self.task = library.FrameTask(
@@ -51,17 +48,14 @@ class _MinkLoop(DifferentialLoop):
             orientation_cost=options.orientation_cost if goal.turns else 0.0,
             lm_damping=options.lm_damping,
         )
-        self._limits = [library.ConfigurationLimit(model, gain=options.limit_gain)] if goal.setting.limits else []
+        if goal.setting.limits:
+            self._limits.append(library.ConfigurationLimit(model, gain=options.limit_gain))
         if goal.setting.criteria is not None:
             self.minimise(criterion_task(goal.setting.criteria, goal.robot, model, curvature="convex"))
 
     def convert(self, target: Any) -> Any:
         """An ``mink.SE3``."""
         return self._library.SE3.from_matrix(self.goal.pose(target))
-
-    def aim(self, target: Any) -> None:
-        """Set the task's target."""
-        self.task.set_target(target)
 
     def theirs(self, q: Array) -> Array:
         """The model's qpos."""
@@ -70,18 +64,3 @@ class _MinkLoop(DifferentialLoop):
     def q(self) -> Array:
         """Out of the model's qpos."""
         return self._places.q(self.configuration.q)
-
-    def displacement(self, tasks: list[Any], constraints: list[Any]) -> Array | None:
-        """By ``mink.solve_ik``."""
-        try:
-            dq = self._library.solve_ik(
-                configuration=self.configuration,
-                tasks=tasks,
-                dt=1.0,
-                solver=self._options.solver,
-                limits=self._limits,
-                constraints=constraints or None,
-            )
-        except self._library.NoSolutionFound:
-            return None
-        return dq if np.isfinite(dq).all() else None

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-
 from jtik.errors import Array
 from jtik.study.peers.base import Goal, imported
 from jtik.study.peers.differential import Differential, DifferentialLoop
@@ -35,9 +33,8 @@ class _PinkLoop(DifferentialLoop):
         from jtik.interop.pink import Correspondence, criterion_task
         from jtik.interop.urdf import to_urdf
 
-        super().__init__(goal, restarted=options.restarted)
+        super().__init__(library, goal, options, library.exceptions.NoSolutionFound)
         self._pinocchio = imported("pinocchio", options.package)
-        self._library, self._options = library, options
         model = self._pinocchio.buildModelFromXML(to_urdf(goal.robot))
         self._places = Correspondence(goal.robot, model)
         start = self._places.theirs(goal.robot.neutral)
@@ -48,7 +45,6 @@ class _PinkLoop(DifferentialLoop):
             orientation_cost=options.orientation_cost if goal.turns else 0.0,
             lm_damping=options.lm_damping,
         )
-        self._limits = []
         if goal.setting.limits:
             self._limits.append(library.limits.ConfigurationLimit(model, config_limit_gain=options.limit_gain))
         if goal.setting.criteria is not None:
@@ -58,10 +54,6 @@ class _PinkLoop(DifferentialLoop):
         """A ``pinocchio.SE3``."""
         return self._pinocchio.SE3(self.goal.pose(target))
 
-    def aim(self, target: Any) -> None:
-        """Set the task's target."""
-        self.task.set_target(target)
-
     def theirs(self, q: Array) -> Array:
         """Pinocchio's q."""
         return self._places.theirs(q)
@@ -70,18 +62,6 @@ class _PinkLoop(DifferentialLoop):
         """Out of Pinocchio's q."""
         return self._places.q(self.configuration.q)
 
-    def displacement(self, tasks: list[Any], constraints: list[Any]) -> Array | None:
-        """By ``pink.solve_ik``."""
-        try:
-            dq = self._library.solve_ik(
-                configuration=self.configuration,
-                tasks=tasks,
-                dt=1.0,
-                solver=self._options.solver,
-                limits=self._limits,
-                constraints=constraints or None,
-                safety_break=False,
-            )
-        except self._library.exceptions.NoSolutionFound:
-            return None
-        return dq if np.isfinite(dq).all() else None
+    def displacement(self, tasks: list[Any], constraints: list[Any], **more: Any) -> Array | None:
+        """Also from a start outside the limits."""
+        return super().displacement(tasks, constraints, safety_break=False, **more)

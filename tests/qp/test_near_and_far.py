@@ -1,0 +1,74 @@
+"""A step that needs no solver is one function; one that does goes on from there, and both say the same."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import jtik
+from jtik.compile import bind
+from jtik.qp.call import outputs_of
+from jtik.qp.staged import Need
+from jtik_formulations import JointCentering, ObstacleAvoidance
+
+from ..conftest import planar, planar_points
+
+STRATEGIES = ["newton+qp", "hybrid+qp", "weighted_qp", "sns_qp", "lexicographic_qp"]
+
+
+def ways(strategy, q, limit, preferred=None):
+    """What a first step from q needs, and its outputs by the short way, by the solver's, and by the joined function."""
+    ik = jtik.InverseKinematics(
+        planar(5, lower=-limit, upper=limit),
+        jtik.FrameTask(),
+        criteria=JointCentering(preferred=preferred),
+        strategy=strategy,
+    )
+    fused = ik._runner.fused
+    parts = fused.parts
+    ik._target[:] = planar_points(q)[-1] + 0.01  # a step that no law shortens
+    arguments = [q.copy(), *ik._inputs, fused.first_state.copy()]
+    near = outputs_of(parts.near)
+    bind(parts.near, arguments, near)()
+    ends = parts.stages[-1].n_out()
+    short, missing, between = near[:ends], near[ends], near[ends + 1 :]
+    solved, joined = ([np.zeros_like(part) for part in short] for _ in range(2))
+    bind(parts.far()[Need.SOLVER], [*arguments, *between], solved)()
+    bind(fused.function, arguments, joined)()
+    return Need(int(missing[0])), short, solved, joined
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+def test_in_the_open_no_solver_is_needed_and_it_would_say_the_same(strategy, rng):
+    for _ in range(5):
+        need, short, solved, joined = ways(strategy, rng.uniform(0.2, 0.5, 5), 3.0)
+        assert need is Need.NOTHING
+        assert joined[0] == pytest.approx(short[0], abs=1e-12)
+        assert solved[0] == pytest.approx(short[0], abs=1e-7)
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+def test_at_limits_the_solver_is_asked(strategy, rng):
+    asked = 0
+    for _ in range(5):
+        need, _, solved, joined = ways(
+            strategy, rng.uniform(0.45, 0.5, 5), 0.5, preferred=np.array([0.9, 0.3, 0.9, 0.2, 0.9])
+        )
+        if need is Need.SOLVER:
+            asked += 1
+            assert joined[0] == pytest.approx(solved[0], abs=1e-12)
+            assert (np.abs(solved[0]) <= 0.5 + 1e-9).all()
+    assert asked
+
+
+def test_a_step_with_clearances_has_no_short_way():
+    """It would seldom be open, and it is as long as the other."""
+    field = ObstacleAvoidance(jtik.Circle((2.0, 1.0), 0.3), bodies="links")
+    ik = jtik.InverseKinematics(
+        planar(4),
+        jtik.FrameTask(),
+        criteria=JointCentering(),
+        strategy="newton+qp",
+        clearances=jtik.Clearance(field, safe=0.1),
+    )
+    assert ik._runner.fused.parts.near is None
