@@ -15,12 +15,11 @@ import argparse
 import json
 import math
 import os
-import platform
 import sys
 import tempfile
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from qp_step import (  # sets the numbers of threads, so before NumPy
@@ -29,8 +28,8 @@ from qp_step import (  # sets the numbers of threads, so before NumPy
     REPEATED,
     STRATEGIES,
     Clock,
-    interleaved,
-    package_versions,
+    add_times,
+    write_json,
 )
 
 # isort: split
@@ -436,22 +435,10 @@ def main() -> None:
         if name in timers:
             timers[f"{name}, alone"] = placo_alone(robot, within, clock)
 
-    for name, times in interleaved(timers, arguments.repeats).items():
-        p10, median, p90 = (float(x) for x in np.percentile(times, [10, 50, 90]))
-        before = asdict(rows.get(name, Row(name)))
-        rows[name] = Row(**before | {"median": median, "p10": p10, "p90": p90})
+    add_times(rows, timers, arguments.repeats, Row)
     show(list(rows.values()))
     if arguments.json:
-        record = {
-            "machine": f"{platform.machine()}, {platform.system()}",
-            "python": platform.python_version(),
-            "packages": package_versions(),
-            "clock": "processor" if arguments.cpu else "wall",
-            "repeats": arguments.repeats,
-            "rows": [asdict(row) for row in rows.values()],
-        }
-        with open(arguments.json, "w", encoding="utf-8") as file:
-            json.dump(record, file, indent=2)
+        write_json(list(rows.values()), arguments)
 
 
 def show(rows: list[Row]) -> None:

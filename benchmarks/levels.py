@@ -12,20 +12,18 @@ The humanoid takes example-robot-data and, as its judge, Pinocchio; and some min
 from __future__ import annotations
 
 import argparse
-import json
 import math
-import platform
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 import qp_step  # sets the numbers of threads, so before NumPy
 from clearances import CODES, HOME, LENGTH, LINKS, Step, along, bare, points, stepping
-from qp_step import DT, Clock, interleaved, package_versions
+from qp_step import DT, Clock, add_times, write_json
 
 # isort: split
 import numpy as np
@@ -236,22 +234,10 @@ def main() -> None:
     except ImportError as error:
         rows[MINK] = Row(MINK, missing=f"not installed: {error}")
 
-    for name, times in interleaved(timers, arguments.repeats).items():
-        p10, median, p90 = (float(x) for x in np.percentile(times, [10, 50, 90]))
-        before = asdict(rows.get(name, Row(name)))
-        rows[name] = Row(**before | {"median": median, "p10": p10, "p90": p90})
+    add_times(rows, timers, arguments.repeats, Row)
     show(list(rows.values()))
     if arguments.json:
-        record = {
-            "machine": f"{platform.machine()}, {platform.system()}",
-            "python": platform.python_version(),
-            "packages": package_versions(),
-            "clock": "processor" if arguments.cpu else "wall",
-            "repeats": arguments.repeats,
-            "rows": [asdict(row) for row in rows.values()],
-        }
-        with open(arguments.json, "w", encoding="utf-8") as file:
-            json.dump(record, file, indent=2)
+        write_json(list(rows.values()), arguments)
 
 
 def show(rows: list[Row]) -> None:

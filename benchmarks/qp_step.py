@@ -18,12 +18,13 @@ import argparse
 import gc
 import json
 import os
+import pathlib
 import platform
 import sys
 import tempfile
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from importlib import metadata
 from typing import Any
 
@@ -363,6 +364,31 @@ def interleaved(timers: dict[str, Callable[[], float]], rounds: int) -> dict[str
     return {name: np.array(each[2:]) for name, each in times.items()}
 
 
+def add_times(
+    rows: dict[str, Any], timers: dict[str, Callable[[], float]], repeats: int, row: Callable[[str], Any]
+) -> None:
+    """Time everything in turns, into its row or a new one."""
+    for name, times in interleaved(timers, repeats).items():
+        p10, median, p90 = (float(x) for x in np.percentile(times, [10, 50, 90]))
+        rows[name] = replace(rows.get(name) or row(name), median=median, p10=p10, p90=p90)
+
+
+def write_json(rows: list[Any], arguments: argparse.Namespace) -> None:
+    """Rows, options and machine, into the file asked for or, for '-', to standard output."""
+    record = {
+        "machine": f"{platform.machine()}, {platform.system()}",
+        "python": platform.python_version(),
+        "packages": package_versions(),
+        "options": {name: value for name, value in vars(arguments).items() if name != "json"},
+        "rows": [asdict(row) for row in rows],
+    }
+    text = json.dumps(record, indent=2)
+    if arguments.json == "-":
+        print(text)
+    else:
+        pathlib.Path(arguments.json).write_text(text, encoding="utf-8")
+
+
 def main() -> None:
     """Build, judge, time, print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -403,28 +429,10 @@ def main() -> None:
         except ImportError as error:
             rows[name] = Row(name, missing=f"not installed: {error}")
 
-    for name, times in interleaved(timers, arguments.repeats).items():
-        p10, median, p90 = (float(x) for x in np.percentile(times, [10, 50, 90]))
-        before = rows.get(name, Row(name))
-        rows[name] = Row(name, median, p10, p90, before.left, before.beyond, before.active)
+    add_times(rows, timers, arguments.repeats, Row)
     show(list(rows.values()))
     if arguments.json:
-        record = {
-            "machine": f"{platform.machine()}, {platform.system()}",
-            "python": platform.python_version(),
-            "packages": package_versions(),
-            "path": arguments.path,
-            "compiled": arguments.compiled,
-            "clock": "processor" if arguments.cpu else "wall",
-            "repeats": arguments.repeats,
-            "rows": [asdict(row) for row in rows.values()],
-        }
-        text = json.dumps(record, indent=2)
-        if arguments.json == "-":
-            print(text)
-        else:
-            with open(arguments.json, "w", encoding="utf-8") as file:
-                file.write(text)
+        write_json(list(rows.values()), arguments)
 
 
 def show(rows: list[Row]) -> None:
