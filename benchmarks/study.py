@@ -37,7 +37,7 @@ STRATEGIES = (
     "weighted_least_norm",
 )
 
-TURNS = 2
+TURNS = 4
 """How often study and loop take turns; the better turn of each counts."""
 
 ARMS = {
@@ -65,6 +65,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cases", type=int, default=200)
     parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--alone", type=int, default=40, help="cases to time alone, too (default %(default)s)")
     parser.add_argument("--compiled", action="store_true")
     parser.add_argument("--cpu", action="store_true")
     arguments = parser.parse_args()
@@ -82,7 +83,7 @@ def main() -> None:
 
         if arguments.cpu:
             time.perf_counter = time.thread_time  # of study and loop alike
-        some, rounds = problems[:40], 5
+        some, rounds = problems[: arguments.alone], 5
         build = {"criteria": study["criteria"], "compiled": arguments.compiled}
         solvers = {law: jtik.InverseKinematics(robot, task, strategy=law, **build) for law in STRATEGIES}
         studied: dict[str, list[np.ndarray]] = {law: [] for law in STRATEGIES}
