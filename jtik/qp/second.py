@@ -53,18 +53,15 @@ def near_or_far(
     again = _Again(parts, arguments, results)
     if parts.near is None:
         return _guarded(bind(whole, arguments, results), again, unsolved)
-    missing, *between = outputs_of(parts.near)[len(results) :]
-    need: Any = memoryview(missing.data)
-    near = bind(parts.near, arguments, [*results, missing, *between])
-    far = {
-        float(kind): _guarded(bind(way, [*arguments, *between], results), again, unsolved)
-        for kind, way in parts.far().items()
-    }
+    holding, *between = outputs_of(parts.near)[len(results) :]
+    holds: Any = memoryview(holding.data)
+    near = bind(parts.near, arguments, [*results, holding, *between])
+    far = _guarded(bind(parts.far(), [*arguments, *between], results), again, unsolved)
 
     def step() -> None:
         near()
-        if need[0]:
-            far[need[0]]()
+        if not holds[0]:
+            far()
 
     return step
 

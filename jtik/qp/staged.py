@@ -10,8 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from enum import IntEnum
-from functools import reduce
 from typing import TypeAlias
 
 import numpy as np
@@ -25,21 +23,13 @@ from jtik.qp.conic import Conic
 from jtik.qp.partition import partitioned
 from jtik.qp.prepared import PreparedCall
 from jtik.qp.recorder import Computation, Recorded, Recorder
-from jtik.symbolic import MX, Expression, Function, either, function, if_else, logic_and, logic_or, symbol, zeros
+from jtik.symbolic import MX, Expression, Function, either, function, logic_and, symbol, zeros
 
 Array = NDArray[np.float64]
 
 
 Call: TypeAlias = ProgramCall | PythonCall
 """What happens between two stages."""
-
-
-class Need(IntEnum):
-    """What a step needs beyond its expressions."""
-
-    NOTHING = 0
-    SOLVER = 1
-    PREPARED = 2
 
 
 @dataclass(frozen=True)
@@ -49,8 +39,8 @@ class Staged:
     Attributes: local, inputs -> local model; stages, (inputs, local model, what was prepared, and what each stage
     before handed on and was answered) -> what a call is given, and what is handed on, the last -> the step's outputs;
     the calls between them; what solves programs; what is prepared from the local model, where it is needed; near, of a
-    step that a fused back end can join, inputs -> the outputs if it has no `Need` of anything else; which it has; the
-    local model; what the first stage gives.
+    step that a fused back end can join and that prepares nothing, inputs -> the outputs if all shortcuts hold; whether
+    they do; the local model; what the first stage gives.
     """
 
     local: Function
@@ -85,26 +75,17 @@ class Staged:
             at = [*inputs, *called(self.local, inputs)]
             return function("jtik_step", inputs, self._through([*at, *self._prepared(at)]))
         parts = called(self.near, inputs)
-        arguments = [*parts[: ends + 1], *inputs, *parts[ends + 1 :]]
+        arguments = [*parts[:ends], *inputs, *parts[ends + 1 :]]
         inside = [MX.sym(f"a{i}", *part.shape) for i, part in enumerate(arguments)]
-        way = function("near", inside, inside[:ends])
-        for need, far in self.far().items():
-            other = function("far", inside, called(far, inside[ends + 1 :]))
-            way = function("way", inside, called(either(other, way), [inside[ends] == int(need), *inside]))
-        return function("jtik_step", inputs, called(way, arguments))
+        near = function("near", inside, inside[:ends])
+        far = function("far", inside, called(self.far(), inside[ends:]))
+        return function("jtik_step", inputs, called(either(near, far), [parts[ends], *arguments]))
 
-    def far(self) -> dict[Need, Function]:
-        """(inputs, the local model, what the first stage gives) -> outputs by way of the solver, by what is needed.
-
-        Where something is to be prepared, what the first stage gives is computed again.
-        """
+    def far(self) -> Function:
+        """(inputs, the local model, what the first stage gives) -> outputs by way of the solver, after ``near``."""
         first, before = self.stages[0], self.local.n_in() + self.local.n_out()
         at, given = _columns(first, before), [MX.sym(f"g{i}", *first.size_out(i)) for i in range(first.n_out())]
-        unprepared = [MX.zeros(size) for each in self.preparations for size in each.sizes]
-        ways = {Need.SOLVER: self._through([*at, *unprepared], given)}
-        if self.preparations:
-            ways[Need.PREPARED] = self._through([*at, *self._prepared(at)])
-        return {need: function("jtik_far", [*at, *given], way) for need, way in ways.items()}
+        return function("jtik_far", [*at, *given], self._through(at, given))
 
     def _prepared(self, at: Sequence[MX]) -> list[MX]:
         """The results of the preparations."""
@@ -191,7 +172,8 @@ def staged(
 ) -> Staged:
     """The step from ``inputs`` to ``outputs``, which are written in ``cut`` for the local model and in the answers.
 
-    In a ``crowded`` step shortcuts seldom hold, and it has no function for the case that all do.
+    In a ``crowded`` step shortcuts seldom hold; like one that prepares something it has no function for the case that
+    all do.
     """
     model = function("jtik_local", inputs, local)
     at = [*inputs, *cut]
@@ -208,7 +190,7 @@ def staged(
     stages = partitioned(names, known, [*[_given(each) for each in programs.programs], outputs])
     prepared = tuple(PreparedCall.of(each, at) for each in programs.preparations)
     parts = Staged(model, tuple(stages), tuple(calls), backend, prepared)
-    return replace(parts, near=_near(parts)) if parts.fusible and not crowded else parts
+    return replace(parts, near=_near(parts)) if parts.fusible and not (crowded or prepared) else parts
 
 
 def _near(parts: Staged) -> Function:
@@ -216,8 +198,6 @@ def _near(parts: Staged) -> Function:
     inputs = [symbol(f"i{k}", *parts.local.size_in(k)) for k in range(parts.local.n_in())]
     local = called(parts.local, inputs)
     known: list[Expression] = [*inputs, *local]
-    prepared = reduce(logic_or, [called(each.needed, known)[0] for each in parts.preparations], 0)
-    known += [zeros(size) for each in parts.preparations for size in each.sizes]
     first = given = called(parts.stages[0], known)
     holds: Expression = 1
     for stage, call in zip(parts.stages[1:], parts.calls, strict=True):
@@ -225,8 +205,7 @@ def _near(parts: Staged) -> Function:
         holds = logic_and(holds, shortcut)
         known += [handed, x, *[zeros(size) for size in call.sizes[1:]]]
         given = called(stage, known)
-    need = if_else(prepared, int(Need.PREPARED), if_else(holds, int(Need.NOTHING), int(Need.SOLVER)))
-    return function("jtik_near", inputs, [*given, need, *local, *first])
+    return function("jtik_near", inputs, [*given, holds, *local, *first])
 
 
 def _columns(of: Function, count: int) -> list[MX]:
