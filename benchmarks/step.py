@@ -20,8 +20,8 @@ import casadi
 import numpy as np
 
 import jtik
-from jtik.compile import bind, to_c
 from jtik.symbolic import function
+from jtik.symbolic.compile import bind, to_c
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
 LINKS = 10

@@ -1,12 +1,13 @@
 """jtik: redundancy resolution by any update law, with any criterion, in one fused compiled step."""
 
 from jtik import problems
-from jtik.batch import SolutionBatch
-from jtik.clearance import Clearance
-from jtik.criterion import Criterion, CriterionError, CriterionSum, criterion
+from jtik._loop.batch import SolutionBatch
+from jtik._step.relaxation import GaveWay
+from jtik.constraints.clearance import Clearance
+from jtik.constraints.limits import Limits
+from jtik.criterion.base import Criterion, CriterionError, CriterionSum, criterion
 from jtik.errors import ArgumentError, JtikError, MissingExtraError, RobotFileError, UnknownNameError
 from jtik.geometry import Box, Capsule, Circle, Cylinder, Point, Sphere
-from jtik.limits import Limits
 from jtik.registry import (
     PluginError,
     criteria,
@@ -16,14 +17,13 @@ from jtik.registry import (
     secondaries,
     strategies,
 )
+from jtik.result.solution import Solution, Status, Step, Trace
+from jtik.result.trajectory import Trajectory
 from jtik.robot import Joint, JointType, Robot
-from jtik.solution import Solution, Status, Step, Trace
 from jtik.solver import InverseKinematics
 from jtik.strategy import Strategy
 from jtik.study import Comparison, compare
 from jtik.task import AxisTask, CenterOfMassTask, FrameTask, LookAtTask, RelativeFrameTask, Task
-from jtik.trajectory import Trajectory
-from jtik.yielding import GaveWay
 
 __version__ = "0.1.0"
 

@@ -12,7 +12,7 @@ from dataclasses import fields
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Generic, TypeVar
 
-from jtik.criterion import Criterion
+from jtik.criterion.base import Criterion
 from jtik.errors import ArgumentError, JtikError, UnknownNameError
 from jtik.strategy import SecondaryTerm, Strategy
 

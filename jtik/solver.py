@@ -12,38 +12,38 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jtik import native
-from jtik.batch import Entry, SolutionBatch, collect, read_targets
-from jtik.clearance import Clearance, clearances_of
-from jtik.compile import to_c
-from jtik.criterion import Criterion, CriterionSum, CriterionTerms, Parameters
-from jtik.diagnosis import Diagnosis
+from jtik._loop import native
+from jtik._loop.batch import Entry, SolutionBatch, collect, read_targets
+from jtik._loop.diagnosis import Diagnosis
+from jtik._loop.native import NativeSearch
+from jtik._loop.options import Until, positive, read_request, read_settings
+from jtik._loop.recording import Recorder
+from jtik._loop.runner import Runner
+from jtik._loop.saddle_escape import Rescue
+from jtik._loop.search import Found, Request, Search
+from jtik._loop.tracking import follow
+from jtik._step.fused import FusedStep, fused_step
+from jtik._step.inputs import Memory
+from jtik._step.problem import Problem
+from jtik._step.relaxation import GaveWay
+from jtik._step.stopping import Code, Settings
+from jtik.constraints.clearance import Clearance, clearances_of
+from jtik.constraints.limits import Limits, limits_of
+from jtik.constraints.step_box import StepBox, box_function
+from jtik.criterion.base import Criterion, CriterionSum, CriterionTerms, Parameters
 from jtik.errors import ArgumentError, finite_array
-from jtik.fused import FusedStep, fused_step
-from jtik.limits import Limits, limits_of
-from jtik.memory import Memory
-from jtik.native import NativeSearch
-from jtik.options import Until, positive, read_request, read_settings
-from jtik.problem import Problem
 from jtik.progress import Progress, watched
 from jtik.qp import Backend, as_problem, backend_of
-from jtik.recorder import Recorder
-from jtik.reduction import reduced
 from jtik.registry import keeping_clear, strategy_of
-from jtik.report import Report
-from jtik.rescue import Rescue
+from jtik.result.report import Report
+from jtik.result.solution import Solution, Status, Step, is_success
+from jtik.result.trajectory import Trajectory
 from jtik.robot import Robot
-from jtik.runner import Runner
-from jtik.search import Found, Request, Search
-from jtik.solution import Solution, Status, Step, is_success
-from jtik.step_box import StepBox, box_function
-from jtik.stop import Code, Settings
 from jtik.strategy import Strategy
 from jtik.symbolic import Function
+from jtik.symbolic.compile import to_c
 from jtik.task import Task
-from jtik.tracking import follow
-from jtik.trajectory import Trajectory
-from jtik.yielding import GaveWay
+from jtik.task.reduction import reduced
 
 if TYPE_CHECKING:
     import qpsolvers

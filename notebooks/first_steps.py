@@ -19,7 +19,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import jtik
-from jtik.plotting import draw_base, draw_obstacles, draw_postures
+from jtik.plotting.planar import draw_base, draw_obstacles, draw_postures
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
 # %% [markdown]

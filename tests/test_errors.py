@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.compile import CompilerError
 from jtik.errors import ImmutableError, finite_array
+from jtik.symbolic.compile import CompilerError
 
 ERRORS = [
     jtik.ArgumentError("q0", "shape (3,)", "finite numbers of shape (2,)"),

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.compile import CompilerError
 from jtik.strategy import Update
+from jtik.symbolic.compile import CompilerError
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from .conftest import EXACT, ball_arm, dh_arm, floating_arm, planar, planar_points

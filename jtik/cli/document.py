@@ -34,7 +34,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from jtik.criterion import Criterion, CriterionSum
+from jtik.criterion.base import Criterion, CriterionSum
 from jtik.errors import ArgumentError, JtikError, UnknownNameError
 from jtik.geometry import Circle, Obstacle, Point, Sphere
 from jtik.registry import criteria, strategies

@@ -15,7 +15,7 @@ import numpy as np
 
 from jtik.cli.document import InputError, Problem, read
 from jtik.cli.problem_options import add_problem_options, lay_over, problem_document
-from jtik.solution import Solution, Trace
+from jtik.result.solution import Solution, Trace
 
 
 def add_arguments(commands: Any) -> None:

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from jtik.demo.scene import Scene
 from jtik.geometry import Obstacle
-from jtik.plotting import Skeleton
-from jtik.solution import Solution, Status
+from jtik.plotting.planar import Skeleton
+from jtik.result.solution import Solution, Status
 from jtik.solver import InverseKinematics
 
 Array = NDArray[np.float64]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.criterion import CriterionSum
+from jtik.criterion.base import CriterionSum
 from jtik.geometry import Circle
 from jtik.registry import criteria
 from jtik.robot import Robot

@@ -12,7 +12,7 @@ import mink
 import numpy as np
 from mink.tasks import BaseTask, Objective
 
-from jtik.criterion import Criterion, CriterionSum
+from jtik.criterion.base import Criterion, CriterionSum
 from jtik.errors import ArgumentError, Array
 from jtik.interop.limit_rows import Inequality, LimitRows
 from jtik.interop.mujoco_model import Correspondence, to_mujoco

@@ -7,11 +7,11 @@ from typing import Literal
 
 import numpy as np
 
-from jtik.compile import Compiled
-from jtik.criterion import Criterion, CriterionSum, CriterionTerms, Parameters
+from jtik.criterion.base import Criterion, CriterionSum, CriterionTerms, Parameters
 from jtik.errors import ArgumentError, Array
 from jtik.robot import Robot
 from jtik.symbolic import Expression, function, gradient, jacobian, substitute, symbol, zeros
+from jtik.symbolic.compile import Compiled
 
 Curvature = Literal["identity", "convex"]
 """The quadratic part of an objective made of a criterion: the identity, or the Hessian without its negative part."""

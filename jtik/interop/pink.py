@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from jtik.criterion import Criterion, CriterionSum
+from jtik.criterion.base import Criterion, CriterionSum
 from jtik.errors import ArgumentError, Array, MissingExtraError
 from jtik.interop.limit_rows import Inequality, LimitRows
 from jtik.interop.numbers import CriterionNumbers, Curvature, checked

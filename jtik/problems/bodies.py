@@ -7,11 +7,11 @@ from functools import cached_property
 
 import numpy as np
 
-from jtik.compile import Compiled
 from jtik.errors import ArgumentError, Array
 from jtik.geometry import enclosing_segment
 from jtik.robot import Robot
 from jtik.symbolic import function, horzcat, symbol
+from jtik.symbolic.compile import Compiled
 
 
 @dataclass(frozen=True)

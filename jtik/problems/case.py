@@ -9,12 +9,12 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jtik._loop.options import positive
 from jtik.errors import ArgumentError, Array, UnknownNameError, finite_array
-from jtik.options import positive
 from jtik.problems.plain import frozen_array, frozen_target, plain_target
-from jtik.reduction import reduced
 from jtik.robot import Robot
 from jtik.task import Task
+from jtik.task.reduction import reduced
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

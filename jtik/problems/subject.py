@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.compile import Compiled
 from jtik.errors import ArgumentError, Array
 from jtik.problems.case import Case, ProblemSet, case_name
 from jtik.problems.reached import target_of
-from jtik.reduction import reduced
 from jtik.robot import Robot
 from jtik.solver import InverseKinematics
 from jtik.symbolic import function, jacobian, symbol
+from jtik.symbolic.compile import Compiled
 from jtik.task import Task
+from jtik.task.reduction import reduced
 
 STRATEGY = "hybrid"
 """What decides whether a target can be reached, where no closed form does."""

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jtik._loop.options import positive
 from jtik.errors import ArgumentError, Array
-from jtik.options import positive
 from jtik.problems import reach
 from jtik.problems.case import Case, ProblemSet
 from jtik.problems.mover import Mover

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.compile import bind
 from jtik.qp.backend import CalledBackend, FusedBackend, Numbers
 from jtik.qp.elastic import Expansion
 from jtik.qp.program import Program
 from jtik.qp.recorder import Compute
 from jtik.symbolic import MX, Expression, Function, either, function
+from jtik.symbolic.compile import bind
 
 Array = NDArray[np.float64]
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.compile import bind, to_c
 from jtik.qp.backend import Backend, FusedBackend
 from jtik.qp.call import Answering, ProgramCall, called, outputs_of
 from jtik.qp.recorder import Preparation
 from jtik.symbolic import MX, Expression, Function, either, function
+from jtik.symbolic.compile import bind, to_c
 
 Array = NDArray[np.float64]
 

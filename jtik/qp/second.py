@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.compile import bind
 from jtik.qp.backend import CalledBackend, Numbers, Solver
 from jtik.qp.call import outputs_of
 from jtik.qp.staged import Staged
 from jtik.symbolic import Function
+from jtik.symbolic.compile import bind
 
 Array = NDArray[np.float64]
 

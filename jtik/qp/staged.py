@@ -15,7 +15,6 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.compile import bind, to_c
 from jtik.errors import UnknownNameError
 from jtik.qp.backend import Backend, FusedBackend, Numbers
 from jtik.qp.call import Answering, Computing, ProgramCall, PythonCall, called, evaluated, outputs_of
@@ -24,6 +23,7 @@ from jtik.qp.partition import partitioned
 from jtik.qp.prepared import PreparedCall
 from jtik.qp.recorder import Computation, Recorded, Recorder
 from jtik.symbolic import MX, Expression, Function, either, function, logic_and, symbol, zeros
+from jtik.symbolic.compile import bind, to_c
 
 Array = NDArray[np.float64]
 
@@ -130,7 +130,7 @@ class Staged:
         raise AssertionError(wanted)
 
     def bind(self, arguments: list[Array], results: list[Array]) -> Callable[[], None]:
-        """As `jtik.compile.bind`: a call without arguments on memory bound once."""
+        """As `jtik.symbolic.compile.bind`: a call without arguments on memory bound once."""
         local = outputs_of(self.local)
         calls: list[Callable[[], None]] = [bind(self.local, arguments, local)]
         at = known = [*arguments, *local]

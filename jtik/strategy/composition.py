@@ -19,7 +19,6 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.factorization import RowVector
 from jtik.strategy.base import Shape, State, Strategy, Update
 from jtik.strategy.merit import SUFFICIENT, outweighs, penalty, reach_of
 from jtik.strategy.model import LocalModel
@@ -38,6 +37,7 @@ from jtik.symbolic import (
     sumsqr,
     zeros,
 )
+from jtik.symbolic.factorization import RowVector
 
 Array = NDArray[np.float64]
 Acceptance = Literal["merit", "task", "always"]

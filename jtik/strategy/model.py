@@ -10,14 +10,14 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.clearance import ClearanceModel
+from jtik.constraints.clearance import ClearanceModel
 from jtik.errors import JtikError
-from jtik.factorization import RowSpace, RowVector, Split
 from jtik.qp.program import Program, ProgramSolution
 from jtik.qp.recorder import Compute, Recorder
-from jtik.recovery import Recovery, recovery
 from jtik.robot import Robot
+from jtik.strategy.feasibility_restoration import Recovery, recovery
 from jtik.symbolic import TINY, Expression, Function, dot, fmax, fmin, norm, sqrt, sumsqr, vertcat
+from jtik.symbolic.factorization import RowSpace, RowVector, Split
 from jtik.task import TaskStack
 
 

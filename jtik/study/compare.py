@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.clearance import Clearance, clearances_of
-from jtik.criterion import Criterion, CriterionSum
+from jtik._loop.options import Until, read_request, read_settings
+from jtik.constraints.clearance import Clearance, clearances_of
+from jtik.criterion.base import Criterion, CriterionSum
 from jtik.errors import ArgumentError
-from jtik.options import Until, read_request, read_settings
 from jtik.problems import Case, ProblemSet
 from jtik.progress import Progress, watched
 from jtik.robot import Robot

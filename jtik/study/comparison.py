@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from jtik.errors import Array, MissingExtraError
 from jtik.problems import ProblemSet
+from jtik.result.solution import Trace
 from jtik.robot import Robot
-from jtik.solution import Trace
 from jtik.study import display
 from jtik.study.rows import CLAIMS, COLUMNS, FAILURES, TEXTS
 from jtik.study.summary import summary
@@ -25,7 +25,7 @@ from jtik.task import Task
 if TYPE_CHECKING:
     import pandas
 
-    from jtik.plotting import Figure
+    from jtik.plotting.planar import Figure
     from jtik.study.units import Block, Key, Plan
 
 

@@ -11,14 +11,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from jtik.clearance import Clearance
-from jtik.criterion import Criterion, CriterionSum
+from jtik._loop.options import Until
+from jtik.constraints.clearance import Clearance
+from jtik.criterion.base import Criterion, CriterionSum
 from jtik.errors import Array
-from jtik.options import Until
-from jtik.reduction import reduced
+from jtik.result.solution import Trace
 from jtik.robot import Robot
-from jtik.solution import Trace
 from jtik.task import Task, TaskStack
+from jtik.task.reduction import reduced
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from jtik.compile import Compiled
 from jtik.errors import ArgumentError, Array
 from jtik.robot import Robot
 from jtik.symbolic import function, symbol
+from jtik.symbolic.compile import Compiled
 from jtik.task import FrameTask, Task, TaskStack
 
 SLACK = 1e-11

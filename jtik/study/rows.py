@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.errors import Array
-from jtik.solution import Trace
+from jtik.result.solution import Trace
 from jtik.study import measures
 from jtik.study.judge import SLACK
 from jtik.study.ruler import Ruler

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.clearance import Clearance, Measure
-from jtik.compile import Compiled
-from jtik.criterion import Criterion, CriterionSum, CriterionTerms, Parameters
+from jtik._step.problem import Problem
+from jtik.constraints.clearance import Clearance, Measure
+from jtik.criterion.base import Criterion, CriterionSum, CriterionTerms, Parameters
 from jtik.errors import Array
-from jtik.problem import Problem
 from jtik.robot import Robot
 from jtik.symbolic import dot, function, mmin, vertcat
+from jtik.symbolic.compile import Compiled
 from jtik.task import TaskStack
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from jtik.errors import ArgumentError, Array
 from jtik.problems import ProblemSet
-from jtik.solution import Trace
+from jtik.result.solution import Trace
 from jtik.study.comparison import Comparison, assembled
 from jtik.study.description import DescriptionError, as_data, from_data
 from jtik.study.rows import COLUMNS, Row

@@ -11,7 +11,7 @@ import numpy as np
 from jtik.errors import ArgumentError, Array, UnknownNameError
 from jtik.qp import Backend
 from jtik.registry import secondaries, strategies
-from jtik.solution import Trace
+from jtik.result.solution import Trace
 from jtik.solver import InverseKinematics
 from jtik.strategy import Strategy
 from jtik.study.contender import Answer, Contender, Ready, Setting

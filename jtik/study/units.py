@@ -17,10 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from jtik.criterion import Criterion, CriterionSum
+from jtik.criterion.base import Criterion, CriterionSum
 from jtik.errors import Array
 from jtik.problems import Case, ProblemSet
-from jtik.solution import Trace
+from jtik.result.solution import Trace
 from jtik.study.contender import Answer, Contender, Ready, Setting
 from jtik.study.judge import Judge
 from jtik.study.rows import Row, measured

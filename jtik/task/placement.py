@@ -7,10 +7,9 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from jtik import rotation
 from jtik.errors import ArgumentError, Array
 from jtik.robot import Kinematics, Robot
-from jtik.symbolic import Expression, atan2, cos, reshape, sin, vertcat
+from jtik.symbolic import Expression, atan2, cos, reshape, rotation, sin, vertcat
 from jtik.task.base import TaskRows
 from jtik.task.targets import Kind, read_placement, usual
 from jtik.task.weighted import Axes, WeightedTask, kept, named

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.criterion import criterion
+from jtik.criterion.base import criterion
 from jtik.robot import Robot
 from jtik.symbolic import Expression, sumsqr
 

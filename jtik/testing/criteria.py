@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jtik.compile import Compiled
-from jtik.criterion import Criterion, CriterionTerms
+from jtik.criterion.base import Criterion, CriterionTerms
 from jtik.errors import ArgumentError
 from jtik.geometry import Circle, Sphere
+from jtik.result.solution import Status
 from jtik.robot import Robot
-from jtik.solution import Status
 from jtik.solver import InverseKinematics
 from jtik.symbolic import function, gradient, symbol, symvar
+from jtik.symbolic.compile import Compiled
 from jtik.task import FrameTask
 from jtik.testing.common import require
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.registry import strategy_of
+from jtik.result.solution import Solution, Status
 from jtik.robot import Joint, JointType, Robot
-from jtik.solution import Solution, Status
 from jtik.solver import InverseKinematics
 from jtik.strategy import LocalModel, Shape, State, Strategy, Update
 from jtik.symbolic import Expression

@@ -16,8 +16,8 @@ import numpy as np
 from claim import EXACT, Row, Script, Within, by_key, percent
 
 import jtik
-from jtik.compile import Compiled
 from jtik.symbolic import function, jacobian, symbol
+from jtik.symbolic.compile import Compiled
 
 Array = np.ndarray
 LINKS = (1, 2, 3, 5, 10, 20)

@@ -19,8 +19,8 @@ from five_families import ARM, problems
 from scipy.integrate import solve_ivp
 
 import jtik
-from jtik.compile import Compiled
 from jtik.symbolic import function, jacobian, symbol
+from jtik.symbolic.compile import Compiled
 from jtik_formulations import Transpose
 
 Array = np.ndarray

@@ -17,7 +17,7 @@ from claim import EXACT, SHARE, Row, Script, Within, by_key, percent
 import jtik
 from jtik.demo.measure import clearances
 from jtik.demo.scene import Scene
-from jtik.plotting import Skeleton
+from jtik.plotting.planar import Skeleton
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
 SCENE = Scene()

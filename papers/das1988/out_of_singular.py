@@ -18,7 +18,7 @@ from claim import MEDIAN, SHARE, Row, Script, Within, by_key, median, percent
 from five_families import ARM
 
 import jtik
-from jtik.criterion import Criterion, CriterionSum
+from jtik.criterion.base import Criterion, CriterionSum
 from jtik_formulations import Hybrid, JointCentering, ObstacleAvoidance, ProjectedGradient, Transpose
 
 Array = np.ndarray

@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.compile import Compiled
 from jtik.symbolic import function, horzcat, symbol
+from jtik.symbolic.compile import Compiled
 
 pin = pytest.importorskip("pinocchio")
 mujoco = pytest.importorskip("mujoco")

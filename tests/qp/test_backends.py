@@ -7,9 +7,9 @@ import pytest
 import qpsolvers
 
 import jtik
-from jtik.compile import Compiled
 from jtik.qp import BackendError, Conic, Foreign, FusedBackend, PersistentOSQP, available, backend_of
 from jtik.qp.backend import Numbers
+from jtik.symbolic.compile import Compiled
 from jtik_formulations import JointCentering
 
 from ..conftest import planar

@@ -8,10 +8,10 @@ import pytest
 from scipy.optimize import linprog, minimize
 
 import jtik
-from jtik.compile import bind
 from jtik.qp import Elastic, Foreign, FusedBackend, PersistentOSQP, Program, Recorder, Rows, available, backend_of
 from jtik.qp.staged import staged
 from jtik.strategy import Strategy, Update
+from jtik.symbolic.compile import bind
 
 from ..conftest import planar
 

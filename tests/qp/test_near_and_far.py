@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.compile import bind
 from jtik.qp.call import outputs_of
+from jtik.symbolic.compile import bind
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from ..conftest import planar, planar_points

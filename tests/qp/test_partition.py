@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.compile import Compiled, CompilerError
 from jtik.qp import Program, Rows
 from jtik.qp.partition import partitioned
 from jtik.symbolic import function, symbol
+from jtik.symbolic.compile import Compiled, CompilerError
 from jtik_formulations import JointCentering
 
 from ..conftest import EXACT, planar

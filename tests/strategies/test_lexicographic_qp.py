@@ -14,7 +14,7 @@ import jtik
 from jtik.qp import Conic
 from jtik.testing import check_strategy
 from jtik_formulations import JointCentering, LexicographicQP, ProjectedGradient
-from jtik_formulations.strategies.levels import DEFINITE, descend
+from jtik_formulations.strategies._parts.levels import DEFINITE, descend
 
 from ..conftest import dh_arm, look, planar, planar_points
 

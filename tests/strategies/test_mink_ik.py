@@ -147,7 +147,7 @@ class TestWhereMinkHasNoSolution:
 class TestArguments:
     def test_mink_is_called_by_keyword_only(self, monkeypatch):
         """``limits`` is the seventh argument of mink's and the sixth of pink's; by position it becomes a switch."""
-        from jtik_formulations.strategies import mink_step
+        from jtik_formulations.strategies._parts import mink_step
 
         given = {}
         original = mink.solve_ik

@@ -15,7 +15,7 @@ import jtik
 from jtik.qp import Conic, Recorder
 from jtik.testing import check_strategy
 from jtik_formulations import SNS, SNSQP, Damped, JointCentering, ProjectedGradient
-from jtik_formulations.strategies.saturation import Saturation
+from jtik_formulations.strategies._parts.saturation import Saturation
 from jtik_formulations.strategies.sns import sns
 from jtik_formulations.strategies.sns_qp import ScalingProgram
 

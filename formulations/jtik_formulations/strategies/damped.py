@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from jtik import register_strategy
 from jtik.errors import ArgumentError
-from jtik.factorization import damped_multipliers
 from jtik.strategy import Acceptance, Composition, LocalModel, Outcome, SecondaryTerm, Shape, State, TaskMove, TaskStep
 from jtik.symbolic import Expression, fmin, norm, ratio
+from jtik.symbolic.factorization import damped_multipliers
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 from jtik_formulations.strategies.transpose import backtracked, judged
 

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from jtik import register_strategy
 from jtik.errors import ArgumentError
-from jtik.factorization import RowVector
 from jtik.strategy import (
     Acceptance,
     Composition,
@@ -23,6 +22,7 @@ from jtik.strategy import (
     TaskStep,
 )
 from jtik.symbolic import Expression, fmax, fmin, if_else, logic_and, logic_or, ratio, sqrt, sumsqr
+from jtik.symbolic.factorization import RowVector
 from jtik_formulations.strategies.newton import newton_step
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 from jtik_formulations.strategies.transpose import backtracked, cauchy_step, judged, optimal_gain

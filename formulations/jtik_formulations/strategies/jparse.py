@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from jtik import register_strategy
 from jtik.errors import ArgumentError
 from jtik.strategy import Acceptance, Composition, LocalModel, Outcome, SecondaryTerm, Shape, State, TaskMove, TaskStep
-from jtik.svd import SingularValues
 from jtik.symbolic import Expression, fmin, if_else, norm, ratio
+from jtik.symbolic.svd import SingularValues
 from jtik_formulations.strategies.damped import positive
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 from jtik_formulations.strategies.transpose import backtracked, judged

@@ -24,8 +24,8 @@ from jtik.symbolic import (
     norm,
     zeros,
 )
-from jtik_formulations.strategies.level_merit import LevelMerit
-from jtik_formulations.strategies.levels import descend
+from jtik_formulations.strategies._parts.level_merit import LevelMerit
+from jtik_formulations.strategies._parts.levels import descend
 from jtik_formulations.strategies.qp_secondary import QPSecondary
 from jtik_formulations.strategies.weighted_qp import capped
 

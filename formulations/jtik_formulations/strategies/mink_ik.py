@@ -87,7 +87,7 @@ class Mink(Strategy):
 
     def update(self, model: LocalModel, state: State) -> Update:
         """Ask mink, go there."""
-        from jtik_formulations.strategies.mink_step import MinkStep  # it takes MuJoCo half a second to load
+        from jtik_formulations.strategies._parts.mink_step import MinkStep  # it takes MuJoCo half a second to load
 
         robot, n = model.robot, model.robot.n
         if model.tasks is None or model.programs is None:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from jtik import register_strategy
 from jtik.errors import ArgumentError
-from jtik.factorization import RowVector
 from jtik.strategy import (
     Acceptance,
     Composition,
@@ -24,6 +23,7 @@ from jtik.strategy import (
     TaskStep,
 )
 from jtik.symbolic import Expression, fmin, ratio
+from jtik.symbolic.factorization import RowVector
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 from jtik_formulations.strategies.transpose import backtracked, judged
 

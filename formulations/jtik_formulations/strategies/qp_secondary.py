@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik import register_secondary
+from jtik._step.active_set import AT_LIMIT
 from jtik.errors import ArgumentError
-from jtik.factorization import RowSpace
 from jtik.qp import Program, Rows
 from jtik.strategy import LocalModel, NullMove, State
 from jtik.symbolic import (
@@ -31,7 +31,7 @@ from jtik.symbolic import (
     vertcat,
     zeros,
 )
-from jtik.working_set import AT_LIMIT
+from jtik.symbolic.factorization import RowSpace
 from jtik_formulations.strategies.projected_gradient import NOISE, ProjectedGradient
 
 Array = NDArray[np.float64]

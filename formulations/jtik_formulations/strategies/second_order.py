@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik import register_secondary
-from jtik.curvature import lagrangian_hessian
+from jtik._step.active_set import AT_LIMIT
 from jtik.errors import ArgumentError
-from jtik.factorization import RowSpace, Split
 from jtik.qp import Program, Rows
 from jtik.strategy import LocalModel, NullMove, Outcome, SecondaryTerm, Shape, State
+from jtik.strategy.curvature import lagrangian_hessian
 from jtik.symbolic import (
     TINY,
     Expression,
@@ -39,7 +39,7 @@ from jtik.symbolic import (
     vec,
     vertcat,
 )
-from jtik.working_set import AT_LIMIT
+from jtik.symbolic.factorization import RowSpace, Split
 from jtik_formulations.strategies.projected_gradient import NOISE
 
 Array = NDArray[np.float64]

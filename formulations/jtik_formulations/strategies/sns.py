@@ -9,9 +9,9 @@ from jtik import register_strategy
 from jtik.errors import ArgumentError
 from jtik.strategy import LocalModel
 from jtik.symbolic import Expression
-from jtik_formulations.strategies.basic_saturation import BasicSaturation
-from jtik_formulations.strategies.saturation import Saturation
-from jtik_formulations.strategies.task_scaling import Scaled, TaskScaling
+from jtik_formulations.strategies._parts.basic_saturation import BasicSaturation
+from jtik_formulations.strategies._parts.saturation import Saturation
+from jtik_formulations.strategies._parts.task_scaling import Scaled, TaskScaling
 
 Rule = Literal["optimal", "basic"]
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from math import inf
 
 from jtik import register_strategy
-from jtik.factorization import RowSpace, squared_length
 from jtik.qp import Program, ProgramSolution, Rows
 from jtik.strategy import LocalModel
 from jtik.symbolic import Expression, dot, fmax, fmin, identity, if_else, logic_and, mmax, norm, sumsqr, vertcat, zeros
-from jtik_formulations.strategies.saturation import DEPENDENT, turned
-from jtik_formulations.strategies.task_scaling import TaskScaling
+from jtik.symbolic.factorization import RowSpace, squared_length
+from jtik_formulations.strategies._parts.saturation import DEPENDENT, turned
+from jtik_formulations.strategies._parts.task_scaling import TaskScaling
 
 PRICE = 1e4
 """What a unit of x along the task is worth in units of |x|^2 / 2: above every price a solution was seen to have."""

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from jtik import register_strategy
 from jtik.errors import ArgumentError
-from jtik.factorization import RowSpace, damped_multipliers, squared_length
 from jtik.strategy import Acceptance, LocalModel, NullMove, Outcome, SecondaryTerm, Shape, State, Strategy, Update
 from jtik.symbolic import (
     Expression,
@@ -29,7 +28,8 @@ from jtik.symbolic import (
     vertcat,
     zeros,
 )
-from jtik_formulations.strategies.level_merit import LevelMerit
+from jtik.symbolic.factorization import RowSpace, damped_multipliers, squared_length
+from jtik_formulations.strategies._parts.level_merit import LevelMerit
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
 Array = NDArray[np.float64]

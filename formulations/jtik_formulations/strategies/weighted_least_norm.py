@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from jtik import register_strategy
 from jtik.errors import ArgumentError
-from jtik.factorization import RowSpace
 from jtik.strategy import Acceptance, Composition, LocalModel, Outcome, SecondaryTerm, Shape, State, TaskMove, TaskStep
 from jtik.symbolic import Expression, fabs, fmin, horzcat, if_else, is_finite, norm, ratio, sqrt, vertcat, zeros
+from jtik.symbolic.factorization import RowSpace
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 from jtik_formulations.strategies.transpose import backtracked, judged
 

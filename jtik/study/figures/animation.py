@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from jtik.errors import ArgumentError, Array
-from jtik.plotting import write_animation
+from jtik.plotting.planar import write_animation
 from jtik.study.figures.canvas import chosen, panels, who
 from jtik.study.figures.postures import one, ways
 from jtik.study.figures.scenery import Scenery, balls

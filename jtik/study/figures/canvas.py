@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from jtik.errors import ArgumentError, Array, UnknownNameError
-from jtik.plotting import BACKGROUND, INK, MUTED, THIN, Axes, Figure, new_figure
-from jtik.solution import Trace
+from jtik.plotting.planar import BACKGROUND, INK, MUTED, THIN, Axes, Figure, new_figure
+from jtik.result.solution import Trace
 
 if TYPE_CHECKING:
     from jtik.study.comparison import Comparison

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from jtik.plotting import MUTED, Figure
+from jtik.plotting.planar import MUTED, Figure
 from jtik.study.figures.canvas import FLOOR, kept, label, legend, lines, panels, stretched, which, who
 
 if TYPE_CHECKING:

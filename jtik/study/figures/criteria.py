@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from jtik.errors import ArgumentError
-from jtik.plotting import INK, MUTED, Figure
+from jtik.plotting.planar import INK, MUTED, Figure
 from jtik.study.figures.canvas import chosen, label, legend, lines, of_case, panels, who
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from jtik.plotting import MUTED, Figure, shades
+from jtik.plotting.planar import MUTED, Figure, shades
 from jtik.study.figures.canvas import chosen, grid, label, legend, panels
 from jtik.study.figures.postures import one, ways
 

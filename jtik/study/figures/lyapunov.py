@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from jtik.errors import ArgumentError
-from jtik.plotting import Figure
+from jtik.plotting.planar import Figure
 from jtik.study.figures.canvas import FLOOR, chosen, label, legend, lines, of_case, panels
 
 if TYPE_CHECKING:

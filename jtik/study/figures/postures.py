@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from jtik.errors import ArgumentError, Array
-from jtik.plotting import Figure
+from jtik.plotting.planar import Figure
 from jtik.problems import Case
 from jtik.study.figures.canvas import Chosen, chosen, grid, panels, postures, who
 from jtik.study.figures.scenery import Scenery, balls

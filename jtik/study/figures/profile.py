@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 import numpy as np
 
 from jtik.errors import ArgumentError, Array
-from jtik.plotting import Figure
+from jtik.plotting.planar import Figure
 from jtik.study.figures.canvas import label, legend, lines, panels, which, who
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import numpy as np
 
 from jtik.errors import Array
 from jtik.geometry import Ball
-from jtik.plotting import (
+from jtik.plotting.planar import (
     INK,
     LINK_WIDTH,
     MUTED,

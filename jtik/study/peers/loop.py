@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from jtik.errors import Array
-from jtik.solution import Trace
+from jtik.result.solution import Trace
 from jtik.study.contender import Answer, Ready
 from jtik.study.peers.base import Goal
 

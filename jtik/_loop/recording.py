@@ -1,0 +1,81 @@
+"""Recording a solve: one row an iteration, made into a Trace when the solve is over."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jtik._loop.runner import Runner
+from jtik.result.solution import Trace
+
+Array = NDArray[np.float64]
+
+ROUNDING = 1e-8
+"""A null-space step up to this long [rad] or [m] is what rounding and solvers leave; what it leaks says nothing."""
+
+
+class Recorder:
+    """Rows of a runner whose fused function was built with its record."""
+
+    def __init__(self, runner: Runner) -> None:
+        self.runner = runner
+        self._q: list[Array] = []
+        self._rows: list[Array] = []
+        self._escaped: list[bool] = []
+        self._attempts: list[int] = []
+        self._attempt = -1
+
+    def begin(self) -> None:
+        """Another attempt begins."""
+        self._attempt += 1
+
+    def before(self, q: Array) -> None:
+        """An iteration begins at q."""
+        self._q.append(q.copy())
+
+    def after(self) -> None:
+        """It is over: keep its figures."""
+        self._rows.append(self.runner.record.copy())
+        self._escaped.append(False)
+        self._attempts.append(self._attempt)
+
+    def escaped(self) -> None:
+        """It ended in a second-order step out of a singular stall."""
+        self._escaped[-1] = True
+
+    def forget(self) -> None:
+        """It was none."""
+        for rows in (self._q, self._rows, self._escaped, self._attempts):
+            rows.pop()
+
+    def trace(self, end: Array, error: Callable[[Array], Array]) -> Trace:
+        """Figures by name, and those that need a factorisation of the recorded Jacobians."""
+        layout, count = self.runner.fused.record, len(self._rows)
+        n = layout.slices["term"].stop - layout.slices["term"].start
+        m = (layout.slices["J"].stop - layout.slices["J"].start) // n
+        table = np.array(self._rows).reshape(count, layout.size)
+        columns = {name: table[:, where] for name, where in layout.slices.items()}
+        columns.pop("gave_way", None)  # that is for the last q alone
+        J = columns.pop("J").reshape(count, n, m).transpose(0, 2, 1)
+        null, felt, term = (columns.pop(name) for name in ("null_term", "felt", "term"))
+        figures = {name: column[:, 0] for name, column in columns.items()}
+        figures["step_length"] = np.linalg.norm(term, axis=1)
+        figures["sigma_min"] = _least_singular_values(J)
+        length = np.linalg.norm(null, axis=1)
+        moved = np.linalg.norm(felt, axis=1)
+        figures["leakage"] = np.divide(moved, length, out=np.full(count, np.nan), where=length > ROUNDING)
+        figures["escaped"] = np.array(self._escaped, dtype=float)
+        figures["attempt"] = np.array(self._attempts, dtype=float)
+        q = np.array([*self._q, end])
+        return Trace(q=q, error=np.array([np.linalg.norm(error(each)) for each in q]), figures=figures)
+
+
+def _least_singular_values(J: Array) -> Array:
+    """Of each of the matrices (k, m, n); NaN where one is not finite."""
+    finite = np.isfinite(J).all(axis=(1, 2))
+    least = np.full(len(J), np.nan)
+    if finite.any():
+        least[finite] = np.linalg.svd(J[finite], compute_uv=False)[:, -1]
+    return least

@@ -1,0 +1,144 @@
+"""The way out of an exact singular stall: a second-order step where the first derivative of V says nothing.
+
+A straight arm with its target on its own line feels no torque: J' r = 0 with r != 0. Whether that is a closest
+posture or a saddle, the Hessian of V tells; along its most negative eigenvector V falls to second order.
+Deterministic: no noise is added. Limits and clearances hold on this way as on any other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jtik._step.active_set import AT_LIMIT
+from jtik._step.fused import clearance_model
+from jtik._step.problem import Problem
+from jtik.symbolic import function, sumsqr, symbol
+from jtik.symbolic.compile import Compiled
+
+Array = NDArray[np.float64]
+
+FIRST_STEP = 0.5
+"""Length of the first step tried along the eigenvector [rad]; halved until V falls."""
+
+HALVINGS = 20
+
+PROJECTIONS = 100
+"""Projected power iterations for the direction of most negative curvature among those that limits allow."""
+
+FLAT = 1e-5
+"""|J' r| / (|J| |r|) below which the error cannot fall to first order."""
+
+NEGATIVE = 1e-9
+"""An eigenvalue counts as negative below this fraction of the largest magnitude."""
+
+WORTH = 1e-9
+"""Least relative decrease of V that counts as a way out."""
+
+
+class Rescue:
+    """Second-order looks at V, compiled when first needed."""
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+
+    @cached_property
+    def _curvature(self) -> Compiled:
+        return Compiled(self._problem.curvature())
+
+    @cached_property
+    def _moved(self) -> Compiled:
+        """(q, v, target) -> q + v and V there."""
+        q, target, _ = self._problem.symbols()
+        v = symbol("v", self._problem.robot.n)
+        there = self._problem.robot.integrate(q, v)
+        V = sumsqr(self._problem.residual(there, target)) / 2
+        return Compiled(function("moved", [q, v, target], [there, V]))
+
+    @cached_property
+    def _keeps_clear(self) -> Compiled:
+        """(q, v, parameters, limits) -> 1 where clearances are kept all the way from q to q + v."""
+        problem = self._problem
+        q, _, parameters = problem.symbols()
+        v = symbol("v", problem.robot.n)
+        limits = symbol("lower", problem.robot.nq), symbol("upper", problem.robot.nq)
+        model = clearance_model(problem, q, problem.clearance(q, parameters), parameters, limits)
+        return Compiled(function("keeps_clear", [q, v, parameters, *limits], [model.keeps(-v)]))
+
+    def lowest_curvature(self, q: Array, inputs: Sequence[Array]) -> tuple[float, Array, Array]:
+        """A low v' (d2V/dv2) v over the unit v that limits allow, relative to the largest eigenvalue; v; dH/dv (n,).
+
+        The joints inside their limits come first: their lowest eigenvector, where it is negative. Only if it is not do
+        joints at a limit join in, each in the direction it can still move. Where V can fall to first order the answer
+        is 0: there is nothing to escape from.
+        """
+        target, parameters, lower, upper, _ = inputs
+        scale, slope, bend, criterion = self._curvature(q, target, parameters)
+        n = self._problem.robot.n
+        down, up = np.ones(n, dtype=bool), np.ones(n, dtype=bool)
+        for i, j in self._problem.bounded:
+            down[j], up[j] = q[i] > lower[i] + AT_LIMIT, q[i] < upper[i] - AT_LIMIT
+        lowest, best = 0.0, np.zeros(n)
+        pressed = (~down & (slope[:, 0] > 0)) | (~up & (slope[:, 0] < 0))
+        stationary = np.linalg.norm(slope[~pressed]) <= FLAT * scale[0, 0]
+        if not (np.isfinite(bend).all() and stationary):
+            return lowest, best, criterion[:, 0]
+        values, vectors = np.linalg.eigh(bend)
+        bend /= max(float(np.abs(values).max()), np.finfo(float).tiny)
+        inside = down & up
+        if inside.any():
+            inner_values, inner_vectors = np.linalg.eigh(bend[np.ix_(inside, inside)])
+            lowest, best[inside] = float(inner_values[0]), inner_vectors[:, 0]
+        if lowest <= -NEGATIVE or inside.all():
+            return lowest, best, criterion[:, 0]
+        for start in vectors[:, values < 0].T:
+            for sign in (1.0, -1.0):
+                v = _descend(bend, sign * start, down, up)
+                if v @ bend @ v < lowest:
+                    lowest, best = float(v @ bend @ v), v
+        return lowest, best, criterion[:, 0]
+
+    def escape(self, q: Array, inputs: Sequence[Array]) -> bool:
+        """Leave a saddle of V: move ``q`` in place and return True, or return False if V is least here."""
+        target, parameters, lower, upper, _ = inputs
+        lowest, vector, criterion = self.lowest_curvature(q, inputs)
+        if lowest > -NEGATIVE:
+            return False
+        slope = float(criterion @ vector)
+        if abs(slope) > 1e-9 * np.linalg.norm(criterion):
+            vector = -np.sign(slope) * vector
+        elif vector[np.argmax(np.abs(vector))] < 0:
+            vector = -vector
+        before = float(self._moved(q, 0 * vector, target)[1][0, 0])
+        step = FIRST_STEP * vector
+        for _ in range(HALVINGS):
+            for sign in (1.0, -1.0):
+                there, V = self._moved(q, sign * step, target)
+                allowed = all(lower[i] <= there[i, 0] <= upper[i] for i, _ in self._problem.bounded)
+                falls = allowed and V[0, 0] < (1 - WORTH) * before
+                if falls and self._clear(q, sign * step, parameters, lower, upper):
+                    q[:] = there[:, 0]
+                    return True
+            step /= 2
+        return False
+
+    def _clear(self, q: Array, v: Array, parameters: Array, lower: Array, upper: Array) -> bool:
+        """Whether clearances, if there are any, hold on the way from q to q + v."""
+        if not self._problem.clearances:
+            return True
+        return bool(self._keeps_clear(q, v, parameters, lower, upper)[0][0, 0])
+
+
+def _descend(bend: Array, v: Array, down: NDArray[np.bool_], up: NDArray[np.bool_]) -> Array:
+    """From v down v' bend v on the unit sphere, keeping each entry to the signs that limits allow; |bend| is 1."""
+    for _ in range(PROJECTIONS):
+        v = v - bend @ v
+        v = np.where(((v < 0) & ~down) | ((v > 0) & ~up), 0.0, v)
+        length = float(np.linalg.norm(v))
+        if length == 0.0:
+            return v
+        v = v / length
+    return v

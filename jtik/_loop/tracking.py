@@ -1,0 +1,67 @@
+"""Following a path of targets: every solve starts where the last one ended and ends where the limits let it in dt."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jtik.constraints.step_box import StepBox
+from jtik.result.solution import Solution
+from jtik.result.trajectory import Trajectory
+from jtik.robot import Robot
+
+Array = NDArray[np.float64]
+Solve = Callable[[Any, Array], Solution]
+Moved = Callable[[Solution, Array], Solution]
+
+
+def follow(
+    robot: Robot,
+    targets: Sequence[Any],
+    q0: Array,
+    dt: float,
+    box: StepBox,
+    solve: Solve,
+    moved: Moved,
+) -> Trajectory:
+    """One configuration a target, ``dt`` [s] apart, each within the box of a step from the one before.
+
+    Args:
+        robot: the robot.
+        targets: what the tasks read as one, each.
+        q0: where the robot stands still at time 0, (nq,).
+        dt: time from one target to the next [s].
+        box: of each step, on the memory that a solve reads its own from, which is restored at the end.
+        solve: a solve of one target from a configuration.
+        moved: the same solution told of another configuration.
+    """
+    low, high = box.lower.copy(), box.upper.copy()
+    q, solutions, steps = q0, [], []
+    box.rest()
+    try:
+        for target in targets:
+            box.narrow(q, dt)
+            solution = solve(target, q)
+            allowed = box.slowed(solution.q)
+            if allowed is not solution.q:
+                solution = replace(moved(solution, allowed), converged=False)
+            steps.append(robot.difference(q, solution.q) if robot.nq != robot.n else solution.q - q)
+            solutions.append(solution)
+            q = solution.q
+            box.moved(q)
+    finally:
+        box.lower[:], box.upper[:] = low, high
+    return Trajectory(
+        times=dt * np.arange(1, len(solutions) + 1, dtype=np.float64),
+        q=np.array([solution.q for solution in solutions]),
+        dq=np.array(steps) / dt,
+        errors=np.array([np.linalg.norm(solution.error) for solution in solutions]),
+        statuses=tuple(solution.status for solution in solutions),
+        iterations=np.array([solution.iterations for solution in solutions], dtype=np.int64),
+        seconds=np.array([solution.seconds for solution in solutions]),
+        joint_names=robot.joint_names,
+    )

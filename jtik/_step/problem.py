@@ -1,0 +1,164 @@
+"""Robot, tasks, criteria and limits as CasADi functions: what every strategy solves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jtik.constraints.clearance import Clearance, names_of
+from jtik.criterion.base import CriterionTerms
+from jtik.robot import Kinematics, Robot
+from jtik.strategy.curvature import lagrangian_hessian
+from jtik.symbolic import (
+    TINY,
+    Expression,
+    Function,
+    dot,
+    fmax,
+    function,
+    gradient,
+    horzcat,
+    jacobian,
+    norm,
+    substitute,
+    symbol,
+    vertcat,
+    zeros,
+)
+from jtik.task import TaskStack
+
+
+class Problem:
+    """Robot, tasks, criteria and limits as CasADi functions of (q, target, parameters).
+
+    Attributes:
+        linear: for each task row, whether it is a length [m] rather than an angle [rad].
+        levels: the rows of each level of priority, the highest first.
+        factor: L with Kp = L L', (m, m).
+        error, residual: (q, target) -> e and L' e, (m, 1).
+        error_jacobian, residual_jacobian: (q, target) -> their derivatives with respect to the velocity, (m, n).
+        criterion, values: (q, parameters) -> H, and the weighted value of each criterion.
+        bounded: (q index, v index) of the joints that have a limit.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        tasks: TaskStack,
+        terms: CriterionTerms,
+        bounded: tuple[tuple[int, int], ...],
+        clearances: tuple[Clearance, ...] = (),
+    ) -> None:
+        self.robot, self.tasks, self.terms, self.bounded = robot, tasks, terms, bounded
+        q, target, parameters = self.symbols()
+        kinematics = robot.at(q)
+        rows = tasks.rows(kinematics, target)
+        values = terms.values(kinematics, parameters)
+        self.linear, self.levels = rows.linear, rows.levels
+        self.factor = tasks.weight_factor()
+        self.error = function("error", [q, target], [rows.error])
+        self.residual = function("residual", [q, target], [self.factor.T @ rows.error])
+        self.error_jacobian = function("error_jacobian", [q, target], [rows.jacobian])
+        self.residual_jacobian = function("residual_jacobian", [q, target], [self.factor.T @ rows.jacobian])
+        self.criterion = function("criterion", [q, parameters], [sum(values, zeros(1))])
+        self.clearances = clearances
+        if clearances:
+            self._measure(kinematics, parameters)
+        self.values = function("criteria", [q, parameters], [vertcat(*values)])
+
+    def _measure(self, kinematics: Kinematics, parameters: Expression) -> None:
+        """Distances of all clearances, their Jacobian, and for each of them safe, aim, influence, gain and radius."""
+        distances, figures, recover = [], [], list[bool]()
+        self.pairs = list[str]()
+        for clearance in self.clearances:
+            own = self.terms.own(clearance, parameters)
+            measured = {name: own[name] for name in clearance.measure.parameters(self.robot)}
+            bodies = clearance.measure.distances(kinematics, measured)
+            for named, body in zip(names_of(clearance.measure, self.robot, len(bodies)), bodies, strict=True):
+                for i, distance in enumerate(body):
+                    self.pairs.append(f"{clearance.name}: {named} to obstacle {i}")
+                    recover.append(clearance.recover)
+                    # points nearer than safe are not met: the surface of distance safe is what curves most
+                    radius = measured["radii"][i] if "radii" in measured else 0
+                    row = (own["safe"], own["safe"] + clearance.margin, own["influence"], clearance.gain)
+                    distances.append(distance)
+                    figures.append(horzcat(*row, fmax(own["safe"] + radius, TINY)))
+        d, q = vertcat(*distances), kinematics.q
+        self.recover = np.array(recover)
+        self.distances = function("distances", [q, parameters], [d])
+        J = jacobian(d, q) @ self.robot.tangent(q)
+        self.clearance = function("clearance", [q, parameters], [d, J, vertcat(*figures)])
+
+    def symbols(self) -> tuple[Expression, Expression, Expression]:
+        """Fresh symbols for q, target and parameters."""
+        return (
+            symbol("q", self.robot.nq),
+            symbol("target", self.tasks.target_size),
+            self.terms.parameters.symbols(),
+        )
+
+    @property
+    def m(self) -> int:
+        """Number of task rows."""
+        return len(self.linear)
+
+    @property
+    def has_criterion(self) -> bool:
+        """Whether there is anything to minimise."""
+        return len(self.terms.named) > 0
+
+    def gradient(self, expression: Expression, q: Expression) -> Expression:
+        """Derivative of a scalar with respect to the velocity, T(q)' (d/dq)', as a column, in reverse mode."""
+        return self.robot.tangent(q).T @ gradient(expression, q)
+
+    def report(self) -> Function:
+        """(q, target, parameters) -> error, its Jacobian, value of each criterion, dH/dv, residual, its Jacobian."""
+        q, target, parameters = self.symbols()
+        error, residual = self.error(q, target), self.residual(q, target)
+        H = self.criterion(q, parameters)
+        return function(
+            "report",
+            [q, target, parameters],
+            [
+                error,
+                self.error_jacobian(q, target),
+                self.values(q, parameters),
+                self.gradient(H, q),
+                residual,
+                self.residual_jacobian(q, target),
+            ],
+        )
+
+    def hessian(self) -> Function:
+        """(q, target, parameters, multipliers) -> d2(H + lambda' r)/dv2, (n, n)."""
+        q, target, parameters = self.symbols()
+        multipliers = symbol("multipliers", self.m)
+        bend = lagrangian_hessian(
+            self.robot,
+            self.criterion,
+            self.residual,
+            q=q,
+            target=target,
+            parameters=parameters,
+            multipliers=multipliers,
+        )
+        return function("hessian", [q, target, parameters, multipliers], [bend])
+
+    def curvature(self) -> Function:
+        """(q, target, parameters) -> |J| |r|, dV/dv, d2V/dv2, dH/dv: for poses where the first derivative is silent."""
+        q, target, parameters = self.symbols()
+        v = symbol("v", self.robot.n)
+        moved = self.residual(self.robot.integrate(q, v), target)
+        V = dot(moved, moved) / 2
+        slope = gradient(V, v)
+        bend = jacobian(slope, v)
+        still = zeros(self.robot.n)
+        return function(
+            "curvature",
+            [q, target, parameters],
+            [
+                norm(substitute(jacobian(moved, v), v, still)) * norm(self.residual(q, target)),
+                substitute(slope, v, still),
+                substitute(bend, v, still),
+                self.gradient(self.criterion(q, parameters), q),
+            ],
+        )

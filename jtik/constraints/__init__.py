@@ -1,0 +1,6 @@
+"""What must hold: limits of position, velocity and acceleration, the box of a step, and clearances."""
+
+from jtik.constraints.clearance import Clearance
+from jtik.constraints.limits import Limits
+
+__all__ = ["Clearance", "Limits"]

@@ -1,0 +1,109 @@
+"""Singular value decomposition of a Jacobian as one expression of fixed length: one-sided Jacobi rotations.
+
+``J = U S V'``: pairs of rows are turned in their plane until all are orthogonal. What the rows then are is
+``sigma_i v_i``, the turns together are U'. A turn has no branches, so a decomposition can be fused, differentiated and
+compiled; how many turns are enough is known beforehand for the few rows a task has (formulations/svd.md).
+
+No singular value is divided by, so an exactly singular J, with some ``sigma_i v_i`` exactly zero, is like any other.
+
+Source: Hestenes (1958); Nash (1975), for turns that also sort; Golub and Van Loan, *Matrix Computations*, 8.6.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+from jtik.errors import ArgumentError
+from jtik.symbolic.operations import TINY, Expression, dot, fabs, fmax, fmin, if_else, sqrt, sumsqr, vertcat, zeros
+
+SWEEPS = {1: 0, 2: 1, 3: 5, 4: 5, 5: 6, 6: 6}
+"""Rounds over all pairs after which m rows are orthogonal to working precision; measured."""
+
+MOST_SWEEPS = 8
+"""The same for more rows, measured up to 16."""
+
+
+class SingularValues:
+    """Singular values and vectors of a symbolic ``J`` (m, n), the largest first.
+
+    Values below 1e-8 of the largest are as accurate as the others, but may stand in any order.
+
+    Args:
+        J: the matrix, any m and n; for m > n the last m - n singular values are zero.
+        sweeps: rounds over all pairs of rows; by default what m needs.
+
+    Attributes:
+        rows: sigma_i v_i, m columns (n, 1), orthogonal to each other.
+        squared: sigma_i^2, m scalars.
+
+    Raises:
+        ArgumentError: for a number of sweeps below 0.
+    """
+
+    def __init__(self, J: Expression, *, sweeps: int | None = None) -> None:
+        self._m, self._n = J.shape
+        if sweeps is not None and sweeps < 0:
+            raise ArgumentError("sweeps", sweeps, "a number of sweeps from 0, or None for what the rows need")
+        rounds = SWEEPS.get(self._m, MOST_SWEEPS) if sweeps is None else sweeps
+        rows = [J[i, :].T for i in range(self._m)]
+        self._turns: list[tuple[int, int, Expression, Expression]] = []
+        for _ in range(rounds):
+            squared = [sumsqr(row) for row in rows]
+            for p in range(self._m - 1):
+                for q in range(p + 1, self._m):
+                    c, s, gain = _turn(squared[p], squared[q], dot(rows[p], rows[q]))
+                    self._turns.append((p, q, c, s))
+                    rows[p], rows[q] = c * rows[p] + s * rows[q], c * rows[q] - s * rows[p]
+                    larger, smaller = fmax(squared[p], squared[q]), fmin(squared[p], squared[q])
+                    squared[p], squared[q] = larger + gain, smaller - gain
+        self.rows: tuple[Expression, ...] = tuple(rows)
+        self.squared: tuple[Expression, ...] = tuple(sumsqr(row) for row in rows)
+
+    @cached_property
+    def values(self) -> tuple[Expression, ...]:
+        """sigma_i, the largest first."""
+        return tuple(sqrt(squared + TINY) for squared in self.squared)
+
+    def components(self, r: Expression) -> list[Expression]:
+        """u_i' r of a vector (m, 1), by turning it along: cheaper than U itself."""
+        entries = [r[i] for i in range(self._m)]
+        for p, q, c, s in self._turns:
+            entries[p], entries[q] = c * entries[p] + s * entries[q], c * entries[q] - s * entries[p]
+        return entries
+
+    @cached_property
+    def left(self) -> tuple[Expression, ...]:
+        """u_i, m columns (m, 1), orthonormal at any rank."""
+        unit = [[1 if i == j else 0 for j in range(self._m)] for i in range(self._m)]
+        entries = [self.components(column) for column in unit]
+        return tuple(vertcat(*[entries[j][i] for j in range(self._m)]) for i in range(self._m))
+
+    def combined(self, gains: Sequence[Expression]) -> Expression:
+        """The sum of gain_i sigma_i v_i, (n, 1)."""
+        total = zeros(self._n)
+        for gain, row in zip(gains, self.rows, strict=True):
+            total = total + gain * row
+        return total
+
+    def image(self, gains: Sequence[Expression]) -> Expression:
+        """J times ``combined(gains)``: the sum of gain_i sigma_i^2 u_i, (m, 1), by turning back."""
+        entries = [gain * squared for gain, squared in zip(gains, self.squared, strict=True)]
+        for p, q, c, s in reversed(self._turns):
+            entries[p], entries[q] = c * entries[p] - s * entries[q], s * entries[p] + c * entries[q]
+        return vertcat(*entries)
+
+
+def _turn(a: Expression, b: Expression, product: Expression) -> tuple[Expression, Expression, Expression]:
+    """Cosine and sine of the turn that makes two rows orthogonal and the first the longer one, and what it gains.
+
+    From their squared lengths a and b and their product g: tan 2phi = 2 g / (a - b). Of the two solutions the one is
+    taken that leaves max(a, b) + ``gain`` and min(a, b) - ``gain`` as squared lengths, in this order. Where all of
+    a - b and g are zero nothing turns.
+    """
+    difference = a - b
+    tangent = 2 * product / (fabs(difference) + sqrt(difference**2 + 4 * product**2 + TINY) + TINY)
+    cosine = 1 / sqrt(1 + tangent**2)
+    sine = tangent * cosine
+    ordered = difference >= 0
+    return if_else(ordered, cosine, sine), if_else(ordered, sine, cosine), tangent * product

@@ -1,0 +1,129 @@
+"""The search in C does what the search in Python does, to the last bit, and hands back what it cannot do."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import jtik
+from jtik_formulations import Damped, JointCentering
+
+from ..conftest import dh_arm, planar
+
+ARM = dh_arm(7, 3, limit=1.5)
+
+
+def pair(robot=ARM, kind="pose", strategy="damped", **options):
+    """Two solvers with the same compiled step, one of them without its search in C."""
+    native, plain = (
+        jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), strategy=strategy, compiled=True, **options)
+        for _ in range(2)
+    )
+    assert native._search.native is not None
+    plain._search.native = None
+    return native, plain
+
+
+def same(a, b):
+    assert np.array_equal(a.q, b.q)
+    for name in ("status", "converged", "iterations", "escapes", "restarts", "position_error", "orientation_error"):
+        assert getattr(a, name) == getattr(b, name)
+
+
+@pytest.mark.parametrize("strategy", ["damped", "hybrid", Damped(backtracking=False)], ids=str)
+@pytest.mark.parametrize("restarts", [0, 3, 100])
+def test_every_target_ends_the_same(strategy, restarts, rng):
+    native, plain = pair(strategy=strategy)
+    for _ in range(40):
+        target, q0 = ARM.pose(ARM.random_configuration(rng)), ARM.random_configuration(rng)
+        options = {"q0": q0, "restarts": restarts, "seed": 4, "max_iterations": 300}
+        same(native.solve(target, **options), plain.solve(target, **options))
+
+
+def test_with_a_criterion_too(rng):
+    native, plain = pair(criteria=JointCentering(), strategy="hybrid")
+    for _ in range(10):
+        target = ARM.pose(ARM.random_configuration(rng))
+        same(native.solve(target, restarts=20), plain.solve(target, restarts=20))
+
+
+def test_what_needs_a_second_order_step_is_handed_back():
+    native, plain = pair(planar(4), "position", "hybrid")
+    for restarts in (0, 5):
+        solution = native.solve([2.0, 0.0], q0=np.zeros(4), restarts=restarts)
+        assert (solution.converged, solution.escapes) == (True, 1)
+        same(solution, plain.solve([2.0, 0.0], q0=np.zeros(4), restarts=restarts))
+
+
+def test_out_of_reach_is_handed_back():
+    native, plain = pair(planar(4), "position", "hybrid")
+    for restarts in (0, 5):
+        solution = native.solve([9.0, 1.0], q0=np.full(4, 0.3), restarts=restarts)
+        assert solution.status is jtik.Status.LOCAL_MINIMUM
+        same(solution, plain.solve([9.0, 1.0], q0=np.full(4, 0.3), restarts=restarts))
+
+
+def test_limits_of_iterations_hold():
+    native, plain = pair()
+    target = ARM.pose(np.full(7, 0.8))
+    for limit in (0, 1, 2, 5):
+        options = {"q0": np.full(7, -0.5), "max_iterations": limit}
+        same(native.solve(target, **options), plain.solve(target, **options))
+        same(native.solve(target, restarts=2, **options), plain.solve(target, restarts=2, **options))
+
+
+def test_patience_does_not_outlive_a_search():
+    native, _ = pair()
+    native.solve(ARM.pose(np.full(7, 0.8)), restarts=30)
+    assert native._settings[4] == np.inf
+
+
+def test_live_numbers_are_read_where_they_are():
+    native, _ = pair(planar(3), "position", "hybrid", criteria=JointCentering())
+    target, q0 = [1.5, 1.5], [0.3, 0.4, 0.5]
+    first = native.solve(target, q0=q0)
+    native.parameters["joint_centering.preferred"] = [1.0, -1.0, 1.0]
+    moved = native.solve(target, q0=q0)
+    assert np.abs(moved.q - first.q).max() > 1e-2
+    assert first.cost != moved.cost
+    assert native.solve(target, q0=q0, position_tolerance=1e-3).iterations <= moved.iterations
+
+
+@pytest.mark.parametrize("each", [False, True], ids=["one start", "a start each"])
+def test_a_batch_in_one_call_is_the_same_as_solving_one_by_one(each, rng):
+    native, plain = pair()
+    targets = [ARM.pose(ARM.random_configuration(rng)) for _ in range(20)]
+    lost = np.eye(4)
+    lost[:3, 3] = 50.0
+    targets.insert(7, lost)  # handed back
+    starts = np.array([ARM.random_configuration(rng) for _ in targets])
+    batch = native.solve_batch(targets, q0=starts if each else starts[0], restarts=10)
+    for i, target in enumerate(targets):
+        same(batch[i], plain.solve(target, q0=starts[i if each else 0], restarts=10))
+    assert batch.position_error == pytest.approx([s.position_error for s in batch], abs=1e-14)
+    assert (batch.seconds > 0).all()
+    watched = native.solve_batch(targets, q0=starts if each else starts[0], restarts=10, progress=lambda *_: None)
+    assert np.array_equal(watched.q, batch.q)
+
+
+def test_asked_again_it_is_quicker_and_the_same(rng):
+    """From the second solve with the same options on, nothing is looked at that cannot have changed."""
+    native, plain = pair(strategy=Damped(backtracking=False))
+    first = ARM.pose(ARM.random_configuration(rng))
+    for options in ({"restarts": 20}, {"restarts": 0}, {"restarts": 20, "position_tolerance": 1e-3}):
+        native.solve(first, **options)
+        for _ in range(15):
+            target, q0 = ARM.pose(ARM.random_configuration(rng)), ARM.random_configuration(rng)
+            same(native.solve(target, q0=q0, **options), plain.solve(target, q0=q0, **options))
+            same(native.solve(target, **options), plain.solve(target, **options))
+            traced = native.solve(target, q0=q0, trace=True, **options)
+            assert traced.trace is not None
+    with pytest.raises(jtik.ArgumentError, match=r"q0.*nan"):
+        native.solve(first, q0=np.full(7, np.nan), **options)
+    with pytest.raises(jtik.ArgumentError, match="q0"):
+        native.solve(first, q0=np.zeros(6), **options)
+    with pytest.raises(jtik.ArgumentError, match="target"):
+        native.solve(np.eye(3), **options)
+    kept = native.solve(first, **options)
+    native.solve(ARM.pose(np.zeros(7)), **options)
+    assert kept.position_error <= 1e-3  # its own target's

@@ -1,0 +1,197 @@
+"""Singular stalls: a straight or folded arm whose target lies on its own line gets away; a closest posture stays."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import jtik
+from jtik_formulations import JointCentering, ObstacleAvoidance
+
+from ..conftest import dh_arm, planar, planar_points
+
+STRATEGIES = sorted(jtik.strategies)
+STRAIGHT = np.zeros(4)
+FOLDED = np.array([0.0, np.pi, 0.0, 0.0])
+"""One link out, three back: the tip is at (-2, 0)."""
+
+
+def solve(q0, target, strategy="hybrid", **options):
+    criteria = options.pop("criteria", None)
+    robot = options.pop("robot", planar(len(q0)))
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask(), strategy=strategy, criteria=criteria)
+    return ik.solve(target, q0=q0, max_iterations=5000, position_tolerance=1e-4, **options)
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("r", [0.5, 2.0, 3.5, 3.999, -1.5])
+@pytest.mark.parametrize("turn", [0.0, 0.7])
+def test_a_straight_arm_reaches_a_target_on_its_own_line(strategy, r, turn):
+    q0 = np.array([turn, 0.0, 0.0, 0.0])
+    target = r * np.array([np.cos(turn), np.sin(turn)])
+    solution = solve(q0, target, strategy)
+    assert solution.converged
+    assert planar_points(solution.q)[-1] == pytest.approx(target, abs=1e-4)
+    if turn == 0.0:  # otherwise rounding bends the arm
+        assert solution.escapes >= 1
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("x", [-3.5, -1.0, 1.0])
+def test_a_folded_arm_reaches_a_target_on_its_own_line(strategy, x):
+    solution = solve(FOLDED, (x, 0.0), strategy)
+    assert solution.converged
+    assert planar_points(solution.q)[-1] == pytest.approx((x, 0), abs=1e-4)
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+def test_the_way_out_is_always_the_same(strategy):
+    first, again = (solve(STRAIGHT, (2.0, 0.0), strategy, trace=True) for _ in range(2))
+    assert first.q.tolist() == again.q.tolist()
+    assert first.trace.q.tolist() == again.trace.q.tolist()
+
+
+def test_the_trace_and_the_text_show_it():
+    solution = solve(STRAIGHT, (2.0, 0.0), trace=True)
+    assert f"escapes     {solution.escapes}" in repr(solution)
+    assert solution.trace.escaped.sum() == solution.escapes == 1
+    assert solution.trace.q[0].tolist() == STRAIGHT.tolist()  # the start is in the trace
+    assert len(solution.trace) == solution.iterations
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+def test_V_falls_in_an_escape_too(strategy):
+    V = solve(STRAIGHT, (2.0, 0.0), strategy, trace=True).trace.V
+    assert (np.diff(V) <= 0).all()
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+def test_a_criterion_that_does_not_free_the_arm_does_not_keep_it_there(strategy):
+    """Springs to zero angles, and obstacles on the arm's own line, pull a straight arm nowhere."""
+    collinear = JointCentering() + 0.1 * ObstacleAvoidance(jtik.Point((6.0, 0.0)))
+    solution = solve(STRAIGHT, (2.0, 0.0), strategy, criteria=collinear, until="reached")
+    assert solution.converged
+    assert solution.escapes >= 1
+
+
+def test_the_criterion_chooses_the_side():
+    for side in (1.0, -1.0):
+        solution = solve(STRAIGHT, (2.0, 0.0), criteria=JointCentering(preferred=side * np.array([0.5, -0.3, -0.3, 0])))
+        assert np.sign(solution.q[0]) == side
+
+
+def test_a_step_escapes_too():
+    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask())
+    step = ik.step(STRAIGHT, (2.0, 0.0))
+    assert step.escaped
+    q = step.q
+    assert planar_points(q)[-1] != pytest.approx((4, 0), abs=1e-3)
+    assert step.position_error == pytest.approx(np.linalg.norm(planar_points(q)[-1] - (2, 0)), abs=1e-12)
+    for _ in range(30):
+        q = ik.step(q, (2.0, 0.0)).q
+    assert planar_points(q)[-1] == pytest.approx((2, 0), abs=1e-6)
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+def test_limits_are_kept_in_an_escape(strategy):
+    robot = jtik.Robot.planar(4, lower=[-0.1, -2, 0, -2], upper=[2, 2, 2, 0])
+    solution = solve(STRAIGHT, (2.0, 0.0), strategy, robot=robot, trace=True)
+    assert solution.converged
+    assert (solution.trace.q >= robot.lower).all()
+    assert (solution.trace.q <= robot.upper).all()
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+def test_limits_on_one_side_leave_the_other(strategy):
+    """Every joint stands at a limit, but may move off it: the arm is not held, it is only straight."""
+    robot = jtik.Robot.planar(3, lower=[-2.0, 0.0, 0.0], upper=[2.0, 2.0, 2.0])
+    solution = solve(np.zeros(3), (1.5, 0.0), strategy, robot=robot)
+    assert solution.converged
+
+
+def test_a_spatial_arm_gets_out_of_its_outstretched_pose():
+    half = np.pi / 2
+    robot = jtik.Robot.from_dh([(0, half, 0, 0), (0.5, 0, 0, 0), (0.5, 0, 0, 0)])
+    solution = solve(np.zeros(3), (0.4, 0.0, 0.0), robot=robot)
+    assert solution.converged
+    assert solution.escapes >= 1
+
+
+class TestOutOfReach:
+    @pytest.mark.parametrize("criteria", [None, JointCentering(), ObstacleAvoidance(jtik.Circle((4.0, 3.0), 0.5))])
+    @pytest.mark.parametrize("angle", [0.0, 1.0])
+    def test_the_arm_stretches_towards_the_target_and_says_why_it_stops(self, criteria, angle, rng):
+        ik = jtik.InverseKinematics(planar(10), jtik.FrameTask(), criteria=criteria)
+        target = 10.5 * np.array([np.cos(angle), np.sin(angle)])
+        for q0 in (rng.uniform(-0.5, 0.5, 10), rng.uniform(-1, 1, 10)):
+            solution = ik.solve(target, q0=q0)
+            assert solution.status is jtik.Status.LOCAL_MINIMUM
+            assert solution.position_error == pytest.approx(0.5, abs=1e-4)
+            assert not solution.converged
+            assert "out of reach, or a local minimum" in repr(solution)
+
+    @pytest.mark.parametrize("strategy", STRATEGIES)
+    def test_a_straight_arm_with_its_target_beyond_stays(self, strategy):
+        solution = solve(np.zeros(3), (3.5, 0.0), strategy)
+        assert solution.status is jtik.Status.LOCAL_MINIMUM
+        assert solution.escapes == 0
+        assert solution.q.tolist() == [0, 0, 0]
+
+    @pytest.mark.parametrize("strategy", STRATEGIES)
+    def test_a_single_link_turns_to_where_its_target_is(self, strategy):
+        solution = solve(np.zeros(1), (-2.0, 0.0), strategy)
+        # with little damping at the closest posture every step is many times too long, and halving it creeps there
+        creeps = strategy in ("damped_constant", "nakamura")
+        creeping = (jtik.Status.STALLED, jtik.Status.ITERATION_LIMIT) if creeps else ()
+        assert solution.status in (jtik.Status.LOCAL_MINIMUM, *creeping)
+        assert solution.position_error == pytest.approx(1.0, abs=1e-3 if creeps else 1e-6)
+
+    def test_too_near_is_out_of_reach_as_well(self):
+        """A long and a short link cannot reach the base."""
+        robot = jtik.Robot.planar([2.0, 0.5])
+        solution = solve(np.array([0.3, 0.8]), (0.5, 0.0), robot=robot)
+        assert solution.status is jtik.Status.LOCAL_MINIMUM
+        assert solution.position_error == pytest.approx(1.0, abs=1e-4)
+
+    def test_a_pose_out_of_reach_is_as_near_as_an_optimiser_comes(self, rng):
+        from scipy.optimize import least_squares
+
+        robot = dh_arm(6, 4)
+        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose"))
+        for _ in range(3):
+            q0 = robot.random_configuration(rng)
+            target = robot.pose(robot.integrate(q0, rng.uniform(-0.2, 0.2, 6)))
+            target[:3, 3] += 2.0
+            solution = ik.solve(target, q0=q0)
+            assert solution.status is jtik.Status.LOCAL_MINIMUM
+
+            def error(q, t=target):
+                return ik.solve(t, q0=q, max_iterations=0).error
+
+            better = least_squares(error, solution.q, xtol=1e-14, ftol=1e-14, gtol=1e-12)
+            assert np.linalg.norm(solution.error) <= np.linalg.norm(better.fun) + 1e-6
+
+
+def test_a_saddle_that_limits_make_inescapable_is_called_singular():
+    """Room for 1e-8 rad is room, but none that brings the tip nearer by more than rounding."""
+    robot = jtik.Robot.planar(3, lower=-1e-8, upper=1e-8)
+    solution = solve(np.zeros(3), (1.0, 0.0), robot=robot)
+    assert solution.status is jtik.Status.SINGULAR
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_way_out_keeps_clear_of_obstacles(side):
+    """A row of circles beside the arm: the first second-order step that lowers V would sweep through them."""
+    field = [jtik.Circle((x, 0.25 * side), 0.15) for x in (0.5, 1.5, 2.5, 3.5)]
+    clearance = jtik.Clearance(ObstacleAvoidance(field, bodies="links"), safe=0.05)
+    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(), strategy="hybrid+qp", clearances=clearance)
+    trace = ik.solve((2.0, 0.0), q0=STRAIGHT, max_iterations=40, trace=True).trace
+    assert trace.escaped.any()
+    for start, end in zip(trace.q[:-1], trace.q[1:], strict=True):
+        for share in np.linspace(0, 1, 9):
+            points = np.vstack([[0.0, 0.0], planar_points(start + share * (end - start))])
+            for circle in field:
+                along = np.diff(points, axis=0)
+                part = np.clip(((circle.center - points[:-1]) * along).sum(1), 0, 1)
+                nearest = points[:-1] + part[:, None] * along
+                assert np.linalg.norm(nearest - circle.center, axis=1).min() - circle.radius >= 0.05 - 1e-9

@@ -1,0 +1,367 @@
+"""Clearances as hard constraints: kept all along every accepted step, live, and told of when they hold a solve."""
+
+from __future__ import annotations
+
+import math
+import pickle
+
+import numpy as np
+import pytest
+
+import jtik
+from jtik.constraints.clearance import travels
+from jtik_formulations import JointCentering, ObstacleAvoidance
+
+from ..conftest import dh_arm, planar, planar_points
+
+FIELD = [jtik.Circle((2.0, 1.2), 0.4), jtik.Circle((3.2, -0.8), 0.5), jtik.Circle((1.0, -1.5), 0.4)]
+SAFE = 0.05
+ROUNDING = 1e-9
+
+
+def gaps(q, field=FIELD):
+    """Distance of each link to each circle, by the closest point of its segment."""
+    points = np.vstack([[0.0, 0.0], planar_points(q)])
+    a, along = points[:-1, None], np.diff(points, axis=0)[:, None]
+    centers, radii = np.array([c.center for c in field]), np.array([c.radius for c in field])
+    share = np.clip(((centers - a) * along).sum(-1) / (along**2).sum(-1), 0, 1)
+    return np.linalg.norm(a + share[..., None] * along - centers, axis=-1) - radii
+
+
+def swept(trace):
+    """The least gap along the straight joint-space way between the iterates of a trace."""
+    least = math.inf
+    for start, end in zip(trace.q[:-1], trace.q[1:], strict=True):
+        if not np.array_equal(start, end):
+            least = min(least, *[gaps(start + share * (end - start)).min() for share in np.linspace(0, 1, 15)])
+    return least
+
+
+def solver(robot, strategy="hybrid+qp", criteria=None, bodies="links", field=FIELD, **options):
+    clearance = jtik.Clearance(ObstacleAvoidance(field, bodies=bodies), safe=SAFE, **options)
+    return jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=criteria, strategy=strategy, clearances=clearance)
+
+
+@pytest.fixture(scope="module")
+def problems():
+    """Starts and targets of a five-link arm, both clear."""
+    rng, found = np.random.default_rng(3), []
+    while len(found) < 5:
+        q, p = rng.uniform(-1.5, 1.5, (2, 5))
+        if min(gaps(q).min(), gaps(p).min()) > SAFE + 0.02:
+            found.append((q, planar_points(p)[-1]))
+    return found
+
+
+@pytest.mark.parametrize("strategy", ["hybrid+qp", "newton+qp", "transpose+qp", "damped+qp"])
+@pytest.mark.parametrize("criteria", [None, JointCentering()], ids=["alone", "centring"])
+def test_no_accepted_step_comes_nearer_than_safe(strategy, criteria, problems):
+    ik, plain = (
+        solver(planar(5), strategy, criteria),
+        solver(planar(5), strategy, criteria, field=[jtik.Circle((90.0, 0.0))]),
+    )
+    through, reached = 0, 0
+    for q, target in problems:
+        solution = ik.solve(target, q0=q, max_iterations=250, trace=True)
+        assert swept(solution.trace) >= SAFE - ROUNDING
+        assert gaps(solution.q).min() >= SAFE - ROUNDING
+        reached += solution.position_error <= 1e-6
+        through += swept(plain.solve(target, q0=q, max_iterations=250, trace=True).trace) < SAFE
+    assert through >= 2  # without, several go through: the problems ask for it
+    assert reached >= 2
+
+
+def test_the_way_is_proven_between_samples_too():
+    """A thin obstacle that lies between the ends of a long step: the ends alone would say it is clear."""
+    ik = jtik.InverseKinematics(
+        planar(1),
+        jtik.FrameTask(),
+        strategy="hybrid+qp",
+        clearances=jtik.Clearance(ObstacleAvoidance(jtik.Point((0.98, 0.2)), bodies="links"), safe=0.01),
+    )
+    solution = ik.solve([math.cos(0.5), math.sin(0.5)], q0=[0.0], trace=True)
+    assert solution.status is jtik.Status.BLOCKED
+    assert solution.q[0] < math.atan2(0.2, 0.98)
+    assert gaps(solution.q, [jtik.Circle((0.98, 0.2))]).min() >= 0.01 - ROUNDING
+
+
+class TenLinks:
+    """A solver for ten links and four circles that are live parameters, and scenes for it."""
+
+    def __init__(self, strategy, criteria, bodies):
+        field = [jtik.Circle((30.0 + i, 0.0), 0.5) for i in range(4)]
+        self.ik = solver(planar(10), strategy, criteria, bodies, field)
+        self.bodies = bodies
+
+    def solve(self, scene, **options):
+        q, target, self.centers, self.radii = scene
+        self.ik.parameters["clearance.centers"] = self.centers
+        self.ik.parameters["clearance.radii"] = self.radii
+        return self.ik.solve(target, q0=q, trace=True, **options)
+
+    def gaps(self, q):
+        """Of each body to each circle."""
+        return gaps_of(q, self.centers, self.radii, self.bodies)
+
+    def ways(self, trace):
+        """Gaps along the straight joint-space ways of the accepted steps, (steps, places, bodies, circles)."""
+        start, end = trace.q[:-1, None], trace.q[1:, None]
+        moved = (start != end).any(axis=(1, 2))
+        return self.gaps((start + np.linspace(0, 1, 9)[:, None] * (end - start))[moved])
+
+
+def gaps_of(q, centers, radii, bodies):
+    """As `gaps`, of joints or links, and for any number of configurations (..., n)."""
+    angles = np.cumsum(q, axis=-1)
+    points = np.stack([np.cumsum(np.cos(angles), -1), np.cumsum(np.sin(angles), -1)], -1)
+    if bodies == "joints":
+        return np.linalg.norm(points[..., None, :] - centers, axis=-1) - radii
+    a = np.concatenate([0 * points[..., :1, :], points[..., :-1, :]], axis=-2)[..., None, :]
+    along = points[..., None, :] - a
+    share = np.clip(((centers - a) * along).sum(-1) / (along**2).sum(-1), 0, 1)
+    return np.linalg.norm(a + share[..., None] * along - centers, axis=-1) - radii
+
+
+def scenes(count, bodies, least, most=math.inf, seed=5):
+    """(q, target, centres, radii): the start's least gap is between the two, the target can be reached clear."""
+    rng, found = np.random.default_rng(seed), []
+    while len(found) < count:
+        q, p = rng.uniform(-0.8, 0.8, (2, 10))
+        centers, radii = rng.uniform(-6, 6, (4, 2)), rng.uniform(0.3, 0.8, 4)
+        q[0], p[0] = 3 * q[0], 3 * p[0]
+        there = gaps_of(p, centers, radii, bodies).min() > SAFE + 0.03
+        if there and least < gaps_of(q, centers, radii, bodies).min() < most:
+            found.append((q, planar_points(p)[-1], centers, radii))
+    return found
+
+
+@pytest.mark.parametrize(("bodies", "criteria"), [("joints", JointCentering()), ("links", None)], ids=str)
+@pytest.mark.parametrize("strategy", ["weighted_qp", "lexicographic_qp"])
+def test_programs_that_answer_all_at_once_keep_clear_too(strategy, criteria, bodies):
+    ten, reached = TenLinks(strategy, criteria, bodies), 0
+    for scene in scenes(20, bodies, SAFE + 0.02):
+        solution = ten.solve(scene, max_iterations=100)
+        assert solution.status is not jtik.Status.UNSOLVED
+        assert ten.ways(solution.trace).min(initial=1.0) >= SAFE - ROUNDING
+        reached += solution.position_error < 0.01
+    assert reached >= 5
+
+
+def test_two_levels_keep_clear_and_tell_which_is_missed():
+    """The tip can go where it shall, the elbow cannot: a circle is in the way."""
+    arm, q = planar(5), np.array([0.4, 0.3, -0.5, -0.4, 0.3])
+    points = planar_points(q)
+    tasks = [
+        jtik.FrameTask("tip", name="tip", priority=0),
+        jtik.FrameTask("link3", name="elbow", priority=1),
+    ]
+    centre = points[1] + [0.0, 0.6]
+    circle = jtik.Clearance(ObstacleAvoidance(jtik.Circle(centre, 0.5), bodies="joints"), safe=SAFE)
+    ik = jtik.InverseKinematics(arm, tasks, strategy="lexicographic_qp", clearances=circle)
+    solution = ik.solve({"tip": points[-1], "elbow": centre}, q0=q, trace=True)
+    assert min(gaps_of(at, centre, 0.5, "joints").min() for at in solution.trace.q) >= SAFE - ROUNDING
+    assert np.linalg.norm(planar_points(solution.q)[-1] - points[-1]) <= 1e-4
+    missed = {each.name: each for each in solution.gave_way}
+    assert set(missed) == {"level 1"}
+    assert missed["level 1"].amount == pytest.approx(solution.position_error, rel=0.1)
+
+
+RECOVERING = ["hybrid+qp", "newton+qp", "weighted_qp", "lexicographic_qp"]
+
+
+@pytest.mark.parametrize("strategy", RECOVERING)
+def test_what_starts_too_near_is_moved_out_and_comes_no_nearer_on_the_way(strategy):
+    ten = TenLinks(strategy, None, "links")
+    for scene in scenes(20, "links", 0.0, SAFE):
+        solution = ten.solve(scene, max_iterations=100)
+        assert solution.status is not jtik.Status.UNSOLVED
+        assert ten.gaps(solution.q).min() >= SAFE - ROUNDING
+        ways = ten.ways(solution.trace)
+        floor = np.minimum(ways[:, :1], SAFE)  # of each pair: what is too near comes no nearer, nothing else gets so
+        assert (ways - floor).min() >= -1e-8
+
+
+@pytest.mark.parametrize("strategy", RECOVERING)
+def test_recovery_at_the_target_does_not_lose_it(strategy):
+    """On target, and too near: the body is moved out by what the task leaves free; until then it is not done."""
+    arm, q = planar(6), np.array([0.4, 0.3, -0.5, -0.4, 0.3, 0.2])
+    points = planar_points(q)
+    near = jtik.Circle(points[2] + [0.0, 0.32], 0.3)
+    ik = solver(arm, strategy, bodies="joints", field=[near])
+    solution = ik.solve(points[-1], q0=q)
+    assert solution.status is jtik.Status.CONVERGED
+    assert solution.iterations > 0
+    assert np.linalg.norm(planar_points(solution.q) - near.center, axis=1).min() >= 0.3 + SAFE - 2e-6
+    reached = ik.solve(points[-1], q0=q, until="reached")
+    assert reached.iterations == 0
+
+
+def test_as_fast_as_the_barrier_form_says():
+    """One joint, alone with one circle: half of what lacks of safe + margin, in a step that nothing else hinders."""
+    arm, q = planar(3), np.array([0.4, 0.5, 0.3])
+    points = planar_points(q)
+    ik = solver(arm, "weighted_qp", bodies="joints", field=[jtik.Circle(points[0] + [0.0, 0.32], 0.3)])
+    program = ik.build(q, points[-1])
+    lacking = SAFE + 0.01 - 0.02
+    demanded = -program.h[program.h < 0]
+    assert demanded == pytest.approx([0.5 * lacking], rel=1e-3)
+
+
+@pytest.mark.parametrize("criteria", [None, JointCentering()], ids=["alone", "centring"])
+@pytest.mark.parametrize("strategy", ["hybrid+qp", "transpose+qp", "weighted_qp", "lexicographic_qp"])
+def test_contradictory_clearances_have_a_status_and_are_named(strategy, criteria):
+    """A joint between two circles that leave no room for it, the way out closed: it cannot have both clearances."""
+    arm, q = planar(5), np.array([0.3, -0.5, 0.4, 0.6, -0.3])
+    points = planar_points(q)
+    field = [jtik.Circle(points[1] + [0.0, side * 0.43], 0.4) for side in (-1, 1)]
+    ik = solver(arm, strategy, criteria, "joints", field)
+    solution = ik.solve(points[-1] + [0.05, 0.1], q0=q, max_iterations=300)
+    assert solution.status in (jtik.Status.BLOCKED, jtik.Status.ITERATION_LIMIT)
+    told = {each.name: each for each in solution.gave_way}
+    for i, circle in enumerate(field):
+        gap = np.linalg.norm(planar_points(solution.q)[1] - circle.center) - 0.4
+        assert gap >= 0.03 - ROUNDING
+        entry = told[f"clearance: link3 to obstacle {i}"]
+        assert (entry.amount, entry.unit) == (pytest.approx(SAFE + 0.01 - gap), "m")
+    assert "gave way" in repr(solution)
+
+
+def test_the_share_of_the_task_is_told(problems):
+    ik = jtik.InverseKinematics(
+        planar(1),
+        jtik.FrameTask(),
+        strategy="hybrid+qp",
+        clearances=jtik.Clearance(ObstacleAvoidance(jtik.Point((0.98, 0.2)), bodies="links"), safe=0.01),
+    )
+    solution = ik.solve([math.cos(0.5), math.sin(0.5)], q0=[0.0], trace=True)
+    [entry] = solution.gave_way
+    assert (entry.name, entry.unit) == ("task step", "share")
+    assert entry.amount > 0.9
+    assert str(entry) == "task step by 100 %"
+    assert solution.trace.task_share[0] > 0.1 > solution.trace.task_share[-1]
+    assert solution.trace.too_near.max() < 0.01
+    assert pickle.loads(pickle.dumps(solution)).gave_way == solution.gave_way
+
+
+def test_nothing_gives_way_where_everything_can_be_had(problems):
+    q, target = problems[0]
+    ik = solver(planar(5), field=[jtik.Circle((90.0, 0.0))])
+    solution = ik.solve(target, q0=q)
+    assert solution.gave_way == ()
+    assert "gave way" not in repr(solution)
+    plain = jtik.InverseKinematics(planar(5), jtik.FrameTask()).solve(target, q0=q)
+    assert plain.gave_way == ()
+
+
+def test_without_recovery_it_only_comes_no_nearer(problems):
+    q, target = problems[0]
+    near = jtik.Circle(planar_points(q)[2] + (0.0, 0.31), 0.3)
+    ik = solver(planar(5), field=[near], recover=False)
+    assert "recovery" not in [call.call.name for call in ik._runner.fused.parts.preparations]
+    least = [gaps(p, [near]).min() for p in ik.solve(target, q0=q, trace=True, max_iterations=200).trace.q]
+    assert min(least) >= gaps(q, [near]).min() - 1e-6
+
+
+@pytest.mark.parametrize("backend", ["osqp", jtik.qp.Foreign("daqp"), jtik.qp.PersistentOSQP()], ids=str)
+def test_any_solver_makes_room(backend):
+    arm, q = planar(5), np.array([0.4, 0.3, -0.5, -0.4, 0.3])
+    points = planar_points(q)
+    near = jtik.Circle(points[2] + [0.0, 0.32], 0.3)
+    clearance = jtik.Clearance(ObstacleAvoidance(near, bodies="joints"), safe=SAFE)
+    ik = jtik.InverseKinematics(arm, jtik.FrameTask(), strategy="newton+qp", clearances=clearance, solver=backend)
+    solution = ik.solve(points[-1] - [0.3, 0.3], q0=q, max_iterations=200)
+    assert np.linalg.norm(planar_points(solution.q) - near.center, axis=1).min() >= 0.3 + SAFE - 1e-3
+
+
+def test_what_starts_too_near_comes_no_nearer(problems):
+    q, target = problems[0]
+    near = jtik.Circle(planar_points(q)[2] + (0.0, 0.31), 0.3)  # 0.01 off a joint, or less off a link
+    start = gaps(q, [near]).min()
+    assert start < SAFE
+    ik = solver(planar(5), field=[near])
+    trace = ik.solve(target, q0=q, trace=True, max_iterations=200).trace
+    least = [gaps(p, [near]).min() for p in trace.q]
+    assert min(least) >= start - 1e-6
+
+
+def test_live_parameters(problems):
+    q, target = problems[0]
+    ik = solver(planar(5))
+    ik.parameters["clearance.centers"] = np.full((3, 2), 50.0)
+    far = ik.solve(target, q0=q)
+    assert far.position_error <= 1e-6
+    ik.parameters["clearance.centers"] = [circle.center for circle in FIELD]
+    ik.parameters["clearance.safe"] = 0.09
+    assert gaps(ik.solve(target, q0=q).q).min() >= min(0.09, gaps(q).min()) - ROUNDING
+
+
+def test_the_barrier_form_keeps_clear_from_any_distance(problems):
+    q, target = problems[1]
+    trace = solver(planar(5), influence=math.inf).solve(target, q0=q, max_iterations=300, trace=True).trace
+    assert swept(trace) >= SAFE - ROUNDING
+
+
+def test_limits_and_clearances_together(problems):
+    robot = planar(5, lower=-1.5, upper=1.5)
+    ik = solver(robot, criteria=JointCentering())
+    for q, target in problems[:4]:
+        trace = ik.solve(target, q0=q, max_iterations=300, trace=True).trace
+        assert swept(trace) >= SAFE - ROUNDING
+        assert np.abs(trace.q).max() <= 1.5
+
+
+def test_rows_name_what_they_are(problems):
+    q, target = problems[0]
+    ik = solver(planar(5))
+    problem = ik.build(q, target)
+    assert problem.P.shape == (6, 6)  # five joints, and the share of the task step, in a unit of its own
+    assert (problem.lb[-1], problem.P[-1, -1]) == (0, 1)
+    room = ik.build(q, target, program="recovery")
+    assert room.P.shape == (5, 5)
+
+
+def test_travel_bounds_hold(rng):
+    """No point of the body moves farther, for a unit of one joint, than its bound."""
+    for robot in (planar(4), dh_arm(6, 1), jtik.Robot.vehicle(2, vehicle_lower=-1, vehicle_upper=1)):
+        bound = travels(robot)
+        for _ in range(20):
+            q = robot.random_configuration(rng)
+            for frame in robot.frame_names:
+                moved = np.linalg.norm(robot.jacobian(q, frame)[:3], axis=0)
+                assert (moved <= bound + 1e-9).all()
+
+
+class TestRefusals:
+    @pytest.mark.parametrize("strategy", ["hybrid", "sns_qp", "mink", "newton+second_order"])
+    def test_a_strategy_without_rows_for_them(self, strategy):
+        with pytest.raises(jtik.ArgumentError, match="clearances.*'lexicographic_qp', 'weighted_qp'.*'hybrid\\+qp'"):
+            solver(planar(3), strategy)
+
+    def test_two_of_one_name(self):
+        one = jtik.Clearance(ObstacleAvoidance(FIELD))
+        with pytest.raises(jtik.ArgumentError, match="name"):
+            jtik.InverseKinematics(planar(3), jtik.FrameTask(), strategy="hybrid+qp", clearances=[one, one])
+
+    def test_what_is_no_clearance(self):
+        with pytest.raises(jtik.ArgumentError, match="clearances"):
+            jtik.InverseKinematics(planar(3), jtik.FrameTask(), strategy="hybrid+qp", clearances=[3.0])
+
+    @pytest.mark.parametrize(
+        ("options", "named"),
+        [
+            ({"safe": -0.1}, "safe"),
+            ({"safe": np.nan}, "safe"),
+            ({"influence": 0.01}, "influence"),
+            ({"gain": 0.0}, "gain"),
+            ({"gain": 1.5}, "gain"),
+            ({"margin": 0.0}, "margin"),
+            ({"recover": "soon"}, "recover"),
+        ],
+    )
+    def test_values(self, options, named):
+        with pytest.raises(jtik.ArgumentError, match=named):
+            jtik.Clearance(ObstacleAvoidance(FIELD), **options)
+
+    def test_a_measure_without_distances(self):
+        with pytest.raises(jtik.ArgumentError, match="measure"):
+            jtik.Clearance(JointCentering())

@@ -1,0 +1,97 @@
+"""Which joints a solver moves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import jtik
+from jtik.robot import Joint, JointType, Mass, Mimic, Robot
+from jtik_formulations import JointCentering
+
+from ..conftest import planar
+
+
+def shift(x, y=0.0):
+    pose = np.eye(4)
+    pose[:2, 3] = x, y
+    return pose
+
+
+@pytest.fixture(scope="module")
+def gripper():
+    """Three links, and on the last a finger and one that follows it."""
+    arm = planar(3).joints
+    fingers = [
+        Joint("finger", JointType.HINGE, "tip", "finger", origin=shift(0, 0.1), lower=0.0, upper=1.0),
+        Joint("other", JointType.HINGE, "tip", "other", origin=shift(0, -0.1), mimic=Mimic("finger", -1.0)),
+    ]
+    return Robot([*arm, *fingers], planar=True, tip="tip", masses={"link1": Mass(1.0), "other": Mass(0.5, [0.1, 0, 0])})
+
+
+def test_fingers_are_no_part_of_an_arms_solution(gripper):
+    ik = jtik.InverseKinematics(gripper, jtik.FrameTask(), criteria=JointCentering())
+    solution = ik.solve([1.5, 1.0], q0=[0.3, 0.4, 0.5])
+    assert ik.robot.joint_names == ("joint1", "joint2", "joint3")
+    assert solution.q.shape == (3,)
+    assert solution.converged
+
+
+def test_the_others_stay_where_they_are(gripper):
+    ik = jtik.InverseKinematics(gripper, jtik.FrameTask(), at=[0, 0, 0, 0.7])
+    whole = ik.whole(ik.solve([1.5, 1.0], q0=[0.3, 0.4, 0.5]).q)
+    assert whole[3] == 0.7
+    assert gripper.position(whole, "tip") == pytest.approx([1.5, 1.0], abs=1e-6)
+    assert ik.robot.position(whole[:3], "other") == pytest.approx(gripper.position(whole, "other"))
+
+
+def test_a_follower_moves_its_leader(gripper):
+    ik = jtik.InverseKinematics(gripper, jtik.FrameTask("other", "pose"))
+    assert ik.robot is gripper
+
+
+def test_a_joint_counts_if_it_moves_the_frame_though_not_its_origin():
+    """The last hinge turns the tip about itself: a position task keeps it, as its user would expect."""
+    robot = Robot([*planar(2).joints, Joint("wrist", JointType.HINGE, "tip", "hand")], planar=True)
+    assert jtik.InverseKinematics(robot, jtik.FrameTask("hand")).robot.n == 3
+
+
+def test_joints_by_name_and_all(gripper):
+    task = jtik.FrameTask()
+    assert jtik.InverseKinematics(gripper, task, joints=["joint2", "joint3"]).robot.joint_names == ("joint2", "joint3")
+    assert jtik.InverseKinematics(gripper, task, joints="all").robot is gripper
+
+
+def test_several_tasks_move_what_each_of_them_moves(gripper):
+    tasks = [jtik.FrameTask("link2"), jtik.FrameTask("finger", "orientation")]
+    assert jtik.InverseKinematics(gripper, tasks).robot is gripper
+    assert jtik.InverseKinematics(gripper, tasks[0]).robot.joint_names == ("joint1", "joint2")
+
+
+def test_a_relative_task_moves_what_lies_between(gripper):
+    ik = jtik.InverseKinematics(gripper, jtik.RelativeFrameTask("finger", "link2", "position"))
+    assert ik.robot.joint_names == ("joint2", "joint3")[1:]
+
+
+def test_the_centre_of_mass_moves_with_whatever_carries_a_mass(gripper):
+    ik = jtik.InverseKinematics(gripper, jtik.CenterOfMassTask())
+    assert ik.robot is gripper
+
+
+def test_a_robot_that_stands_still_is_refused():
+    still = Robot([Joint("mount", JointType.FIXED, "base", "tip", origin=shift(1.0))])
+    with pytest.raises(jtik.ArgumentError, match="robot"):
+        jtik.InverseKinematics(still, jtik.FrameTask())
+
+
+def test_what_leaves_nothing_to_do_is_refused(gripper):
+    with pytest.raises(jtik.ArgumentError, match=r"joints.*finger.*joint1"):
+        jtik.InverseKinematics(gripper, jtik.FrameTask(), joints=["finger"])
+    with pytest.raises(jtik.ArgumentError, match="task"):
+        jtik.InverseKinematics(gripper, jtik.FrameTask("base"))
+    with pytest.raises(jtik.UnknownNameError, match="joint9"):
+        jtik.InverseKinematics(gripper, jtik.FrameTask(), joints=["joint1", "joint9"])
+    with pytest.raises(jtik.ArgumentError, match="at"):
+        jtik.InverseKinematics(gripper, jtik.FrameTask(), at=[0.0])
+    with pytest.raises(jtik.ArgumentError, match=r"q0.*\(3,\)"):
+        jtik.InverseKinematics(gripper, jtik.FrameTask()).solve([1.0, 1.0], q0=np.zeros(4))
