@@ -123,7 +123,7 @@ class Path:
         q, seen = home, []
         for target in 3 * lap:
             seen.append(q)
-            q = ik.track([target], q0=q, dt=DT, until="steady", max_iterations=20).q[0]
+            q = ik.track([target], q0=q, dt=DT, until="stationary", max_iterations=20).q[0]
         return cls(home, seen[-PLACES:], lap)
 
     @classmethod

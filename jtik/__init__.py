@@ -2,7 +2,7 @@
 
 from jtik import problems
 from jtik._loop.batch import SolutionBatch
-from jtik._step.relaxation import GaveWay
+from jtik._step.relaxation import Relaxation
 from jtik.constraints.clearance import Clearance
 from jtik.constraints.limits import Limits
 from jtik.criterion.base import Criterion, CriterionError, CriterionSum, criterion
@@ -41,7 +41,6 @@ __all__ = [
     "CriterionSum",
     "Cylinder",
     "FrameTask",
-    "GaveWay",
     "InverseKinematics",
     "Joint",
     "JointType",
@@ -52,6 +51,7 @@ __all__ = [
     "PluginError",
     "Point",
     "RelativeFrameTask",
+    "Relaxation",
     "Robot",
     "RobotFileError",
     "Solution",

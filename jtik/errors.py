@@ -8,13 +8,10 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array: TypeAlias = NDArray[np.float64]
-"""An array of float64."""
+from jtik.types import Array
 
 
 class JtikError(Exception):

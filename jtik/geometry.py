@@ -8,12 +8,11 @@ from functools import partial
 from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jtik.errors import ArgumentError, finite_array
 from jtik.symbolic import TINY, Expression, dot, fmax, fmin, norm, sumsqr
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 
 class Solid:

@@ -149,10 +149,10 @@ def strategy_of(given: str | Strategy) -> Strategy:
     raise ArgumentError("strategy", given, f"a jtik.Strategy or {names}")
 
 
-def keeping_clear() -> str:
+def supporting_clearances() -> str:
     """Which registered strategies take clearances, as what an error would have accepted."""
-    terms = {name: term() for name, term in secondaries.items() if term().keeps_clear()}
-    alone = [repr(name) for name, law in strategies.items() if law().keeps_clear()]
+    terms = {name: term() for name, term in secondaries.items() if term().supports_clearances()}
+    alone = [repr(name) for name, law in strategies.items() if law().supports_clearances()]
     pairs = [f"'{name}+{term}'" for term in terms for name in strategies if _pairs(name, terms[term])]
     return f"a strategy whose programs have rows for them: {', '.join([*alone, *pairs])}"
 
@@ -162,9 +162,9 @@ def _pairs(name: str, term: SecondaryTerm) -> bool:
     law = strategies[name]
     if "secondary" not in {field.name for field in fields(law) if field.init}:  # type: ignore[arg-type]
         return False
-    if law().keeps_clear():
+    if law().supports_clearances():
         return False
     try:
-        return law(secondary=term).keeps_clear()  # type: ignore[call-arg]
+        return law(secondary=term).supports_clearances()  # type: ignore[call-arg]
     except JtikError:
         return False

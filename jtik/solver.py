@@ -10,23 +10,23 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jtik._loop import native
 from jtik._loop.batch import Entry, SolutionBatch, collect, read_targets
 from jtik._loop.diagnosis import Diagnosis
 from jtik._loop.native import NativeSearch
 from jtik._loop.options import Until, positive, read_request, read_settings
-from jtik._loop.recording import Recorder
+from jtik._loop.recording import TraceRecorder
 from jtik._loop.runner import Runner
-from jtik._loop.saddle_escape import Rescue
+from jtik._loop.saddle_escape import SaddleEscape
 from jtik._loop.search import Found, Request, Search
 from jtik._loop.tracking import follow
 from jtik._step.fused import FusedStep, fused_step
 from jtik._step.inputs import Memory
-from jtik._step.problem import Problem
-from jtik._step.relaxation import GaveWay
+from jtik._step.relaxation import Relaxation
 from jtik._step.stopping import Code, Settings
+from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.clearance import Clearance, clearances_of
 from jtik.constraints.limits import Limits, limits_of
 from jtik.constraints.step_box import StepBox, box_function
@@ -34,7 +34,7 @@ from jtik.criterion.base import Criterion, CriterionSum, CriterionTerms, Paramet
 from jtik.errors import ArgumentError, finite_array
 from jtik.progress import Progress, watched
 from jtik.qp import Backend, as_problem, backend_of
-from jtik.registry import keeping_clear, strategy_of
+from jtik.registry import strategy_of, supporting_clearances
 from jtik.result.report import Report
 from jtik.result.solution import Solution, Status, Step, is_success
 from jtik.result.trajectory import Trajectory
@@ -44,11 +44,10 @@ from jtik.symbolic import Function
 from jtik.symbolic.compile import to_c
 from jtik.task import Task
 from jtik.task.reduction import reduced
+from jtik.types import Array
 
 if TYPE_CHECKING:
     import qpsolvers
-
-Array = NDArray[np.float64]
 
 
 class InverseKinematics:
@@ -110,11 +109,11 @@ class InverseKinematics:
         self._names = [name for name, _, _ in terms.named]
         self._bounds = self.limits.of(robot)
         self._lower, self._upper, bounded = self._bounds.lower, self._bounds.upper, self._bounds.bounded
-        self._problem = Problem(robot, self.tasks, terms, bounded, kept_clear)
+        self._problem = SymbolicProblem(robot, self.tasks, terms, bounded, kept_clear)
         self._backend: Backend | None = None
-        if kept_clear and not self.strategy.keeps_clear():
-            raise ArgumentError("clearances", f"{clearances!r} with strategy={strategy!r}", keeping_clear())
-        if self.strategy.solves_programs(self._problem.has_criterion or bool(kept_clear)):
+        if kept_clear and not self.strategy.supports_clearances():
+            raise ArgumentError("clearances", f"{clearances!r} with strategy={strategy!r}", supporting_clearances())
+        if self.strategy.uses_qp(self._problem.has_criterion or bool(kept_clear)):
             self._backend = backend_of(solver)
         elif solver is not None:
             raise ArgumentError("solver", solver, f"none: {self.strategy!r} solves no program here")
@@ -133,7 +132,7 @@ class InverseKinematics:
         self._witness: Runner | None = None
         self._stepper: Runner | None = None
         self._timed: tuple[Runner, StepBox] | None = None
-        self._rescue = Rescue(self._problem)
+        self._rescue = SaddleEscape(self._problem)
         yields = bool(self._runner.fused.yielding.entries)
         self._diagnosis = Diagnosis(self._problem, self._rescue, self._yielded if yields else None)
         self._search = Search(robot, self._rescue, self._inputs)
@@ -144,7 +143,7 @@ class InverseKinematics:
         names = " + ".join(self._names) or "no criterion"
         return f"InverseKinematics({self.robot!r}, {list(self.tasks.tasks)}, {names}, {self.strategy!r})"
 
-    def whole(self, q: ArrayLike) -> Array:
+    def full_configuration(self, q: ArrayLike) -> Array:
         """The configuration of the robot this solver was given, with its locked joints, for a ``q`` of `robot`."""
         q, whole = self._configuration("q", q), self._locked.copy()
         for joint in self.robot.joint_names:
@@ -162,7 +161,7 @@ class InverseKinematics:
         position_tolerance: float = 1e-6,
         orientation_tolerance: float = 1e-6,
         optimality_tolerance: float = 1e-6,
-        until: Until = "steady",
+        until: Until = "stationary",
         trace: bool = False,
     ) -> Solution:
         """Iterate to the target; always returns a Solution, which says why it stopped.
@@ -177,7 +176,7 @@ class InverseKinematics:
             position_tolerance: norm of the position error to reach [m].
             orientation_tolerance: norm of the orientation error to reach [rad].
             optimality_tolerance: norm of (I - J+ J) dH/dv to reach, relative to max(1, |dH/dv|).
-            until: "steady" goes on until the criterion cannot fall further, "reached" stops on arrival.
+            until: "stationary" goes on until the criterion cannot fall further, "reached" stops on arrival.
             trace: keep every iteration in ``solution.trace``.
 
         Raises:
@@ -193,7 +192,7 @@ class InverseKinematics:
                 return solution
         start = self._configuration("q0", q0)
         request = self._requested(*options)
-        recorder = Recorder(self._recording()) if trace else None
+        recorder = TraceRecorder(self._recording()) if trace else None
         found, status, look = self._found(start, request, recorder)
         return Solution.of(
             q=found.q,
@@ -218,7 +217,7 @@ class InverseKinematics:
         position_tolerance: float = 1e-6,
         orientation_tolerance: float = 1e-6,
         optimality_tolerance: float = 1e-6,
-        until: Until = "steady",
+        until: Until = "stationary",
         progress: Progress = False,
     ) -> SolutionBatch:
         """Solve for many targets, each by itself; the figures of all Solutions as arrays.
@@ -304,7 +303,7 @@ class InverseKinematics:
         )
 
     def _found(
-        self, start: Array, request: Request, recorder: Recorder | None = None
+        self, start: Array, request: Request, recorder: TraceRecorder | None = None
     ) -> tuple[Found, Status, Callable[[], Report]]:
         """Search for the target that is in memory; where it ended, why, and how to look at it."""
         if recorder or request.limit == 0:
@@ -329,7 +328,7 @@ class InverseKinematics:
         """One update from ``q``, for controllers; what the strategy remembers goes on from the last call.
 
         A refused step leaves q where it is and the next call tries a smaller one. ``reset()`` forgets the past. A step
-        is done at the default tolerances of ``solve``, with the criterion steady.
+        is done at the default tolerances of ``solve``, with the criterion stationary.
 
         With ``dt`` the limits of velocity and acceleration hold, too, from ``q`` to the answer and from the last step
         with a ``dt`` to this one, and a joint is never so fast that it could not stop before its position limits. A
@@ -429,7 +428,7 @@ class InverseKinematics:
         Limits of velocity and acceleration hold from one target to the next, from rest at q0; a target that they keep
         out of reach is followed as far as they allow. They look ahead to the position limits, not to targets to come:
         where acceleration is limited, a path that stops at once is overshot. Options are those of ``solve``;
-        ``until="steady"`` also lets the criterion settle at each target.
+        ``until="stationary"`` also lets the criterion settle at each target.
 
         Raises:
             ArgumentError: for an argument of wrong shape, NaN or infinity, naming it.
@@ -502,7 +501,7 @@ class InverseKinematics:
     @cached_property
     def _arriving(self) -> FusedStep:
         """The fused step whose errors are those where it arrives."""
-        judged = self.strategy.judges(self._problem.has_criterion)
+        judged = self.strategy.evaluates_candidate(self._problem.has_criterion)
         return self._runner.fused if judged else self._fused(arriving=True)
 
     @cached_property
@@ -510,7 +509,7 @@ class InverseKinematics:
         box = box_function(self._bounds)
         return to_c(box) if self._compiled else box
 
-    def _yielded(self, q: Array, inputs: Sequence[Array]) -> tuple[GaveWay, ...]:
+    def _yielded(self, q: Array, inputs: Sequence[Array]) -> tuple[Relaxation, ...]:
         """What a first step from q cannot have."""
         if self._witness is None:
             fused = self._recording().fused
@@ -522,7 +521,7 @@ class InverseKinematics:
         fused = self._witness.fused
         if self._witness.view[0] == Code.UNSOLVED:
             return ()
-        return fused.yielding.told(self._witness.record[fused.record.slices["gave_way"]])
+        return fused.yielding.told(self._witness.record[fused.record.slices["relaxed"]])
 
     def _recording(self) -> Runner:
         if self._recorder is None:

@@ -16,7 +16,7 @@
 # ## A ten-link arm
 #
 # Eight degrees of freedom are left over. Every strategy has to reach the target *and* to bring the joint centering
-# criterion down until it is steady. Half of the problems start near a singular posture.
+# criterion down until it is stationary. Half of the problems start near a singular posture.
 
 # %%
 import jtik
@@ -29,7 +29,7 @@ on_arm = jtik.compare(
     criteria=JointCentering(),
     strategies=["hybrid", "hybrid+second_order", "newton", "damped", "transpose", "transpose_bb", "sns", "mink"],
     problems={"reachable": 15, "near_singular": 15},
-    until="steady",
+    until="stationary",
 )
 on_arm
 

@@ -67,7 +67,7 @@ solution
 # %% [markdown]
 # *Converged* now means two things: the tip is on target, and H cannot fall further without leaving it. The null-space
 # residual is the part of the gradient of H that the self-motions of the arm could still follow, the norm of
-# (I − J⁺J)∇H. Where it is zero H is steady; second derivatives tell whether it is a minimum there:
+# (I − J⁺J)∇H. Where it is zero H is stationary; second derivatives tell whether it is a minimum there:
 
 # %%
 print("second order:       ", solution.second_order)

@@ -119,7 +119,7 @@ class Kept(jtik.Strategy):
     def __init__(self, limit=None, mu=0.05):
         self._limit, self._mu = limit, mu
 
-    def solves_programs(self, has_criterion):
+    def uses_qp(self, has_criterion):
         return True
 
     def update(self, model, state):

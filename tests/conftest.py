@@ -60,8 +60,8 @@ def ball_arm():
     return jtik.Robot(
         [
             jtik.Joint("shoulder", JointType.BALL, "base", "upper", origin=_pose((0, 0, 0.3), (0.2, 0.1, 0))),
-            jtik.Joint("elbow", JointType.HINGE, "upper", "fore", origin=_pose((0.5, 0, 0)), axis=y),
-            jtik.Joint("slide", JointType.SLIDE, "fore", "rod", origin=_pose((0.3, 0, 0)), lower=-0.1, upper=0.2),
+            jtik.Joint("elbow", JointType.REVOLUTE, "upper", "fore", origin=_pose((0.5, 0, 0)), axis=y),
+            jtik.Joint("slide", JointType.PRISMATIC, "fore", "rod", origin=_pose((0.3, 0, 0)), lower=-0.1, upper=0.2),
             jtik.Joint("wrist", JointType.BALL, "rod", "hand", origin=_pose((0.2, 0.1, 0))),
             jtik.Joint("tip", JointType.FIXED, "hand", "tip", origin=_pose((0.15, 0, 0.05), (0, 0.4, 0))),
         ],
@@ -76,9 +76,9 @@ def floating_arm():
     return jtik.Robot(
         [
             jtik.Joint("float", JointType.FREE, "base", "hull"),
-            jtik.Joint("one", JointType.HINGE, "hull", "l1", origin=_pose((0.2, 0, 0.1)), axis=z),
-            jtik.Joint("two", JointType.HINGE, "l1", "l2", origin=_pose((0.4, 0, 0)), axis=y, lower=-2.0, upper=2.0),
-            jtik.Joint("three", JointType.HINGE, "l2", "l3", origin=_pose((0.4, 0, 0)), axis=y),
+            jtik.Joint("one", JointType.REVOLUTE, "hull", "l1", origin=_pose((0.2, 0, 0.1)), axis=z),
+            jtik.Joint("two", JointType.REVOLUTE, "l1", "l2", origin=_pose((0.4, 0, 0)), axis=y, lower=-2.0, upper=2.0),
+            jtik.Joint("three", JointType.REVOLUTE, "l2", "l3", origin=_pose((0.4, 0, 0)), axis=y),
             jtik.Joint("tip", JointType.FIXED, "l3", "tip", origin=_pose((0.2, 0, 0))),
         ],
         name="floating_arm",

@@ -141,7 +141,7 @@ class TestUntil:
     def test_reached_stops_on_arrival_steady_goes_on(self):
         ik, q0 = solver(planar(6), criteria=JointCentering()), [0.8, -0.5, 0.3, 0.9, -0.2, 0.4]
         arrived = ik.solve([3.0, 2.0], q0=q0, until="reached")
-        settled = ik.solve([3.0, 2.0], q0=q0, until="steady")
+        settled = ik.solve([3.0, 2.0], q0=q0, until="stationary")
         assert arrived.status is jtik.Status.REACHED
         assert arrived.converged
         assert settled.status is jtik.Status.CONVERGED
@@ -158,13 +158,13 @@ class TestUntil:
 
     def test_without_a_criterion_both_are_one(self):
         ik = solver(planar(4))
-        both = [ik.solve([2.0, 2.0], q0=[0.2] * 4, until=until) for until in ("reached", "steady")]
+        both = [ik.solve([2.0, 2.0], q0=[0.2] * 4, until=until) for until in ("reached", "stationary")]
         assert both[0].q.tolist() == both[1].q.tolist()
         assert both[0].status is both[1].status is jtik.Status.CONVERGED
 
     @pytest.mark.parametrize("until", ["done", None, 1])
     def test_something_else_is_refused(self, until):
-        with pytest.raises(jtik.ArgumentError, match="until.*'steady' or 'reached'"):
+        with pytest.raises(jtik.ArgumentError, match="until.*'stationary' or 'reached'"):
             solver(planar(2)).solve([1.0, 1.0], until=until)
 
 
@@ -462,7 +462,7 @@ class TestTrack:
         ik = solver(robot, strategy=strategy, criteria=criteria)
         q0 = np.array([0.5, 0.4, 0.3, 0.2])
         targets = planar_points(q0)[-1] + np.cumsum(rng.uniform(-0.2, 0.2, (25, 2)), axis=0)
-        path = ik.track(targets, q0=q0, dt=dt, until="steady")
+        path = ik.track(targets, q0=q0, dt=dt, until="stationary")
         steps = np.abs(np.diff(np.vstack([q0, path.q]), axis=0))
         assert (steps <= speed * dt + EXACT).all()
         assert (steps > 0.9 * speed * dt).any()  # the limits did bind
@@ -663,7 +663,7 @@ class TestStatuses:
             return (q[0]) ** 1.5
 
         q0 = np.array([-0.5, 0.4, 0.3])
-        for until in ("steady", "reached"):
+        for until in ("stationary", "reached"):
             solution = solver(planar(3), criteria=rooted).solve(planar_points(q0)[-1], q0=q0, until=until)
             assert solution.status is jtik.Status.NOT_FINITE
 

@@ -114,7 +114,7 @@ class TestLimits:
             (lambda **one: jtik.Robot.vehicle(2, **one), "joint1"),
             (lambda **one: jtik.Robot.vehicle(2, **{f"vehicle_{end}": limit for end, limit in one.items()}), "x"),
             (lambda **one: jtik.Robot.from_dh([{"a": 1, "alpha": 0, "d": 0, "theta": 0, **one}]), "joint1"),
-            (lambda **one: jtik.Joint("joint1", jtik.JointType.HINGE, "base", "tip", **one), "joint1"),
+            (lambda **one: jtik.Joint("joint1", jtik.JointType.REVOLUTE, "base", "tip", **one), "joint1"),
         ],
     )
     def test_nan_names_the_joint(self, build, joint, end):

@@ -16,8 +16,7 @@ from jtik.errors import ArgumentError
 from jtik.result.report import Report
 from jtik.result.solution import Solution, Status
 from jtik.task import TaskStack
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 
 class Entry(NamedTuple):

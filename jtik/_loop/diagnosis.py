@@ -6,18 +6,16 @@ from collections.abc import Callable, Sequence
 from functools import cached_property, partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from jtik._loop.saddle_escape import FLAT, NEGATIVE, Rescue
+from jtik._loop.saddle_escape import FLAT, NEGATIVE, SaddleEscape
 from jtik._step.active_set import AT_LIMIT
-from jtik._step.problem import Problem
-from jtik._step.relaxation import GaveWay
+from jtik._step.relaxation import Relaxation
 from jtik._step.stopping import Code
+from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.result.report import Report
 from jtik.result.solution import Status
-from jtik.symbolic.compile import Compiled
-
-Array = NDArray[np.float64]
+from jtik.symbolic.compile import CompiledFunction
+from jtik.types import Array
 
 
 class Diagnosis:
@@ -25,13 +23,13 @@ class Diagnosis:
 
     def __init__(
         self,
-        problem: Problem,
-        rescue: Rescue,
-        yielded: Callable[[Array, Sequence[Array]], tuple[GaveWay, ...]] | None = None,
+        problem: SymbolicProblem,
+        rescue: SaddleEscape,
+        yielded: Callable[[Array, Sequence[Array]], tuple[Relaxation, ...]] | None = None,
     ) -> None:
         self._problem, self._rescue, self._yielded = problem, rescue, yielded
-        self._evaluate = Compiled(problem.report())
-        self._error = Compiled(problem.error)
+        self._evaluate = CompiledFunction(problem.report())
+        self._error = CompiledFunction(problem.error)
         self._linear = np.array(problem.linear, dtype=bool)
         self._q_index = np.array([i for i, _ in problem.bounded], dtype=int)
         self._v_index = np.array([j for _, j in problem.bounded], dtype=int)
@@ -40,12 +38,12 @@ class Diagnosis:
         self._joints = {robot.v_slice(name).start: name for name in robot.joint_names}
 
     @cached_property
-    def _clearance(self) -> Compiled:
-        return Compiled(self._problem.clearance)
+    def _clearance(self) -> CompiledFunction:
+        return CompiledFunction(self._problem.clearance)
 
     @cached_property
-    def _hessian(self) -> Compiled:
-        return Compiled(self._problem.hessian())
+    def _hessian(self) -> CompiledFunction:
+        return CompiledFunction(self._problem.hessian())
 
     def _curvature(self, q: Array, inputs: Sequence[Array], multipliers: Array) -> Array:
         """The Hessian of the Lagrangian, compiled when first asked for, (n, n)."""
@@ -105,8 +103,8 @@ class Diagnosis:
             return Status.UNSOLVED
         if report.reached:
             # what clearances hold back is in the step's own test, not in the report
-            steady = code is Code.DONE if self._problem.clearances else report.steady
-            return Status.CONVERGED if not self._criteria or steady else Status.REACHED
+            stationary = code is Code.DONE if self._problem.clearances else report.stationary
+            return Status.CONVERGED if not self._criteria or stationary else Status.REACHED
         if code is Code.GO_ON:
             return Status.ITERATION_LIMIT
         if self._blocked(q, inputs):

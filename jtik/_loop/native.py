@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from jtik._loop.runner import Runner
 from jtik._step.stopping import Code
 from jtik.symbolic.compile import Library
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 SOURCE = r"""
 #include <string.h>

@@ -11,18 +11,18 @@ from jtik._loop.search import Request
 from jtik._step.stopping import Settings
 from jtik.errors import ArgumentError, finite_array
 
-Until = Literal["steady", "reached"]
+Until = Literal["stationary", "reached"]
 
 
 def read_settings(position: float, orientation: float, optimality: float, until: str) -> Settings:
     """Tolerances and what to wait for. Raises ArgumentError for what cannot be used, naming it."""
-    if until not in ("steady", "reached"):
-        raise ArgumentError("until", until, "'steady' or 'reached'")
+    if until not in ("stationary", "reached"):
+        raise ArgumentError("until", until, "'stationary' or 'reached'")
     return Settings(
         positive("position_tolerance", position),
         positive("orientation_tolerance", orientation),
         positive("optimality_tolerance", optimality),
-        1.0 if until == "steady" else 0.0,
+        1.0 if until == "stationary" else 0.0,
     )
 
 

@@ -5,18 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik._loop.runner import Runner
 from jtik.result.solution import Trace
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 ROUNDING = 1e-8
 """A null-space step up to this long [rad] or [m] is what rounding and solvers leave; what it leaks says nothing."""
 
 
-class Recorder:
+class TraceRecorder:
     """Rows of a runner whose fused function was built with its record."""
 
     def __init__(self, runner: Runner) -> None:
@@ -57,7 +55,7 @@ class Recorder:
         m = (layout.slices["J"].stop - layout.slices["J"].start) // n
         table = np.array(self._rows).reshape(count, layout.size)
         columns = {name: table[:, where] for name, where in layout.slices.items()}
-        columns.pop("gave_way", None)  # that is for the last q alone
+        columns.pop("relaxed", None)  # that is for the last q alone
         J = columns.pop("J").reshape(count, n, m).transpose(0, 2, 1)
         null, felt, term = (columns.pop(name) for name in ("null_term", "felt", "term"))
         figures = {name: column[:, 0] for name, column in columns.items()}

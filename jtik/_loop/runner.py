@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jtik._step.fused import FusedStep
 from jtik._step.stopping import OUTCOME
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 
 class Runner:

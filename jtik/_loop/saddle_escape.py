@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 
 from jtik._step.active_set import AT_LIMIT
 from jtik._step.fused import clearance_model
-from jtik._step.problem import Problem
+from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.symbolic import function, sumsqr, symbol
-from jtik.symbolic.compile import Compiled
-
-Array = NDArray[np.float64]
+from jtik.symbolic.compile import CompiledFunction
+from jtik.types import Array
 
 FIRST_STEP = 0.5
 """Length of the first step tried along the eigenvector [rad]; halved until V falls."""
@@ -39,34 +38,34 @@ WORTH = 1e-9
 """Least relative decrease of V that counts as a way out."""
 
 
-class Rescue:
+class SaddleEscape:
     """Second-order looks at V, compiled when first needed."""
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: SymbolicProblem) -> None:
         self._problem = problem
 
     @cached_property
-    def _curvature(self) -> Compiled:
-        return Compiled(self._problem.curvature())
+    def _curvature(self) -> CompiledFunction:
+        return CompiledFunction(self._problem.curvature())
 
     @cached_property
-    def _moved(self) -> Compiled:
+    def _moved(self) -> CompiledFunction:
         """(q, v, target) -> q + v and V there."""
         q, target, _ = self._problem.symbols()
         v = symbol("v", self._problem.robot.n)
         there = self._problem.robot.integrate(q, v)
         V = sumsqr(self._problem.residual(there, target)) / 2
-        return Compiled(function("moved", [q, v, target], [there, V]))
+        return CompiledFunction(function("moved", [q, v, target], [there, V]))
 
     @cached_property
-    def _keeps_clear(self) -> Compiled:
+    def _keeps_clear(self) -> CompiledFunction:
         """(q, v, parameters, limits) -> 1 where clearances are kept all the way from q to q + v."""
         problem = self._problem
         q, _, parameters = problem.symbols()
         v = symbol("v", problem.robot.n)
         limits = symbol("lower", problem.robot.nq), symbol("upper", problem.robot.nq)
         model = clearance_model(problem, q, problem.clearance(q, parameters), parameters, limits)
-        return Compiled(function("keeps_clear", [q, v, parameters, *limits], [model.keeps(-v)]))
+        return CompiledFunction(function("supports_clearances", [q, v, parameters, *limits], [model.keeps(-v)]))
 
     def lowest_curvature(self, q: Array, inputs: Sequence[Array]) -> tuple[float, Array, Array]:
         """A low v' (d2V/dv2) v over the unit v that limits allow, relative to the largest eigenvalue; v; dH/dv (n,).

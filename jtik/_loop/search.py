@@ -12,16 +12,14 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik._loop.native import NativeSearch
-from jtik._loop.recording import Recorder
+from jtik._loop.recording import TraceRecorder
 from jtik._loop.runner import Runner
-from jtik._loop.saddle_escape import Rescue
+from jtik._loop.saddle_escape import SaddleEscape
 from jtik._step.stopping import OUTCOME, Code
 from jtik.robot import Robot
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 MOST_ESCAPES = 20
 """Second-order steps an attempt may take out of singular stalls."""
@@ -92,14 +90,14 @@ class Starts:
 class Search:
     """Attempts on the memory of a solver: its inputs, target among them, are read where they are."""
 
-    def __init__(self, robot: Robot, rescue: Rescue, inputs: Sequence[Array]) -> None:
+    def __init__(self, robot: Robot, rescue: SaddleEscape, inputs: Sequence[Array]) -> None:
         self._rescue, self._inputs = rescue, inputs
         self._starts = Starts(robot)
         self._settings = inputs[-1]
         self.native: NativeSearch | None = None
         self._addressed: tuple[Array | None, int] = (None, 0)
 
-    def find(self, runner: Runner, q0: Array, request: Request, recorder: Recorder | None = None) -> Found:
+    def find(self, runner: Runner, q0: Array, request: Request, recorder: TraceRecorder | None = None) -> Found:
         """From ``q0`` (nq,), then from other starts."""
         limit, restarts, seed = request
         starts = self._starts.table(seed, restarts, q0) if restarts else None
@@ -115,7 +113,7 @@ class Search:
         finally:
             self._settings[4] = math.inf
 
-    def _restarted(self, runner: Runner, q0: Array, starts: Array, limit: int, recorder: Recorder | None) -> Found:
+    def _restarted(self, runner: Runner, q0: Array, starts: Array, limit: int, recorder: TraceRecorder | None) -> Found:
         """Attempts from q0 and from the rows of ``starts`` until one reaches the target; else the best of them."""
         restarts = len(starts)
         settings, view = self._settings, runner.view
@@ -184,7 +182,7 @@ class Search:
             self._addressed = starts, starts.ctypes.data
         return self._addressed[1]
 
-    def _attempt(self, runner: Runner, q0: Array, limit: int, recorder: Recorder | None) -> tuple[Code, int, int]:
+    def _attempt(self, runner: Runner, q0: Array, limit: int, recorder: TraceRecorder | None) -> tuple[Code, int, int]:
         """Call until the code says otherwise; the last code, calls that tried a step, escapes."""
         runner.start(q0)
         if recorder is not None:

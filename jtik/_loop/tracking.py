@@ -7,14 +7,13 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik.constraints.step_box import StepBox
 from jtik.result.solution import Solution
 from jtik.result.trajectory import Trajectory
 from jtik.robot import Robot
+from jtik.types import Array
 
-Array = NDArray[np.float64]
 Solve = Callable[[Any, Array], Solution]
 Moved = Callable[[Solution, Array], Solution]
 

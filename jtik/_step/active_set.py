@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cached_property
 
-from jtik._step.problem import Problem
+from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.strategy import LocalModel, Point, Update
 from jtik.symbolic import (
     Expression,
@@ -44,12 +44,12 @@ def inside(q: Expression, lower: Expression, upper: Expression, bounded: tuple[t
     return vertcat(*entries)
 
 
-class WorkingSet:
+class ActiveSet:
     """Who is held in this step, and who will be in the next; one entry a bounded joint, 0 or 1."""
 
     def __init__(
         self,
-        problem: Problem,
+        problem: SymbolicProblem,
         state: Mapping[str, Expression],
         here: Point,
         near: Expression,

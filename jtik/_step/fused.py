@@ -11,15 +11,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from jtik._step.active_set import WorkingSet, inside
-from jtik._step.problem import Problem
+from jtik._step.active_set import ActiveSet, inside
 from jtik._step.relaxation import Yielding
 from jtik._step.stopping import Code, Settings, Stop
+from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.clearance import ClearanceModel, travels
 from jtik.qp.backend import Backend
-from jtik.qp.recorder import Recorder
+from jtik.qp.recorder import QPRecorder
 from jtik.qp.second import near_or_far
 from jtik.qp.staged import Staged, staged
 from jtik.strategy import LocalModel, Point, Shape, Strategy, Update
@@ -42,8 +41,7 @@ from jtik.symbolic import (
 )
 from jtik.symbolic.compile import Library, bind, library
 from jtik.symbolic.factorization import squared_length
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 TUBE = 0.02
 """Size of the tube about the target: the error that a motion of so many rad (or m) can make, |J| times this."""
@@ -125,7 +123,7 @@ class FusedStep:
 
 
 def fused_step(
-    problem: Problem,
+    problem: SymbolicProblem,
     strategy: Strategy,
     *,
     backend: Backend | None = None,
@@ -143,7 +141,7 @@ def fused_step(
             looking there saves the kinematics; the errors then are those before a step that was not the last.
     """
     robot, m, bounded = problem.robot, problem.m, problem.bounded
-    arriving = arriving or strategy.judges(problem.has_criterion) or bool(problem.clearances)
+    arriving = arriving or strategy.evaluates_candidate(problem.has_criterion) or bool(problem.clearances)
     first = {name: np.array(value, dtype=float) for name, value in _engine_state(problem, arriving).items()}
     own = strategy.initial_state(Shape(robot.n, robot.nq, m, problem.has_criterion, bool(problem.clearances)))
     first |= {f"strategy.{name}": np.array(value, dtype=float) for name, value in own.items()}
@@ -156,7 +154,7 @@ def fused_step(
 
     inputs = [start, target, parameters, lower, upper, settings, column]
     local = _local_model(problem, inside(start, lower, upper, bounded), target, parameters)
-    cut, programs = local, Recorder(backend.accuracy, backend.name) if backend else None
+    cut, programs = local, QPRecorder(backend.accuracy, backend.name) if backend else None
     if programs:  # the stages between the solver's answers share the local model as numbers
         cut = [symbol(f"at{i}", *part.shape) for i, part in enumerate(local)]
     q, residual, J, H, gradient_H = cut[:5]
@@ -167,7 +165,7 @@ def fused_step(
         near = here.length <= tube
     working = None
     if bounded:
-        working = WorkingSet(problem, state, here, near, J, gradient_H, lower, upper, programs=bool(programs))
+        working = ActiveSet(problem, state, here, near, J, gradient_H, lower, upper, programs=bool(programs))
     model = LocalModel(
         robot=robot,
         here=here,
@@ -195,7 +193,7 @@ def fused_step(
 
     update = strategy.update(model, {name[9:]: part for name, part in state.items() if name.startswith("strategy.")})
     room = model.recovery if model.clearance and model.clearance.recovers else None
-    stop = Stop(problem, model, settings, working, update.unsteady, room)
+    stop = Stop(problem, model, settings, working, update.stationarity_residual, room)
     finite = logic_and(is_finite(here.V + here.H), is_finite(model.gradient_length + model.jacobian_length))
     if bounded:  # a NaN that was led back into the box is one all the same
         finite = logic_and(finite, is_finite(start))
@@ -263,7 +261,9 @@ def fused_step(
     return FusedStep(parts.joined() if parts.fusible else parts, first_state, record, parts, yielding=yielding)
 
 
-def _local_model(problem: Problem, q: Expression, target: Expression, parameters: Expression) -> list[Expression]:
+def _local_model(
+    problem: SymbolicProblem, q: Expression, target: Expression, parameters: Expression
+) -> list[Expression]:
     """q, residual, its Jacobian, H and its gradient; with clearances distances, their Jacobian and their figures."""
     at = symbol("at", problem.robot.nq)
     H = problem.criterion(at, parameters)
@@ -274,14 +274,14 @@ def _local_model(problem: Problem, q: Expression, target: Expression, parameters
 
 
 def clearance_model(
-    problem: Problem,
+    problem: SymbolicProblem,
     q: Expression,
     measured: Sequence[Expression],
     parameters: Expression,
     limits: tuple[Expression, Expression],
     state: Mapping[str, Expression] | None = None,
 ) -> ClearanceModel:
-    """The clearances at q, from their distances, the Jacobian of these and their figures, as `Problem.clearance`."""
+    """The clearances at q, from what `SymbolicProblem.clearance` returns: distances, their Jacobian, their figures."""
     state = state or {}
     distance, J, figures = measured
     lower, upper = limits
@@ -317,7 +317,7 @@ def _rows(value: Expression) -> int:
     return int(getattr(value, "shape", (1, 1))[0])
 
 
-def _engine_state(problem: Problem, arriving: bool) -> dict[str, Array]:
+def _engine_state(problem: SymbolicProblem, arriving: bool) -> dict[str, Array]:
     state = {name: np.zeros(1) for name in ("tube", "refused", "stagnant", "idle")}
     state["best"] = np.full(1, NEVER)
     if not arriving:

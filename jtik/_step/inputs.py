@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik._step.stopping import Settings
 from jtik.criterion.base import Parameters
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 
 class Memory:

@@ -6,24 +6,21 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from jtik.symbolic import Expression, mmax, vertcat
+from jtik.types import Array
 
 if TYPE_CHECKING:
-    from jtik._step.problem import Problem
-    from jtik.qp.recorder import Recorder
+    from jtik._step.symbolic_problem import SymbolicProblem
+    from jtik.qp.recorder import QPRecorder
     from jtik.strategy import Update
     from jtik.strategy.feasibility_restoration import Recovery
 
-Array = NDArray[np.float64]
 
 WORTH_TELLING = 1e-6
 """Amounts up to this are what solvers leave."""
 
 
-class GaveWay(NamedTuple):
+class Relaxation(NamedTuple):
     """Something that was asked for and could not be had at the configuration of a Solution.
 
     Attributes: name, such as "task step" or "clearance: link4 to obstacle 1"; amount by which it falls short; unit.
@@ -41,16 +38,18 @@ class GaveWay(NamedTuple):
 
 @dataclass(frozen=True)
 class Yielding:
-    """Names and units of what may give way in a step, and figures of it for its record, one a column ``gave_way``."""
+    """Names and units of what may give way in a step, and figures of it for its record, one a column ``relaxed``."""
 
     entries: tuple[tuple[str, str], ...] = ()
     figures: Mapping[str, Expression] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, update: Update, programs: Recorder | None, room: Recovery | None, problem: Problem) -> Yielding:
+    def of(
+        cls, update: Update, programs: QPRecorder | None, room: Recovery | None, problem: SymbolicProblem
+    ) -> Yielding:
         """What the law says of itself, clearances that stay too small, and the elastic rows of its programs."""
         entries, amounts, figures = [], list[Expression](), dict[str, Expression]()
-        for (name, unit), amount in update.gave_way.items():
+        for (name, unit), amount in update.relaxed.items():
             entries.append((name, unit))
             amounts.append(amount)
         if room:
@@ -67,10 +66,10 @@ class Yielding:
             figures["slack"] = mmax(vertcat(*slacks))
             amounts += slacks
         if entries:
-            figures["gave_way"] = vertcat(*amounts)
+            figures["relaxed"] = vertcat(*amounts)
         return cls(tuple(entries), figures)
 
-    def told(self, amounts: Array) -> tuple[GaveWay, ...]:
+    def told(self, amounts: Array) -> tuple[Relaxation, ...]:
         """The entries that did, from the numbers of a record."""
         named = zip(self.entries, amounts.tolist(), strict=True)
-        return tuple(GaveWay(name, amount, unit) for (name, unit), amount in named if amount > WORTH_TELLING)
+        return tuple(Relaxation(name, amount, unit) for (name, unit), amount in named if amount > WORTH_TELLING)

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jtik._step.active_set import WorkingSet
-from jtik._step.problem import Problem
+from jtik._step.active_set import ActiveSet
+from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.strategy import LocalModel, Point
 from jtik.strategy.feasibility_restoration import Recovery
 from jtik.symbolic import Expression, fmax, logic_and, logic_not, logic_or, norm, vertcat
@@ -33,14 +33,14 @@ class Code(IntEnum):
 class Settings(NamedTuple):
     """The numbers of a solve that may change from one to the next, as the fused function reads them.
 
-    Attributes: tolerances of position [m], orientation [rad] and optimality; 1 to wait until the criterion is steady;
-    how many calls without progress are too many.
+    Attributes: tolerances of position [m], orientation [rad] and optimality; 1 to wait until the criterion is
+    stationary; how many calls without progress are too many.
     """
 
     position: float = 1e-6
     orientation: float = 1e-6
     optimality: float = 1e-6
-    steady: float = 1.0
+    stationary: float = 1.0
     patience: float = math.inf
 
 
@@ -61,18 +61,18 @@ OUTCOME = Outcome()
 
 
 class Stop:
-    """The tests of arrival, steadiness and stationarity.
+    """The tests of arrival, stationarity and stationarity.
 
     ``settings`` are a column of `Settings`.
     """
 
     def __init__(
         self,
-        problem: Problem,
+        problem: SymbolicProblem,
         model: LocalModel,
         settings: Expression,
-        working: WorkingSet | None,
-        unsteady: Expression | None,
+        working: ActiveSet | None,
+        stationarity_residual: Expression | None,
         room: Recovery | None = None,
     ) -> None:
         self._room = room
@@ -85,8 +85,8 @@ class Stop:
         flat = slope <= STATIONARY * model.jacobian_length * model.here.length
         self.stationary = logic_and(flat, logic_not(self.reached_before))
         if problem.has_criterion:
-            if unsteady is not None:
-                residual = unsteady
+            if stationarity_residual is not None:
+                residual = stationarity_residual
             else:
                 residual = fmax(model.null_length, working.wrong(model)) if working else model.null_length
             still = residual <= settings[2] * fmax(1, model.gradient_length)

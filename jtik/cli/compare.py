@@ -45,7 +45,7 @@ def add_arguments(commands: Any) -> None:
     command.add_argument("--count", type=int, default=50, help="problems of a kind (default: %(default)s)")
     command.add_argument("--seed", type=int, default=0, help="of the problems and restarts (default: %(default)s)")
     command.add_argument("--restarts", type=int, default=0, help="other starts to try (default: %(default)s)")
-    command.add_argument("--until", choices=("reached", "steady"), default="reached", help="(default: %(default)s)")
+    command.add_argument("--until", choices=("reached", "stationary"), default="reached", help="(default: %(default)s)")
     command.add_argument("--max-iterations", type=int, default=1000, metavar="N", help="(default: %(default)s)")
     command.add_argument("--position-tolerance", type=float, default=1e-6, metavar="METRES")
     command.add_argument("--orientation-tolerance", type=float, default=1e-6, metavar="RADIANS")

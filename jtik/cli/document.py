@@ -21,7 +21,7 @@ options = { bodies = "both" }
 circles = [[4.0, 2.0, 0.6]]               # x, y, radius [m]
 
 [solve]                                   # limits, and arguments of InverseKinematics.solve
-until = "steady"
+until = "stationary"
 """
 
 from __future__ import annotations

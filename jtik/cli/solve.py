@@ -30,7 +30,7 @@ def add_arguments(commands: Any) -> None:
     command.add_argument("--target", nargs="+", type=float, metavar="NUMBER", help="such as X Y, or X Y Z")
     command.add_argument("--q0", nargs="+", type=float, metavar="NUMBER", help="configuration to start from")
     command.add_argument("--strategy", metavar="NAME", help="a name that `jtik list` shows (default: hybrid)")
-    command.add_argument("--until", choices=("steady", "reached"), help="when to stop (default: steady)")
+    command.add_argument("--until", choices=("stationary", "reached"), help="when to stop (default: stationary)")
     command.add_argument("--max-iterations", type=int, metavar="N", help="most steps to try")
     command.add_argument("--position-tolerance", type=float, metavar="METRES")
     command.add_argument("--orientation-tolerance", type=float, metavar="RADIANS")
@@ -71,7 +71,7 @@ SHOWN = (
     "second_order",
     "condition",
     "active_limits",
-    "gave_way",
+    "relaxed",
     "seconds",
 )
 """What of a Solution the JSON holds."""

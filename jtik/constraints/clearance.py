@@ -18,8 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from jtik.errors import ArgumentError, finite_array
 from jtik.robot import JointType, Kinematics, Robot
 from jtik.symbolic import Expression, fabs, fmax, fmin, if_else, mmin, sum1, vertcat
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 SAMPLES = 4
 """Places along a step, its end among them, where the distances are measured; between them they are bounded."""
@@ -49,7 +48,7 @@ class Clearance:
     velocity damper of Faverjon and Tournassoud; with ``influence=math.inf`` its control-barrier form. Where the task
     asks for more than the rows allow, the task gives way. A body that is nearer than ``safe`` and half the margin is
     moved out, grad d' dq = gain (safe + margin - d), before anything else, as far as limits and the other clearances
-    allow, and comes no nearer in any case. What cannot be had is in ``Solution.gave_way``.
+    allow, and comes no nearer in any case. What cannot be had is in ``Solution.relaxed``.
 
     Live parameters: ``clearance.safe``, ``.influence``, and those of the measure, such as ``clearance.centers``.
 
@@ -236,7 +235,7 @@ def _own_reach(robot: Robot, frame: str) -> float:
 
 def _stroke(joint: Any) -> float:
     """How far a slide can carry its child [m]."""
-    if joint.type is not JointType.SLIDE:
+    if joint.type is not JointType.PRISMATIC:
         return 0.0
     ends = max(abs(joint.lower), abs(joint.upper))
     return float(ends) if np.isfinite(ends) else 0.0

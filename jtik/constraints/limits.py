@@ -10,8 +10,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.robot import Robot
+from jtik.types import Array
 
 Speeds: TypeAlias = bool | float | Sequence[float] | NDArray[np.float64]
 """The robot's own, none, one number for all joints, or one for each velocity entry."""

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from jtik._loop.options import positive
 from jtik.constraints.limits import Bounds
-from jtik.errors import Array
 from jtik.symbolic import Expression, Function, fmax, fmin, function, sqrt, symbol, vertcat
 from jtik.symbolic.compile import bind
+from jtik.types import Array
 
 
 def braking(room: Expression, change: float | Expression) -> Expression:

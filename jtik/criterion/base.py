@@ -17,13 +17,12 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jtik.errors import ArgumentError, JtikError, UnknownNameError, finite_array
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import SX, Expression, is_symbolic, no_silent_float, reshape, symbol, symvar
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 
 class CriterionError(JtikError):

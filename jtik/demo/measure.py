@@ -14,8 +14,7 @@ from jtik.geometry import Obstacle
 from jtik.plotting.planar import Skeleton
 from jtik.result.solution import Solution, Status
 from jtik.solver import InverseKinematics
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 POSITION_TOLERANCE = 1e-6
 """Of every solve of the demo [m]."""

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from jtik import plotting
 from jtik.demo.measure import clearances
 from jtik.demo.scene import Scene
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 WINDOW: plotting.Window = (-3.0, 9.5, -2.66, 3.74)
 INSET_WINDOW: plotting.Window = (-0.35, 9.35, -2.3, 4.15)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik.criterion.base import CriterionSum
 from jtik.geometry import Circle
@@ -14,8 +13,7 @@ from jtik.robot import Robot
 from jtik.solver import InverseKinematics
 from jtik.strategy import Strategy
 from jtik.task import FrameTask
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 _DISCS = (
     ((1.75, 0.30), 0.55),

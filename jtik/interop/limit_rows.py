@@ -8,10 +8,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.qp import Elastic, Rows
 from jtik.robot import Robot
 from jtik.strategy import LocalModel
+from jtik.types import Array
 
 
 class Inequality(NamedTuple):

@@ -13,11 +13,12 @@ import numpy as np
 from mink.tasks import BaseTask, Objective
 
 from jtik.criterion.base import Criterion, CriterionSum
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.interop.limit_rows import Inequality, LimitRows
 from jtik.interop.mujoco_model import Correspondence, to_mujoco
 from jtik.interop.numbers import CriterionNumbers, Curvature, checked
 from jtik.robot import Robot
+from jtik.types import Array
 
 __all__ = [
     "Correspondence",

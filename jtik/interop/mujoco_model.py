@@ -8,10 +8,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.geometry import Ball, Box, Capsule, Cylinder, Solid
 from jtik.robot import Joint, JointType, Robot
 from jtik.robot.loaders.compiled import ModelReader
+from jtik.types import Array
 
 WORLD = "world"
 """MuJoCo's name for the frame that everything hangs on."""
@@ -20,8 +21,8 @@ NEGLIGIBLE = 1e-9
 """Mass [kg] and inertia [kg m^2] of a frame that has none: MuJoCo wants some where a joint moves it."""
 
 _TYPES = {
-    JointType.HINGE: mujoco.mjtJoint.mjJNT_HINGE,
-    JointType.SLIDE: mujoco.mjtJoint.mjJNT_SLIDE,
+    JointType.REVOLUTE: mujoco.mjtJoint.mjJNT_HINGE,
+    JointType.PRISMATIC: mujoco.mjtJoint.mjJNT_SLIDE,
     JointType.BALL: mujoco.mjtJoint.mjJNT_BALL,
     JointType.FREE: mujoco.mjtJoint.mjJNT_FREE,
 }

@@ -8,10 +8,11 @@ from typing import Literal
 import numpy as np
 
 from jtik.criterion.base import Criterion, CriterionSum, CriterionTerms, Parameters
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.robot import Robot
 from jtik.symbolic import Expression, function, gradient, jacobian, substitute, symbol, zeros
-from jtik.symbolic.compile import Compiled
+from jtik.symbolic.compile import CompiledFunction
+from jtik.types import Array
 
 Curvature = Literal["identity", "convex"]
 """The quadratic part of an objective made of a criterion: the identity, or the Hessian without its negative part."""
@@ -35,7 +36,7 @@ class CriterionNumbers:
         q, parameters = self._symbols()
         H = self._value(q, parameters)
         slope = robot.tangent(q).T @ gradient(H, q)
-        self._evaluate = Compiled(function("criterion", [q, parameters], [H, slope]))
+        self._evaluate = CompiledFunction(function("criterion", [q, parameters], [H, slope]))
 
     def value(self, q: Array) -> float:
         """H."""
@@ -57,12 +58,12 @@ class CriterionNumbers:
         return (np.eye(len(c)) if curvature == "identity" else gain * convex(self.hessian(q))), c
 
     @cached_property
-    def _bend(self) -> Compiled:
+    def _bend(self) -> CompiledFunction:
         q, parameters = self._symbols()
         v = symbol("v", self.robot.n)
         moved = self._value(self.robot.integrate(q, v), parameters)
         bend = jacobian(gradient(moved, v), v)
-        return Compiled(function("hessian", [q, parameters], [substitute(bend, v, zeros(self.robot.n))]))
+        return CompiledFunction(function("hessian", [q, parameters], [substitute(bend, v, zeros(self.robot.n))]))
 
     def _symbols(self) -> tuple[Expression, Expression]:
         return symbol("q", self.robot.nq), self.parameters.symbols()

@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 
 from jtik.criterion.base import Criterion, CriterionSum
-from jtik.errors import ArgumentError, Array, MissingExtraError
+from jtik.errors import ArgumentError, MissingExtraError
 from jtik.interop.limit_rows import Inequality, LimitRows
 from jtik.interop.numbers import CriterionNumbers, Curvature, checked
 from jtik.interop.pinocchio_model import Correspondence
 from jtik.robot import Robot
+from jtik.types import Array
 
 __all__ = [
     "Correspondence",

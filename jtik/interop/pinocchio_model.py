@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.robot import JointType, Robot
 from jtik.robot.loaders.transforms import placed
+from jtik.types import Array
 
 ROOT = "root_joint"
 """Pinocchio's name for the free joint it puts under a robot."""

@@ -9,9 +9,10 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.robot import Joint, JointType, Robot
 from jtik.robot.body import Mass
+from jtik.types import Array
 
 UNLIMITED = 1e6
 """Limit [rad] or [m], and speed [rad/s] or [m/s], where a joint has none but URDF wants a number."""
@@ -66,11 +67,11 @@ def _chain(robot: Robot, frame: str) -> Iterable[Joint]:
 
 def _add_joint(root: Element, joint: Joint, turn: float | None, frames: list[str]) -> None:
     free = math.isinf(joint.lower) and math.isinf(joint.upper)
-    kinds = {JointType.FIXED: "fixed", JointType.SLIDE: "prismatic", JointType.HINGE: "revolute"}
+    kinds = {JointType.FIXED: "fixed", JointType.PRISMATIC: "prismatic", JointType.REVOLUTE: "revolute"}
     if joint.type not in kinds:
         raise ArgumentError("robot", f"a {joint.type.value} joint {joint.name!r}", "hinges, slides and fixed joints")
     kind = kinds[joint.type]
-    if joint.type is JointType.HINGE and free and turn is None:
+    if joint.type is JointType.REVOLUTE and free and turn is None:
         kind = "continuous"
     name = f"{joint.name} (fixed)" if not joint.is_moving and joint.name in frames else joint.name
     element = SubElement(root, "joint", name=name, type=kind)
@@ -84,7 +85,7 @@ def _add_joint(root: Element, joint: Joint, turn: float | None, frames: list[str
     if kind == "continuous":
         SubElement(element, "limit", effort="0", velocity=speed)
     else:
-        reach = turn if free and turn is not None and joint.type is JointType.HINGE else UNLIMITED
+        reach = turn if free and turn is not None and joint.type is JointType.REVOLUTE else UNLIMITED
         low, high = max(joint.lower, -reach), min(joint.upper, reach)
         bounds = {"lower": _word(low), "upper": _word(max(high, low + NO_ROOM))}
         SubElement(element, "limit", bounds, effort="0", velocity=speed)

@@ -13,14 +13,14 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jtik.errors import ArgumentError, MissingExtraError, finite_array
 from jtik.geometry import Obstacle
 from jtik.robot import Robot
 from jtik.symbolic import function, symbol, vertcat
+from jtik.types import Array
 
-Array = NDArray[np.float64]
 Window: TypeAlias = tuple[float, float, float, float]
 """What a picture shows: (left, right, bottom, top) [m]."""
 Axes: TypeAlias = Any

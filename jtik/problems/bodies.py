@@ -7,11 +7,12 @@ from functools import cached_property
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.geometry import enclosing_segment
 from jtik.robot import Robot
 from jtik.symbolic import function, horzcat, symbol
-from jtik.symbolic.compile import Compiled
+from jtik.symbolic.compile import CompiledFunction
+from jtik.types import Array
 
 
 @dataclass(frozen=True)
@@ -65,10 +66,10 @@ class Bodies:
         return Links(start.T, end.T, self._radius)
 
     @cached_property
-    def _measured(self) -> Compiled:
+    def _measured(self) -> CompiledFunction:
         """q -> first and last ends (dimension, k) [m]."""
         robot, q = self._robot, symbol("q", self._robot.nq)
         kinematics = robot.at(q)
         start = [kinematics.point(inner, first)[: robot.dimension] for inner, _, first, _ in self._ends]
         end = [kinematics.point(outer, last)[: robot.dimension] for _, outer, _, last in self._ends]
-        return Compiled(function("links", [q], [horzcat(*start), horzcat(*end)]))
+        return CompiledFunction(function("links", [q], [horzcat(*start), horzcat(*end)]))

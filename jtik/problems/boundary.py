@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, Array, finite_array
+from jtik.errors import ArgumentError, finite_array
 from jtik.problems.case import Case, ProblemSet
 from jtik.problems.mover import Mover
 from jtik.problems.start import Starts
@@ -16,6 +16,7 @@ from jtik.problems.subject import STEPS, Subject, drawn
 from jtik.problems.unreachable import bounded
 from jtik.robot import Robot
 from jtik.task import Task
+from jtik.types import Array
 
 RESOLUTION = 1e-5
 """How exactly the edge is found, as a share of the summed lengths of the links."""

@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik._loop.options import positive
-from jtik.errors import ArgumentError, Array, UnknownNameError, finite_array
+from jtik.errors import ArgumentError, UnknownNameError, finite_array
 from jtik.problems.plain import frozen_array, frozen_target, plain_target
 from jtik.robot import Robot
 from jtik.task import Task
 from jtik.task.reduction import reduced
+from jtik.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

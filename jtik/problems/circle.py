@@ -7,11 +7,11 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import Array
 from jtik.problems.case import ProblemSet
 from jtik.problems.tour import Curve, angles, closed_up, toured
 from jtik.robot import Robot
 from jtik.task import Task
+from jtik.types import Array
 
 
 def _shape(points: int, radius: float) -> Array:

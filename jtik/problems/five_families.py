@@ -10,8 +10,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array, UnknownNameError
+from jtik.errors import ArgumentError, UnknownNameError
 from jtik.problems.case import Case, ProblemSet, case_name
+from jtik.types import Array
 
 LINKS = 10
 """Links of the arm, of 1 m each."""

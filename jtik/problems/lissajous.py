@@ -9,11 +9,12 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.problems.case import ProblemSet
 from jtik.problems.tour import Curve, angles, closed_up, toured
 from jtik.robot import Robot
 from jtik.task import Task
+from jtik.types import Array
 
 
 def _shape(points: int, amplitude: float, *, frequencies: tuple[int, int] = (1, 2)) -> Array:

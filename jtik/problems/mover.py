@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.problems import reach
 from jtik.problems.subject import Subject
 from jtik.task import FrameTask
+from jtik.types import Array
 
 ACCEPTED = "a FrameTask of kind 'position' or 'pose', alone or among others"
 

@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, Array, finite_array
+from jtik.errors import ArgumentError, finite_array
 from jtik.problems import reach
 from jtik.problems.case import Case, ProblemSet
 from jtik.problems.spin import turn
 from jtik.problems.subject import Subject, drawn
 from jtik.robot import Robot
 from jtik.task import FrameTask, Task
+from jtik.types import Array
 
 SINGULAR = 1e-12
 """Share of the largest singular value below which the smallest one is zero."""

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array, finite_array
+from jtik.errors import ArgumentError, finite_array
+from jtik.types import Array
 
 
 def frozen_array(argument: str, value: object) -> Array:

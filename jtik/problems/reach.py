@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from jtik.errors import Array
 from jtik.robot import Joint, JointType, Robot
+from jtik.types import Array
 
 VAST = 1.0
 """What a slide without limits, or a free base, counts as in the size of a robot [m]."""
@@ -41,7 +41,7 @@ def is_free_chain(robot: Robot, frame: str) -> bool:
     """Whether `bound` is the reach, in every direction: a planar chain of hinges without limits."""
     moving = [joint for joint in robot.path(frame) if joint.is_moving]
     free = all(
-        joint.type is JointType.HINGE and joint.mimic is None and not math.isfinite(joint.upper - joint.lower)
+        joint.type is JointType.REVOLUTE and joint.mimic is None and not math.isfinite(joint.upper - joint.lower)
         for joint in moving
     )
     # a joint with one limit has half a line of angles, which is every direction
@@ -65,7 +65,7 @@ def _stroke(robot: Robot, joint: Joint) -> float:
     """How far a joint itself can carry its child [m]."""
     if joint.type is JointType.FREE:
         return math.inf
-    if joint.type is not JointType.SLIDE:
+    if joint.type is not JointType.PRISMATIC:
         return 0.0
     place = robot.q_slice(joint.name)
     ends = np.array([robot.lower[place], robot.upper[place]]).ravel()

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.robot import Robot
 from jtik.task import AxisTask, CenterOfMassTask, LookAtTask, PlacementTask, RelativeFrameTask, Task
+from jtik.types import Array
 
 SIGHT = 1.0
 """How far ahead of the frame a camera's target is put [m]."""

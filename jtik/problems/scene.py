@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, Array, finite_array
+from jtik.errors import ArgumentError, finite_array
 from jtik.geometry import Ball, Circle, Sphere
 from jtik.problems import reach
 from jtik.problems.bodies import Bodies
@@ -16,6 +16,7 @@ from jtik.problems.start import Starts
 from jtik.problems.subject import Subject, drawn
 from jtik.robot import Robot
 from jtik.task import Task
+from jtik.types import Array
 
 ATTEMPTS = 200
 """Places tried for one obstacle."""

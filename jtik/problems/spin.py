@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jtik.errors import Array
+from jtik.types import Array
 
 
 def turn(vector: Array) -> Array:

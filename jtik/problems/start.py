@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import Array
 from jtik.problems.subject import Subject
+from jtik.types import Array
 
 
 class Starts:

@@ -10,15 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.problems.case import Case, ProblemSet, case_name
 from jtik.problems.reached import target_of
 from jtik.robot import Robot
 from jtik.solver import InverseKinematics
 from jtik.symbolic import function, jacobian, symbol
-from jtik.symbolic.compile import Compiled
+from jtik.symbolic.compile import CompiledFunction
 from jtik.task import Task
 from jtik.task.reduction import reduced
+from jtik.types import Array
 
 STRATEGY = "hybrid"
 """What decides whether a target can be reached, where no closed form does."""
@@ -85,18 +86,18 @@ class Subject:
         return InverseKinematics(self.robot, self.tasks.tasks, strategy=STRATEGY, joints="all")
 
     @cached_property
-    def _jacobian(self) -> Compiled:
+    def _jacobian(self) -> CompiledFunction:
         q, target = symbol("q", self.robot.nq), symbol("target", self.tasks.target_size)
         rows = self.tasks.rows(self.robot.at(q), target)
-        return Compiled(function("jacobian", [q, target], [rows.jacobian]))
+        return CompiledFunction(function("jacobian", [q, target], [rows.jacobian]))
 
     @cached_property
-    def _dual_rate(self) -> Compiled:
+    def _dual_rate(self) -> CompiledFunction:
         q, target = symbol("q", self.robot.nq), symbol("target", self.tasks.target_size)
         rows = self.tasks.rows(self.robot.at(q), target)
         u = symbol("u", len(rows.linear))
         rate = jacobian(rows.jacobian.T @ u, q) @ self.robot.tangent(q)
-        return Compiled(function("dual_rate", [q, target, u], [rate]))
+        return CompiledFunction(function("dual_rate", [q, target, u], [rate]))
 
 
 def drawn(

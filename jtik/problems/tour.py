@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik._loop.options import positive
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.problems import reach
 from jtik.problems.case import Case, ProblemSet
 from jtik.problems.mover import Mover
@@ -18,6 +18,7 @@ from jtik.problems.start import Starts
 from jtik.problems.subject import Subject, drawn
 from jtik.robot import Robot
 from jtik.task import Task
+from jtik.types import Array
 
 ATTEMPTS = 60
 """Curves tried for one case."""

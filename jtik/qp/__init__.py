@@ -5,8 +5,8 @@ from jtik.qp.conic import Conic
 from jtik.qp.elastic import Elastic
 from jtik.qp.foreign import Foreign, as_problem
 from jtik.qp.persistent import PersistentOSQP
-from jtik.qp.program import Program, ProgramSolution, Rows
-from jtik.qp.recorder import Recorded, Recorder
+from jtik.qp.quadratic_program import QPSolution, QuadraticProgram, Rows
+from jtik.qp.recorder import QPRecorder, Recorded
 
 __all__ = [
     "Backend",
@@ -17,10 +17,10 @@ __all__ = [
     "Foreign",
     "FusedBackend",
     "PersistentOSQP",
-    "Program",
-    "ProgramSolution",
+    "QPRecorder",
+    "QPSolution",
+    "QuadraticProgram",
     "Recorded",
-    "Recorder",
     "Rows",
     "as_problem",
     "available",

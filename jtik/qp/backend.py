@@ -8,12 +8,10 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik.errors import ArgumentError, JtikError, finite_array
 from jtik.symbolic import Function, has_conic
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 PLUGINS = {"daqp": 1e-7, "osqp": 1e-3, "piqp": 1e-5, "proxqp": 1e-3, "qpoases": 1e-7, "highs": 1e-5, "qrqp": 1e-5}
 """CasADi's conic plugins and how exactly an answer of theirs is expected to hold (violation, stationarity)."""

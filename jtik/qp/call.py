@@ -6,20 +6,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik.qp.backend import CalledBackend, FusedBackend, Numbers
 from jtik.qp.elastic import Expansion
-from jtik.qp.program import Program
+from jtik.qp.quadratic_program import QuadraticProgram
 from jtik.qp.recorder import Compute
 from jtik.symbolic import MX, Expression, Function, either, function
 from jtik.symbolic.compile import bind
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 
 @dataclass(frozen=True)
-class ProgramCall:
+class QPCall:
     """A program of ``n`` variables and ``rows`` rows, for the back end; how its elastic rows become plain ones."""
 
     name: str
@@ -28,7 +26,7 @@ class ProgramCall:
     expansion: Expansion | None = None
 
     @classmethod
-    def of(cls, program: Program) -> ProgramCall:
+    def of(cls, program: QuadraticProgram) -> QPCall:
         """For programs of this size."""
         return cls(program.name, program.size, program.row_count, program.expansion)
 

@@ -1,4 +1,4 @@
-"""Whether a quadratic form is convex: not every solver looks for more than a steady point."""
+"""Whether a quadratic form is convex: not every solver looks for more than a stationary point."""
 
 from __future__ import annotations
 

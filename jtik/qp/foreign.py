@@ -11,9 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.qp.backend import ELSEWHERE, PLUGINS, BackendError, CalledBackend, Numbers, Solver, accuracy_of, simplest
-
-Array = NDArray[np.float64]
-
+from jtik.types import Array
 
 _EXACT: dict[str, dict[str, Any]] = {
     "osqp": {"eps_abs": 1e-8, "eps_rel": 1e-8, "max_iter": 20000, "polishing": True},

@@ -6,11 +6,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik.qp.backend import BackendError, CalledBackend, Numbers, Solver, accuracy_of, simplest
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 _EXACT: dict[str, Any] = {"eps_abs": 1e-8, "eps_rel": 1e-8, "max_iter": 20000, "polishing": True, "verbose": False}
 _INFINITE = 1e30

@@ -6,15 +6,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik.qp.backend import Backend, FusedBackend
-from jtik.qp.call import Answering, ProgramCall, called, outputs_of
+from jtik.qp.call import Answering, QPCall, called, outputs_of
 from jtik.qp.recorder import Preparation
 from jtik.symbolic import MX, Expression, Function, either, function
 from jtik.symbolic.compile import bind, to_c
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 
 @dataclass(frozen=True)
@@ -27,7 +25,7 @@ class PreparedCall:
     needed: Function
     data: Function
     finish: Function
-    call: ProgramCall
+    call: QPCall
 
     @classmethod
     def of(cls, preparation: Preparation, known: Sequence[Expression]) -> PreparedCall:
@@ -39,7 +37,7 @@ class PreparedCall:
             function(f"{name}_needed", known, [preparation.needed]),
             function(f"{name}_data", known, [*program.data(), *program.prices]),
             function(f"{name}_finish", [*known, *answer], preparation.results),
-            ProgramCall.of(program),
+            QPCall.of(program),
         )
 
     @property

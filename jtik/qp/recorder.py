@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
-from jtik.errors import Array
-from jtik.qp.program import Program, ProgramSolution
+from jtik.qp.quadratic_program import QPSolution, QuadraticProgram
 from jtik.symbolic import Expression, logic_and, logic_or, symbol
+from jtik.types import Array
 
 Compute: TypeAlias = Callable[[Sequence[Array]], "Sequence[Any] | None"]
 """What Python does in the middle of a step: flat arrays (columns first) to arrays; None where there is no answer."""
@@ -18,8 +18,8 @@ Compute: TypeAlias = Callable[[Sequence[Array]], "Sequence[Any] | None"]
 class Recorded:
     """A program and the symbols that stand for its answer."""
 
-    program: Program
-    solution: ProgramSolution
+    program: QuadraticProgram
+    solution: QPSolution
 
     @property
     def name(self) -> str:
@@ -68,13 +68,13 @@ class Preparation:
     """A program before the step: when it is needed, its solution, what is made of it, and the symbols for that."""
 
     needed: Expression
-    solution: ProgramSolution
+    solution: QPSolution
     results: list[Expression]
     answers: list[Expression]
 
 
 @dataclass
-class Recorder:
+class QPRecorder:
     """Takes programs and computations in the order in which a strategy asks for answers."""
 
     accuracy: float
@@ -91,21 +91,21 @@ class Recorder:
         self.programs.append(Computation(name, compute, list(inputs), answers))
         return answers
 
-    def solve(self, program: Program) -> ProgramSolution:
+    def solve(self, program: QuadraticProgram) -> QPSolution:
         """The answer, as symbols."""
         solution = _symbols(program, str(len(self.programs)))
         self.programs.append(Recorded(program, solution))
         return solution
 
-    def solutions(self) -> list[tuple[Program, ProgramSolution]]:
+    def solutions(self) -> list[tuple[QuadraticProgram, QPSolution]]:
         """The programs so far, with their answers."""
         return [(each.program, each.solution) for each in self.programs if isinstance(each, Recorded)]
 
     def prepare(
         self,
         needed: Expression,
-        program: Program,
-        results: Callable[[ProgramSolution], Sequence[Expression]],
+        program: QuadraticProgram,
+        results: Callable[[QPSolution], Sequence[Expression]],
     ) -> list[Expression]:
         """What a program of the local model alone has to say where it is ``needed``, before the step; else zeros.
 
@@ -127,6 +127,6 @@ class Recorder:
         return good
 
 
-def _symbols(program: Program, name: str) -> ProgramSolution:
+def _symbols(program: QuadraticProgram, name: str) -> QPSolution:
     n, rows = program.size, program.row_count
-    return ProgramSolution(symbol(f"x{name}", n), symbol(f"y{name}", rows), symbol(f"z{name}", n), program)
+    return QPSolution(symbol(f"x{name}", n), symbol(f"y{name}", rows), symbol(f"z{name}", n), program)

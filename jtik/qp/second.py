@@ -7,16 +7,12 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from jtik.qp.backend import CalledBackend, Numbers, Solver
 from jtik.qp.call import outputs_of
 from jtik.qp.staged import Staged
 from jtik.symbolic import Function
 from jtik.symbolic.compile import bind
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 UNTOUCHED = -1.0
 """No code of a step."""

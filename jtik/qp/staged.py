@@ -13,22 +13,19 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik.errors import UnknownNameError
 from jtik.qp.backend import Backend, FusedBackend, Numbers
-from jtik.qp.call import Answering, Computing, ProgramCall, PythonCall, called, evaluated, outputs_of
+from jtik.qp.call import Answering, Computing, PythonCall, QPCall, called, evaluated, outputs_of
 from jtik.qp.conic import Conic
 from jtik.qp.partition import partitioned
 from jtik.qp.prepared import PreparedCall
-from jtik.qp.recorder import Computation, Recorded, Recorder
+from jtik.qp.recorder import Computation, QPRecorder, Recorded
 from jtik.symbolic import MX, Expression, Function, either, function, logic_and, symbol, zeros
 from jtik.symbolic.compile import bind, to_c
+from jtik.types import Array
 
-Array = NDArray[np.float64]
-
-
-Call: TypeAlias = ProgramCall | PythonCall
+Call: TypeAlias = QPCall | PythonCall
 """What happens between two stages."""
 
 
@@ -53,7 +50,7 @@ class Staged:
     @property
     def fusible(self) -> bool:
         """Whether nothing in it needs Python."""
-        return isinstance(self.backend, FusedBackend) and all(isinstance(call, ProgramCall) for call in self.calls)
+        return isinstance(self.backend, FusedBackend) and all(isinstance(call, QPCall) for call in self.calls)
 
     def compiled(self) -> Staged:
         """The same with every expression as generated C; the solver stays as it is."""
@@ -96,7 +93,7 @@ class Staged:
         """The step's outputs by stages and calls, from what is known before them, perhaps with what the first gives."""
         assert isinstance(self.backend, FusedBackend)
         for k, call in enumerate(self.calls):
-            assert isinstance(call, ProgramCall)
+            assert isinstance(call, QPCall)
             *data, handed = called(self.stages[k], known) if k or given is None else given
             known = [*known, handed, *called(call.solved_by(self.backend), data)]
         return called(self.stages[-1], known)
@@ -107,7 +104,7 @@ class Staged:
         Raises:
             UnknownNameError: when there is no such program.
         """
-        names = [call.name for call in self.calls if isinstance(call, ProgramCall)]
+        names = [call.name for call in self.calls if isinstance(call, QPCall)]
         names += [each.call.name for each in self.preparations]
         if not names or (name is not None and name not in names):
             raise UnknownNameError("program", name or "first", names)
@@ -164,7 +161,7 @@ def staged(
     inputs: Sequence[Expression],
     local: Sequence[Expression],
     cut: Sequence[Expression],
-    programs: Recorder,
+    programs: QPRecorder,
     outputs: Sequence[Expression],
     backend: Backend,
     *,
@@ -184,7 +181,7 @@ def staged(
             sizes = [int(answer.numel()) for answer in recorded.answers]
             calls.append(PythonCall(recorded.name, recorded.compute, sizes))
         else:
-            calls.append(ProgramCall.of(recorded.program))
+            calls.append(QPCall.of(recorded.program))
         known.append(recorded.answers)
     names = [*[f"jtik_program{k}" for k in range(len(calls))], "jtik_end"]
     stages = partitioned(names, known, [*[_given(each) for each in programs.programs], outputs])

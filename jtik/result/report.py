@@ -10,13 +10,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik._step.relaxation import GaveWay
+from jtik._step.relaxation import Relaxation
 from jtik.symbolic.factorization import RANK_THRESHOLD
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 SecondOrder = Literal["minimum", "saddle", "flat"]
-"""What the second derivatives say of a posture where H is steady."""
+"""What the second derivatives say of a posture where H is stationary."""
 
 FLAT = 1e-6
 """An eigenvalue of the reduced Hessian below this fraction of the whole's largest counts as zero: q is that exact."""
@@ -45,11 +44,11 @@ class Report:
     active_limits: tuple[str, ...]
     tolerances: tuple[float, float, float]
     curvature: Callable[[Array], Array] | None = None
-    yielded: Callable[[], tuple[GaveWay, ...]] | None = None
+    yielded: Callable[[], tuple[Relaxation, ...]] | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         # the answers travel, the functions they come from stay
-        told = {"second_order": self.second_order, "gave_way": self.gave_way}
+        told = {"second_order": self.second_order, "relaxed": self.relaxed}
         return {**vars(self), **told, "curvature": None, "yielded": None}
 
     @cached_property
@@ -63,7 +62,7 @@ class Report:
         return float(np.linalg.norm(self.error[~self.linear]))
 
     @cached_property
-    def gave_way(self) -> tuple[GaveWay, ...]:
+    def relaxed(self) -> tuple[Relaxation, ...]:
         """What a step from here asks for and cannot have."""
         return self.yielded() if self.yielded and self.finite else ()
 
@@ -87,17 +86,17 @@ class Report:
         return float(np.linalg.norm(reduced[free]))
 
     @property
-    def steady(self) -> bool:
+    def stationary(self) -> bool:
         """Whether that is within the optimality tolerance."""
         return self.null_space_residual <= self.tolerances[2] * max(1.0, float(np.linalg.norm(self.gradient)))
 
     @cached_property
     def second_order(self) -> SecondOrder | None:
-        """Which kind of steady: by the Hessian of H + lambda' r over the motions that keep task and active limits.
+        """Which kind of stationary: by the Hessian of H + lambda' r over the motions that keep task and active limits.
 
-        None without a criterion, off the target, or where H is not steady.
+        None without a criterion, off the target, or where H is not stationary.
         """
-        if self.curvature is None or not (self.finite and self.reached and self.steady):
+        if self.curvature is None or not (self.finite and self.reached and self.stationary):
             return None
         free, _, multipliers = self._settled()
         bend, J = self.curvature(multipliers), self.weighted[:, free]

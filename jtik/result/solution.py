@@ -9,12 +9,10 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from jtik._step.relaxation import GaveWay
+from jtik._step.relaxation import Relaxation
 from jtik.result.report import Report, SecondOrder
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 
 class Status(Enum):
@@ -165,19 +163,19 @@ class Solution:
 
         By the eigenvalues of the Hessian of H + lambda' r over the self-motions that active limits leave. "flat" is
         where the lowest is zero, as along a valley. None without a criterion, off the target, or where H is not
-        steady.
+        stationary.
         """
         return self.report.second_order
 
     @property
-    def gave_way(self) -> tuple[GaveWay, ...]:
+    def relaxed(self) -> tuple[Relaxation, ...]:
         """What was asked for and cannot be had at q: name, amount and unit each; empty where nothing gave way.
 
         As the strategy's first step from q would find it: the task's share that clearances leave no room for,
         clearances that cannot be kept, levels of priority that limits keep from their aim, elastic rows of programs.
-        Compiled and worked out when first asked for.
+        CompiledFunction and worked out when first asked for.
         """
-        return self.report.gave_way
+        return self.report.relaxed
 
     @property
     def active_limits(self) -> tuple[str, ...]:
@@ -209,8 +207,8 @@ class Solution:
             lines.append(f"  H           {self.cost:.6g} ({terms}); null-space residual {self.null_space_residual:.2g}")
         if self.active_limits:
             lines.append(f"  at limit    {', '.join(self.active_limits)}")
-        if self.gave_way:
-            lines.append(f"  gave way    {', '.join(map(str, self.gave_way))}")
+        if self.relaxed:
+            lines.append(f"  gave way    {', '.join(map(str, self.relaxed))}")
         return "\n".join(lines)
 
 

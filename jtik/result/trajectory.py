@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from jtik.errors import ArgumentError
 from jtik.result.solution import Status
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array, UnknownNameError, finite_array
+from jtik.errors import ArgumentError, UnknownNameError, finite_array
 from jtik.geometry import Solid
 from jtik.robot.tree import frozen
+from jtik.types import Array
 
 
 @dataclass(frozen=True, eq=False)

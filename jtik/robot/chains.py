@@ -8,10 +8,11 @@ from typing import TypeAlias, get_args
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array, finite_array
+from jtik.errors import ArgumentError, finite_array
 from jtik.robot.dh import JOINT_TYPES, Convention, Row, as_row, shift
 from jtik.robot.joints import JointType
 from jtik.robot.tree import Joint
+from jtik.types import Array
 
 Bounds: TypeAlias = tuple[object, object, object]
 """Lower limits, upper limits and speed limits, each one number for all joints or one for each."""
@@ -33,7 +34,7 @@ def arm_joints(parent: str, lengths: Array, bounds: Bounds) -> list[Joint]:
         joints.append(
             Joint(
                 f"joint{index}",
-                JointType.HINGE,
+                JointType.REVOLUTE,
                 parent,
                 child,
                 origin=shift(reach, 0, 0),
@@ -59,7 +60,7 @@ def vehicle_joints(links: object, heading: bool, arm: Bounds, carriage: Bounds) 
         joints.append(
             Joint(
                 name,
-                JointType.HINGE if name == "heading" else JointType.SLIDE,
+                JointType.REVOLUTE if name == "heading" else JointType.PRISMATIC,
                 frames[index - 1] if index else "base",
                 frame,
                 axis=np.array(axes[index]),

@@ -9,15 +9,16 @@ from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array, finite_array
+from jtik.errors import ArgumentError, finite_array
 from jtik.robot.joints import JointType
+from jtik.types import Array
 
 Convention: TypeAlias = Literal["standard", "modified"]
 DHJoint: TypeAlias = Literal["revolute", "prismatic", "fixed"]
 
 JOINT_TYPES: dict[str, JointType] = {
-    "revolute": JointType.HINGE,
-    "prismatic": JointType.SLIDE,
+    "revolute": JointType.REVOLUTE,
+    "prismatic": JointType.PRISMATIC,
     "fixed": JointType.FIXED,
 }
 

@@ -6,8 +6,8 @@ A joint has nq numbers of position and nv of velocity. They differ where a quate
 type    nq  nv  position
 ======  ==  ==  ==========================================
 FIXED   0   0
-HINGE   1   1   angle [rad] about the axis
-SLIDE   1   1   distance [m] along the axis
+REVOLUTE   1   1   angle [rad] about the axis
+PRISMATIC   1   1   distance [m] along the axis
 BALL    4   3   unit quaternion (w, x, y, z)
 FREE    7   6   position [m], then the unit quaternion
 ======  ==  ==  ==========================================
@@ -24,17 +24,17 @@ from enum import Enum
 
 import numpy as np
 
-from jtik.errors import Array
 from jtik.robot import quaternion
 from jtik.symbolic import SX, Expression, vertcat
+from jtik.types import Array
 
 
 class JointType(Enum):
     """What a joint lets its child frame do; see the module's table for nq, nv and conventions."""
 
     FIXED = "fixed"
-    HINGE = "hinge"
-    SLIDE = "slide"
+    REVOLUTE = "hinge"
+    PRISMATIC = "slide"
     BALL = "ball"
     FREE = "free"
 
@@ -51,7 +51,7 @@ class JointType(Enum):
     @property
     def is_scalar(self) -> bool:
         """Whether one number is its position, so that it can have limits and can be mimicked."""
-        return self in (JointType.HINGE, JointType.SLIDE)
+        return self in (JointType.REVOLUTE, JointType.PRISMATIC)
 
     @property
     def rotational(self) -> tuple[bool, ...]:
@@ -98,15 +98,15 @@ class JointType(Enum):
 
 _SIZES = {
     JointType.FIXED: (0, 0),
-    JointType.HINGE: (1, 1),
-    JointType.SLIDE: (1, 1),
+    JointType.REVOLUTE: (1, 1),
+    JointType.PRISMATIC: (1, 1),
     JointType.BALL: (4, 3),
     JointType.FREE: (7, 6),
 }
 _LINEAR = {
     JointType.FIXED: 0,
-    JointType.HINGE: 0,
-    JointType.SLIDE: 1,
+    JointType.REVOLUTE: 0,
+    JointType.PRISMATIC: 1,
     JointType.BALL: 0,
     JointType.FREE: 3,
 }

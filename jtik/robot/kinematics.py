@@ -6,12 +6,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.robot import quaternion
 from jtik.robot.joints import JointType
 from jtik.robot.rotation import Rotation
 from jtik.robot.tree import Joint
 from jtik.symbolic import SX, Expression, cross, horzcat, vertcat
+from jtik.types import Array
 
 if TYPE_CHECKING:
     from jtik.robot.model import Robot
@@ -151,9 +152,9 @@ class Kinematics:
         placed = self._place(joint.child)
         arm = end - placed.origin
         none = SX.zeros(3)
-        if joint.type is JointType.SLIDE:
+        if joint.type is JointType.PRISMATIC:
             yield vertcat(placed.rotation.apply(joint.axis), none)
-        elif joint.type is JointType.HINGE:
+        elif joint.type is JointType.REVOLUTE:
             axis = placed.rotation.apply(joint.axis)
             yield vertcat(cross(axis, arm), axis)
         else:
@@ -177,9 +178,9 @@ class Kinematics:
         q = self._q[self._robot.q_slice(joint.name)]
         if joint.mimic is not None:
             q = joint.mimic.multiplier * q + joint.mimic.offset
-        if joint.type is JointType.HINGE:
+        if joint.type is JointType.REVOLUTE:
             return _Placement(rotation.then_turn(joint.axis, q), origin)
-        if joint.type is JointType.SLIDE:
+        if joint.type is JointType.PRISMATIC:
             return _Placement(rotation, origin + rotation.apply(joint.axis) * q)
         if joint.type is JointType.BALL:
             return _Placement(rotation.then_matrix(quaternion.rotation_matrix(q)), origin)

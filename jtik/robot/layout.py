@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.robot.joints import JointType
 from jtik.robot.tree import Joint, frozen
+from jtik.types import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +103,7 @@ class Layout:
         """
         width = np.ones(self.nq)
         for joint in self.independent:
-            if joint.type is JointType.HINGE:
+            if joint.type is JointType.REVOLUTE:
                 width[self.q_slices[joint.name]] = math.pi
         low = np.where(np.isfinite(self.lower), self.lower, -width)
         high = np.where(np.isfinite(self.upper), self.upper, low + 2 * width)

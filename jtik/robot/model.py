@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array, ImmutableError, UnknownNameError
+from jtik.errors import ArgumentError, ImmutableError, UnknownNameError
 from jtik.geometry import Solid
 from jtik.robot import skeleton
 from jtik.robot.body import Mass, masses_on, shapes_on
@@ -21,6 +21,7 @@ from jtik.robot.subset import locked_joints
 from jtik.robot.tree import Joint, check_moves, check_planar, check_tree, frozen
 from jtik.robot.twins import Twins
 from jtik.symbolic import SX, Expression, is_equal
+from jtik.types import Array
 
 
 class Robot(ConfigurationSpace, Builders):

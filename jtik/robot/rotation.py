@@ -16,8 +16,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from jtik.errors import Array
 from jtik.symbolic import SX, Expression, cos, horzcat, sin
+from jtik.types import Array
 
 ROUNDING = 4 * float(np.finfo(np.float64).eps)
 """Entries of unit vectors this close to -1, 0 or 1 are those numbers, blurred by rounding."""

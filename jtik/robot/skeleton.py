@@ -18,7 +18,7 @@ STILL = 1e-9
 """Lengths and movements up to this [m] are rounding."""
 
 _SAMPLES = 4
-_CARRYING = (JointType.SLIDE, JointType.FREE)
+_CARRYING = (JointType.PRISMATIC, JointType.FREE)
 
 
 def moving_frames(robot: Robot) -> tuple[str, ...]:
@@ -60,7 +60,7 @@ def segments(robot: Robot) -> tuple[tuple[str, str], ...]:
 def _nodes(robot: Robot) -> tuple[str, ...]:
     """The base, the frames that joints move, and the tip; one a spot, in the robot's order."""
     spot = _spots(robot)
-    carriers = {j.parent for j in robot.joints if j.type is JointType.SLIDE and _is_short(j)}
+    carriers = {j.parent for j in robot.joints if j.type is JointType.PRISMATIC and _is_short(j)}
     wanted = [robot.base]
     for joint in robot.joints:
         hidden = joint.child in carriers and _is_carried(robot.path(joint.child)) and joint.child != robot.tip

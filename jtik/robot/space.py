@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.errors import Array, UnknownNameError
+from jtik.errors import UnknownNameError
 from jtik.robot.layout import Layout
 from jtik.robot.tree import Joint
+from jtik.types import Array
 
 
 class ConfigurationSpace:

@@ -6,9 +6,10 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from jtik.errors import Array, UnknownNameError, finite_array
+from jtik.errors import UnknownNameError, finite_array
 from jtik.robot.joints import JointType
 from jtik.robot.tree import Joint
+from jtik.types import Array
 
 if TYPE_CHECKING:
     from jtik.robot.model import Robot

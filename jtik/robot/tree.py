@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array, UnknownNameError, finite_array
+from jtik.errors import ArgumentError, UnknownNameError, finite_array
 from jtik.robot.joints import JointType
+from jtik.types import Array
 
 UNIT_TOLERANCE = 1e-9
 """How far an axis may be from unit length and a rotation from orthonormal: rounding, not mistakes."""
@@ -182,8 +183,8 @@ def check_planar(joints: Sequence[Joint]) -> None:
         along = abs(float(joint.axis[2]))
         stays = {
             JointType.FIXED: True,
-            JointType.HINGE: abs(along - 1.0) <= UNIT_TOLERANCE,
-            JointType.SLIDE: along <= UNIT_TOLERANCE,
+            JointType.REVOLUTE: abs(along - 1.0) <= UNIT_TOLERANCE,
+            JointType.PRISMATIC: along <= UNIT_TOLERANCE,
         }.get(joint.type, False)
         level = abs(abs(joint.origin[2, 2]) - 1.0) <= UNIT_TOLERANCE and joint.origin[2, 3] == 0.0
         if not (stays and level):

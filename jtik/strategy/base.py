@@ -7,13 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from jtik.strategy.model import LocalModel, Point
 from jtik.symbolic import Expression
+from jtik.types import Array
 
-Array = NDArray[np.float64]
 State = Mapping[str, Expression]
 """Named state of a strategy, each entry a column of expressions."""
 
@@ -41,10 +38,10 @@ class Update:
         wanted: the same before limits shortened it (n, 1).
         null_term: the part of it meant to move only the null space (n, 1).
         figures: what a Trace reports, such as alpha and beta; scalars by name.
-        unsteady: how far H still is from steady, as ``model.null_length`` measures it, where the law knows better than
-            that; None where it does not.
+        stationarity_residual: how far H is from stationary, where the strategy measures that better than
+            ``model.null_length`` does; else None.
         progress: relative decrease of what the law brings down, where that is not V; None where it is.
-        gave_way: by how much something falls short of what was asked for, from 0, by its name and unit.
+        relaxed: by how much something falls short of what was asked for, from 0, by its name and unit.
     """
 
     point: Point
@@ -54,36 +51,36 @@ class Update:
     wanted: Expression
     null_term: Expression
     figures: Mapping[str, Expression] = field(default_factory=dict)
-    unsteady: Expression | None = None
+    stationarity_residual: Expression | None = None
     progress: Expression | None = None
-    gave_way: Mapping[tuple[str, str], Expression] = field(default_factory=dict)
+    relaxed: Mapping[tuple[str, str], Expression] = field(default_factory=dict)
 
 
 class Strategy(ABC):
     """An update law. Subclasses are frozen, keyword-only dataclasses; a registry name stands for their defaults.
 
-    ``summary`` is one line for lists; ``source`` names the paper; ``compromises`` is whether a criterion keeps the task
+    ``summary`` is one line for lists; ``source`` names the paper; ``is_soft`` is whether a criterion keeps the task
     from being met exactly.
     """
 
     name: ClassVar[str] = ""
     summary: ClassVar[str] = ""
     source: ClassVar[str] = ""
-    compromises: ClassVar[bool] = False
+    is_soft: ClassVar[bool] = False
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
         """The state a solve starts from: one-dimensional arrays by name."""
         return {}
 
-    def judges(self, has_criterion: bool) -> bool:
+    def evaluates_candidate(self, has_criterion: bool) -> bool:
         """Whether acceptance looks at where a step arrives; if not, the engine does not evaluate it there either."""
         return True
 
-    def solves_programs(self, has_criterion: bool) -> bool:
+    def uses_qp(self, has_criterion: bool) -> bool:
         """Whether the law asks a QP solver, by ``model.solve``, where there is a criterion (or a clearance)."""
         return False
 
-    def keeps_clear(self) -> bool:
+    def supports_clearances(self) -> bool:
         """Whether its programs have the rows of clearances and it takes no step that does not keep them."""
         return False
 

@@ -17,7 +17,6 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik.strategy.base import Shape, State, Strategy, Update
 from jtik.strategy.merit import SUFFICIENT, outweighs, penalty, reach_of
@@ -38,8 +37,8 @@ from jtik.symbolic import (
     zeros,
 )
 from jtik.symbolic.factorization import RowVector
+from jtik.types import Array
 
-Array = NDArray[np.float64]
 Acceptance = Literal["merit", "task", "always"]
 
 
@@ -68,7 +67,7 @@ class NullMove:
     """The ``term`` (n, 1) a law subtracts from q to lower H, such as beta h.
 
     Attributes: term; its length; the decrease of H it promises to first order, (dH/dv)' term; the gain beta a trace
-    reports; how far H is from steady, where the law knows better than ``model.null_length``; the
+    reports; how far H is from stationary, where the law knows better than ``model.null_length``; the
     share of the task step to take, where clearances leave no room for all of it; whether both terms together end inside
     the limits as they are; what a trace reports beside beta, scalars by name; what gave way, by name and unit.
     """
@@ -77,11 +76,11 @@ class NullMove:
     length: Expression
     decrease: Expression
     beta: Expression
-    unsteady: Expression | None = None
+    stationarity_residual: Expression | None = None
     task_scale: Expression = 1
     keeps_limits: bool = False
     figures: Mapping[str, Expression] = field(default_factory=dict)
-    gave_way: Mapping[tuple[str, str], Expression] = field(default_factory=dict)
+    relaxed: Mapping[tuple[str, str], Expression] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -127,11 +126,11 @@ class SecondaryTerm(ABC):
     def propose(self, model: LocalModel, state: State, task_term: Expression) -> NullMove:
         """A step in the null space of J."""
 
-    def solves_programs(self) -> bool:
+    def uses_qp(self) -> bool:
         """Whether it asks a QP solver, by ``model.solve``."""
         return False
 
-    def keeps_clear(self) -> bool:
+    def supports_clearances(self) -> bool:
         """Whether its programs have the rows of clearances, and leave of the task step what they allow."""
         return False
 
@@ -168,17 +167,17 @@ class Composition(Strategy):
             state["penalty"] = np.zeros(1)
         return state
 
-    def judges(self, has_criterion: bool) -> bool:
+    def evaluates_candidate(self, has_criterion: bool) -> bool:
         """Not where every step is taken and no criterion is at stake."""
         return has_criterion or self.acceptance() != "always"
 
-    def solves_programs(self, has_criterion: bool) -> bool:
+    def uses_qp(self, has_criterion: bool) -> bool:
         """If its secondary term does, and there is one."""
-        return has_criterion and self.secondary_term().solves_programs()
+        return has_criterion and self.secondary_term().uses_qp()
 
-    def keeps_clear(self) -> bool:
+    def supports_clearances(self) -> bool:
         """If its secondary term does."""
-        return self.secondary_term().keeps_clear()
+        return self.secondary_term().supports_clearances()
 
     def update(self, model: LocalModel, state: State) -> Update:
         """Propose, join, judge, adapt."""
@@ -219,7 +218,7 @@ class Composition(Strategy):
             accepted = falls
         if model.clearance:
             accepted = logic_or(accepted, model.recovery.takes(term, point.length))
-        judges = self.judges(model.has_criterion)
+        judges = self.evaluates_candidate(model.has_criterion)
         accepted = logic_and(accepted, is_finite(point.V + point.H if judges else term))
         clear = model.clearance.keeps(term) if model.clearance else 1
         accepted = logic_and(accepted, clear)
@@ -244,8 +243,8 @@ class Composition(Strategy):
             "actual_decrease": model.here.V - point.V,
             **proposed.figures,
         }
-        unsteady, gave_way = proposed.unsteady, proposed.gave_way
-        return Update(point, accepted, after, term, wanted, null.term, figures, unsteady, gave_way=gave_way)
+        stationarity_residual, relaxed = proposed.stationarity_residual, proposed.relaxed
+        return Update(point, accepted, after, term, wanted, null.term, figures, stationarity_residual, relaxed=relaxed)
 
 
 def _shortened(model: LocalModel, task_term: Expression, null: NullMove) -> NullMove:

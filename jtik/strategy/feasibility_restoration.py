@@ -8,8 +8,8 @@ from functools import cached_property
 from math import inf
 
 from jtik.constraints.clearance import ClearanceModel
-from jtik.qp.program import Program, ProgramSolution, Rows
-from jtik.qp.recorder import Recorder
+from jtik.qp.quadratic_program import QPSolution, QuadraticProgram, Rows
+from jtik.qp.recorder import QPRecorder
 from jtik.symbolic import (
     TINY,
     Expression,
@@ -135,7 +135,7 @@ class Recovery:
 
 def recovery(
     clearance: ClearanceModel,
-    programs: Recorder,
+    programs: QPRecorder,
     box: tuple[Expression, Expression],
     task_rows: Callable[[], Expression],
     jacobian: Expression,
@@ -157,7 +157,7 @@ def recovery(
     lower, upper = fmax(box[0], -clearance.longest), fmin(box[1], clearance.longest)
     price = TIGHT * (1 + ASIDE) / clearance.lever**2
     floor = clearance.low - demand
-    program = Program(
+    program = QuadraticProgram(
         P=identity(n) + ASIDE * K.T @ K + price * _gram(if_else(demand > 0, 1, 0), C),
         q=-price * C.T @ demand,
         lower=lower,
@@ -166,7 +166,7 @@ def recovery(
         name="recovery",
     )
 
-    def results(answer: ProgramSolution) -> list[Expression]:
+    def results(answer: QPSolution) -> list[Expression]:
         step = fmin(fmax(answer.x, lower), upper)  # rounding must not leave the box
         gained = C @ step
         # all that must be right of the answer is that nothing comes nearer than it may; else no room is made

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from jtik.constraints.clearance import ClearanceModel
 from jtik.errors import JtikError
-from jtik.qp.program import Program, ProgramSolution
-from jtik.qp.recorder import Compute, Recorder
+from jtik.qp.quadratic_program import QPSolution, QuadraticProgram
+from jtik.qp.recorder import Compute, QPRecorder
 from jtik.robot import Robot
 from jtik.strategy.feasibility_restoration import Recovery, recovery
 from jtik.symbolic import TINY, Expression, Function, dot, fmax, fmin, norm, sqrt, sumsqr, vertcat
@@ -84,14 +84,14 @@ class LocalModel:
     parameters: Expression
     full_J: Expression = None  # noqa: N815
     full_gradient: Expression = None
-    programs: Recorder | None = None
+    programs: QPRecorder | None = None
     clearance: ClearanceModel | None = None
     tasks: TaskStack | None = None
 
-    def solve(self, program: Program) -> ProgramSolution:
+    def solve(self, program: QuadraticProgram) -> QPSolution:
         """The answer of the solver's back end to a program, as expressions to go on with."""
         if self.programs is None:
-            raise JtikError(f"a program of a strategy whose solves_programs() is False: {program.name}")
+            raise JtikError(f"a program of a strategy whose uses_qp() is False: {program.name}")
         return self.programs.solve(program)
 
     @cached_property
@@ -121,7 +121,7 @@ class LocalModel:
         and costs what the Python costs.
         """
         if self.programs is None:
-            raise JtikError(f"a computation of a strategy whose solves_programs() is False: {name}")
+            raise JtikError(f"a computation of a strategy whose uses_qp() is False: {name}")
         return self.programs.compute(name, compute, inputs, shapes)
 
     @cached_property

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.errors import Array, MissingExtraError
+from jtik.errors import MissingExtraError
 from jtik.problems import ProblemSet
 from jtik.result.solution import Trace
 from jtik.robot import Robot
@@ -21,6 +21,7 @@ from jtik.study import display
 from jtik.study.rows import CLAIMS, COLUMNS, FAILURES, TEXTS
 from jtik.study.summary import summary
 from jtik.task import Task
+from jtik.types import Array
 
 if TYPE_CHECKING:
     import pandas

@@ -14,11 +14,11 @@ from typing import Any, NamedTuple
 from jtik._loop.options import Until
 from jtik.constraints.clearance import Clearance
 from jtik.criterion.base import Criterion, CriterionSum
-from jtik.errors import Array
 from jtik.result.solution import Trace
 from jtik.robot import Robot
 from jtik.task import Task, TaskStack
 from jtik.task.reduction import reduced
+from jtik.types import Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +33,7 @@ class Setting:
         orientation_tolerance: norm of the orientation error to reach [rad].
         optimality_tolerance: norm of the projected gradient of H to reach, relative to max(1, |dH/dv|).
         max_iterations: most steps of an attempt.
-        until: "reached" stops on target, "steady" goes on until H cannot fall further.
+        until: "reached" stops on target, "stationary" goes on until H cannot fall further.
         restarts: how many other starts may be tried.
         seed: which other starts.
         limits: whether the joint limits hold.

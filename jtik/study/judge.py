@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.robot import Robot
 from jtik.symbolic import function, symbol
-from jtik.symbolic.compile import Compiled
+from jtik.symbolic.compile import CompiledFunction
 from jtik.task import FrameTask, Task, TaskStack
+from jtik.types import Array
 
 SLACK = 1e-11
 """Error [m], [rad] by which two kinematics may differ without anybody being wrong."""
@@ -139,7 +140,7 @@ def _own_errors(robot: Robot, task: Task) -> Callable[[Array, Array], tuple[Arra
     """The same by the task's own error."""
     q, target = symbol("q", robot.nq), symbol("target", task.target_size(robot))
     rows = task.rows(robot.at(q), target)
-    evaluate = Compiled(function("error", [q, target], [rows.error]))
+    evaluate = CompiledFunction(function("error", [q, target], [rows.error]))
     linear = np.array(rows.linear, dtype=bool)
 
     def errors(at: Array, numbers: Array) -> tuple[Array, Array]:

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from jtik.errors import Array
 from jtik.result.solution import Trace
 from jtik.robot import Robot
+from jtik.types import Array
 
 ROUNDING = 1e-12
 """Share of V by which rounding may raise it."""

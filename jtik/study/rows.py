@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.errors import Array
 from jtik.result.solution import Trace
 from jtik.study import measures
 from jtik.study.judge import SLACK
 from jtik.study.ruler import Ruler
+from jtik.types import Array
 
 if TYPE_CHECKING:
     from jtik.study.units import Attempt, Bench
@@ -34,7 +34,7 @@ class Row:
 
     Attributes:
         contender, criteria, case, kind: which it is.
-        success: on target by the judge's measure, within the limits where they hold, and steady where that was asked.
+        success: on target by the judge's measure, within the limits where they hold, and stationary if asked.
         status: why the solve stopped, in the contender's words; of a path the first that failed, or the last.
         note: what went wrong besides.
         iterations: steps tried; of a path the mean of a target.

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik._step.problem import Problem
+from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.clearance import Clearance, Measure
 from jtik.criterion.base import Criterion, CriterionSum, CriterionTerms, Parameters
-from jtik.errors import Array
 from jtik.robot import Robot
 from jtik.symbolic import dot, function, mmin, vertcat
-from jtik.symbolic.compile import Compiled
+from jtik.symbolic.compile import CompiledFunction
 from jtik.task import TaskStack
+from jtik.types import Array
 
 
 @dataclass
@@ -59,21 +59,21 @@ class Ruler:
         measures: Iterable[NamedMeasure] = (),
     ) -> None:
         terms = CriterionTerms.of(robot, criteria)
-        problem = Problem(robot, tasks, terms, ())
+        problem = SymbolicProblem(robot, tasks, terms, ())
         q, target, column = problem.symbols()
         residual = problem.residual(q, target)
         outputs = [problem.criterion(q, column), dot(residual, residual) / 2, problem.error_jacobian(q, target)]
-        self._measured = Compiled(function("ruler", [q, target, column], outputs))
+        self._measured = CompiledFunction(function("ruler", [q, target, column], outputs))
         self._has_criterion = problem.has_criterion
         measures = list(measures)
         distances = CriterionTerms.of(robot, None, measures)
-        self._distances: Compiled | None = None
+        self._distances: CompiledFunction | None = None
         if measures:
             column, bodies = distances.parameters.symbols(), []
             for each in measures:
                 own = distances.own(each, column)
                 bodies += [d for body in each.measure.distances(robot.at(q), own) for d in body]
-            self._distances = Compiled(function("clearance", [q, column], [mmin(vertcat(*bodies))]))
+            self._distances = CompiledFunction(function("clearance", [q, column], [mmin(vertcat(*bodies))]))
         self._live = [terms.parameters, distances.parameters]
         self._first = [dict(each) for each in self._live]
 

@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.problems import ProblemSet
 from jtik.result.solution import Trace
 from jtik.study.comparison import Comparison, assembled
 from jtik.study.description import DescriptionError, as_data, from_data
 from jtik.study.rows import COLUMNS, Row
 from jtik.study.units import Block, Plan
+from jtik.types import Array
 
 FORMAT = 1
 """Version of the file."""

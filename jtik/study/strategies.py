@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array, UnknownNameError
+from jtik.errors import ArgumentError, UnknownNameError
 from jtik.qp import Backend
 from jtik.registry import secondaries, strategies
 from jtik.result.solution import Trace
 from jtik.solver import InverseKinematics
 from jtik.strategy import Strategy
 from jtik.study.contender import Answer, Contender, Ready, Setting
+from jtik.types import Array
 
 PEER = "peer:"
 """How the name of a contender from another library begins: "peer:mink"."""

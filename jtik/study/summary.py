@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
+from jtik.types import Array
 
 Columns = Mapping[str, NDArray[Any]]
 

@@ -18,13 +18,13 @@ from typing import Any
 import numpy as np
 
 from jtik.criterion.base import Criterion, CriterionSum
-from jtik.errors import Array
 from jtik.problems import Case, ProblemSet
 from jtik.result.solution import Trace
 from jtik.study.contender import Answer, Contender, Ready, Setting
 from jtik.study.judge import Judge
 from jtik.study.rows import Row, measured
 from jtik.study.ruler import Ruler, measures_of
+from jtik.types import Array
 
 Key = tuple[str, str, str]
 """Contender, criteria and case, by their names."""

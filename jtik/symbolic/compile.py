@@ -19,12 +19,10 @@ from pathlib import Path
 from typing import Any, NamedTuple, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik.errors import JtikError
 from jtik.symbolic.operations import Function, c_source, external
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 
 def bind(function: Function, arguments: list[Array], results: list[Array]) -> Callable[[], None]:
@@ -42,7 +40,7 @@ def bind(function: Function, arguments: list[Array], results: list[Array]) -> Ca
     return cast(Callable[[], None], evaluate)
 
 
-class Compiled:
+class CompiledFunction:
     """A function with memory of its own: arrays in, arrays out, at about a microsecond over the arithmetic.
 
     Calling it with one array an input returns one new array (rows, columns) an output.

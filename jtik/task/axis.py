@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression
 from jtik.task.pointing import SHORTEST, PointingTask
 from jtik.task.targets import as_numbers
+from jtik.types import Array
 
 
 class AxisTask(PointingTask):

@@ -6,9 +6,9 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any
 
-from jtik.errors import Array
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, symbol
+from jtik.types import Array
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, vertcat
 from jtik.task.base import TaskRows
 from jtik.task.targets import as_numbers
 from jtik.task.weighted import Axes, WeightedTask, kept, named
+from jtik.types import Array
 
 
 class CenterOfMassTask(WeightedTask):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from jtik.errors import Array
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression
 from jtik.task.pointing import PointingTask
 from jtik.task.targets import read_placement, usual
+from jtik.types import Array
 
 
 class LookAtTask(PointingTask):

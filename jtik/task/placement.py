@@ -7,12 +7,13 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, atan2, cos, reshape, rotation, sin, vertcat
 from jtik.task.base import TaskRows
 from jtik.task.targets import Kind, read_placement, usual
 from jtik.task.weighted import Axes, WeightedTask, kept, named
+from jtik.types import Array
 
 _PLAIN = {
     "position": "(x, y, z) [m]",

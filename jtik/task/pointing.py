@@ -12,7 +12,7 @@ from abc import abstractmethod
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, Array, finite_array
+from jtik.errors import ArgumentError, finite_array
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import (
     Expression,
@@ -31,6 +31,7 @@ from jtik.symbolic import (
 )
 from jtik.task.base import TaskRows
 from jtik.task.weighted import WeightedTask
+from jtik.types import Array
 
 SHORTEST = 1e-12
 """A direction given shorter than this is a rounded zero and points nowhere."""

@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, jacobian, symbol, symvar, vertcat
 from jtik.task.base import Task
+from jtik.types import Array
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
+from jtik.types import Array
 
 Kind = Literal["position", "orientation", "pose"]
 

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.task.base import Task
+from jtik.types import Array
 
 Axes = str | Sequence[str] | None
 """Names of the rows to keep, in order: "xy" or ("x", "rz"); None keeps all."""

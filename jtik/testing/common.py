@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik.criterion.base import criterion
 from jtik.robot import Robot
 from jtik.symbolic import Expression, sumsqr
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 
 def require(condition: bool | np.bool_, message: str) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jtik.criterion.base import Criterion, CriterionTerms
 from jtik.errors import ArgumentError
@@ -16,11 +16,10 @@ from jtik.result.solution import Status
 from jtik.robot import Robot
 from jtik.solver import InverseKinematics
 from jtik.symbolic import function, gradient, symbol, symvar
-from jtik.symbolic.compile import Compiled
+from jtik.symbolic.compile import CompiledFunction
 from jtik.task import FrameTask
 from jtik.testing.common import require
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 DIFFERENCE_STEPS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 """Steps of the central differences [rad] or [m]: a right gradient agrees at one of them, however stiff H is."""
@@ -68,7 +67,7 @@ def check_criterion(
             f"{who} never reads its parameter {name!r}; use the expression it is given, not the number it began with",
         )
     slope = robot.tangent(q).T @ gradient(H, q)
-    evaluate = Compiled(function("criterion", [q, parameters], [H, slope]))
+    evaluate = CompiledFunction(function("criterion", [q, parameters], [H, slope]))
     memory = terms.parameters.memory
     for sample in _samples(robot, samples, generator):
         value, analytic = (result[:, 0] for result in evaluate(sample, memory))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik.registry import strategy_of
 from jtik.result.solution import Solution, Status
@@ -15,8 +14,7 @@ from jtik.strategy import LocalModel, Shape, State, Strategy, Update
 from jtik.symbolic import Expression
 from jtik.task import FrameTask, Task
 from jtik.testing.common import moved, posture, require
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 RISE = 1e-12
 """Relative rise of V that is rounding of its evaluation."""
@@ -86,7 +84,7 @@ def _benches() -> list[tuple[Robot, Task]]:
     ball = Robot(
         [
             Joint("shoulder", JointType.BALL, "base", "upper"),
-            Joint("elbow", JointType.HINGE, "upper", "fore", origin=along_x, axis=tilted),
+            Joint("elbow", JointType.REVOLUTE, "upper", "fore", origin=along_x, axis=tilted),
             Joint("wrist", JointType.BALL, "fore", "hand", origin=along_x),
             Joint("tip", JointType.FIXED, "hand", "tip", origin=along_x),
         ],
@@ -202,13 +200,13 @@ class _Watched(Strategy):
     def __repr__(self) -> str:
         return repr(self._strategy)
 
-    def judges(self, has_criterion: bool) -> bool:
+    def evaluates_candidate(self, has_criterion: bool) -> bool:
         """As the strategy."""
-        return self._strategy.judges(has_criterion)
+        return self._strategy.evaluates_candidate(has_criterion)
 
-    def solves_programs(self, has_criterion: bool) -> bool:
+    def uses_qp(self, has_criterion: bool) -> bool:
         """As the strategy."""
-        return self._strategy.solves_programs(has_criterion)
+        return self._strategy.uses_qp(has_criterion)
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
         """That of the strategy, checked."""

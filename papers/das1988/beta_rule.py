@@ -3,7 +3,7 @@
 Appendix A sets beta_{k+1} = beta_k^2 |h_k|^2 / |h_{k+1}|^2 where that is below 1, so that V2 = |beta h|^2 / 2 falls. V2
 is quadratic in beta, and the ratio therefore squares itself from step to step. First on an arm whose |h| is constant,
 where the sequence is known; then on ten links among obstacles: how often, and how soon, the motion in the null space
-stands still before the criterion is steady; and from a start at the optimum of the criterion, where V2 = 0.
+stands still before the criterion is stationary; and from a start at the optimum of the criterion, where V2 = 0.
 """
 
 from __future__ import annotations
@@ -59,8 +59,8 @@ def solved(rule: str, count: int, at_optimum: bool = False) -> Row:
     """Ten links, Newton's step for the task, zero angles and obstacles for the rest.
 
     frozen: solves that end with |beta h| below 1e-6 rad and |h| above 1e-3 [%]. freezes: median step from which on that
-    is so. h: median of |h| at the end. steady: solves that end on target with H steady [%]. V2_rises: accepted steps at
-    which V2 rose [%]. V_rises: the same for V.
+    is so. h: median of |h| at the end. stationary: solves that end on target with H stationary [%]. V2_rises:
+    accepted steps at which V2 rose [%]. V_rises: the same for V.
     """
     springs = JointCentering(1.0, np.linspace(0.4, -0.2, 10)) if at_optimum else JointCentering()
     criteria = springs if at_optimum else springs + 0.3 * ObstacleAvoidance(FIELD)
@@ -89,7 +89,7 @@ def solved(rule: str, count: int, at_optimum: bool = False) -> Row:
         "case": f"{'start at the optimum' if at_optimum else 'ten links'}, {rule}",
         "frozen": percent(frozen),
         "h": median(residuals),
-        "steady": percent(ended),
+        "stationary": percent(ended),
         "V2_rises": percent(V2_rises),
         "V_rises": percent(V_rises),
     }
@@ -119,13 +119,13 @@ def statements(rows: Sequence[Row]) -> dict[str, bool]:
         "with the root, beta stays where |h| does": all(
             math.isclose(float(root[f"beta_{k}"]), 0.9, rel_tol=1e-9) for k in range(7)
         ),
-        "as printed, most solves freeze before H is steady": of("ten links, paper", "frozen") > 80,
+        "as printed, most solves freeze before H is stationary": of("ten links, paper", "frozen") > 80,
         "with the root or by merit none freezes": all(
             of(f"ten links, {rule}", "frozen") == 0 for rule in ("sqrt", "merit")
         ),
-        "by merit every solve ends steady": of("ten links, merit", "steady") == 100,
-        "with the root more solves end steady than as printed": of("ten links, sqrt", "steady")
-        > of("ten links, paper", "steady"),
+        "by merit every solve ends stationary": of("ten links, merit", "stationary") == 100,
+        "with the root more solves end stationary than as printed": of("ten links, sqrt", "stationary")
+        > of("ten links, paper", "stationary"),
         "V2 never rises as printed, nor with the root and no floor": all(
             of(f"{start}, {rule}", "V2_rises") == 0
             for start in ("ten links", "start at the optimum")
@@ -152,7 +152,7 @@ SCRIPT = Script(
         "frozen": SHARE,
         "freezes": MEDIAN,
         "h": Within(absolute=1e-3, relative=0.1),
-        "steady": SHARE,
+        "stationary": SHARE,
         "V2_rises": Within(absolute=2.0),
         "V_rises": Within(absolute=2.0),
     },

@@ -17,7 +17,7 @@ from claim import EXACT, Row, Script, Within, by_key, percent
 
 import jtik
 from jtik.symbolic import function, jacobian, symbol
-from jtik.symbolic.compile import Compiled
+from jtik.symbolic.compile import CompiledFunction
 
 Array = np.ndarray
 LINKS = (1, 2, 3, 5, 10, 20)
@@ -34,8 +34,8 @@ class Arm:
         q, v = symbol("q", links), symbol("v", links)
         tip = robot.at(q).position("tip")
         J = jacobian(tip, q)
-        self._first = Compiled(function("first", [q], [tip, J]))
-        self._second = Compiled(function("second", [q, v], [jacobian(J @ v, q)]))
+        self._first = CompiledFunction(function("first", [q], [tip, J]))
+        self._second = CompiledFunction(function("second", [q, v], [jacobian(J @ v, q)]))
 
     def tip(self, q: Array) -> Array:
         """Position [m]."""

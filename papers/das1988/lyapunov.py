@@ -20,7 +20,7 @@ from scipy.integrate import solve_ivp
 
 import jtik
 from jtik.symbolic import function, jacobian, symbol
-from jtik.symbolic.compile import Compiled
+from jtik.symbolic.compile import CompiledFunction
 from jtik_formulations import Transpose
 
 Array = np.ndarray
@@ -34,11 +34,11 @@ LIMITS = (math.inf, 1.0, 0.5, 0.25, 0.1)
 """Limits of Q, the length of a step [rad]."""
 
 
-def model() -> Compiled:
+def model() -> CompiledFunction:
     """q -> the tip's position (2, 1) and its Jacobian (2, 10)."""
     q = symbol("q", ARM.n)
     position = ARM.at(q).position("tip")
-    return Compiled(function("model", [q], [position, jacobian(position, q)]))
+    return CompiledFunction(function("model", [q], [position, jacobian(position, q)]))
 
 
 AT = model()
@@ -127,7 +127,7 @@ def slides() -> jtik.Robot:
     for k in range(3):
         axis = np.array([math.cos(0.7 * k), math.sin(0.7 * k), 0.0])
         parent = "base" if k == 0 else f"slide{k}"
-        joints.append(jtik.Joint(f"joint{k + 1}", jtik.JointType.SLIDE, parent, f"slide{k + 1}", axis=axis))
+        joints.append(jtik.Joint(f"joint{k + 1}", jtik.JointType.PRISMATIC, parent, f"slide{k + 1}", axis=axis))
     return jtik.Robot(joints, name="slides", planar=True)
 
 

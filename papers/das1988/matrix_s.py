@@ -43,7 +43,7 @@ def rail() -> jtik.Robot:
     """A coarse and a fine slide, both along x, under three links of 0.1 m."""
     x, link = np.array([1.0, 0.0, 0.0]), np.eye(4)
     link[0, 3] = 0.1
-    slide, hinge = jtik.JointType.SLIDE, jtik.JointType.HINGE
+    slide, hinge = jtik.JointType.PRISMATIC, jtik.JointType.REVOLUTE
     joints = [
         jtik.Joint("coarse", slide, "base", "sledge", axis=x),
         jtik.Joint("fine", slide, "sledge", "shoulder", axis=x),
@@ -71,7 +71,7 @@ def slides() -> jtik.Robot:
     axes = [np.array([math.cos(0.7 * k), math.sin(0.7 * k), 0.0]) for k in range(3)]
     frames = ["base", "slide1", "slide2", "tip"]
     joints = [
-        jtik.Joint(f"joint{k + 1}", jtik.JointType.SLIDE, frames[k], frames[k + 1], axis=axis)
+        jtik.Joint(f"joint{k + 1}", jtik.JointType.PRISMATIC, frames[k], frames[k + 1], axis=axis)
         for k, axis in enumerate(axes)
     ]
     return jtik.Robot(joints, name="slides", planar=True)

@@ -63,7 +63,7 @@ def panda(kind: str, count: int) -> tuple[dict[str, jtik.InverseKinematics], Tar
     given = []
     for _ in range(count):
         q0, goal = (home + rng.uniform(-0.5, 0.5, len(home)) for _ in range(2))
-        whole = solvers["newton"].whole(goal)
+        whole = solvers["newton"].full_configuration(goal)
         target = robot.position(whole) if kind == "position" else robot.pose(whole)
         given.append((q0, target))
     return solvers, given

@@ -223,9 +223,9 @@ def test_options_override_the_file(capsys: Capture, problem_file: Path) -> None:
 
 def test_until_reached_stops_earlier(capsys: Capture) -> None:
     line = "--robot planar:6 --target 3 2 --q0 .9 -.3 .9 -.3 .9 -.3 --criterion joint_centering --until"
-    steady, reached = (solved(capsys, line, until) for until in ("steady", "reached"))
-    assert reached["iterations"] < steady["iterations"]
-    assert steady["cost"] < reached["cost"]
+    stationary, reached = (solved(capsys, line, until) for until in ("stationary", "reached"))
+    assert reached["iterations"] < stationary["iterations"]
+    assert stationary["cost"] < reached["cost"]
 
 
 def test_limits_can_be_ignored(capsys: Capture, problem_file: Path) -> None:
@@ -280,7 +280,7 @@ def test_trace_is_one_row_an_iteration(capsys: Capture, tmp_path: Path) -> None:
         ("solve --robot planar:3 --target 1 1 --circle 1 1 -1", "radius"),
         ("solve --robot planar:3 --target 1 1 --point 1", "center"),
         ("solve --robot planar:3 --target 1 1 --frame hand", "unknown frame 'hand'"),
-        ("solve --robot planar:3 --target 1 1 --until tired", "steady"),
+        ("solve --robot planar:3 --target 1 1 --until tired", "stationary"),
         ("solve --robot planar:3 --target 1 1 --max-iterations -1", "max_iterations"),
         ("solve --robot planar:3 --target 1 1 --trace /no/such/folder/trace.csv", "no such folder"),
         ("solve --file /no/such/problem.toml", "no such file"),

@@ -161,7 +161,7 @@ def test_two_levels_keep_clear_and_tell_which_is_missed():
     solution = ik.solve({"tip": points[-1], "elbow": centre}, q0=q, trace=True)
     assert min(gaps_of(at, centre, 0.5, "joints").min() for at in solution.trace.q) >= SAFE - ROUNDING
     assert np.linalg.norm(planar_points(solution.q)[-1] - points[-1]) <= 1e-4
-    missed = {each.name: each for each in solution.gave_way}
+    missed = {each.name: each for each in solution.relaxed}
     assert set(missed) == {"level 1"}
     assert missed["level 1"].amount == pytest.approx(solution.position_error, rel=0.1)
 
@@ -217,7 +217,7 @@ def test_contradictory_clearances_have_a_status_and_are_named(strategy, criteria
     ik = solver(arm, strategy, criteria, "joints", field)
     solution = ik.solve(points[-1] + [0.05, 0.1], q0=q, max_iterations=300)
     assert solution.status in (jtik.Status.BLOCKED, jtik.Status.ITERATION_LIMIT)
-    told = {each.name: each for each in solution.gave_way}
+    told = {each.name: each for each in solution.relaxed}
     for i, circle in enumerate(field):
         gap = np.linalg.norm(planar_points(solution.q)[1] - circle.center) - 0.4
         assert gap >= 0.03 - ROUNDING
@@ -234,23 +234,23 @@ def test_the_share_of_the_task_is_told(problems):
         clearances=jtik.Clearance(ObstacleAvoidance(jtik.Point((0.98, 0.2)), bodies="links"), safe=0.01),
     )
     solution = ik.solve([math.cos(0.5), math.sin(0.5)], q0=[0.0], trace=True)
-    [entry] = solution.gave_way
+    [entry] = solution.relaxed
     assert (entry.name, entry.unit) == ("task step", "share")
     assert entry.amount > 0.9
     assert str(entry) == "task step by 100 %"
     assert solution.trace.task_share[0] > 0.1 > solution.trace.task_share[-1]
     assert solution.trace.too_near.max() < 0.01
-    assert pickle.loads(pickle.dumps(solution)).gave_way == solution.gave_way
+    assert pickle.loads(pickle.dumps(solution)).relaxed == solution.relaxed
 
 
 def test_nothing_gives_way_where_everything_can_be_had(problems):
     q, target = problems[0]
     ik = solver(planar(5), field=[jtik.Circle((90.0, 0.0))])
     solution = ik.solve(target, q0=q)
-    assert solution.gave_way == ()
+    assert solution.relaxed == ()
     assert "gave way" not in repr(solution)
     plain = jtik.InverseKinematics(planar(5), jtik.FrameTask()).solve(target, q0=q)
-    assert plain.gave_way == ()
+    assert plain.relaxed == ()
 
 
 def test_without_recovery_it_only_comes_no_nearer(problems):

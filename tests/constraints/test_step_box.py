@@ -15,7 +15,7 @@ import jtik
 from jtik.constraints.limits import Limits
 from jtik.constraints.step_box import StepBox, box_function, braking
 from jtik.symbolic import function, symbol
-from jtik.symbolic.compile import Compiled
+from jtik.symbolic.compile import CompiledFunction
 
 LOWER, UPPER = -0.4, 0.5
 DT = 0.01
@@ -26,7 +26,7 @@ ROUNDING = 1e-13
 @functools.cache
 def box_of(velocity=1.5, acceleration=8.0, lower=LOWER, upper=UPPER):
     robot = jtik.Robot.planar(1, lower=lower, upper=upper)
-    return Compiled(box_function(Limits(velocity=velocity, acceleration=acceleration).of(robot)))
+    return CompiledFunction(box_function(Limits(velocity=velocity, acceleration=acceleration).of(robot)))
 
 
 def ends(box, q, last, dt=DT, before=None):
@@ -37,7 +37,7 @@ def ends(box, q, last, dt=DT, before=None):
 @functools.cache
 def brakes():
     room, change = symbol("room", 1), symbol("change", 1)
-    return Compiled(function("brakes", [room, change], [braking(room, change)]))
+    return CompiledFunction(function("brakes", [room, change], [braking(room, change)]))
 
 
 class TestBraking:

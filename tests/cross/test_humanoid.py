@@ -120,7 +120,7 @@ G1 = Humanoid(
 
 def check(humanoid, ik, oracle, targets, solution):
     """What was asked for is what Pinocchio finds at the answer."""
-    whole, robot = ik.whole(solution.q), humanoid.robot
+    whole, robot = ik.full_configuration(solution.q), humanoid.robot
     assert (robot.lower <= whole).all()
     assert (whole <= robot.upper).all()
     assert np.linalg.norm(whole[robot.q_slice("free_base")][3:]) == pytest.approx(1.0, abs=1e-12)

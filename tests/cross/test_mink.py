@@ -77,7 +77,7 @@ def _twin(model):
         origin = np.eye(4)
         origin[:3, 3] = model.body_pos[body]
         child = f"body{body}" if body < model.nbody - 1 else "tip"
-        kind = jtik.JointType.HINGE if body < model.nbody - 1 else jtik.JointType.FIXED
+        kind = jtik.JointType.REVOLUTE if body < model.nbody - 1 else jtik.JointType.FIXED
         axis = model.jnt_axis[body - 1] if body < model.nbody - 1 else np.array([0.0, 0.0, 1.0])
         joints.append(jtik.Joint(f"j{body}", kind, parent, child, origin=origin, axis=axis))
         parent = child

@@ -173,7 +173,7 @@ def _pairs(with_qp):
             continue
         names.append(f"{name}+qp")
     names.append("hybrid+second_order")
-    return [name for name in names if strategy_of(name).solves_programs(True) == with_qp]
+    return [name for name in names if strategy_of(name).uses_qp(True) == with_qp]
 
 
 SLOW = ("clarabel", "quadprog", "qpsolvers:daqp", "qpsolvers:osqp", "persistent osqp")
@@ -210,9 +210,9 @@ def _cases():
                 continue
             for k in range(3 if backend == "daqp" else 1):
                 arm = arms[(i + j // 2 + 2 * k) % 6]
-                clear = arm == "planar5" and strategy_of(strategy).keeps_clear()
+                clear = arm == "planar5" and strategy_of(strategy).supports_clearances()
                 number = i // 2 + j // 2 + k
-                always = clear or strategy_of(strategy).solves_programs(False)
+                always = clear or strategy_of(strategy).uses_qp(False)
                 criterion = criteria[number % 3 if always else 1 + number % 2]
                 found.append(Case(strategy, backend, arm, criterion, clear))
     # slow ones, called from Python, have a third of the problems
@@ -253,7 +253,7 @@ def problems_of(case):
     for k in range(case.count):
         number = case.seed + k
         kind = NASTY[number // 3 % len(NASTY)] if number % 3 == 0 else "ordinary"
-        until = ("steady", "reached")[number // 2 % 2]
+        until = ("stationary", "reached")[number // 2 % 2]
         most = 6 * MOST if kind == "too far" and case.backend is None else MOST  # the last digits come slowly there
         yield Problem(kind, *_posed(arm, kind, case.clear, rng), until, most)
 
@@ -481,7 +481,7 @@ class TestTheJudge:
     def said(self, problem=None, **wrong):
         arm = arm_of("planar5")
         goal = np.array([0.3, 0.4, -0.2, 0.5, 0.1])
-        problem = problem or Problem("ordinary", goal, arm.pose(goal), FAR, "steady")
+        problem = problem or Problem("ordinary", goal, arm.pose(goal), FAR, "stationary")
         ik = build(self.CASE)
         solution = ik.solve(problem.target, q0=problem.q0, max_iterations=MOST)
         assert solution.converged

@@ -17,7 +17,7 @@ import pytest
 
 import jtik
 from jtik.symbolic import function, horzcat, symbol
-from jtik.symbolic.compile import Compiled
+from jtik.symbolic.compile import CompiledFunction
 
 pin = pytest.importorskip("pinocchio")
 mujoco = pytest.importorskip("mujoco")
@@ -64,7 +64,7 @@ def everything(path):
     kinematics = robot.at(q)
     upper = [kinematics.pose(frame)[:3, :] for frame in robot.frame_names]
     jacobians = [kinematics.jacobian(frame) for frame in robot.frame_names]
-    compiled = Compiled(function("everything", [q], [horzcat(*upper), horzcat(*jacobians)]))
+    compiled = CompiledFunction(function("everything", [q], [horzcat(*upper), horzcat(*jacobians)]))
 
     def evaluate(configuration):
         poses, columns = compiled(configuration)

@@ -183,7 +183,7 @@ class TestTaskAsCriterion:
 
 def runner():
     """A ball on a rail along x, 1 m of way to a wall whose face is at x = 1; the ball has a radius of 0.1 m."""
-    rail = jtik.Joint("rail", jtik.JointType.SLIDE, "base", "ball", axis=np.array([1.0, 0, 0]), velocity_limit=2.0)
+    rail = jtik.Joint("rail", jtik.JointType.PRISMATIC, "base", "ball", axis=np.array([1.0, 0, 0]), velocity_limit=2.0)
     robot = jtik.Robot([rail], shapes={"ball": [jtik.Sphere([0, 0, 0], 0.1)]})
     pose = np.eye(4)
     pose[0, 3] = 1.5
@@ -298,7 +298,7 @@ def test_limits_that_contradict_each_other_end_as_a_status_or_give_way():
     solution = ik.solve([1.4, 0, 0], q0=[0.6], max_iterations=5)
     assert solution.status is not jtik.Status.UNSOLVED
     assert solution.q[0] <= 0.88 + 1e-9  # the wall is hard
-    [entry] = solution.gave_way
+    [entry] = solution.relaxed
     assert entry.name == "program: limit 1, row 0"
     step = ik.step(solution.q, [1.4, 0, 0]).q[0] - solution.q[0]
     assert entry.amount == pytest.approx(0.5 - step, abs=1e-6)
@@ -310,7 +310,7 @@ class _Behind(jtik.Strategy):
     def __init__(self, *limits, elastic=None):
         self._limits, self._elastic = limits, elastic
 
-    def solves_programs(self, has_criterion):
+    def uses_qp(self, has_criterion):
         return True
 
     def update(self, model, state):
@@ -319,7 +319,7 @@ class _Behind(jtik.Strategy):
         first, *rest = self._limits
         rows = [first.rows(model)]
         rows += [each.rows(model, f"limit {i}", elastic=self._elastic) for i, each in enumerate(rest, start=1)]
-        program = jtik.qp.Program(P=J.T @ J, q=J.T @ r, lower=low, upper=high, rows=rows)
+        program = jtik.qp.QuadraticProgram(P=J.T @ J, q=J.T @ r, lower=low, upper=high, rows=rows)
         dq = model.solve(program).x
         return jtik.strategy.Update(
             point=model.moved(-dq), accepted=1, state={}, term=-dq, wanted=-dq, null_term=0 * dq

@@ -28,14 +28,14 @@ def gripper():
     """A forked tree whose q is not in the order of its bodies; one finger follows the other, a third stays apart."""
     return jtik.Robot(
         [
-            jtik.Joint("turn", JointType.HINGE, "world", "palm", origin=shifted(0, 0, 0.2), lower=-1, upper=2),
-            jtik.Joint("far", JointType.HINGE, "world", "post", origin=shifted(1), upper=1),
+            jtik.Joint("turn", JointType.REVOLUTE, "world", "palm", origin=shifted(0, 0, 0.2), lower=-1, upper=2),
+            jtik.Joint("far", JointType.REVOLUTE, "world", "post", origin=shifted(1), upper=1),
             jtik.Joint(
-                "left", JointType.SLIDE, "palm", "finger", origin=shifted(0.1, 0.02), axis=X, lower=0, upper=0.1
+                "left", JointType.PRISMATIC, "palm", "finger", origin=shifted(0.1, 0.02), axis=X, lower=0, upper=0.1
             ),
             jtik.Joint(
                 "right",
-                JointType.SLIDE,
+                JointType.PRISMATIC,
                 "palm",
                 "thumb",
                 origin=shifted(0.1, -0.02),
@@ -136,7 +136,7 @@ class TestWrongInput:
     def test_a_free_joint_in_the_middle(self):
         robot = jtik.Robot(
             [
-                jtik.Joint("mast", JointType.HINGE, "base", "top"),
+                jtik.Joint("mast", JointType.REVOLUTE, "base", "top"),
                 jtik.Joint("float", JointType.FREE, "top", "kite"),
             ]
         )
@@ -144,6 +144,6 @@ class TestWrongInput:
             to_mujoco(robot)
 
     def test_a_frame_called_world(self):
-        robot = jtik.Robot([jtik.Joint("j", JointType.HINGE, "base", "world")])
+        robot = jtik.Robot([jtik.Joint("j", JointType.REVOLUTE, "base", "world")])
         with pytest.raises(jtik.ArgumentError, match="for the base only"):
             to_mujoco(robot)

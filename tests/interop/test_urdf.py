@@ -32,14 +32,20 @@ def arm(pitch=0.3):
     skew = np.array([1.0, 2.0, -2.0]) / 3
     return jtik.Robot(
         [
-            jtik.Joint("yaw", JointType.HINGE, "base", "a", origin=placed(0, 0, 0.3, 0.1, 0.2, 0.3)),
-            jtik.Joint("shoulder", JointType.HINGE, "a", "b", axis=skew, lower=-2.0, upper=2.5, velocity_limit=1.5),
+            jtik.Joint("yaw", JointType.REVOLUTE, "base", "a", origin=placed(0, 0, 0.3, 0.1, 0.2, 0.3)),
+            jtik.Joint("shoulder", JointType.REVOLUTE, "a", "b", axis=skew, lower=-2.0, upper=2.5, velocity_limit=1.5),
             jtik.Joint(
-                "reach", JointType.SLIDE, "b", "c", origin=placed(0.3, 0, 0.1, 0.5, pitch, -2.0), lower=-0.1, upper=0.4
+                "reach",
+                JointType.PRISMATIC,
+                "b",
+                "c",
+                origin=placed(0.3, 0, 0.1, 0.5, pitch, -2.0),
+                lower=-0.1,
+                upper=0.4,
             ),
-            jtik.Joint("rail", JointType.SLIDE, "c", "d", axis=skew),
-            jtik.Joint("stop", JointType.HINGE, "d", "e", lower=-1.0),
-            jtik.Joint("twin", JointType.HINGE, "e", "f", axis=skew, mimic=Mimic("shoulder", 0.5, 0.1)),
+            jtik.Joint("rail", JointType.PRISMATIC, "c", "d", axis=skew),
+            jtik.Joint("stop", JointType.REVOLUTE, "d", "e", lower=-1.0),
+            jtik.Joint("twin", JointType.REVOLUTE, "e", "f", axis=skew, mimic=Mimic("shoulder", 0.5, 0.1)),
             jtik.Joint("tip", JointType.FIXED, "f", "tip", origin=placed(0.1, 0.2, 0.3, 1.0, -pitch, 2.0)),
         ],
         name="arm",
@@ -74,7 +80,7 @@ def test_limits():
 
 def test_a_joint_without_room_keeps_none():
     """Limits that are both zero would be read as none."""
-    robot = jtik.Robot([jtik.Joint("stuck", JointType.HINGE, "base", "tip", lower=0.0, upper=0.0)])
+    robot = jtik.Robot([jtik.Joint("stuck", JointType.REVOLUTE, "base", "tip", lower=0.0, upper=0.0)])
     again = jtik.Robot.from_urdf(to_urdf(robot))
     assert (again.lower[0], again.upper[0]) == pytest.approx((0.0, 0.0), abs=1e-8)
 
@@ -134,8 +140,8 @@ class TestWrongInput:
     def test_a_chain_that_follows_another(self):
         robot = jtik.Robot(
             [
-                jtik.Joint("left", JointType.HINGE, "base", "l"),
-                jtik.Joint("right", JointType.HINGE, "base", "r", mimic=Mimic("left")),
+                jtik.Joint("left", JointType.REVOLUTE, "base", "l"),
+                jtik.Joint("right", JointType.REVOLUTE, "base", "r", mimic=Mimic("left")),
             ]
         )
         with pytest.raises(jtik.ArgumentError, match="'right' follows 'left' elsewhere"):

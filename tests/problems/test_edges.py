@@ -97,8 +97,10 @@ def test_an_unreachable_target_is_beyond_the_summed_lengths_that_mujoco_has(kind
 def test_a_slide_adds_its_stroke_to_the_reach():
     robot = jtik.Robot(
         [
-            jtik.Joint("turn", jtik.JointType.HINGE, "base", "arm"),
-            jtik.Joint("reach", jtik.JointType.SLIDE, "arm", "tip", axis=np.array([1.0, 0, 0]), lower=-0.2, upper=0.7),
+            jtik.Joint("turn", jtik.JointType.REVOLUTE, "base", "arm"),
+            jtik.Joint(
+                "reach", jtik.JointType.PRISMATIC, "arm", "tip", axis=np.array([1.0, 0, 0]), lower=-0.2, upper=0.7
+            ),
         ],
         planar=True,
     )

@@ -9,7 +9,7 @@ import qpsolvers
 import jtik
 from jtik.qp import BackendError, Conic, Foreign, FusedBackend, PersistentOSQP, available, backend_of
 from jtik.qp.backend import Numbers
-from jtik.symbolic.compile import Compiled
+from jtik.symbolic.compile import CompiledFunction
 from jtik_formulations import JointCentering
 
 from ..conftest import planar
@@ -28,7 +28,7 @@ def answer(backend, program):
     if not isinstance(backend, FusedBackend):
         return backend.solver(n, rows).solve(program)
     data = (program.P, program.q, program.C, program.low, program.high, program.lower, program.upper)
-    return [column[:, 0] for column in Compiled(backend.function(n, rows))(*data)]
+    return [column[:, 0] for column in CompiledFunction(backend.function(n, rows))(*data)]
 
 
 def random_program(rng, n=6, rows=4):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.qp import Conic, Foreign, Program
+from jtik.qp import Conic, Foreign, QuadraticProgram
 from jtik.strategy import Strategy, Update
 from jtik.symbolic import zeros
 
@@ -23,7 +23,7 @@ class Outside(Strategy):
     inverse: Any
     program: bool = False
 
-    def solves_programs(self, has_criterion):
+    def uses_qp(self, has_criterion):
         return True
 
     def update(self, model, state):
@@ -31,7 +31,7 @@ class Outside(Strategy):
         (dq,) = model.compute("inverse", self.inverse, [model.full_J, model.here.residual], [(n, 1)])
         if self.program:
             low, high = model.box
-            dq = model.solve(Program(P=np.eye(n) + zeros(n, n), q=-dq, lower=low, upper=high, name="same")).x
+            dq = model.solve(QuadraticProgram(P=np.eye(n) + zeros(n, n), q=-dq, lower=low, upper=high, name="same")).x
         point = model.moved(-dq)
         return Update(point=point, accepted=1, state={}, term=-dq, wanted=-dq, null_term=zeros(n))
 

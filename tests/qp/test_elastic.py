@@ -8,7 +8,17 @@ import pytest
 from scipy.optimize import linprog, minimize
 
 import jtik
-from jtik.qp import Elastic, Foreign, FusedBackend, PersistentOSQP, Program, Recorder, Rows, available, backend_of
+from jtik.qp import (
+    Elastic,
+    Foreign,
+    FusedBackend,
+    PersistentOSQP,
+    QPRecorder,
+    QuadraticProgram,
+    Rows,
+    available,
+    backend_of,
+)
 from jtik.qp.staged import staged
 from jtik.strategy import Strategy, Update
 from jtik.symbolic.compile import bind
@@ -23,7 +33,7 @@ def solved(program, backend=None, joined=None):
     """x, row multipliers, slack of the group "soft", and whether the engine believes the answer."""
     backend = backend_of(backend)
     number, cut = casadi.SX.sym("number"), casadi.SX.sym("cut")
-    recorder = Recorder(backend.accuracy)
+    recorder = QPRecorder(backend.accuracy)
     solution = recorder.solve(program)
     outputs = [solution.x, solution.row_multipliers, solution.slack("soft"), recorder.solved()]
     parts = staged([number], [number], [cut], recorder, outputs, backend)
@@ -45,7 +55,7 @@ def program_of(data, elastic, hard=()):
     P, q, C, low, high, lower, upper = map(casadi.SX, map(np.asarray, data))
     soft = Rows("soft", C, low, high, elastic)
     rows = [Rows("hard", *map(casadi.SX, hard)), soft] if hard else [soft]
-    return Program(P, q, lower, upper, rows)
+    return QuadraticProgram(P, q, lower, upper, rows)
 
 
 def slsqp(data, price, curvature, give=np.inf):
@@ -79,7 +89,7 @@ def test_equals_the_hard_program_where_that_can_be_solved_and_the_price_is_above
         data = random_data(rng)
         x, y, slack, good = solved(program_of(data, Elastic(1e4)))
         P, q, C, low, high, lower, upper = map(casadi.SX, map(np.asarray, data))
-        hard = Program(P, q, lower, upper, [Rows("soft", C, low, high)])
+        hard = QuadraticProgram(P, q, lower, upper, [Rows("soft", C, low, high)])
         exact, multipliers = hard_answer(hard)
         assert good
         assert np.abs(multipliers).max() < 1e4
@@ -89,7 +99,7 @@ def test_equals_the_hard_program_where_that_can_be_solved_and_the_price_is_above
 
 
 def hard_answer(program):
-    recorder = Recorder(1e-9)
+    recorder = QPRecorder(1e-9)
     solution = recorder.solve(program)
     symbols = casadi.SX.sym("a"), casadi.SX.sym("b")
     outputs = [solution.x, solution.row_multipliers, recorder.solved()]
@@ -165,7 +175,7 @@ def test_contradictions_break_by_the_least_sum(rng):
 def test_equalities_may_give_way_to_either_side():
     """x = 1 and x = -0.5, the first dearer by a half: cost 2 |x - 1| + 3 |x + 0.5| is least at x = -0.5."""
     rows = casadi.SX([[1.0], [1.0]])
-    program = Program(
+    program = QuadraticProgram(
         casadi.SX(1e-9),
         casadi.SX(0),
         casadi.SX(-np.inf),
@@ -194,7 +204,7 @@ def test_a_solver_that_ignores_the_price_is_not_believed():
     program = program_of(
         (np.eye(1), np.zeros(1), np.ones((1, 1)), [3.0], [np.inf], [-9.0], [9.0]), Elastic(1.0, curvature=1e-6)
     )
-    recorder = Recorder(1e-6)
+    recorder = QPRecorder(1e-6)
     solution = recorder.solve(program)
     check = casadi.Function(
         "check", [solution.x, solution.row_multipliers, solution.box_multipliers], [recorder.solved()]
@@ -208,7 +218,7 @@ def test_a_solver_that_ignores_the_price_is_not_believed():
 class Wish(Strategy):
     """A third party's law: all joints by 1 and by -1 at once, the second thrice as dear, under a limit of 0.4."""
 
-    def solves_programs(self, has_criterion):
+    def uses_qp(self, has_criterion):
         return True
 
     def update(self, model, state):
@@ -217,7 +227,7 @@ class Wish(Strategy):
         price = Elastic([1.0] * n + [3.0] * n)
         rows = [Rows.equal("soft", casadi.vertcat(*[casadi.SX.eye(n)] * 2), both, price)]
         box = casadi.SX([-0.4] * n), casadi.SX([0.4] * n)
-        answer = model.solve(Program(1e-6 * casadi.SX.eye(n), casadi.SX(n, 1), *box, rows, name="wish"))
+        answer = model.solve(QuadraticProgram(1e-6 * casadi.SX.eye(n), casadi.SX(n, 1), *box, rows, name="wish"))
         return Update(model.moved(-answer.x), 1, {}, -answer.x, -answer.x, casadi.SX(n, 1))
 
 
@@ -251,6 +261,6 @@ class TestWrongInput:
             program_of(random_data(rng), Elastic([1.0, 2.0]))
 
     def test_slack_of_hard_rows(self):
-        program = Program(*map(casadi.SX, (1, 0, -1, 1)), [Rows("hard", *map(casadi.SX, (1, -1, 1)))])
+        program = QuadraticProgram(*map(casadi.SX, (1, 0, -1, 1)), [Rows("hard", *map(casadi.SX, (1, -1, 1)))])
         with pytest.raises(jtik.ArgumentError, match="elastic"):
-            Recorder(1e-9).solve(program).slack("hard")
+            QPRecorder(1e-9).solve(program).slack("hard")

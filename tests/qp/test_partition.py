@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.qp import Program, Rows
+from jtik.qp import QuadraticProgram, Rows
 from jtik.qp.partition import partitioned
 from jtik.symbolic import function, symbol
-from jtik.symbolic.compile import Compiled, CompilerError
+from jtik.symbolic.compile import CompiledFunction, CompilerError
 from jtik_formulations import JointCentering
 
 from ..conftest import EXACT, planar
@@ -20,7 +20,7 @@ def run(stages, known):
     """The stages one after the other, as `jtik.qp.staged` calls them; what each gave."""
     arguments, given = list(known[0]), []
     for k, stage in enumerate(stages):
-        *outputs, handed = [*Compiled(stage)(*arguments), None][: stage.n_out() + (k == len(stages) - 1)]
+        *outputs, handed = [*CompiledFunction(stage)(*arguments), None][: stage.n_out() + (k == len(stages) - 1)]
         given.append(outputs)
         if k < len(stages) - 1:
             arguments += [handed, *known[k + 1]]
@@ -71,7 +71,7 @@ class TestShortcut:
     """The minimiser without rows and box: the answer where it keeps to both, and known not to be where it does not."""
 
     def of(self, P, q, lower, upper, rows=()):
-        x, holds = Program(*map(casadi.SX, (P, q, lower, upper)), rows=rows).shortcut()
+        x, holds = QuadraticProgram(*map(casadi.SX, (P, q, lower, upper)), rows=rows).shortcut()
         x, holds = function("f", [], [x, holds])()["o0"].full()[:, 0], function("f", [], [holds])()["o0"]
         return x, bool(holds)
 

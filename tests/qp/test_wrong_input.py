@@ -11,7 +11,7 @@ import pytest
 import qpsolvers
 
 import jtik
-from jtik.qp import BackendError, Conic, Foreign, PersistentOSQP, Program, Rows, available, backend_of
+from jtik.qp import BackendError, Conic, Foreign, PersistentOSQP, QuadraticProgram, Rows, available, backend_of
 from jtik.qp.convexity import convex
 from jtik.strategy import Strategy, Update
 from jtik.symbolic import fmax, fmin, function, has_conic, identity, symbol, zeros
@@ -95,7 +95,7 @@ class Spoilt(Strategy):
 
     mistake: str
 
-    def solves_programs(self, has_criterion):
+    def uses_qp(self, has_criterion):
         return True
 
     def update(self, model, state):
@@ -116,7 +116,7 @@ class Spoilt(Strategy):
             P = nan * P
         if self.mistake == "nan in the box":
             low = low + nan
-        dq = model.solve(Program(P=P, q=J.T @ r, lower=low, upper=high, rows=rows, name="mine")).x
+        dq = model.solve(QuadraticProgram(P=P, q=J.T @ r, lower=low, upper=high, rows=rows, name="mine")).x
         point = model.moved(-dq)
         accepted = point.V < model.here.V
         return Update(point=point, accepted=accepted, state={}, term=-dq, wanted=-dq, null_term=zeros(n))
@@ -166,7 +166,7 @@ class TestWhatIsNotConvex:
         with pytest.raises(
             jtik.ArgumentError, match=r"mine\.P: given .*not convex: its lowest eigenvalue is -.*semidef"
         ):
-            Program(P=casadi.SX(P), q=zeros(4), lower=-box, upper=box, name="mine")
+            QuadraticProgram(P=casadi.SX(P), q=zeros(4), lower=-box, upper=box, name="mine")
 
     def test_expressions_are_judged_by_their_numbers(self, rng):
         P = symbol("P", 5, 5)
@@ -189,7 +189,7 @@ class TestWhatIsNotConvex:
             return sum(casadi.cos(2 * q[i]) for i in range(4))
 
         ik = solver("hybrid+second_order", criteria=hills)
-        assert ik.solve(TARGET, q0=START, until="steady").converged
+        assert ik.solve(TARGET, q0=START, until="stationary").converged
         assert np.linalg.eigvalsh(ik.build(START, TARGET).P)[0] > 0
 
 

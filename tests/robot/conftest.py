@@ -25,7 +25,7 @@ def make_mixed():
             Joint("float", JointType.FREE, "world", "hull"),
             Joint(
                 "turret",
-                JointType.HINGE,
+                JointType.REVOLUTE,
                 "hull",
                 "turret",
                 origin=pose((0.1, 0.2, 0.3), (0.3, -0.2, 0.5)),
@@ -36,7 +36,7 @@ def make_mixed():
             Joint("mount", JointType.FIXED, "turret", "mount", origin=pose((0.0, 0.4, -0.1), (0.0, 1.1, 0.2))),
             Joint(
                 "boom",
-                JointType.SLIDE,
+                JointType.PRISMATIC,
                 "mount",
                 "boom",
                 origin=pose((0.2, 0.0, 0.1)),
@@ -46,16 +46,16 @@ def make_mixed():
                 velocity_limit=0.5,
             ),
             Joint("shoulder", JointType.BALL, "boom", "arm", origin=pose((0.0, 0.3, 0.0), (0.7, 0.0, 0.0))),
-            Joint("side", JointType.HINGE, "hull", "side", origin=pose((-0.3, 0.0, 0.2)), axis=unit(0, -1, 0)),
+            Joint("side", JointType.REVOLUTE, "hull", "side", origin=pose((-0.3, 0.0, 0.2)), axis=unit(0, -1, 0)),
             Joint(
                 "elbow",
-                JointType.HINGE,
+                JointType.REVOLUTE,
                 "arm",
                 "forearm",
                 origin=pose((0.5, 0.0, 0.0), (0.0, np.pi / 2, 0.0)),
                 axis=unit(1, 0, 0),
             ),
-            Joint("wrist", JointType.HINGE, "forearm", "hand", origin=pose((0.4, 0.1, 0.0)), axis=unit(-1, 0, 0)),
+            Joint("wrist", JointType.REVOLUTE, "forearm", "hand", origin=pose((0.4, 0.1, 0.0)), axis=unit(-1, 0, 0)),
             Joint("tool", JointType.FIXED, "hand", "tool", origin=pose((0.0, 0.1, 0.2), (0.4, 0.4, 0.0))),
         ],
         name="mixed",
@@ -67,10 +67,10 @@ def make_gripper():
     """A lift whose two fingers follow one joint, the second the other way and scaled."""
     return Robot(
         [
-            Joint("lift", JointType.HINGE, "base", "lift", axis=unit(0, 1, 0), origin=pose((0, 0, 0.5))),
+            Joint("lift", JointType.REVOLUTE, "base", "lift", axis=unit(0, 1, 0), origin=pose((0, 0, 0.5))),
             Joint(
                 "left",
-                JointType.SLIDE,
+                JointType.PRISMATIC,
                 "lift",
                 "left",
                 axis=unit(0, 1, 0),
@@ -80,7 +80,7 @@ def make_gripper():
             ),
             Joint(
                 "right",
-                JointType.SLIDE,
+                JointType.PRISMATIC,
                 "lift",
                 "right",
                 axis=unit(0, 1, 0),
@@ -92,7 +92,7 @@ def make_gripper():
             ),
             Joint(
                 "nail",
-                JointType.HINGE,
+                JointType.REVOLUTE,
                 "left",
                 "nail",
                 origin=pose((0.1, 0, 0)),

@@ -61,7 +61,7 @@ def test_machines_have_limits_and_speeds(machine):
 
 
 def hinges_between_solids(robot):
-    return [j for j in robot.joints if j.type is JointType.HINGE and j.parent in robot.shapes]
+    return [j for j in robot.joints if j.type is JointType.REVOLUTE and j.parent in robot.shapes]
 
 
 def spine(robot, q, frame):
@@ -77,7 +77,7 @@ def spine(robot, q, frame):
 
 
 def test_every_link_has_solids_of_some_size(machine):
-    links = {joint.child for joint in machine.joints if joint.type is JointType.HINGE}
+    links = {joint.child for joint in machine.joints if joint.type is JointType.REVOLUTE}
     assert links <= set(machine.shapes)
     for solids in machine.shapes.values():
         for solid in solids:

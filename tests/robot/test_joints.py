@@ -99,8 +99,8 @@ def test_tangent_is_the_derivative_of_integrate():
     ("kind", "nq", "nv", "rotational"),
     [
         (JointType.FIXED, 0, 0, ()),
-        (JointType.HINGE, 1, 1, (True,)),
-        (JointType.SLIDE, 1, 1, (False,)),
+        (JointType.REVOLUTE, 1, 1, (True,)),
+        (JointType.PRISMATIC, 1, 1, (False,)),
         (JointType.BALL, 4, 3, (True,) * 3),
         (JointType.FREE, 7, 6, (False,) * 3 + (True,) * 3),
     ],

@@ -137,9 +137,9 @@ def test_changing_the_expression_in_place_does_not_confuse_the_cache():
 def test_parallel_and_antiparallel_axes_merge_whatever_lies_between():
     z, between = unit(0, 0, 1), pose((0.3, 0.0, 0.1), (np.pi, 0.0, 0.0))
     joints = [
-        Joint("a", JointType.HINGE, "base", "a", origin=pose((0, 0, 1), (0.3, 0.2, 0.1)), axis=z),
-        Joint("b", JointType.HINGE, "a", "b", origin=between, axis=z),
-        Joint("c", JointType.HINGE, "b", "c", origin=pose((0.2, 0.1, 0.0), (0, 0, 0.7)), axis=-z),
+        Joint("a", JointType.REVOLUTE, "base", "a", origin=pose((0, 0, 1), (0.3, 0.2, 0.1)), axis=z),
+        Joint("b", JointType.REVOLUTE, "a", "b", origin=between, axis=z),
+        Joint("c", JointType.REVOLUTE, "b", "c", origin=pose((0.2, 0.1, 0.0), (0, 0, 0.7)), axis=-z),
         Joint("end", JointType.FIXED, "c", "end", origin=pose((0.1, 0.2, 0.3))),
     ]
     T = Robot(joints).pose([0.4, -0.9, 1.3])

@@ -289,5 +289,5 @@ def test_all_kinds_of_joints_are_read(everything):
     kinds = {joint.name: joint.type for joint in everything[0].independent_joints}
     assert kinds["float"] is JointType.FREE
     assert kinds["wrist"] is JointType.BALL
-    assert kinds["rail"] is JointType.SLIDE
-    assert kinds["pan"] is JointType.HINGE
+    assert kinds["rail"] is JointType.PRISMATIC
+    assert kinds["pan"] is JointType.REVOLUTE

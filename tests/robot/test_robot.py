@@ -15,7 +15,7 @@ from .conftest import ROBOTS, pose, unit
 
 
 def hinge(name, parent, child, **options):
-    return Joint(name, JointType.HINGE, parent, child, **options)
+    return Joint(name, JointType.REVOLUTE, parent, child, **options)
 
 
 def test_sizes_names_and_places_of_a_mixed_tree(mixed):
@@ -110,7 +110,7 @@ def test_random_configurations_fill_their_ranges():
             hinge("bounded", "a", "b", lower=1.0, upper=2.0),
             hinge("below", "b", "c", lower=10.0),
             hinge("above", "c", "d", upper=10.0),
-            Joint("slide", JointType.SLIDE, "d", "e"),
+            Joint("slide", JointType.PRISMATIC, "d", "e"),
         ]
     )
     generator = np.random.default_rng(0)
@@ -163,7 +163,7 @@ def test_a_piston_is_a_link_but_a_rail_on_the_ground_is_none():
     assert piston.segments == (("base", "link1"), ("link1", "tip"))
     rail = Robot(
         [
-            Joint("rail", JointType.SLIDE, "base", "cart", axis=unit(1, 0, 0)),
+            Joint("rail", JointType.PRISMATIC, "base", "cart", axis=unit(1, 0, 0)),
             hinge("arm", "cart", "arm", origin=pose((0, 0, 0.2))),
             Joint("end", JointType.FIXED, "arm", "end", origin=pose((0.5, 0, 0))),
         ]
@@ -251,7 +251,7 @@ def test_a_mimic_that_leaves_its_leader_no_room_is_refused():
         hinge("out", "base", "a", axis=unit(1, 0, 0)),
         hinge("out", "base", "a", origin=pose((0, 0, 0.1))),
         hinge("out", "base", "a", origin=pose(rotvec=(0.3, 0, 0))),
-        Joint("out", JointType.SLIDE, "base", "a"),
+        Joint("out", JointType.PRISMATIC, "base", "a"),
         Joint("out", JointType.BALL, "base", "a"),
     ],
 )

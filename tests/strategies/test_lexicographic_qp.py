@@ -259,7 +259,7 @@ def test_the_criterion_comes_below_all_tasks():
 def test_two_arms_on_one_body(rng):
     """A base that both hands share: each level gets what it can."""
     joints = [
-        jtik.Joint("trunk", jtik.JointType.HINGE, "base", "trunk", lower=-1.0, upper=1.0),
+        jtik.Joint("trunk", jtik.JointType.REVOLUTE, "base", "trunk", lower=-1.0, upper=1.0),
         *_arm("left", (0.3, 0.2)),
         *_arm("right", (0.3, -0.2)),
     ]
@@ -284,7 +284,7 @@ def _arm(side, place):
         child = f"{side} {k}"
         origin = shoulder if k == 0 else length
         joints.append(
-            jtik.Joint(f"{side} joint {k}", jtik.JointType.HINGE, parent, child, origin=origin, lower=-2, upper=2)
+            jtik.Joint(f"{side} joint {k}", jtik.JointType.REVOLUTE, parent, child, origin=origin, lower=-2, upper=2)
         )
         parent = child
     return [*joints, jtik.Joint(f"{side} hand", jtik.JointType.FIXED, parent, f"{side} tip", origin=length)]

@@ -12,7 +12,7 @@ from jtik_formulations import JointCentering, Newton, ProjectedGradient
 
 from ..conftest import EXACT, ball_arm, dh_arm, floating_arm, planar, planar_jacobian, planar_points
 
-TELLING = [name for name, law in jtik.strategies.items() if not law.compromises and name != "mink"]
+TELLING = [name for name, law in jtik.strategies.items() if not law.is_soft and name != "mink"]
 """Laws whose null-space step is exact, and told apart from the task step."""
 
 BARE = {"backtracking": False, "q_limit": math.inf}

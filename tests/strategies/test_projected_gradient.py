@@ -119,7 +119,7 @@ def test_merit_ends_lower_than_where_it_first_arrived(law, rng):
         q0 = rng.uniform(-1, 1, 10)
         target = planar_points(rng.uniform(-0.5, 0.5, 10))[-1]
         ik = solver(law, "merit")
-        arrived, settled = (ik.solve(target, q0=q0, until=until) for until in ("reached", "steady"))
+        arrived, settled = (ik.solve(target, q0=q0, until=until) for until in ("reached", "stationary"))
         # an error of 1e-6 is worth that many times the multipliers in H
         assert settled.cost <= arrived.cost + 1e-5
 

@@ -328,7 +328,7 @@ def four_bar(t):
 
 
 class TestKindOfStationaryPoint:
-    """Three links, tip held: a four-bar linkage, one self-motion. What favours no side is steady at the trapezoid."""
+    """Three links, tip held: a four-bar linkage, one self-motion. A symmetric H is stationary at the trapezoid."""
 
     @staticmethod
     def solver(stiffness, strategy="newton+second_order"):

@@ -12,7 +12,7 @@ import qpsolvers
 from scipy.optimize import linprog, minimize
 
 import jtik
-from jtik.qp import Conic, Recorder
+from jtik.qp import Conic, QPRecorder
 from jtik.testing import check_strategy
 from jtik_formulations import SNS, SNSQP, Damped, JointCentering, ProjectedGradient
 from jtik_formulations.strategies._parts.saturation import Saturation
@@ -75,7 +75,7 @@ def arm_solver(law):
 def twin(m, n):
     """(J, xdot, lower, upper) -> dq, s by a program that DAQP solves."""
     J, xdot, lower, upper, _ = inputs(m, n)
-    recorder = Recorder(1e-7)
+    recorder = QPRecorder(1e-7)
     task = ScalingProgram.at_rest(recorder.solve, lower, upper).with_task(J, xdot)
     (recorded,) = recorder.programs
     program = casadi.Function("program", [J, xdot, lower, upper], recorded.data())

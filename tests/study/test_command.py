@@ -42,7 +42,7 @@ def test_it_prints_a_table_and_writes_what_was_asked_for(tmp_path, capsys) -> No
 
 
 def test_a_collection_brings_robot_task_and_criterion(tmp_path, capsys) -> None:
-    words = ["compare", "--problems", "named:centering_3r", "--strategies", "newton", "--until", "steady"]
+    words = ["compare", "--problems", "named:centering_3r", "--strategies", "newton", "--until", "stationary"]
     assert main([*words, "--markdown", "--repeats", "1", "--out", str(tmp_path / "r.html")]) == 0
     assert "| newton |" in capsys.readouterr().out
 

@@ -121,7 +121,9 @@ class TestContenders:
         here = case("here", arm.position(START))
         contender = fixed(START, claimed=False)
         assert jtik.compare(arm, task, strategies=contender, problems=here).columns["success"][0]
-        assert not jtik.compare(arm, task, strategies=contender, problems=here, until="steady").columns["success"][0]
+        assert not jtik.compare(arm, task, strategies=contender, problems=here, until="stationary").columns["success"][
+            0
+        ]
 
     def test_one_out_of_its_limits_is_not(self, task, fixed):
         arm = jtik.Robot.planar(4, lower=-1.0, upper=0.45)
@@ -169,7 +171,12 @@ class TestParameters:
         ]
         avoid = ObstacleAvoidance(self.FIELD)
         study = jtik.compare(
-            arm, task, strategies="damped", criteria=avoid, problems=ProblemSet("some", tuple(cases)), until="steady"
+            arm,
+            task,
+            strategies="damped",
+            criteria=avoid,
+            problems=ProblemSet("some", tuple(cases)),
+            until="stationary",
         )
         for row, center in enumerate([*places, np.array([[2.0, 2.0]])]):
             ik = jtik.InverseKinematics(arm, task, criteria=avoid, strategy="damped")

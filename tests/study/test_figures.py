@@ -26,7 +26,7 @@ def study() -> Comparison:
         strategies=["hybrid", "newton", "transpose", "nobody"],
         criteria=JointCentering(),
         problems={"reachable": 4, "circle": 1},
-        until="steady",
+        until="stationary",
         traces=3,
         repeats=1,
     )

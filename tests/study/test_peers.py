@@ -128,8 +128,8 @@ class TestAsAContender:
                 peers.named(name).prepare(Setting(robot=robot, task=task))
 
     def test_joints_that_follow_others_do_not_fit(self, name):
-        lead = jtik.Joint("lead", jtik.JointType.HINGE, "base", "one")
-        follow = jtik.Joint("follow", jtik.JointType.HINGE, "one", "two", mimic=Mimic("lead"), origin=shifted(0.5))
+        lead = jtik.Joint("lead", jtik.JointType.REVOLUTE, "base", "one")
+        follow = jtik.Joint("follow", jtik.JointType.REVOLUTE, "one", "two", mimic=Mimic("lead"), origin=shifted(0.5))
         robot = jtik.Robot([lead, follow, jtik.Joint("end", jtik.JointType.FIXED, "two", "tip", origin=shifted(0.5))])
         with pytest.raises(jtik.ArgumentError, match=f"joint 'follow', which follows 'lead'; accepted: for {name}"):
             peers.named(name).prepare(Setting(robot=robot, task=jtik.FrameTask("tip")))
@@ -150,7 +150,7 @@ def test_ball_joints_do_not_fit_but_for_mink(name):
 
 
 def test_slides_that_the_toolbox_would_wrap_do_not_fit():
-    rail = jtik.Joint("rail", jtik.JointType.SLIDE, "base", "cart", lower=0.0, upper=4.0)
+    rail = jtik.Joint("rail", jtik.JointType.PRISMATIC, "base", "cart", lower=0.0, upper=4.0)
     robot = jtik.Robot([rail, jtik.Joint("end", jtik.JointType.FIXED, "cart", "tip")])
     with pytest.raises(jtik.ArgumentError, match="slide 'rail', from 0 to 4 m"):
         peers.named("rtb").prepare(Setting(robot=robot, task=jtik.FrameTask("tip")))
@@ -225,7 +225,7 @@ class TestCriteria:
     def test_these_minimise_it(self, name, rng):
         """The optimum of centring on the target, which jtik finds too."""
         robot, task = jtik.Robot.planar(4), jtik.FrameTask("tip")
-        ready = prepared(name, robot=robot, task=task, criteria=JointCentering(), until="steady")
+        ready = prepared(name, robot=robot, task=task, criteria=JointCentering(), until="stationary")
         ik = jtik.InverseKinematics(robot, task, criteria=JointCentering())
         q0, target = np.array([0.3, 0.4, 0.2, 0.5]), np.array([2.0, 2.0])
         answer = ready.solve(ready.convert(target), q0)

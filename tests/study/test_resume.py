@@ -101,7 +101,7 @@ def test_an_error_keeps_what_is_done_too(arm, task, tmp_path):
         {"criteria": 2.0 * JointCentering()},
         {"criteria": ObstacleAvoidance([jtik.Circle(center=(1.0, 1.0), radius=0.1)])},
         {"max_iterations": 999},
-        {"until": "steady"},
+        {"until": "stationary"},
         {"limits": False},
     ],
 )

@@ -93,8 +93,8 @@ def two_arms():
             axis = model.jnt_axis[number]
             kind = {
                 mujoco.mjtJoint.mjJNT_FREE: jtik.JointType.FREE,
-                mujoco.mjtJoint.mjJNT_HINGE: jtik.JointType.HINGE,
-                mujoco.mjtJoint.mjJNT_SLIDE: jtik.JointType.SLIDE,
+                mujoco.mjtJoint.mjJNT_HINGE: jtik.JointType.REVOLUTE,
+                mujoco.mjtJoint.mjJNT_SLIDE: jtik.JointType.PRISMATIC,
             }[mujoco.mjtJoint(model.jnt_type[number])]
         # where a free body stands is its joint's to say
         origin = np.eye(4) if kind is jtik.JointType.FREE else origin

@@ -23,8 +23,8 @@ def gripper():
     """Three links, and on the last a finger and one that follows it."""
     arm = planar(3).joints
     fingers = [
-        Joint("finger", JointType.HINGE, "tip", "finger", origin=shift(0, 0.1), lower=0.0, upper=1.0),
-        Joint("other", JointType.HINGE, "tip", "other", origin=shift(0, -0.1), mimic=Mimic("finger", -1.0)),
+        Joint("finger", JointType.REVOLUTE, "tip", "finger", origin=shift(0, 0.1), lower=0.0, upper=1.0),
+        Joint("other", JointType.REVOLUTE, "tip", "other", origin=shift(0, -0.1), mimic=Mimic("finger", -1.0)),
     ]
     return Robot([*arm, *fingers], planar=True, tip="tip", masses={"link1": Mass(1.0), "other": Mass(0.5, [0.1, 0, 0])})
 
@@ -39,7 +39,7 @@ def test_fingers_are_no_part_of_an_arms_solution(gripper):
 
 def test_the_others_stay_where_they_are(gripper):
     ik = jtik.InverseKinematics(gripper, jtik.FrameTask(), at=[0, 0, 0, 0.7])
-    whole = ik.whole(ik.solve([1.5, 1.0], q0=[0.3, 0.4, 0.5]).q)
+    whole = ik.full_configuration(ik.solve([1.5, 1.0], q0=[0.3, 0.4, 0.5]).q)
     assert whole[3] == 0.7
     assert gripper.position(whole, "tip") == pytest.approx([1.5, 1.0], abs=1e-6)
     assert ik.robot.position(whole[:3], "other") == pytest.approx(gripper.position(whole, "other"))
@@ -52,7 +52,7 @@ def test_a_follower_moves_its_leader(gripper):
 
 def test_a_joint_counts_if_it_moves_the_frame_though_not_its_origin():
     """The last hinge turns the tip about itself: a position task keeps it, as its user would expect."""
-    robot = Robot([*planar(2).joints, Joint("wrist", JointType.HINGE, "tip", "hand")], planar=True)
+    robot = Robot([*planar(2).joints, Joint("wrist", JointType.REVOLUTE, "tip", "hand")], planar=True)
     assert jtik.InverseKinematics(robot, jtik.FrameTask("hand")).robot.n == 3
 
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jtik import Criterion, register_criterion
 from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, dot
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 
 @register_criterion("joint_centering")

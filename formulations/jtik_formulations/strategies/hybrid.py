@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik import register_strategy
 from jtik.errors import ArgumentError
@@ -23,11 +22,10 @@ from jtik.strategy import (
 )
 from jtik.symbolic import Expression, fmax, fmin, if_else, logic_and, logic_or, ratio, sqrt, sumsqr
 from jtik.symbolic.factorization import RowVector
+from jtik.types import Array
 from jtik_formulations.strategies.newton import newton_step
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 from jtik_formulations.strategies.transpose import backtracked, cauchy_step, judged, optimal_gain
-
-Array = NDArray[np.float64]
 
 POOR, GOOD = 0.25, 0.75
 """Ratios of actual to predicted decrease below which the radius shrinks, above which it grows (Powell 1970)."""

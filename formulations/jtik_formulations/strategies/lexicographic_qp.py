@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik import register_strategy
 from jtik.errors import ArgumentError
@@ -24,12 +23,11 @@ from jtik.symbolic import (
     norm,
     zeros,
 )
+from jtik.types import Array
 from jtik_formulations.strategies._parts.level_merit import LevelMerit
 from jtik_formulations.strategies._parts.levels import descend
 from jtik_formulations.strategies.qp_secondary import QPSecondary
 from jtik_formulations.strategies.weighted_qp import capped
-
-Array = NDArray[np.float64]
 
 HARDER, SOFTER = 4.0, 0.25
 """What a refusal and an acceptance make of the damping that the law adds by itself."""
@@ -76,15 +74,15 @@ class LexicographicQP(Strategy):
         """``"merit"``: the penalty function falls, which for one level is V; ``"always"`` without backtracking."""
         return "merit" if self.backtracking else "always"
 
-    def judges(self, has_criterion: bool) -> bool:
+    def evaluates_candidate(self, has_criterion: bool) -> bool:
         """With backtracking, or for the criterion's own step length."""
         return self.backtracking or has_criterion
 
-    def solves_programs(self, has_criterion: bool) -> bool:
+    def uses_qp(self, has_criterion: bool) -> bool:
         """One a level, and one for a criterion."""
         return True
 
-    def keeps_clear(self) -> bool:
+    def supports_clearances(self) -> bool:
         """Its programs have the rows."""
         return True
 
@@ -120,7 +118,7 @@ class LexicographicQP(Strategy):
         term = model.within_limits(null.term - step)
         point = model.moved(term)
         verdict = LevelMerit(model, model.levels).judge(state["weights"], state["penalty"], step, null, point)
-        watched = point.V + point.H if self.judges(model.has_criterion) else term
+        watched = point.V + point.H if self.evaluates_candidate(model.has_criterion) else term
         accepted = verdict.accepted if self.backtracking else 1
         if model.clearance:
             accepted = logic_or(accepted, model.recovery.takes(term, point.length))
@@ -156,9 +154,9 @@ class LexicographicQP(Strategy):
             wanted=term,
             null_term=null.term,
             figures=figures,
-            unsteady=null.unsteady,
+            stationarity_residual=null.stationarity_residual,
             progress=verdict.progress,
-            gave_way={**null.gave_way, **missed},
+            relaxed={**null.relaxed, **missed},
         )
 
 

@@ -7,19 +7,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from jtik import register_strategy
 from jtik.errors import ArgumentError, finite_array
 from jtik.strategy import LocalModel, NullMove, Outcome, Shape, State, Strategy, Update
 from jtik.symbolic import fmax, fmin, if_else, is_finite, norm, ratio, sumsqr, vertcat, zeros
+from jtik.types import Array
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
 if TYPE_CHECKING:
     from mink.tasks import BaseTask
-
-Array = NDArray[np.float64]
 
 
 @register_strategy("mink")
@@ -74,7 +70,7 @@ class Mink(Strategy):
             if not hasattr(task, "compute_qp_objective"):
                 raise ArgumentError("tasks", task, "tasks of mink's")
 
-    def solves_programs(self, has_criterion: bool) -> bool:
+    def uses_qp(self, has_criterion: bool) -> bool:
         """Always: by mink."""
         return True
 
@@ -136,5 +132,5 @@ class Mink(Strategy):
             wanted=-dq,
             null_term=zeros(n),
             figures=figures,
-            unsteady=if_else(down.beta > 0, ratio(norm(dq), down.beta), model.null_length),
+            stationarity_residual=if_else(down.beta > 0, ratio(norm(dq), down.beta), model.null_length),
         )

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik import register_strategy
 from jtik.errors import ArgumentError
@@ -24,10 +23,9 @@ from jtik.strategy import (
 )
 from jtik.symbolic import Expression, fmin, ratio
 from jtik.symbolic.factorization import RowVector
+from jtik.types import Array
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 from jtik_formulations.strategies.transpose import backtracked, judged
-
-Array = NDArray[np.float64]
 
 
 def newton_step(model: LocalModel) -> RowVector:

@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik import register_secondary
 from jtik.errors import ArgumentError
 from jtik.strategy import LocalModel, NullMove, Outcome, SecondaryTerm, Shape, State
 from jtik.symbolic import TINY, Expression, dot, fmax, fmin, if_else, logic_and, ratio, sqrt, sumsqr
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 _UNBOUNDED = 1e30
 

@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik import register_secondary
 from jtik._step.active_set import AT_LIMIT
 from jtik.errors import ArgumentError
-from jtik.qp import Program, Rows
+from jtik.qp import QuadraticProgram, Rows
 from jtik.strategy import LocalModel, NullMove, State
 from jtik.symbolic import (
     TINY,
@@ -32,9 +31,8 @@ from jtik.symbolic import (
     zeros,
 )
 from jtik.symbolic.factorization import RowSpace
+from jtik.types import Array
 from jtik_formulations.strategies.projected_gradient import NOISE, ProjectedGradient
-
-Array = NDArray[np.float64]
 
 
 @register_secondary("qp")
@@ -70,11 +68,11 @@ class QPSecondary(ProjectedGradient):
         if weight.ndim > 1 or not (np.isfinite(weight).all() and (weight > 0).all()):
             raise ArgumentError("weight", self.weight, "a positive number, or one for each velocity entry")
 
-    def solves_programs(self) -> bool:
+    def uses_qp(self) -> bool:
         """Yes."""
         return True
 
-    def keeps_clear(self) -> bool:
+    def supports_clearances(self) -> bool:
         """Yes."""
         return True
 
@@ -83,7 +81,7 @@ class QPSecondary(ProjectedGradient):
         return model.full_null_gradient
 
     def propose(self, model: LocalModel, state: State, task_term: Expression) -> NullMove:
-        """The program's answer, and how far H is from steady: |nu| / beta."""
+        """The program's answer, and how far H is from stationary: |nu| / beta."""
         h, n = _reduced_gradient(model), model.robot.n
         weight = np.asarray(self.weight, dtype=float)
         if weight.shape not in ((), (n,)):
@@ -91,12 +89,12 @@ class QPSecondary(ProjectedGradient):
         weight = np.broadcast_to(weight, n)
         length = norm(h)
         beta = fmin(self.barzilai_borwein(model, state), ratio(state["null_cap"], length))
-        figures, gave_way = dict[str, Expression](), dict[tuple[str, str], Expression]()
+        figures, relaxed = dict[str, Expression](), dict[tuple[str, str], Expression]()
         if model.clearance:
             move, scale = self._clear(model, weight, beta, task_term)
             figures["task_share"] = scale
             short = logic_and((1 - scale) * norm(task_term) > SHORT, scale < MOST)
-            gave_way["task step", "share"] = if_else(short, 1 - scale, 0)
+            relaxed["task step", "share"] = if_else(short, 1 - scale, 0)
         else:
             move, scale = self._within_limits(model, weight, beta, length, task_term), 1
         moved = norm(move)
@@ -105,11 +103,11 @@ class QPSecondary(ProjectedGradient):
             length=moved,
             decrease=-dot(model.full_gradient, move),
             beta=beta,
-            unsteady=ratio(norm(weight * move), beta),
+            stationarity_residual=ratio(norm(weight * move), beta),
             task_scale=scale,
             keeps_limits=True,
             figures=figures,
-            gave_way=gave_way,
+            relaxed=relaxed,
         )
 
     def _within_limits(
@@ -119,7 +117,7 @@ class QPSecondary(ProjectedGradient):
         low, high = model.box
         worth = if_else(length > NOISE * norm(model.full_gradient), 1, 0)
         answer = model.solve(
-            Program(
+            QuadraticProgram(
                 P=diag(vertcat(*weight.tolist())),
                 q=worth * beta * model.full_null_gradient,  # the rest of the gradient is the multipliers' alone
                 lower=low + task_term,
@@ -150,7 +148,7 @@ class QPSecondary(ProjectedGradient):
         room = model.recovery
         kept, demanded = room.rows, K @ room.step
         answer = model.solve(
-            Program(
+            QuadraticProgram(
                 P=P,
                 q=q,
                 lower=vertcat(low, 0),

@@ -10,12 +10,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik import register_secondary
 from jtik._step.active_set import AT_LIMIT
 from jtik.errors import ArgumentError
-from jtik.qp import Program, Rows
+from jtik.qp import QuadraticProgram, Rows
 from jtik.strategy import LocalModel, NullMove, Outcome, SecondaryTerm, Shape, State
 from jtik.strategy.curvature import lagrangian_hessian
 from jtik.symbolic import (
@@ -40,9 +39,8 @@ from jtik.symbolic import (
     vertcat,
 )
 from jtik.symbolic.factorization import RowSpace, Split
+from jtik.types import Array
 from jtik_formulations.strategies.projected_gradient import NOISE
-
-Array = NDArray[np.float64]
 
 FLAT, RAISED = 1e-8, 1e-2
 """A pivot of the reduced Hessian below the first fraction of its largest entry counts as zero; what it is raised to."""
@@ -94,7 +92,7 @@ class SecondOrder(SecondaryTerm):
         if isinstance(self.corrections, bool) or not (isinstance(self.corrections, int) and self.corrections >= 0):
             raise ArgumentError("corrections", self.corrections, "an integer from 0")
 
-    def solves_programs(self) -> bool:
+    def uses_qp(self) -> bool:
         """Yes."""
         return True
 
@@ -106,7 +104,7 @@ class SecondOrder(SecondaryTerm):
         return first
 
     def propose(self, model: LocalModel, state: State, task_term: Expression) -> NullMove:
-        """The program's answer, and how far H is from steady."""
+        """The program's answer, and how far H is from stationary."""
         free, rows, split, slope = _optimality(model)
         W = lagrangian_hessian(
             model.robot,
@@ -139,19 +137,21 @@ class SecondOrder(SecondaryTerm):
         steep = norm_inf(push)
         unit, ease = fmin(cap, steep) + TINY, fmax(1, ratio(steep, cap))
         P = (bend + (ease - 1) * identity(model.robot.n)) / ease
-        answer = model.solve(Program(P, ratio(push, steep), lower / unit, upper / unit, [fixed], "null-space step"))
+        answer = model.solve(
+            QuadraticProgram(P, ratio(push, steep), lower / unit, upper / unit, [fixed], "null-space step")
+        )
         x = fmin(fmax(unit * answer.x, lower), upper)
         significant = norm(slope_there) > NOISE * norm(model.full_gradient)
         longest = ratio(cap, norm(x))
         x = if_else(significant, 1, 0) * if_else(lowest < -NEGATIVE, longest, fmin(1, longest)) * x
-        unsteady = _unsteady(model, slope)
+        stationarity_residual = _stationarity_residual(model, slope)
         return NullMove(
             term=-x,
             length=norm(x),
             decrease=-dot(slope, x),
             beta=math.nan,
-            unsteady=unsteady,
-            figures={"null_residual": unsteady, "positive_definite": definite},
+            stationarity_residual=stationarity_residual,
+            figures={"null_residual": stationarity_residual, "positive_definite": definite},
         )
 
     def correct(self, model: LocalModel, term: Expression) -> Expression:
@@ -251,7 +251,7 @@ def _masked(J: Expression, free: Expression) -> Expression:
     return horzcat(*[J[:, j] * free[j] for j in range(J.shape[1])])
 
 
-def _unsteady(model: LocalModel, slope: Expression) -> Expression:
+def _stationarity_residual(model: LocalModel, slope: Expression) -> Expression:
     """Norm of the slope of the Lagrangian over the joints it does not press against a limit they are at."""
     q = model.here.q
     entries = [slope[j] for j in range(model.robot.n)]

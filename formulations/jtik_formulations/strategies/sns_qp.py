@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from math import inf
 
 from jtik import register_strategy
-from jtik.qp import Program, ProgramSolution, Rows
+from jtik.qp import QPSolution, QuadraticProgram, Rows
 from jtik.strategy import LocalModel
 from jtik.symbolic import Expression, dot, fmax, fmin, identity, if_else, logic_and, mmax, norm, sumsqr, vertcat, zeros
 from jtik.symbolic.factorization import RowSpace, squared_length
@@ -33,7 +33,7 @@ class ScalingProgram:
         scale: s of the last task.
     """
 
-    solve: Callable[[Program], ProgramSolution]
+    solve: Callable[[QuadraticProgram], QPSolution]
     lower: Expression
     upper: Expression
     x: Expression
@@ -42,7 +42,7 @@ class ScalingProgram:
 
     @classmethod
     def at_rest(
-        cls, solve: Callable[[Program], ProgramSolution], lower: Expression, upper: Expression
+        cls, solve: Callable[[QuadraticProgram], QPSolution], lower: Expression, upper: Expression
     ) -> ScalingProgram:
         """No displacement, nothing to keep."""
         n = lower.shape[0]
@@ -82,7 +82,7 @@ class ScalingProgram:
         basis, n = kept.unit_basis, q.shape[0]
         if basis.shape[0]:
             rows = [Rows("kept", basis, *[kept.dependent_bounds(side) for side in (-1, 1)]), *rows]
-        program = Program(identity(n), q, self.lower - start, self.upper - start, rows, name=name)
+        program = QuadraticProgram(identity(n), q, self.lower - start, self.upper - start, rows, name=name)
         return fmin(fmax(start + self.solve(program).x, self.lower), self.upper)
 
 
@@ -103,7 +103,7 @@ class SNSQP(TaskScaling):
     summary = "the programs that saturation in the null space solves, by a QP solver"
     source = "Flacco, De Luca and Khatib 2015"
 
-    def solves_programs(self, has_criterion: bool) -> bool:
+    def uses_qp(self, has_criterion: bool) -> bool:
         """One a level, and one for a criterion."""
         return True
 

@@ -9,7 +9,6 @@ from functools import reduce
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik import register_strategy
 from jtik.errors import ArgumentError
@@ -29,10 +28,10 @@ from jtik.symbolic import (
     zeros,
 )
 from jtik.symbolic.factorization import RowSpace, damped_multipliers, squared_length
+from jtik.types import Array
 from jtik_formulations.strategies._parts.level_merit import LevelMerit
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
-Array = NDArray[np.float64]
 Rule = Literal["recursive", "robust"]
 
 
@@ -111,7 +110,7 @@ class TaskPriority(Strategy):
             raise ArgumentError("damping", self.damping, "a finite number from 0")
         if not self.q_limit > 0:
             raise ArgumentError("q_limit", self.q_limit, "a positive angle [rad], math.inf for none")
-        if self.secondary.solves_programs():
+        if self.secondary.uses_qp():
             raise ArgumentError(
                 "secondary", self.secondary, "a term without a program; 'lexicographic_qp' has programs"
             )
@@ -120,7 +119,7 @@ class TaskPriority(Strategy):
         """``"merit"``: the penalty function falls, which for one level is V; ``"always"`` without backtracking."""
         return "merit" if self.backtracking else "always"
 
-    def judges(self, has_criterion: bool) -> bool:
+    def evaluates_candidate(self, has_criterion: bool) -> bool:
         """With backtracking, or for the criterion's own step length."""
         return self.backtracking or has_criterion
 
@@ -141,7 +140,7 @@ class TaskPriority(Strategy):
         term = model.within_limits(task_term + null.term)
         point = model.moved(term)
         verdict = LevelMerit(model, model.levels).judge(state["weights"], state["penalty"], -task_term, null, point)
-        watched = point.V + point.H if self.judges(model.has_criterion) else term
+        watched = point.V + point.H if self.evaluates_candidate(model.has_criterion) else term
         accepted = logic_and(verdict.accepted if self.backtracking else 1, is_finite(watched))
         longest = reduce(fmax, lengths)
         null_blamed = null.length > longest if model.has_criterion else 0
@@ -172,7 +171,7 @@ class TaskPriority(Strategy):
             wanted=wanted + null.term,
             null_term=null.term,
             figures=figures,
-            unsteady=null.unsteady,
+            stationarity_residual=null.stationarity_residual,
             progress=verdict.progress,
         )
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik import register_strategy
 from jtik.errors import ArgumentError
@@ -23,9 +22,8 @@ from jtik.strategy import (
     TaskStep,
 )
 from jtik.symbolic import Expression, dot, fmin, if_else, norm, ratio, sumsqr, vertcat
+from jtik.types import Array
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
-
-Array = NDArray[np.float64]
 
 
 def optimal_gain(slope: Expression, image: Expression) -> Expression:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from functools import reduce
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik import register_strategy
 from jtik.errors import ArgumentError
@@ -24,10 +23,9 @@ from jtik.strategy import (
     Update,
 )
 from jtik.symbolic import dot, fmax, fmin, if_else, logic_and, norm, ratio, sumsqr, vertcat
+from jtik.types import Array
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 from jtik_formulations.strategies.transpose import backtracked, judged, optimal_gain
-
-Array = NDArray[np.float64]
 
 LONGEST = 1.9
 """Most that the monotone gain is of the optimal one; from twice that on, the linear model of V does not fall."""
@@ -114,7 +112,7 @@ class TransposeBB(Composition):
         """By merit, or, without monotony, by the memory."""
         return judged(self.monotone, self.secondary)
 
-    def judges(self, has_criterion: bool) -> bool:
+    def evaluates_candidate(self, has_criterion: bool) -> bool:
         """Always."""
         return True
 

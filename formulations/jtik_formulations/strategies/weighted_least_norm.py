@@ -7,17 +7,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik import register_strategy
 from jtik.errors import ArgumentError
 from jtik.strategy import Acceptance, Composition, LocalModel, Outcome, SecondaryTerm, Shape, State, TaskMove, TaskStep
 from jtik.symbolic import Expression, fabs, fmin, horzcat, if_else, is_finite, norm, ratio, sqrt, vertcat, zeros
 from jtik.symbolic.factorization import RowSpace
+from jtik.types import Array
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 from jtik_formulations.strategies.transpose import backtracked, judged
-
-Array = NDArray[np.float64]
 
 
 def limit_gradient(model: LocalModel, most: float) -> Expression:

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik import register_strategy
 from jtik.errors import ArgumentError, finite_array
-from jtik.qp import Program, ProgramSolution
+from jtik.qp import QPSolution, QuadraticProgram
 from jtik.strategy import Acceptance, LocalModel, Shape, State, Strategy, Update
 from jtik.symbolic import (
     Expression,
@@ -33,8 +32,7 @@ from jtik.symbolic import (
     vertcat,
     zeros,
 )
-
-Array = NDArray[np.float64]
+from jtik.types import Array
 
 SUFFICIENT = 1e-4
 """Fraction of the predicted decrease an accepted step must bring (Armijo 1966)."""
@@ -88,7 +86,7 @@ class WeightedQP(Strategy):
 
     summary = "one QP: task, criterion and damping weighed against each other, limits as its box"
     source = "Zakka 2024 (mink); Caron et al. 2022 (pink)"
-    compromises: ClassVar[bool] = True
+    is_soft: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         if not 0 < self.gain <= 1:
@@ -106,15 +104,15 @@ class WeightedQP(Strategy):
         """``"merit"``: V, or with a criterion gain V + weight H, falls; ``"always"`` without backtracking."""
         return "merit" if self.backtracking else "always"
 
-    def judges(self, has_criterion: bool) -> bool:
+    def evaluates_candidate(self, has_criterion: bool) -> bool:
         """With backtracking, or to see what becomes of the criterion."""
         return self.backtracking or has_criterion
 
-    def solves_programs(self, has_criterion: bool) -> bool:
+    def uses_qp(self, has_criterion: bool) -> bool:
         """Always one."""
         return True
 
-    def keeps_clear(self) -> bool:
+    def supports_clearances(self) -> bool:
         """Its programs have the rows."""
         return True
 
@@ -134,7 +132,7 @@ class WeightedQP(Strategy):
         P = J.T @ J + (mu + brake) * identity(n)
         low, high = capped(model, self.q_limit)
         rows = [model.recovery.within(low, high).rows] if model.clearance else []
-        answer = model.solve(Program(P=P, q=slope, lower=low, upper=high, rows=rows, name="step"))
+        answer = model.solve(QuadraticProgram(P=P, q=slope, lower=low, upper=high, rows=rows, name="step"))
         dq = answer.x
         point = model.moved(-dq)
         predicted = -dot(slope, dq) - self.gain * sumsqr(J @ dq) / 2
@@ -155,7 +153,7 @@ class WeightedQP(Strategy):
         if self.backtracking:
             harder = fmax(HARDER * brake, fmax(mu, FIRST_BRAKE * model.full_rows.squared_length))
             after["brake"] = if_else(accepted, SOFTER * brake, harder)
-        watched = point.V + point.H if self.judges(model.has_criterion) else dq
+        watched = point.V + point.H if self.evaluates_candidate(model.has_criterion) else dq
         figures = {
             "alpha": math.nan,
             "beta": math.nan,
@@ -173,11 +171,11 @@ class WeightedQP(Strategy):
             null_term=zeros(n),
             figures=figures,
             progress=progress,
-            gave_way={("task", "of its residual"): if_else(_hindered(answer), norm(model.here.residual + J @ dq), 0)},
+            relaxed={("task", "of its residual"): if_else(_hindered(answer), norm(model.here.residual + J @ dq), 0)},
         )
 
 
-def _hindered(answer: ProgramSolution) -> Expression:
+def _hindered(answer: QPSolution) -> Expression:
     """Whether a limit or a row has a say in the step."""
     program = answer.program
     forces = [fabs(answer.box_multipliers[j]) for j in range(program.size)]

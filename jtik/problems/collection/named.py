@@ -6,11 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from jtik.criterion.base import Criterion, CriterionSum
-from jtik.errors import Array
 from jtik.problems.case import ProblemSet
 from jtik.registry import criteria
 from jtik.robot import Robot
 from jtik.task import Task
+from jtik.types import Array
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from jtik.errors import Array
 from jtik.problems.case import Case, ProblemSet
 from jtik.problems.collection.named import Named, centering
 from jtik.problems.five_families import five_families, tip
 from jtik.robot import Robot
 from jtik.task import FrameTask
+from jtik.types import Array
 
 
 def _entry(name: str, summary: str, origin: str, robot: Robot, cases: list[Case]) -> Named:

@@ -9,12 +9,12 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from jtik.errors import Array
 from jtik.geometry import Capsule, Solid
 from jtik.robot.dh import shift, turn_x, turn_z
 from jtik.robot.joints import JointType
 from jtik.robot.rotation import snapped
 from jtik.robot.tree import Joint
+from jtik.types import Array
 
 Triple: TypeAlias = tuple[float, float, float]
 
@@ -101,7 +101,7 @@ def chain(base: str, hinges: Sequence[Hinge], fixtures: Sequence[Fixture], *, ti
         joints.append(
             Joint(
                 row.joint,
-                JointType.HINGE,
+                JointType.REVOLUTE,
                 parent,
                 row.link,
                 origin=place(row.xyz, row.rpy),

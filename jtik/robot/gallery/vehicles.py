@@ -56,9 +56,11 @@ def vehicle_panda() -> Description:
         summary="Clearpath Ridgeback (x, y, heading) with a Panda, 10 joints",
         source=f"Clearpath Ridgeback data sheet, May 2025; {arm.source}",
         joints=(
-            Joint("x", JointType.SLIDE, "base", "slide_x", axis=np.array([1.0, 0.0, 0.0]), velocity_limit=_SPEED),
-            Joint("y", JointType.SLIDE, "slide_x", "slide_y", axis=np.array([0.0, 1.0, 0.0]), velocity_limit=_SPEED),
-            Joint("heading", JointType.HINGE, "slide_y", "vehicle", velocity_limit=_TURNING),
+            Joint("x", JointType.PRISMATIC, "base", "slide_x", axis=np.array([1.0, 0.0, 0.0]), velocity_limit=_SPEED),
+            Joint(
+                "y", JointType.PRISMATIC, "slide_x", "slide_y", axis=np.array([0.0, 1.0, 0.0]), velocity_limit=_SPEED
+            ),
+            Joint("heading", JointType.REVOLUTE, "slide_y", "vehicle", velocity_limit=_TURNING),
             fixed(Fixture(arm.base, "vehicle", (0.0, 0.0, _HEIGHT))),
             *arm.joints,
         ),

@@ -9,7 +9,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from jtik.errors import Array, RobotFileError
+from jtik.errors import RobotFileError
 from jtik.robot.body import Mass
 from jtik.robot.joints import JointType
 from jtik.robot.loaders.description import Description, Follow, Names
@@ -17,12 +17,13 @@ from jtik.robot.loaders.meshes import MeshFile
 from jtik.robot.loaders.shapes import solids
 from jtik.robot.loaders.transforms import moved_by, placed, turned_by
 from jtik.robot.tree import Joint
+from jtik.types import Array
 
 TYPES = {
     mujoco.mjtJoint.mjJNT_FREE: JointType.FREE,
     mujoco.mjtJoint.mjJNT_BALL: JointType.BALL,
-    mujoco.mjtJoint.mjJNT_SLIDE: JointType.SLIDE,
-    mujoco.mjtJoint.mjJNT_HINGE: JointType.HINGE,
+    mujoco.mjtJoint.mjJNT_SLIDE: JointType.PRISMATIC,
+    mujoco.mjtJoint.mjJNT_HINGE: JointType.REVOLUTE,
 }
 """MuJoCo's joint types."""
 
@@ -103,7 +104,7 @@ class ModelReader:
         for number in range(first, first + count):
             anchor = np.array(model.jnt_pos[number])
             joint_type = TYPES[mujoco.mjtJoint(model.jnt_type[number])]
-            if joint_type in (JointType.FREE, JointType.SLIDE):
+            if joint_type in (JointType.FREE, JointType.PRISMATIC):
                 anchor = np.zeros(3)  # turns nothing, so it makes no difference
             if joint_type is JointType.FREE:
                 ahead = np.eye(4)  # its position is the body's in the world
@@ -121,7 +122,7 @@ class ModelReader:
             return Joint(name, kind, parent, child, origin=origin)
         axis = np.array(model.jnt_axis[number])
         at_zero = -float(model.qpos0[model.jnt_qposadr[number]])
-        shift = turned_by(axis, at_zero) if kind is JointType.HINGE else moved_by(at_zero * axis)
+        shift = turned_by(axis, at_zero) if kind is JointType.REVOLUTE else moved_by(at_zero * axis)
         lower, upper = self._limits(number)
         return Joint(name, kind, parent, child, origin=origin @ shift, axis=axis, lower=lower, upper=upper)
 

@@ -6,11 +6,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
-from jtik.errors import Array
 from jtik.geometry import Solid
 from jtik.robot.body import Mass
 from jtik.robot.loaders.tip import tool_frame
 from jtik.robot.tree import Joint
+from jtik.types import Array
 
 
 @dataclass(frozen=True, kw_only=True)

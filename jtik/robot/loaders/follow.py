@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 
-from jtik.errors import Array
 from jtik.robot.joints import JointType
 from jtik.robot.loaders.description import Description, Follow
 from jtik.robot.loaders.transforms import moved_by, turned_by
 from jtik.robot.tree import Joint, Mimic
+from jtik.types import Array
 
 
 def folded(description: Description) -> Description:
@@ -39,7 +39,7 @@ def folded(description: Description) -> Description:
 
 def motion(joint: Joint, position: float) -> Array:
     """What a hinge or a slide adds to its origin at ``position`` [rad] or [m], (4, 4)."""
-    return turned_by(joint.axis, position) if joint.type is JointType.HINGE else moved_by(position * joint.axis)
+    return turned_by(joint.axis, position) if joint.type is JointType.REVOLUTE else moved_by(position * joint.axis)
 
 
 def _stated(follows: Iterable[Follow]) -> tuple[dict[str, Follow], list[str]]:

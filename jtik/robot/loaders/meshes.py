@@ -11,9 +11,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from jtik.errors import Array
 from jtik.geometry import Capsule, Solid, Sphere
 from jtik.robot.loaders.transforms import placed
+from jtik.types import Array
 
 READABLE = (".stl", ".obj", ".msh")
 """Endings of the mesh files that MuJoCo reads."""

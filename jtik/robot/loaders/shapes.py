@@ -8,10 +8,10 @@ from typing import Any, TypeAlias
 import mujoco
 import numpy as np
 
-from jtik.errors import Array
 from jtik.geometry import Box, Capsule, Cylinder, Solid, Sphere
 from jtik.robot.loaders.meshes import MeshFile, solid_around, vertices_of
 from jtik.robot.loaders.transforms import placed
+from jtik.types import Array
 
 Reader: TypeAlias = Callable[[Array, Array], Solid]
 """From a geom's pose (4, 4) in its body and its size (3,) [m] to the solid."""

@@ -20,7 +20,7 @@ LEAST_MASS = 1e-12
 
 
 @dataclass(frozen=True)
-class Compiled:
+class CompiledModel:
     """A MuJoCo model whose meshes were taken out.
 
     Attributes:
@@ -32,7 +32,7 @@ class Compiled:
     meshes: dict[int, MeshFile]
 
 
-def compile_source(source: Source, *, edit: Callable[[Any], None] | None = None) -> Compiled:
+def compile_source(source: Source, *, edit: Callable[[Any], None] | None = None) -> CompiledModel:
     """The model of a description, without meshes, textures and anything else that kinematics does not need.
 
     Where MuJoCo refuses inertias they are replaced by others, and where it refuses geoms they are given up; masses
@@ -55,7 +55,7 @@ def compile_source(source: Source, *, edit: Callable[[Any], None] | None = None)
     raise RobotFileError(source.label, "", f"MuJoCo refuses it: {' '.join(str(first).split())}") from first
 
 
-def _compile(source: Source, edit: Callable[[Any], None] | None, *, inertias: bool, geoms: bool) -> Compiled:
+def _compile(source: Source, edit: Callable[[Any], None] | None, *, inertias: bool, geoms: bool) -> CompiledModel:
     """The model with or without its inertias and its geoms."""
     if source.path is not None:
         spec = mujoco.MjSpec.from_file(str(source.path))
@@ -75,7 +75,7 @@ def _compile(source: Source, edit: Callable[[Any], None] | None, *, inertias: bo
     compiler.boundinertia = max(compiler.boundinertia, LEAST_MASS)
     model = spec.compile()
     kept = {geom.name: geom.id for geom in spec.geoms}
-    return Compiled(model, {kept[name]: mesh for name, mesh in meshes.items() if name in kept})
+    return CompiledModel(model, {kept[name]: mesh for name, mesh in meshes.items() if name in kept})
 
 
 def _replace_inertias(spec: Any) -> None:

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from jtik.errors import Array
+from jtik.types import Array
 
 
 def rotation_of(quaternion: Array) -> Array:

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.plotting.planar import write_animation
 from jtik.study.figures.canvas import chosen, panels, who
 from jtik.study.figures.postures import one, ways
 from jtik.study.figures.scenery import Scenery, balls
+from jtik.types import Array
 
 if TYPE_CHECKING:
     from jtik.study.comparison import Comparison

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array, UnknownNameError
+from jtik.errors import ArgumentError, UnknownNameError
 from jtik.plotting.planar import BACKGROUND, INK, MUTED, THIN, Axes, Figure, new_figure
 from jtik.result.solution import Trace
+from jtik.types import Array
 
 if TYPE_CHECKING:
     from jtik.study.comparison import Comparison

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.plotting.planar import Figure
 from jtik.problems import Case
 from jtik.study.figures.canvas import Chosen, chosen, grid, panels, postures, who
 from jtik.study.figures.scenery import Scenery, balls
+from jtik.types import Array
 
 if TYPE_CHECKING:
     from jtik.study.comparison import Comparison

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.plotting.planar import Figure
 from jtik.study.figures.canvas import label, legend, lines, panels, which, who
+from jtik.types import Array
 
 if TYPE_CHECKING:
     from jtik.study.comparison import Comparison

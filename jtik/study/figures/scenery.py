@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from jtik.errors import Array
 from jtik.geometry import Ball
 from jtik.plotting.planar import (
     INK,
@@ -27,6 +26,7 @@ from jtik.plotting.planar import (
 )
 from jtik.problems import Case, obstacles_of
 from jtik.robot import Robot
+from jtik.types import Array
 
 MOST = 12
 """Postures drawn of a longer sequence, evenly chosen."""

@@ -12,10 +12,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array, JtikError
+from jtik.errors import ArgumentError, JtikError
 from jtik.robot import Robot
 from jtik.study.contender import Contender, Ready, Setting
 from jtik.task import FrameTask, TaskStack
+from jtik.types import Array
 
 ROUNDING = 1e-6
 """How far [rad] or [m] beyond a limit an answer may be put down to the tolerance of a QP solver, and led back."""

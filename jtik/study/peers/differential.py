@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from jtik.errors import Array
 from jtik.study.peers.base import Goal, Peer
 from jtik.study.peers.loop import METRE, Loop
+from jtik.types import Array
 
 NEAR = 0.2
 """Error [rad; a metre counts as METRE of them] below which the criterion takes its part."""
@@ -162,7 +162,7 @@ class DifferentialLoop(Loop):
         """Take a criterion, as a task of the library."""
         self.criterion = DampedCriterion(task)
         self._first = {name: np.array(value) for name, value in task.parameters.items()}
-        if self.goal.setting.until == "steady":
+        if self.goal.setting.until == "stationary":
             self.arrival = "CONVERGED"
         else:
             self._low = CLOSE  # to arrive is enough, and a step down H would lead away again
@@ -203,7 +203,7 @@ class DifferentialLoop(Loop):
         return math.sqrt(dq @ dq)
 
     def rested(self) -> bool:
-        """With a criterion to be steady: whether the latest strict step found no slope to go down."""
+        """With a criterion to be stationary: whether the latest strict step found no slope to go down."""
         setting, criterion = self.goal.setting, self.criterion
         if criterion is None or setting.until == "reached":
             return True

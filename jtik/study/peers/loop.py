@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from jtik.errors import Array
 from jtik.result.solution import Trace
 from jtik.study.contender import Answer, Ready
 from jtik.study.peers.base import Goal
+from jtik.types import Array
 
 SETTLED = 1e-9
 """Length of a step [rad, m] with which an attempt has come to rest."""

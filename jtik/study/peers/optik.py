@@ -10,9 +10,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from jtik.errors import Array
 from jtik.study.contender import Answer, Ready
 from jtik.study.peers.base import Goal, Peer
+from jtik.types import Array
 
 
 @dataclass(kw_only=True)

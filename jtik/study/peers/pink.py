@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from jtik.errors import Array
 from jtik.study.peers.base import Goal, imported
 from jtik.study.peers.differential import Differential, DifferentialLoop
+from jtik.types import Array
 
 
 @dataclass(kw_only=True)

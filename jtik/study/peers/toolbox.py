@@ -8,10 +8,11 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from jtik.errors import ArgumentError, Array
+from jtik.errors import ArgumentError
 from jtik.robot import JointType
 from jtik.study.contender import Answer, Ready
 from jtik.study.peers.base import Goal, Peer
+from jtik.types import Array
 
 Method = Literal["chan", "wampler", "sugihara"]
 
@@ -44,7 +45,7 @@ class Toolbox(Peer):
         """No slide may be longer than what it would turn into (-pi, pi)."""
         super().check(goal)
         for joint in goal.robot.path(goal.frame):
-            if joint.type is JointType.SLIDE and max(abs(joint.lower), abs(joint.upper)) > math.pi:
+            if joint.type is JointType.PRISMATIC and max(abs(joint.lower), abs(joint.upper)) > math.pi:
                 given = f"slide {joint.name!r}, from {joint.lower:g} to {joint.upper:g} m"
                 raise ArgumentError("robot", given, f"for {self.label}: slides within pi m, it wraps them as if angles")
 
@@ -100,7 +101,7 @@ def _chain(library: Any, goal: Goal) -> Any:
             continue
         number = goal.robot.q_slice(joint.name).start
         to_axis = _axis_to_z(joint.axis)
-        moving = library.ET.Rz if joint.type is JointType.HINGE else library.ET.tz
+        moving = library.ET.Rz if joint.type is JointType.REVOLUTE else library.ET.tz
         parts += [library.ET.SE3(constant @ to_axis), moving(qlim=[lower[number], upper[number]])]
         constant = to_axis.T
     return library.ETS([*parts, library.ET.SE3(constant)])

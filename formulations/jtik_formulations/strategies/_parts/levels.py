@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from jtik.qp import Program, ProgramSolution, Rows
+from jtik.qp import QPSolution, QuadraticProgram, Rows
 from jtik.symbolic import (
     TINY,
     Expression,
@@ -44,7 +44,7 @@ PRESSED = 1e-4
 class Solver(Protocol):
     """What answers programs, such as a local model."""
 
-    def solve(self, program: Program) -> ProgramSolution:
+    def solve(self, program: QuadraticProgram) -> QPSolution:
         """The answer."""
 
 
@@ -141,7 +141,7 @@ def _level(
         kept = [*kept, Rows(rows.name, rows.matrix, lower - used, upper - used)]
         there = logic_and(there, logic_and(mmax(lower - used) <= 0, mmin(upper - used) >= 0))
     answer = solver.solve(
-        Program(
+        QuadraticProgram(
             P=curved.T @ curved + identity(n),
             q=(part - 1) * (curved.T @ (curved @ y) + mu / scale * y),  # zero where no limit is in the way
             lower=room[0],

@@ -11,17 +11,16 @@ import mink
 import numpy as np
 import qpsolvers
 from mink.tasks import BaseTask, Objective
-from numpy.typing import NDArray
 
 from jtik import FrameTask, Robot
 from jtik.errors import ArgumentError
 from jtik.interop.mink import Correspondence, to_mujoco
 from jtik.task import Task, TaskStack
+from jtik.types import Array
 
 if TYPE_CHECKING:
     from jtik_formulations.strategies.mink_ik import Mink
 
-Array = NDArray[np.float64]
 
 _EXACT: dict[str, dict[str, Any]] = {
     "daqp": {"primal_tol": 1e-9},

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jtik._step.active_set import AT_LIMIT
 from jtik.errors import ArgumentError
@@ -31,11 +30,10 @@ from jtik.symbolic import (
     zeros,
 )
 from jtik.symbolic.factorization import RowSpace, damped_multipliers
+from jtik.types import Array
 from jtik_formulations.strategies._parts.level_merit import LevelMerit
 from jtik_formulations.strategies.projected_gradient import NOISE, ProjectedGradient
 from jtik_formulations.strategies.weighted_qp import capped
-
-Array = NDArray[np.float64]
 
 
 class Scaled(Protocol):
@@ -88,7 +86,7 @@ class TaskScaling(Strategy):
         """``"merit"``: the penalty function falls, which for one level is V; ``"always"`` without backtracking."""
         return "merit" if self.backtracking else "always"
 
-    def judges(self, has_criterion: bool) -> bool:
+    def evaluates_candidate(self, has_criterion: bool) -> bool:
         """With backtracking, or for the criterion's own step length."""
         return self.backtracking or has_criterion
 
@@ -119,7 +117,9 @@ class TaskScaling(Strategy):
         point = model.moved(term)
         verdict = LevelMerit(model, model.levels).judge(state["weights"], state["penalty"], step, null, point)
         accepted = verdict.accepted if self.backtracking else 1
-        accepted = logic_and(accepted, is_finite(point.V + point.H if self.judges(model.has_criterion) else term))
+        accepted = logic_and(
+            accepted, is_finite(point.V + point.H if self.evaluates_candidate(model.has_criterion) else term)
+        )
         clear = model.clearance.keeps(term) if model.clearance else 1
         accepted = logic_and(accepted, clear)
         null_blamed = null.length > norm(step) if model.has_criterion else 0
@@ -151,7 +151,7 @@ class TaskScaling(Strategy):
             wanted=-unlimited,
             null_term=null.term,
             figures=figures,
-            unsteady=null.unsteady,
+            stationarity_residual=null.stationarity_residual,
             progress=verdict.progress,
         )
 
@@ -190,7 +190,7 @@ class TaskScaling(Strategy):
             length=moved,
             decrease=-dot(model.full_gradient, move),
             beta=beta,
-            unsteady=ratio(moved, beta) if releases else None,
+            stationarity_residual=ratio(moved, beta) if releases else None,
         )
         return null, wish
 

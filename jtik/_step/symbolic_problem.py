@@ -27,7 +27,7 @@ from jtik.symbolic import (
 from jtik.task import TaskStack
 
 
-class Problem:
+class SymbolicProblem:
     """Robot, tasks, criteria and limits as CasADi functions of (q, target, parameters).
 
     Attributes:

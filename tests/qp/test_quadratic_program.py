@@ -8,7 +8,7 @@ import pytest
 import qpsolvers
 
 import jtik
-from jtik.qp import Program, Recorder, Rows
+from jtik.qp import QPRecorder, QuadraticProgram, Rows
 from jtik.strategy import Strategy, Update
 from jtik_formulations import JointCentering
 
@@ -23,7 +23,7 @@ def program(**changes):
         "upper": casadi.SX([1.0] * 3),
         "rows": [Rows.equal("sum", casadi.SX.ones(1, 3), casadi.SX([0.5]))],
     }
-    return Program(**data | changes)
+    return QuadraticProgram(**data | changes)
 
 
 def test_groups_lie_below_each_other_and_are_found_by_name():
@@ -31,7 +31,7 @@ def test_groups_lie_below_each_other_and_are_found_by_name():
     whole = program(rows=[*program().rows, more])
     assert whole.row_count == 3
     assert whole.data()[2].shape == (3, 3)
-    solution = Recorder(1e-9).solve(whole)
+    solution = QPRecorder(1e-9).solve(whole)
     assert solution.multipliers("more").shape == (2, 1)
     with pytest.raises(jtik.ArgumentError, match="'sum', 'more'"):
         solution.multipliers("most")
@@ -51,7 +51,7 @@ def test_shapes_are_checked(change, named):
 
 
 def test_an_answer_is_not_believed():
-    recorder = Recorder(accuracy=1e-6)
+    recorder = QPRecorder(accuracy=1e-6)
     solution = recorder.solve(program())
     check = casadi.Function(
         "check",
@@ -91,7 +91,7 @@ def test_there_is_none_without_a_strategy_that_has_one():
 class Contradiction(Strategy):
     """A third party's law whose program has no answer."""
 
-    def solves_programs(self, has_criterion):
+    def uses_qp(self, has_criterion):
         return True
 
     def update(self, model, state):
@@ -99,7 +99,7 @@ class Contradiction(Strategy):
         ones = casadi.SX.ones(1, n)
         rows = [Rows.equal("one", ones, casadi.SX([1])), Rows.equal("two", ones, casadi.SX([2]))]
         open_box = [casadi.SX([side * np.inf] * n) for side in (-1, 1)]
-        x = model.solve(Program(casadi.SX.eye(n), casadi.SX(n, 1), *open_box, rows)).x
+        x = model.solve(QuadraticProgram(casadi.SX.eye(n), casadi.SX(n, 1), *open_box, rows)).x
         return Update(model.moved(-x), 1, {}, -x, -x, casadi.SX(n, 1))
 
 
@@ -115,16 +115,16 @@ def test_a_program_without_an_answer_ends_a_solve_with_a_status(solver):
 class TwoPrograms(Strategy):
     """First the shortest step, then the one nearest to (1, 1, 1) among those that bring the tip as near."""
 
-    def solves_programs(self, has_criterion):
+    def uses_qp(self, has_criterion):
         return True
 
     def update(self, model, state):
         n, r, J = model.robot.n, model.here.residual, model.J
         open_box = [casadi.SX([side * np.inf] * n) for side in (-1, 1)]
         task = Rows.equal("task", J, -r)
-        first = model.solve(Program(casadi.SX.eye(n), casadi.SX(n, 1), *open_box, [task], name="first"))
+        first = model.solve(QuadraticProgram(casadi.SX.eye(n), casadi.SX(n, 1), *open_box, [task], name="first"))
         again = Rows.equal("again", J, J @ first.x)
-        second = model.solve(Program(casadi.SX.eye(n), -casadi.SX.ones(n), *open_box, [again], name="second"))
+        second = model.solve(QuadraticProgram(casadi.SX.eye(n), -casadi.SX.ones(n), *open_box, [again], name="second"))
         return Update(model.moved(-second.x), 1, {}, -second.x, -second.x, casadi.SX(n, 1))
 
 

@@ -64,7 +64,7 @@ class Rows:
 
 
 @dataclass(frozen=True)
-class Program:
+class QuadraticProgram:
     """P (n, n) symmetric positive semidefinite, q (n, 1), groups of rows, and a box (n, 1) each.
 
     ``closed_form`` is for a law that knows the answer of ordinary steps: x (n, 1), and 1 where it is one, else 0.
@@ -101,7 +101,7 @@ class Program:
 
     @cached_property
     def convex(self) -> Expression:
-        """1 where P is positive semidefinite: else a steady point need not be a minimum."""
+        """1 where P is positive semidefinite: else a stationary point need not be a minimum."""
         return 1 if self.closed_form else convex(self.P)  # a law that knows answers knows its P
 
     @cached_property
@@ -172,12 +172,12 @@ class Program:
             Cx = C @ x
             kept = logic_and(mmax(low - Cx) <= EXACT, mmax(Cx - high) <= EXACT)
             inside = logic_and(inside, kept)
-        steady = norm_inf(P @ x + q) <= EXACT * (1 + norm_inf(q))
-        return x, logic_and(logic_and(inside, logic_and(steady, self.convex)), is_finite(x))
+        stationary = norm_inf(P @ x + q) <= EXACT * (1 + norm_inf(q))
+        return x, logic_and(logic_and(inside, logic_and(stationary, self.convex)), is_finite(x))
 
 
 @dataclass(frozen=True)
-class ProgramSolution:
+class QPSolution:
     """What the solver will answer, as expressions.
 
     Attributes: x (n, 1); multipliers of all rows and of the box, positive where an upper bound holds:
@@ -187,7 +187,7 @@ class ProgramSolution:
     x: Expression
     row_multipliers: Expression
     box_multipliers: Expression
-    program: Program
+    program: QuadraticProgram
 
     def multipliers(self, name: str) -> Expression:
         """Of one group of rows, (k, 1)."""
