@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
@@ -23,9 +23,9 @@ from jtik._loop.saddle_escape import SaddleEscape
 from jtik._loop.search import Found, Request, Search
 from jtik._loop.tracking import follow
 from jtik._step.fused import FusedStep, fused_step
-from jtik._step.inputs import Memory
+from jtik._step.inputs import InputMemory, Inputs, Settings
 from jtik._step.relaxation import Relaxation
-from jtik._step.stopping import Code, Settings
+from jtik._step.stopping import Code
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.clearance import Clearance, clearances_of
 from jtik.constraints.limits import Limits, limits_of
@@ -117,12 +117,13 @@ class InverseKinematics:
             self._backend = backend_of(solver)
         elif solver is not None:
             raise ArgumentError("solver", solver, f"none: {self.strategy!r} solves no program here")
-        self._memory = Memory(self.tasks.target_size, self.parameters, self._lower, self._upper)
-        self._target, _, self._lower, self._upper, self._settings = self._inputs = self._memory.parts
+        self._memory = InputMemory(self.tasks.target_size, self.parameters, self._lower, self._upper)
+        self._inputs = self._memory.inputs
+        self._target, self._lower, self._upper = self._inputs.target, self._inputs.lower, self._inputs.upper
         # targets that are their own numbers skip the reading in `step`
         self._plain_target = self._target.shape if self.tasks.plain else None
         self._plain_q = robot.nq == robot.n
-        self._step_inputs = [*self._inputs[:-1], np.array(Settings())]
+        self._step_inputs = self._inputs._replace(settings=np.array(Settings()))
         self._options: tuple[Any, ...] = ()
         self._prepared: tuple[Any, ...] = ()
         self._request = Request(0, 0, 0)
@@ -257,12 +258,12 @@ class InverseKinematics:
             errors = found.errors or self._diagnosis.errors(found.q, self._inputs)
             return Entry(found, status, is_success(status, until), errors, seconds)
 
-        inputs = self._memory.split(self._memory.whole.copy())[1:]
+        inputs = self._memory.views(self._memory.numbers.copy())
         return collect(
             [solve(i) for i in watched(range(len(numbers)), progress, "targets")],
             targets=numbers,
             nq=self.robot.nq,
-            look=lambda q, target: self._diagnosis.report(q, [target, *inputs]),
+            look=lambda q, target: self._diagnosis.report(q, inputs._replace(target=target)),
         )
 
     def _requested(self, *options: Any) -> Request:
@@ -270,7 +271,7 @@ class InverseKinematics:
         if self._options != options:
             self._options = self._prepared = ()
             self._request = read_request(*options[:3])
-            self._settings[:] = read_settings(*options[3:])
+            self._inputs.settings[:] = read_settings(*options[3:])
             self._options = options
             if not self._problem.has_criterion and self._search.prepare(self._request):
                 self._prepared = options
@@ -298,7 +299,7 @@ class InverseKinematics:
             escapes=0,
             restarts=restarts,
             seconds=time.perf_counter() - begin,
-            look=partial(self._reported, q, self._memory.whole.copy()),
+            look=partial(self._reported, q, self._memory.numbers.copy()),
             trace=None,
         )
 
@@ -319,10 +320,10 @@ class InverseKinematics:
 
     def _later(self, q: Array) -> Callable[[], Report]:
         """The report of ``q`` for the target and parameters as they are now, evaluated once and when called."""
-        return partial(self._reported, q, self._memory.whole.copy())
+        return partial(self._reported, q, self._memory.numbers.copy())
 
     def _reported(self, q: Array, memory: Array) -> Report:
-        return self._diagnosis.report(q, self._memory.split(memory))
+        return self._diagnosis.report(q, self._memory.views(memory))
 
     def step(self, q: ArrayLike, target: Any, *, dt: float | None = None) -> Step:
         """One update from ``q``, for controllers; what the strategy remembers goes on from the last call.
@@ -481,7 +482,7 @@ class InverseKinematics:
 
     def _fused(self, *, arriving: bool = False) -> FusedStep:
         fused = fused_step(self._problem, self.strategy, backend=self._backend, arriving=arriving)
-        return fused.compiled(native.SOURCE) if self._compiled else fused
+        return fused.compiled(native.source(fused.state)) if self._compiled else fused
 
     def _stepping(self) -> Runner:
         """What ``step`` runs: it reports the errors where it arrives, whether or not the strategy looks at them."""
@@ -491,9 +492,8 @@ class InverseKinematics:
 
     def _timing(self) -> tuple[Runner, StepBox]:
         """What ``step`` runs in a given time: the same on a box of its own."""
-        target, parameters, lower, upper, settings = self._step_inputs
-        lower, upper = lower.copy(), upper.copy()
-        runner = Runner(self._arriving, [target, parameters, lower, upper, settings], self.robot.nq)
+        lower, upper = self._lower.copy(), self._upper.copy()
+        runner = Runner(self._arriving, self._step_inputs._replace(lower=lower, upper=upper), self.robot.nq)
         runner.start(self.robot.neutral)
         self._timed = runner, StepBox(self._bounds, self._box_function, lower, upper)
         return self._timed
@@ -509,11 +509,11 @@ class InverseKinematics:
         box = box_function(self._bounds)
         return to_c(box) if self._compiled else box
 
-    def _yielded(self, q: Array, inputs: Sequence[Array]) -> tuple[Relaxation, ...]:
+    def _yielded(self, q: Array, inputs: Inputs[Array]) -> tuple[Relaxation, ...]:
         """What a first step from q cannot have."""
         if self._witness is None:
             fused = self._recording().fused
-            self._witness = Runner(fused, [np.zeros_like(part) for part in inputs], self.robot.nq)
+            self._witness = Runner(fused, Inputs(*[np.zeros_like(part) for part in inputs]), self.robot.nq)
         for memory, part in zip(self._witness.inputs, inputs, strict=True):
             memory[:] = part
         self._witness.start(q)

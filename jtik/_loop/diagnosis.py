@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cached_property, partial
 
 import numpy as np
 
 from jtik._loop.saddle_escape import FLAT, NEGATIVE, SaddleEscape
 from jtik._step.active_set import AT_LIMIT
+from jtik._step.inputs import Inputs, Settings
 from jtik._step.relaxation import Relaxation
 from jtik._step.stopping import Code
 from jtik._step.symbolic_problem import SymbolicProblem
@@ -25,7 +26,7 @@ class Diagnosis:
         self,
         problem: SymbolicProblem,
         rescue: SaddleEscape,
-        yielded: Callable[[Array, Sequence[Array]], tuple[Relaxation, ...]] | None = None,
+        yielded: Callable[[Array, Inputs[Array]], tuple[Relaxation, ...]] | None = None,
     ) -> None:
         self._problem, self._rescue, self._yielded = problem, rescue, yielded
         self._evaluate = CompiledFunction(problem.report())
@@ -45,20 +46,20 @@ class Diagnosis:
     def _hessian(self) -> CompiledFunction:
         return CompiledFunction(self._problem.hessian())
 
-    def _curvature(self, q: Array, inputs: Sequence[Array], multipliers: Array) -> Array:
+    def _curvature(self, q: Array, inputs: Inputs[Array], multipliers: Array) -> Array:
         """The Hessian of the Lagrangian, compiled when first asked for, (n, n)."""
-        return self._hessian(q, *inputs[:2], multipliers)[0]
+        return self._hessian(q, inputs.target, inputs.parameters, multipliers)[0]
 
-    def report(self, q: Array, inputs: Sequence[Array]) -> Report:
+    def report(self, q: Array, inputs: Inputs[Array]) -> Report:
         """Everything a Solution tells of the configuration q."""
-        target, parameters, lower, upper, settings = inputs
-        error, jacobian, values, gradient, residual, weighted = self._evaluate(q, target, parameters)
+        tolerances = Settings(*inputs.settings.tolist())[:3]
+        error, jacobian, values, gradient, residual, weighted = self._evaluate(q, inputs.target, inputs.parameters)
         at_upper: tuple[int, ...] = ()
         at_lower: tuple[int, ...] = ()
         if self._q_index.size:
             own = q[self._q_index]
-            at_upper = tuple(self._v_index[own >= upper[self._q_index] - AT_LIMIT].tolist())
-            at_lower = tuple(self._v_index[own <= lower[self._q_index] + AT_LIMIT].tolist())
+            at_upper = tuple(self._v_index[own >= inputs.upper[self._q_index] - AT_LIMIT].tolist())
+            at_lower = tuple(self._v_index[own <= inputs.lower[self._q_index] + AT_LIMIT].tolist())
         return Report(
             error=error[:, 0],
             jacobian=jacobian,
@@ -70,29 +71,29 @@ class Diagnosis:
             at_upper=at_upper,
             at_lower=at_lower,
             active_limits=tuple(self._joints[j] for j in sorted({*at_upper, *at_lower})),
-            tolerances=(float(settings[0]), float(settings[1]), float(settings[2])),
+            tolerances=(float(tolerances[0]), float(tolerances[1]), float(tolerances[2])),
             curvature=partial(self._curvature, q, inputs) if self._criteria else None,
             yielded=partial(self._yielded, q, inputs) if self._yielded else None,
         )
 
-    def errors(self, q: Array, inputs: Sequence[Array]) -> tuple[float, float]:
+    def errors(self, q: Array, inputs: Inputs[Array]) -> tuple[float, float]:
         """Norms of the position rows [m] and of the orientation rows [rad] at q."""
         error = self.error(q, inputs)
         return float(np.linalg.norm(error[self._linear])), float(np.linalg.norm(error[~self._linear]))
 
-    def error(self, q: Array, inputs: Sequence[Array]) -> Array:
+    def error(self, q: Array, inputs: Inputs[Array]) -> Array:
         """The task error at q, (m,)."""
-        return self._error(q, inputs[0])[0][:, 0]
+        return self._error(q, inputs.target)[0][:, 0]
 
-    def _blocked(self, q: Array, inputs: Sequence[Array]) -> bool:
+    def _blocked(self, q: Array, inputs: Inputs[Array]) -> bool:
         """Whether a clearance is as small as its rows let it become."""
         if not self._problem.clearances:
             return False
-        distance, _, figures = self._clearance(q, inputs[1])
+        distance, _, figures = self._clearance(q, inputs.parameters)
         margin = figures[:, 1] - figures[:, 0]
         return bool((distance[:, 0] < figures[:, 1] + margin).any())
 
-    def status(self, q: Array, code: Code, look: Callable[[], Report], inputs: Sequence[Array]) -> Status:
+    def status(self, q: Array, code: Code, look: Callable[[], Report], inputs: Inputs[Array]) -> Status:
         """The reason, in the order a user would ask for it."""
         if code is Code.DONE and not self._criteria:
             return Status.CONVERGED  # the step has tested it

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
@@ -16,11 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik._loop.runner import Runner
-from jtik._step.stopping import Code
+from jtik._step.inputs import SETTING, Inputs
+from jtik._step.layout import VectorLayout
+from jtik._step.stopping import OUTCOME, Code
 from jtik.symbolic.compile import Library
 from jtik.types import Array
 
-SOURCE = r"""
+_SOURCE = r"""
 #include <string.h>
 #include <time.h>
 
@@ -39,7 +41,6 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const double* starts,
   long long* tally = (long long*)at[11]; /* iterations, attempts before this one, which memory holds q */
   const double* q0 = (const double*)at[12];
   const size_t nq = ((size_t)at[13]) * sizeof(double), ns = ((size_t)at[14]) * sizeof(double);
-  const double before = settings[4];
   tally[0] = 0;
   for (long long j = 0; j < (long long)at[13]; ++j) {
     if (!(q0[j] - q0[j] == 0)) return -1; /* not finite: somebody is to be told */
@@ -48,25 +49,28 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const double* starts,
     long long k = 0, here = 0, code = 0;
     memcpy(q[0], number ? starts + (number - 1) * (long long)at[13] : q0, nq);
     memcpy(state[0], first, ns);
-    settings[4] = restarts ? patience : before;
+    if (restarts) state[0][JTIK_PATIENCE] = patience;
     while (k < limit && code == 0) {
       arg[0] = q[here];
-      arg[6] = state[here];
+      arg[JTIK_STATE] = state[here];
       res[0] = q[1 - here];
       res[1] = state[1 - here];
       res[2] = outcome;
       JTIK_NAME(arg, res, iw, w, 0);
       here = 1 - here;
       ++k;
-      code = (long long)outcome[0];
+      code = (long long)outcome[JTIK_CODE];
     }
-    settings[4] = before;
     if (code == JTIK_STALLED && (k == 1 || !restarts)) return -1;
-    if (code != 0 && !outcome[1]) --k; /* it stopped before it tried anything: no iteration */
+    if (code != 0 && !outcome[JTIK_TRIED]) --k; /* it stopped before it tried anything: no iteration */
     tally[0] += k;
     tally[1] = number;
     tally[2] = here;
-    if (!restarts || code == JTIK_DONE || (k && outcome[3] <= settings[0] && outcome[4] <= settings[1])) return code;
+    if (!restarts || code == JTIK_DONE ||
+        (k && outcome[JTIK_POSITION_ERROR] <= settings[JTIK_POSITION_TOLERANCE] &&
+         outcome[JTIK_ORIENTATION_ERROR] <= settings[JTIK_ORIENTATION_TOLERANCE])) {
+      return code;
+    }
   }
   return -1;
 }
@@ -81,7 +85,7 @@ CASADI_SYMBOL_EXPORT void JTIK_NAME_batch(void** at, const double* starts, long 
   double* seconds = (double*)table[4];
   long long* tallies = (long long*)table[5]; /* code, iterations, restarts */
   const size_t count = (size_t)table[6], size = (size_t)table[7], stride = (size_t)table[8], nq = (size_t)at[13];
-  double* target = (double*)((const double**)at[0])[1];
+  double* target = (double*)((const double**)at[0])[JTIK_TARGET];
   double* outcome = (double*)at[8];
   long long* tally = (long long*)at[11];
   struct timespec begin, end;
@@ -93,19 +97,36 @@ CASADI_SYMBOL_EXPORT void JTIK_NAME_batch(void** at, const double* starts, long 
     tallies[3 * i + 1] = tally[0];
     tallies[3 * i + 2] = tally[1];
     memcpy(ends + i * nq, (double*)at[4 + tally[2]], nq * sizeof(double));
-    errors[2 * i] = outcome[3];
-    errors[2 * i + 1] = outcome[4];
+    errors[2 * i] = outcome[JTIK_POSITION_ERROR];
+    errors[2 * i + 1] = outcome[JTIK_ORIENTATION_ERROR];
     clock_gettime(CLOCK_MONOTONIC, &end);
     seconds[i] = (double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec);
   }
 }
-""".replace("JTIK_STALLED", str(int(Code.STALLED))).replace("JTIK_DONE", str(int(Code.DONE)))
+"""
+
+
+def source(state: VectorLayout) -> str:
+    """The C code for a step whose state has this layout; every index in it comes from the named structures."""
+    first = 1  # q is argument 0
+    constants = {
+        "STALLED": Code.STALLED,
+        "DONE": Code.DONE,
+        "PATIENCE": state.slices["patience"].start,
+        "STATE": first + len(Inputs._fields),
+        "TARGET": first + Inputs._fields.index("target"),
+        "POSITION_TOLERANCE": SETTING.position_tolerance,
+        "ORIENTATION_TOLERANCE": SETTING.orientation_tolerance,
+        **{name.upper(): index for name, index in OUTCOME._asdict().items()},
+    }
+    defined = "\n".join(f"#define JTIK_{name} {int(value)}" for name, value in constants.items())
+    return f"\n{defined}\n{_SOURCE}"
 
 
 class NativeSearch:
     """The search in C on the memory of a runner, whose step is in generated C."""
 
-    def __init__(self, library: Library, runner: Runner, inputs: Sequence[Array]) -> None:
+    def __init__(self, library: Library, runner: Runner, inputs: Inputs[Array]) -> None:
         self.runner = runner
         self.q0 = np.zeros(len(runner.q[0]))
         self.tally = np.zeros(3, dtype=np.int64)
@@ -114,9 +135,9 @@ class NativeSearch:
         results = np.zeros(function.sz_res(), dtype=np.uintp)
         integers = np.zeros(max(function.sz_iw(), 1), dtype=np.int64)
         reals = np.zeros(max(function.sz_w(), 1))
-        arguments[1:6] = [array.ctypes.data if array.size else 0 for array in inputs]
+        arguments[1 : 1 + len(inputs)] = [array.ctypes.data if array.size else 0 for array in inputs]
         parts = [arguments, results, integers, reals, *runner.q, *runner.state, runner.outcome, runner.first_state]
-        parts += [inputs[-1], self.tally, self.q0]
+        parts += [inputs.settings, self.tally, self.q0]
         sizes = [len(runner.q[0]), len(runner.first_state)]
         self._context = np.array([*[part.ctypes.data for part in parts], *sizes], dtype=np.uintp)
         self._kept = (parts, inputs)

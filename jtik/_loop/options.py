@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from jtik._loop.search import Request
-from jtik._step.stopping import Settings
+from jtik._step.inputs import Settings
 from jtik.errors import ArgumentError, finite_array
 
 Until = Literal["stationary", "reached"]

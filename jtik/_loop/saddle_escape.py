@@ -7,7 +7,6 @@ Deterministic: no noise is added. Limits and clearances hold on this way as on a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from jtik._step.active_set import AT_LIMIT
 from jtik._step.fused import clearance_model
+from jtik._step.inputs import Inputs
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.symbolic import function, sumsqr, symbol
 from jtik.symbolic.compile import CompiledFunction
@@ -67,15 +67,15 @@ class SaddleEscape:
         model = clearance_model(problem, q, problem.clearance(q, parameters), parameters, limits)
         return CompiledFunction(function("supports_clearances", [q, v, parameters, *limits], [model.keeps(-v)]))
 
-    def lowest_curvature(self, q: Array, inputs: Sequence[Array]) -> tuple[float, Array, Array]:
+    def lowest_curvature(self, q: Array, inputs: Inputs[Array]) -> tuple[float, Array, Array]:
         """A low v' (d2V/dv2) v over the unit v that limits allow, relative to the largest eigenvalue; v; dH/dv (n,).
 
         The joints inside their limits come first: their lowest eigenvector, where it is negative. Only if it is not do
         joints at a limit join in, each in the direction it can still move. Where V can fall to first order the answer
         is 0: there is nothing to escape from.
         """
-        target, parameters, lower, upper, _ = inputs
-        scale, slope, bend, criterion = self._curvature(q, target, parameters)
+        lower, upper = inputs.lower, inputs.upper
+        scale, slope, bend, criterion = self._curvature(q, inputs.target, inputs.parameters)
         n = self._problem.robot.n
         down, up = np.ones(n, dtype=bool), np.ones(n, dtype=bool)
         for i, j in self._problem.bounded:
@@ -100,9 +100,9 @@ class SaddleEscape:
                     lowest, best = float(v @ bend @ v), v
         return lowest, best, criterion[:, 0]
 
-    def escape(self, q: Array, inputs: Sequence[Array]) -> bool:
+    def escape(self, q: Array, inputs: Inputs[Array]) -> bool:
         """Leave a saddle of V: move ``q`` in place and return True, or return False if V is least here."""
-        target, parameters, lower, upper, _ = inputs
+        target, lower, upper = inputs.target, inputs.lower, inputs.upper
         lowest, vector, criterion = self.lowest_curvature(q, inputs)
         if lowest > -NEGATIVE:
             return False
@@ -118,17 +118,17 @@ class SaddleEscape:
                 there, V = self._moved(q, sign * step, target)
                 allowed = all(lower[i] <= there[i, 0] <= upper[i] for i, _ in self._problem.bounded)
                 falls = allowed and V[0, 0] < (1 - WORTH) * before
-                if falls and self._clear(q, sign * step, parameters, lower, upper):
+                if falls and self._clear(q, sign * step, inputs):
                     q[:] = there[:, 0]
                     return True
             step /= 2
         return False
 
-    def _clear(self, q: Array, v: Array, parameters: Array, lower: Array, upper: Array) -> bool:
+    def _clear(self, q: Array, v: Array, inputs: Inputs[Array]) -> bool:
         """Whether clearances, if there are any, hold on the way from q to q + v."""
         if not self._problem.clearances:
             return True
-        return bool(self._keeps_clear(q, v, parameters, lower, upper)[0][0, 0])
+        return bool(self._keeps_clear(q, v, inputs.parameters, inputs.lower, inputs.upper)[0][0, 0])
 
 
 def _descend(bend: Array, v: Array, down: NDArray[np.bool_], up: NDArray[np.bool_]) -> Array:

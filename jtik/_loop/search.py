@@ -8,7 +8,6 @@ carried to their ends.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +16,7 @@ from jtik._loop.native import NativeSearch
 from jtik._loop.recording import TraceRecorder
 from jtik._loop.runner import Runner
 from jtik._loop.saddle_escape import SaddleEscape
+from jtik._step.inputs import Inputs, Settings
 from jtik._step.stopping import OUTCOME, Code
 from jtik.robot import Robot
 from jtik.types import Array
@@ -90,10 +90,9 @@ class Starts:
 class Search:
     """Attempts on the memory of a solver: its inputs, target among them, are read where they are."""
 
-    def __init__(self, robot: Robot, rescue: SaddleEscape, inputs: Sequence[Array]) -> None:
+    def __init__(self, robot: Robot, rescue: SaddleEscape, inputs: Inputs[Array]) -> None:
         self._rescue, self._inputs = rescue, inputs
         self._starts = Starts(robot)
-        self._settings = inputs[-1]
         self.native: NativeSearch | None = None
         self._addressed: tuple[Array | None, int] = (None, 0)
 
@@ -108,27 +107,25 @@ class Search:
         if starts is None:
             code, calls, escapes = self._attempt(runner, q0, limit, recorder)
             return Found(runner.q[runner.at].copy(), code, calls, escapes, 0, _told(runner, code))
-        try:
-            return self._restarted(runner, q0, starts, limit, recorder)
-        finally:
-            self._settings[4] = math.inf
+        return self._restarted(runner, q0, starts, limit, recorder)
 
     def _restarted(self, runner: Runner, q0: Array, starts: Array, limit: int, recorder: TraceRecorder | None) -> Found:
         """Attempts from q0 and from the rows of ``starts`` until one reaches the target; else the best of them."""
         restarts = len(starts)
-        settings, view = self._settings, runner.view
+        settings, view = Settings(*self._inputs.settings.tolist()), runner.view
         ends: list[tuple[float, Array]] = []
         iterations, escapes = 0, 0
         for number in range(restarts + 1):
-            settings[4] = PATIENCE
             start = q0 if number == 0 else starts[number - 1]
-            code, calls, left = self._attempt(runner, start, limit, recorder)
+            code, calls, left = self._attempt(runner, start, limit, recorder, PATIENCE)
             iterations, escapes = iterations + calls, escapes + left
-            reached = view[OUTCOME.position_error] <= settings[0] and view[OUTCOME.orientation_error] <= settings[1]
+            reached = (
+                view[OUTCOME.position_error] <= settings.position_tolerance
+                and view[OUTCOME.orientation_error] <= settings.orientation_tolerance
+            )
             if code is Code.DONE or reached:
                 return Found(runner.q[runner.at].copy(), code, iterations, escapes, number, _told(runner, code))
             ends.append((view[OUTCOME.V], runner.q[runner.at].copy()))
-        settings[4] = math.inf
         finals: list[tuple[float, Array, Code]] = []
         nearest = min(range(len(ends)), key=lambda number: ends[number][0])
         for number in {nearest: None, 0: None}:  # the caller's own start, too: alone it might have arrived
@@ -182,13 +179,18 @@ class Search:
             self._addressed = starts, starts.ctypes.data
         return self._addressed[1]
 
-    def _attempt(self, runner: Runner, q0: Array, limit: int, recorder: TraceRecorder | None) -> tuple[Code, int, int]:
-        """Call until the code says otherwise; the last code, calls that tried a step, escapes."""
-        runner.start(q0)
+    def _attempt(
+        self, runner: Runner, q0: Array, limit: int, recorder: TraceRecorder | None, patience: float = math.inf
+    ) -> tuple[Code, int, int]:
+        """Call until the code says otherwise, or ``patience`` calls bring no progress.
+
+        Returns the last code, the number of calls that tried a step, and the number of escapes.
+        """
+        runner.start(q0, patience)
         if recorder is not None:
             recorder.begin()
         calls, view = runner.calls, runner.view
-        hurried = self._settings[4] < math.inf  # an attempt that others can replace leaves only the pose it began in
+        hurried = patience < math.inf  # an attempt that others can replace leaves only the pose it began in
         code, escapes, k, at = Code.GO_ON, 0, 0, 0
         while k < limit:
             if recorder is not None:
@@ -206,7 +208,7 @@ class Search:
                 escapes += 1
                 if recorder is not None:
                     recorder.escaped()
-                runner.start(runner.q[at].copy())
+                runner.start(runner.q[at].copy(), patience)
                 code, at = Code.GO_ON, 0
                 continue
             if not view[OUTCOME.tried]:  # it stopped before it tried anything: no iteration

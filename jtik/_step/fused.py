@@ -7,14 +7,17 @@ language.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from jtik._step.active_set import ActiveSet, inside
+from jtik._step.inputs import Inputs, Settings
+from jtik._step.layout import VectorLayout
 from jtik._step.relaxation import Yielding
-from jtik._step.stopping import Code, Settings, Stop
+from jtik._step.stopping import Code, Stop
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.clearance import ClearanceModel, travels
 from jtik.qp.backend import Backend
@@ -65,38 +68,14 @@ CYCLING = 200
 
 
 @dataclass(frozen=True)
-class Layout:
-    """Names and slices of a vector."""
-
-    slices: Mapping[str, slice]
-    size: int
-
-    @classmethod
-    def of(cls, sizes: Mapping[str, int]) -> Layout:
-        """One entry after the other."""
-        slices, start = {}, 0
-        for name, size in sizes.items():
-            slices[name] = slice(start, start + size)
-            start += size
-        return cls(slices, start)
-
-    def split(self, column: Expression) -> dict[str, Expression]:
-        """The named parts of a column."""
-        return {name: column[where] for name, where in self.slices.items()}
-
-    def join(self, parts: Mapping[str, Expression]) -> Expression:
-        """The column of named parts."""
-        return vertcat(*[parts[name] for name in self.slices])
-
-
-@dataclass(frozen=True)
 class FusedStep:
     """The function, the state it starts from, the layout of its record, its parts where it has programs, its library
     where it was compiled, and what may give way in it."""
 
     function: Function | Staged
     first_state: Array
-    record: Layout
+    state: VectorLayout
+    record: VectorLayout
     parts: Staged | None = None
     library: Library | None = None
     yielding: Yielding = field(default_factory=Yielding)
@@ -145,14 +124,16 @@ def fused_step(
     first = {name: np.array(value, dtype=float) for name, value in _engine_state(problem, arriving).items()}
     own = strategy.initial_state(Shape(robot.n, robot.nq, m, problem.has_criterion, bool(problem.clearances)))
     first |= {f"strategy.{name}": np.array(value, dtype=float) for name, value in own.items()}
-    layout = Layout.of({name: value.size for name, value in first.items()})
+    layout = VectorLayout.of({name: value.size for name, value in first.items()})
 
     start, target, parameters = problem.symbols()
-    lower, upper, settings = symbol("lower", robot.nq), symbol("upper", robot.nq), symbol("settings", len(Settings()))
-    column = symbol("state", layout.size)
-    state = layout.split(column)
+    lower, upper, column = symbol("lower", robot.nq), symbol("upper", robot.nq), symbol("settings", len(Settings()))
+    given = Inputs(target, parameters, lower, upper, column)
+    settings = Settings.of(column)
+    memory = symbol("state", layout.size)
+    state = layout.split(memory)
 
-    inputs = [start, target, parameters, lower, upper, settings, column]
+    inputs = [start, *given, memory]
     local = _local_model(problem, inside(start, lower, upper, bounded), target, parameters)
     cut, programs = local, QPRecorder(backend.accuracy, backend.name) if backend else None
     if programs:  # the stages between the solver's answers share the local model as numbers
@@ -199,13 +180,13 @@ def fused_step(
         finite = logic_and(finite, is_finite(start))
     falls = FALL**2 * state["best"] > here.V
     idle = if_else(falls, 0, state["idle"] + 1)
-    slow = logic_and(idle >= settings[4], logic_not(stop.reached_before))
+    slow = logic_and(idle >= state["patience"], logic_not(stop.reached_before))
     tried = logic_and(finite, logic_not(logic_or(stop.done_before, logic_or(stop.stationary, slow))))
     if programs:
         tried = logic_and(tried, programs.solved())
     accepted = logic_and(tried, update.accepted)
 
-    after = {"tube": tube, "best": if_else(falls, here.V, state["best"]), "idle": idle}
+    after = {"patience": state["patience"], "tube": tube, "best": if_else(falls, here.V, state["best"]), "idle": idle}
     if arriving:
         accepted = logic_and(accepted, is_finite(update.point.V + update.point.H))
         crawls = logic_and(accepted, here.V - update.point.V <= STAGNANT * here.V)
@@ -238,7 +219,7 @@ def fused_step(
     after |= {f"strategy.{name}": part for name, part in update.state.items()}
     outcome = vertcat(if_else(finite, code, Code.NOT_FINITE), tried, accepted, *figures_after)
     outputs = [_arrived(model, update, accepted), layout.join(after), outcome]
-    record, yielding = Layout.of({}), Yielding.of(update, programs, room, problem)
+    record, yielding = VectorLayout.of({}), Yielding.of(update, programs, room, problem)
     if recorded:
         figures = {
             "V": here.V,
@@ -252,13 +233,13 @@ def fused_step(
             "J": vertcat(*[model.J[:, j] for j in range(robot.n)]),
             "felt": J @ update.null_term,
         }
-        record = Layout.of({name: _rows(value) for name, value in figures.items()})
+        record = VectorLayout.of({name: _rows(value) for name, value in figures.items()})
         outputs.append(record.join(figures))
     first_state = np.concatenate(list(first.values()))
     if not (programs and backend):
-        return FusedStep(function("jtik_step", inputs, outputs), first_state, record, yielding=yielding)
+        return FusedStep(function("jtik_step", inputs, outputs), first_state, layout, record, yielding=yielding)
     parts = staged(inputs, local, cut, programs, outputs, backend, crowded=bool(problem.clearances))
-    return FusedStep(parts.joined() if parts.fusible else parts, first_state, record, parts, yielding=yielding)
+    return FusedStep(parts.joined() if parts.fusible else parts, first_state, layout, record, parts, yielding=yielding)
 
 
 def _local_model(
@@ -320,6 +301,7 @@ def _rows(value: Expression) -> int:
 def _engine_state(problem: SymbolicProblem, arriving: bool) -> dict[str, Array]:
     state = {name: np.zeros(1) for name in ("tube", "refused", "stagnant", "idle")}
     state["best"] = np.full(1, NEVER)
+    state["patience"] = np.full(1, math.inf)
     if not arriving:
         state["V"] = np.zeros(1)
     if problem.clearances and problem.recover.any():

@@ -1,27 +1,76 @@
-"""The numbers a compiled step reads besides q and its state, in one piece of memory."""
+"""What the compiled step reads besides q and its state: one named structure, as symbols and as memory."""
 
 from __future__ import annotations
 
+from typing import Any, Generic, NamedTuple, TypeVar
+
 import numpy as np
 
-from jtik._step.stopping import Settings
-from jtik.criterion.base import Parameters
+from jtik.criterion import Parameters
+from jtik.symbolic import Expression
 from jtik.types import Array
 
+T = TypeVar("T")
 
-class Memory:
-    """Target, parameters, lower and upper limits, and settings, one after the other.
 
-    Attributes: whole, all of them; parts, a view of each, in this order.
+class Settings(NamedTuple):
+    """The numbers of a solve that may change from one to the next.
+
+    Attributes:
+        position_tolerance: norm of the position error that counts as reached [m].
+        orientation_tolerance: norm of the orientation error that counts as reached [rad].
+        optimality_tolerance: null-space residual, relative to max(1, |dH/dv|), that counts as stationary.
+        until_stationary: 1 to go on until the criterion is stationary, 0 to stop on arrival.
+    """
+
+    position_tolerance: Any = 1e-6
+    orientation_tolerance: Any = 1e-6
+    optimality_tolerance: Any = 1e-6
+    until_stationary: Any = 1.0
+
+    @classmethod
+    def of(cls, column: Expression) -> Settings:
+        """The named entries of a column of settings."""
+        return cls(*[column[i] for i in range(len(cls._fields))])
+
+
+SETTING = Settings(*range(len(Settings._fields)))
+"""Position of each setting within its column, by name."""
+
+
+class Inputs(NamedTuple, Generic[T]):
+    """Arguments of the compiled step between q and state, in the order in which it takes them.
+
+    Attributes:
+        target: target of the tasks, (target size,).
+        parameters: live parameters of the criteria and clearances, one after the other.
+        lower: lower limits of q, (nq,) [rad] or [m].
+        upper: upper limits of q, (nq,) [rad] or [m].
+        settings: a column of `Settings`.
+    """
+
+    target: T
+    parameters: T
+    lower: T
+    upper: T
+    settings: T
+
+
+class InputMemory:
+    """The inputs as numbers in one piece of memory, so that a copy of all of them is one copy.
+
+    Attributes:
+        numbers: all inputs, one after the other.
+        inputs: a view of each.
     """
 
     def __init__(self, target_size: int, parameters: Parameters, lower: Array, upper: Array) -> None:
         first = [np.zeros(target_size), parameters.memory, lower, upper, np.array(Settings())]
         self._ends = np.cumsum([len(part) for part in first])[:-1]
-        self.whole: Array = np.concatenate(first)
-        self.parts = self.split(self.whole)
-        parameters.memory = self.parts[1]
+        self.numbers: Array = np.concatenate(first)
+        self.inputs = self.views(self.numbers)
+        parameters.memory = self.inputs.parameters
 
-    def split(self, whole: Array) -> list[Array]:
-        """Views of the parts of a copy of it."""
-        return np.split(whole, self._ends)
+    def views(self, numbers: Array) -> Inputs[Array]:
+        """Views of the inputs within ``numbers``, a copy of `numbers`."""
+        return Inputs(*np.split(numbers, self._ends))

@@ -1,15 +1,14 @@
-"""When a solve ends: the tolerances that the fused function reads, its tests of arrival, and the code it answers."""
+"""When a solve ends: tests of arrival and stationarity, and the code that the fused function answers."""
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
 from enum import IntEnum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from jtik._step.active_set import ActiveSet
+from jtik._step.inputs import Settings
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.strategy import LocalModel, Point
 from jtik.strategy.feasibility_restoration import Recovery
@@ -30,47 +29,41 @@ class Code(IntEnum):
     UNSOLVED = 5
 
 
-class Settings(NamedTuple):
-    """The numbers of a solve that may change from one to the next, as the fused function reads them.
+class StepOutcome(NamedTuple):
+    """What the fused function answers besides q and state.
 
-    Attributes: tolerances of position [m], orientation [rad] and optimality; 1 to wait until the criterion is
-    stationary; how many calls without progress are too many.
+    Attributes:
+        code: a `Code`.
+        tried: 1 if a step was tried, 0 if there was nothing to do.
+        accepted: 1 if the step was taken.
+        position_error: norm of the position rows of the error [m].
+        orientation_error: norm of the orientation rows of the error [rad].
+        V: the Lyapunov function of the task.
     """
 
-    position: float = 1e-6
-    orientation: float = 1e-6
-    optimality: float = 1e-6
-    stationary: float = 1.0
-    patience: float = math.inf
+    code: Any
+    tried: Any
+    accepted: Any
+    position_error: Any
+    orientation_error: Any
+    V: Any
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """Positions within the fused function's ``outcome`` output."""
-
-    code: int = 0
-    tried: int = 1
-    accepted: int = 2
-    position_error: int = 3
-    orientation_error: int = 4
-    V: int = 5
-    size: int = 6
-
-
-OUTCOME = Outcome()
+OUTCOME = StepOutcome(*range(len(StepOutcome._fields)))
+"""Position of each number within the fused function's ``outcome``, by name."""
 
 
 class Stop:
     """The tests of arrival, stationarity and stationarity.
 
-    ``settings`` are a column of `Settings`.
+    ``settings`` are expressions.
     """
 
     def __init__(
         self,
         problem: SymbolicProblem,
         model: LocalModel,
-        settings: Expression,
+        settings: Settings,
         working: ActiveSet | None,
         stationarity_residual: Expression | None,
         room: Recovery | None = None,
@@ -89,10 +82,10 @@ class Stop:
                 residual = stationarity_residual
             else:
                 residual = fmax(model.null_length, working.wrong(model)) if working else model.null_length
-            still = residual <= settings[2] * fmax(1, model.gradient_length)
-            self.done_before = logic_and(self.reached_before, logic_or(still, settings[3] == 0))
+            still = residual <= settings.optimality_tolerance * fmax(1, model.gradient_length)
+            self.done_before = logic_and(self.reached_before, logic_or(still, settings.until_stationary == 0))
         if room:
-            over = logic_or(logic_not(room.pending), settings[3] == 0)
+            over = logic_or(logic_not(room.pending), settings.until_stationary == 0)
             self.done_before = logic_and(self.done_before, over)
             self.stationary = logic_and(self.stationary, logic_not(room.pending))
 
@@ -105,10 +98,12 @@ class Stop:
         return norm(vertcat(*linear)) if linear else 0, norm(vertcat(*angular)) if angular else 0
 
     def _reached(self, errors: tuple[Expression, Expression]) -> Expression:
-        return logic_and(errors[0] <= self._settings[0], errors[1] <= self._settings[1])
+        return logic_and(
+            errors[0] <= self._settings.position_tolerance, errors[1] <= self._settings.orientation_tolerance
+        )
 
     def done_after(self, point: Point) -> Expression:
         """Whether arriving there ends the solve without another look at the criterion."""
         reached = self._reached(self.errors(point))
         waits = self._problem.has_criterion or self._room
-        return logic_and(reached, self._settings[3] == 0) if waits else reached
+        return logic_and(reached, self._settings.until_stationary == 0) if waits else reached

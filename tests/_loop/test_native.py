@@ -72,10 +72,16 @@ def test_limits_of_iterations_hold():
         same(native.solve(target, restarts=2, **options), plain.solve(target, restarts=2, **options))
 
 
-def test_patience_does_not_outlive_a_search():
-    native, _ = pair()
+def test_patience_is_one_attempts_own():
+    """After a search with restarts a solve without any is as patient as that of a new solver."""
+    native, plain = pair()
+    start, far = np.full(7, -0.5), ARM.pose(np.full(7, 2.8))
     native.solve(ARM.pose(np.full(7, 0.8)), restarts=30)
-    assert native._settings[4] == np.inf
+    plain.solve(ARM.pose(np.full(7, 0.8)), restarts=30)
+    fresh = pair()[0].solve(far, q0=start)
+    assert fresh.iterations > 10
+    same(native.solve(far, q0=start), fresh)
+    same(plain.solve(far, q0=start), fresh)
 
 
 def test_live_numbers_are_read_where_they_are():
