@@ -8,11 +8,11 @@ from functools import cached_property, partial
 import numpy as np
 
 from jtik._loop.saddle_escape import FLAT, NEGATIVE, SaddleEscape
-from jtik._step.active_set import AT_LIMIT
 from jtik._step.inputs import Inputs, Settings
 from jtik._step.relaxation import Relaxation
 from jtik._step.stopping import Code
 from jtik._step.symbolic_problem import SymbolicProblem
+from jtik.constraints.limits import AT_LIMIT
 from jtik.result.report import Report
 from jtik.result.solution import Status
 from jtik.symbolic.compile import CompiledFunction

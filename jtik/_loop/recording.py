@@ -51,18 +51,18 @@ class TraceRecorder:
     def trace(self, end: Array, error: Callable[[Array], Array]) -> Trace:
         """Figures by name, and those that need a factorisation of the recorded Jacobians."""
         layout, count = self.runner.fused.record, len(self._rows)
-        n = layout.slices["term"].stop - layout.slices["term"].start
+        n = layout.slices["dq"].stop - layout.slices["dq"].start
         m = (layout.slices["J"].stop - layout.slices["J"].start) // n
         table = np.array(self._rows).reshape(count, layout.size)
         columns = {name: table[:, where] for name, where in layout.slices.items()}
         columns.pop("relaxed", None)  # that is for the last q alone
         J = columns.pop("J").reshape(count, n, m).transpose(0, 2, 1)
-        null, felt, term = (columns.pop(name) for name in ("null_term", "felt", "term"))
+        null, image, dq = (columns.pop(name) for name in ("null_space", "null_space_image", "dq"))
         figures = {name: column[:, 0] for name, column in columns.items()}
-        figures["step_length"] = np.linalg.norm(term, axis=1)
+        figures["step_length"] = np.linalg.norm(dq, axis=1)
         figures["sigma_min"] = _least_singular_values(J)
         length = np.linalg.norm(null, axis=1)
-        moved = np.linalg.norm(felt, axis=1)
+        moved = np.linalg.norm(image, axis=1)
         figures["leakage"] = np.divide(moved, length, out=np.full(count, np.nan), where=length > ROUNDING)
         figures["escaped"] = np.array(self._escaped, dtype=float)
         figures["attempt"] = np.array(self._attempts, dtype=float)

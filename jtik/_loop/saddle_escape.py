@@ -12,10 +12,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik._step.active_set import AT_LIMIT
-from jtik._step.fused import clearance_model
+from jtik._step.clearances import clearance_model
 from jtik._step.inputs import Inputs
 from jtik._step.symbolic_problem import SymbolicProblem
+from jtik.constraints.limits import AT_LIMIT
 from jtik.symbolic import function, sumsqr, symbol
 from jtik.symbolic.compile import CompiledFunction
 from jtik.types import Array
@@ -65,7 +65,7 @@ class SaddleEscape:
         v = symbol("v", problem.robot.n)
         limits = symbol("lower", problem.robot.nq), symbol("upper", problem.robot.nq)
         model = clearance_model(problem, q, problem.clearance(q, parameters), parameters, limits)
-        return CompiledFunction(function("supports_clearances", [q, v, parameters, *limits], [model.keeps(-v)]))
+        return CompiledFunction(function("supports_clearances", [q, v, parameters, *limits], [model.keeps(v)]))
 
     def lowest_curvature(self, q: Array, inputs: Inputs[Array]) -> tuple[float, Array, Array]:
         """A low v' (d2V/dv2) v over the unit v that limits allow, relative to the largest eigenvalue; v; dH/dv (n,).

@@ -1,13 +1,13 @@
-"""Joint limits inside the fused step: which joints a limit holds, so that the others go on without them.
+"""The active set: which joint limits are active in a step, so that the other joints go on without them.
 
-A joint at a limit that descent presses it against is *held*: its columns of J and of the gradient are zero, and the
-law works with the joints that are left. Who is held is the working set, part of the state
-(formulations/joint_limits.md):
+A joint whose limit is *active* has zero columns in J and zero entries in the gradient, and the strategy works with the
+joints that are left. The active set is part of the state (formulations/joint_limits.md):
 
-- Far from the target, or without a criterion, the task decides: held is whom -J' r presses outwards, and after a
-  refused step also whom that step pushed outwards. A strategy that refuses nothing needs no memory for that.
-- Near the target the working set of an active-set method is kept: a joint enters when a step pushes it outwards, and
-  one joint at a time leaves, the one whose multiplier has the most wrong sign, once that is larger than the
+- Far from the target, or without a criterion, the task decides: the limit of a joint at its limit that -J' r pushes
+  outward is active, and after a refused step also that of a joint that the step pushed outward. A strategy that
+  refuses nothing needs no memory for that.
+- Near the target the working set of an active-set method is kept: a joint enters when a step pushes it outward, and
+  one joint at a time leaves, the one with the largest multiplier of the wrong sign, once that is larger than the
   projected gradient.
 """
 
@@ -17,7 +17,8 @@ from collections.abc import Mapping
 from functools import cached_property
 
 from jtik._step.symbolic_problem import SymbolicProblem
-from jtik.strategy import LocalModel, Point, Update
+from jtik.constraints.limits import AT_LIMIT
+from jtik.strategy import Evaluation, LocalModel
 from jtik.symbolic import (
     Expression,
     fmax,
@@ -32,12 +33,9 @@ from jtik.symbolic import (
     vertcat,
 )
 
-AT_LIMIT = 1e-9
-"""Distance [rad] or [m] at which a joint is at its limit."""
 
-
-def inside(q: Expression, lower: Expression, upper: Expression, bounded: tuple[tuple[int, int], ...]) -> Expression:
-    """q led back into the box."""
+def clamped(q: Expression, lower: Expression, upper: Expression, bounded: tuple[tuple[int, int], ...]) -> Expression:
+    """q clamped to the limits."""
     entries = [q[i] for i in range(q.shape[0])]
     for i, _ in bounded:
         entries[i] = fmin(fmax(entries[i], lower[i]), upper[i])
@@ -45,91 +43,109 @@ def inside(q: Expression, lower: Expression, upper: Expression, bounded: tuple[t
 
 
 class ActiveSet:
-    """Who is held in this step, and who will be in the next; one entry a bounded joint, 0 or 1."""
+    """Which limits are active in this step, and in the next; one entry for each bounded joint, 0 or 1.
+
+    Args:
+        problem: the problem.
+        state: state of the step; "active" is the active set of the step before.
+        here: task and criterion at q.
+        near_target: 1 in the neighbourhood of the target.
+        J: Jacobian of the residual of all joints (m, n).
+        gradient: dH/dv of all joints (n, 1).
+        limits: lower and upper limits of q.
+        uses_qp: whether the strategy's quadratic programs find the active limits by themselves.
+    """
 
     def __init__(
         self,
         problem: SymbolicProblem,
         state: Mapping[str, Expression],
-        here: Point,
-        near: Expression,
+        here: Evaluation,
+        near_target: Expression,
         J: Expression,
         gradient: Expression,
-        lower: Expression,
-        upper: Expression,
+        limits: tuple[Expression, Expression],
         *,
-        programs: bool = False,
+        uses_qp: bool = False,
     ) -> None:
         self._problem, self._here, self._J, self._gradient = problem, here, J, gradient
-        self._lower, self._upper = lower, upper
-        # whether the working set is kept from step to step; a program finds out by itself who is held
-        self._keeps = near if problem.has_criterion and not programs else 0
-        self._force = J.T @ here.residual
-        pairs = zip(self._at(here.q), self._outwards(self._force), strict=True)
-        self._pressed = [logic_and(at, outwards) for at, outwards in pairs]
-        self.held: list[Expression] = self._pressed
-        if "held" in state:
-            kept = [logic_and(at, state["held"][k]) for k, at in enumerate(self._at(here.q))]
-            self.held = [
-                if_else(self._keeps, own, logic_or(own, pressed))
-                for own, pressed in zip(kept, self._pressed, strict=True)
+        self._lower, self._upper = limits
+        # whether the active set is kept from step to step
+        self._kept = near_target if problem.has_criterion and not uses_qp else 0
+        self._task_gradient = J.T @ here.residual
+        pairs = zip(self._at_limit(here.q), self._outward(-self._task_gradient), strict=True)
+        self._pushed = [logic_and(at, outward) for at, outward in pairs]
+        self.active: list[Expression] = self._pushed
+        if "active" in state:
+            before = [logic_and(at, state["active"][k]) for k, at in enumerate(self._at_limit(here.q))]
+            self.active = [
+                if_else(self._kept, own, logic_or(own, pushed))
+                for own, pushed in zip(before, self._pushed, strict=True)
             ]
 
     def masked(self, columns: Expression) -> Expression:
-        """The matrix with zeros in the columns of the joints held."""
+        """The matrix with zeros in the columns of the joints whose limit is active."""
         free = dict.fromkeys(range(columns.shape[1]), 1)
-        free |= {j: logic_not(held) for (_, j), held in zip(self._problem.bounded, self.held, strict=True)}
+        free |= {j: logic_not(active) for (_, j), active in zip(self._problem.bounded, self.active, strict=True)}
         return horzcat(*[columns[:, j] * keep for j, keep in free.items()])
 
-    def _at(self, q: Expression) -> list[Expression]:
+    def _at_limit(self, q: Expression) -> list[Expression]:
         """Whether each bounded joint is at one of its limits."""
         return [
             logic_or(q[i] >= self._upper[i] - AT_LIMIT, q[i] <= self._lower[i] + AT_LIMIT)
             for i, _ in self._problem.bounded
         ]
 
-    def _outwards(self, slope: Expression, q: Expression | None = None) -> list[Expression]:
-        """Whether going down ``slope`` (n, 1) takes each bounded joint away from the middle of its range."""
+    def _outward(self, dq: Expression, q: Expression | None = None) -> list[Expression]:
+        """Whether ``dq`` (n, 1) moves each bounded joint, which is at a limit, beyond it."""
         q = self._here.q if q is None else q
-        return [
-            if_else(q[i] >= self._upper[i] - AT_LIMIT, slope[j] < 0, slope[j] > 0) for i, j in self._problem.bounded
-        ]
+        return [if_else(q[i] >= self._upper[i] - AT_LIMIT, dq[j] > 0, dq[j] < 0) for i, j in self._problem.bounded]
 
     @cached_property
-    def task_slope(self) -> Expression:
-        """Norm of dV/dv over the joints that the task itself does not press against a limit."""
-        pairs = zip(self._pressed, self._problem.bounded, strict=True)
-        lost = sum(if_else(pressed, self._force[j] ** 2, 0) for pressed, (_, j) in pairs)
-        return fmax(sumsqr(self._force) - lost, 0) ** 0.5
+    def task_gradient_norm(self) -> Expression:
+        """Norm of dV/dv over the joints that the task itself does not push outward at a limit."""
+        pairs = zip(self._pushed, self._problem.bounded, strict=True)
+        lost = sum(if_else(pushed, self._task_gradient[j] ** 2, 0) for pushed, (_, j) in pairs)
+        return fmax(sumsqr(self._task_gradient) - lost, 0) ** 0.5
 
-    def _wrong(self, model: LocalModel) -> list[Expression]:
-        """For each joint held how strongly descent of H + lambda' r + 1/2 c |r|^2 would take it inwards, from 0."""
-        c = (12 * norm(model.multipliers) + model.gradient_length / model.jacobian_length) / model.tube
-        slope = self._gradient + self._J.T @ (c * self._here.residual - model.multipliers)
+    def _wrong_multipliers(self, model: LocalModel) -> list[Expression]:
+        """For each active limit by how much its multiplier has the wrong sign, non-negative.
+
+        It is the inward part of the negative gradient of H + lambda' r + 1/2 c |r|^2.
+        """
+        c = (12 * norm(model.multipliers) + model.gradient_norm / model.jacobian_norm) / model.neighbourhood
+        gradient = self._gradient + self._J.T @ (c * self._here.residual - model.multipliers)
         signs = [if_else(self._here.q[i] >= self._upper[i] - AT_LIMIT, 1, -1) for i, _ in self._problem.bounded]
         return [
-            if_else(held, fmax(sign * slope[j], 0), 0)
-            for held, sign, (_, j) in zip(self.held, signs, self._problem.bounded, strict=True)
+            if_else(active, fmax(sign * gradient[j], 0), 0)
+            for active, sign, (_, j) in zip(self.active, signs, self._problem.bounded, strict=True)
         ]
 
-    def wrong(self, model: LocalModel) -> Expression:
-        """The largest multiplier of wrong sign: 0 where the joints held are held rightly."""
+    def largest_wrong_multiplier(self, model: LocalModel) -> Expression:
+        """The largest multiplier of the wrong sign: 0 where the active set is right."""
         largest: Expression = 0
-        for each in self._wrong(model):
+        for each in self._wrong_multipliers(model):
             largest = fmax(largest, each)
         return largest
 
-    def after(self, model: LocalModel, update: Update, accepted: Expression) -> Expression:
-        """The working set the next step starts from, (bounded, 1)."""
-        q = if_else(accepted, update.point.q, self._here.q)
-        pushed = [logic_and(at, out) for at, out in zip(self._at(q), self._outwards(update.wanted, q), strict=True)]
-        blocked = [if_else(accepted, 0, logic_or(held, push)) for held, push in zip(self.held, pushed, strict=True)]
+    def after(self, model: LocalModel, wanted: Expression, arrived: Expression, accepted: Expression) -> Expression:
+        """The active set the next step starts from, (bounded, 1).
+
+        Args:
+            model: the local model.
+            wanted: displacement before limits shortened it (n, 1).
+            arrived: configuration of the candidate (nq, 1).
+            accepted: whether the step is taken.
+        """
+        q = if_else(accepted, arrived, self._here.q)
+        pushed = [logic_and(at, out) for at, out in zip(self._at_limit(q), self._outward(wanted, q), strict=True)]
+        blocked = [if_else(accepted, 0, logic_or(own, push)) for own, push in zip(self.active, pushed, strict=True)]
         if not self._problem.has_criterion:
             return vertcat(*blocked)
-        wrong, largest = self._wrong(model), self.wrong(model)
-        leaves = largest > model.null_length
+        wrong, largest = self._wrong_multipliers(model), self.largest_wrong_multiplier(model)
+        leaves = largest > model.null_gradient_norm
         kept = [
-            logic_or(push, logic_and(held, logic_not(logic_and(leaves, each == largest))))
-            for held, push, each in zip(self.held, pushed, wrong, strict=True)
+            logic_or(push, logic_and(own, logic_not(logic_and(leaves, each == largest))))
+            for own, push, each in zip(self.active, pushed, wrong, strict=True)
         ]
-        return vertcat(*[if_else(self._keeps, near, far) for near, far in zip(kept, blocked, strict=True)])
+        return vertcat(*[if_else(self._kept, near, far) for near, far in zip(kept, blocked, strict=True)])

@@ -11,9 +11,9 @@ from jtik.types import Array
 
 if TYPE_CHECKING:
     from jtik._step.symbolic_problem import SymbolicProblem
+    from jtik._step.update import CheckedUpdate
     from jtik.qp.recorder import QPRecorder
-    from jtik.strategy import Update
-    from jtik.strategy.feasibility_restoration import Recovery
+    from jtik.strategy import FeasibilityRestoration
 
 
 WORTH_TELLING = 1e-6
@@ -45,7 +45,11 @@ class Yielding:
 
     @classmethod
     def of(
-        cls, update: Update, programs: QPRecorder | None, room: Recovery | None, problem: SymbolicProblem
+        cls,
+        update: CheckedUpdate,
+        programs: QPRecorder | None,
+        room: FeasibilityRestoration | None,
+        problem: SymbolicProblem,
     ) -> Yielding:
         """What the law says of itself, clearances that stay too small, and the elastic rows of its programs."""
         entries, amounts, figures = [], list[Expression](), dict[str, Expression]()

@@ -10,8 +10,7 @@ import numpy as np
 from jtik._step.active_set import ActiveSet
 from jtik._step.inputs import Settings
 from jtik._step.symbolic_problem import SymbolicProblem
-from jtik.strategy import LocalModel, Point
-from jtik.strategy.feasibility_restoration import Recovery
+from jtik.strategy import Evaluation, FeasibilityRestoration, LocalModel
 from jtik.symbolic import Expression, fmax, logic_and, logic_not, logic_or, norm, vertcat
 
 STATIONARY = 1e-9
@@ -19,7 +18,7 @@ STATIONARY = 1e-9
 
 
 class Code(IntEnum):
-    """What the fused function says of the next call."""
+    """What the fused function answers about the next call."""
 
     GO_ON = 0
     DONE = 1
@@ -54,9 +53,15 @@ OUTCOME = StepOutcome(*range(len(StepOutcome._fields)))
 
 
 class Stop:
-    """The tests of arrival, stationarity and stationarity.
+    """The tests of arrival and stationarity.
 
-    ``settings`` are expressions.
+    Args:
+        problem: the problem.
+        model: its local model.
+        settings: tolerances, as expressions.
+        active: the active set; None without limits.
+        stationarity_residual: how far H is from stationary, if the strategy knows that better than the model.
+        restoration: the feasibility restoration; None if nothing is restored.
     """
 
     def __init__(
@@ -64,32 +69,32 @@ class Stop:
         problem: SymbolicProblem,
         model: LocalModel,
         settings: Settings,
-        working: ActiveSet | None,
+        active: ActiveSet | None,
         stationarity_residual: Expression | None,
-        room: Recovery | None = None,
+        restoration: FeasibilityRestoration | None = None,
     ) -> None:
-        self._room = room
+        self._restoration = restoration
         self._problem, self._settings = problem, settings
         self._unweight = np.linalg.inv(problem.factor.T)
         self.errors_before = self.errors(model.here)
         self.reached_before = self._reached(self.errors_before)
         self.done_before = self.reached_before
-        slope = working.task_slope if working else model.task_slope
-        flat = slope <= STATIONARY * model.jacobian_length * model.here.length
+        gradient_norm = active.task_gradient_norm if active else model.task_gradient_norm
+        flat = gradient_norm <= STATIONARY * model.jacobian_norm * model.here.length
         self.stationary = logic_and(flat, logic_not(self.reached_before))
         if problem.has_criterion:
-            if stationarity_residual is not None:
-                residual = stationarity_residual
-            else:
-                residual = fmax(model.null_length, working.wrong(model)) if working else model.null_length
-            still = residual <= settings.optimality_tolerance * fmax(1, model.gradient_length)
-            self.done_before = logic_and(self.reached_before, logic_or(still, settings.until_stationary == 0))
-        if room:
-            over = logic_or(logic_not(room.pending), settings.until_stationary == 0)
+            residual = stationarity_residual
+            if residual is None:
+                residual = model.null_gradient_norm
+                residual = fmax(residual, active.largest_wrong_multiplier(model)) if active else residual
+            small = residual <= settings.optimality_tolerance * fmax(1, model.gradient_norm)
+            self.done_before = logic_and(self.reached_before, logic_or(small, settings.until_stationary == 0))
+        if restoration:
+            over = logic_or(logic_not(restoration.pending), settings.until_stationary == 0)
             self.done_before = logic_and(self.done_before, over)
-            self.stationary = logic_and(self.stationary, logic_not(room.pending))
+            self.stationary = logic_and(self.stationary, logic_not(restoration.pending))
 
-    def errors(self, point: Point) -> tuple[Expression, Expression]:
+    def errors(self, point: Evaluation) -> tuple[Expression, Expression]:
         """Norm of the position rows [m] and of the orientation rows [rad] of the error."""
         error = self._unweight @ point.residual
         rows = range(self._problem.m)
@@ -98,12 +103,12 @@ class Stop:
         return norm(vertcat(*linear)) if linear else 0, norm(vertcat(*angular)) if angular else 0
 
     def _reached(self, errors: tuple[Expression, Expression]) -> Expression:
-        return logic_and(
-            errors[0] <= self._settings.position_tolerance, errors[1] <= self._settings.orientation_tolerance
-        )
+        position, orientation = errors
+        settings = self._settings
+        return logic_and(position <= settings.position_tolerance, orientation <= settings.orientation_tolerance)
 
-    def done_after(self, point: Point) -> Expression:
-        """Whether arriving there ends the solve without another look at the criterion."""
+    def done_after(self, point: Evaluation) -> Expression:
+        """Whether arriving there ends the solve without another test of the criterion."""
         reached = self._reached(self.errors(point))
-        waits = self._problem.has_criterion or self._room
+        waits = self._problem.has_criterion or self._restoration
         return logic_and(reached, self._settings.until_stationary == 0) if waits else reached

@@ -31,13 +31,24 @@ class SymbolicProblem:
     """Robot, tasks, criteria and limits as CasADi functions of (q, target, parameters).
 
     Attributes:
+        robot: the robot.
+        tasks: its tasks.
+        terms: its criteria.
+        bounded: (q index, v index) of the joints that have a limit.
+        clearances: its clearances.
         linear: for each task row, whether it is a length [m] rather than an angle [rad].
         levels: the rows of each level of priority, the highest first.
         factor: L with Kp = L L', (m, m).
-        error, residual: (q, target) -> e and L' e, (m, 1).
-        error_jacobian, residual_jacobian: (q, target) -> their derivatives with respect to the velocity, (m, n).
-        criterion, values: (q, parameters) -> H, and the weighted value of each criterion.
-        bounded: (q index, v index) of the joints that have a limit.
+        error: (q, target) -> e, (m, 1).
+        residual: (q, target) -> r = L' e, (m, 1).
+        error_jacobian: (q, target) -> derivative of e with respect to the velocity, (m, n).
+        residual_jacobian: (q, target) -> derivative of r with respect to the velocity, (m, n).
+        criterion: (q, parameters) -> H.
+        values: (q, parameters) -> the weighted value of each criterion.
+        distances: (q, parameters) -> distances of all clearances, (k, 1) [m].
+        clearance: (q, parameters) -> distances, their Jacobian (k, n), safe, aim, influence, gain and radius (k, 5).
+        pairs: name of each distance.
+        restored: whether each distance is restored when it is too small, (k,).
     """
 
     def __init__(
@@ -67,7 +78,7 @@ class SymbolicProblem:
 
     def _measure(self, kinematics: Kinematics, parameters: Expression) -> None:
         """Distances of all clearances, their Jacobian, and for each of them safe, aim, influence, gain and radius."""
-        distances, figures, recover = [], [], list[bool]()
+        distances, figures, restored = [], [], list[bool]()
         self.pairs = list[str]()
         for clearance in self.clearances:
             own = self.terms.own(clearance, parameters)
@@ -76,14 +87,14 @@ class SymbolicProblem:
             for named, body in zip(names_of(clearance.measure, self.robot, len(bodies)), bodies, strict=True):
                 for i, distance in enumerate(body):
                     self.pairs.append(f"{clearance.name}: {named} to obstacle {i}")
-                    recover.append(clearance.recover)
-                    # points nearer than safe are not met: the surface of distance safe is what curves most
+                    restored.append(clearance.restore)
+                    # no point is nearer than safe: the surface of distance safe has the largest curvature
                     radius = measured["radii"][i] if "radii" in measured else 0
                     row = (own["safe"], own["safe"] + clearance.margin, own["influence"], clearance.gain)
                     distances.append(distance)
                     figures.append(horzcat(*row, fmax(own["safe"] + radius, TINY)))
         d, q = vertcat(*distances), kinematics.q
-        self.recover = np.array(recover)
+        self.restored = np.array(restored)
         self.distances = function("distances", [q, parameters], [d])
         J = jacobian(d, q) @ self.robot.tangent(q)
         self.clearance = function("clearance", [q, parameters], [d, J, vertcat(*figures)])
@@ -132,7 +143,7 @@ class SymbolicProblem:
         """(q, target, parameters, multipliers) -> d2(H + lambda' r)/dv2, (n, n)."""
         q, target, parameters = self.symbols()
         multipliers = symbol("multipliers", self.m)
-        bend = lagrangian_hessian(
+        second = lagrangian_hessian(
             self.robot,
             self.criterion,
             self.residual,
@@ -141,24 +152,24 @@ class SymbolicProblem:
             parameters=parameters,
             multipliers=multipliers,
         )
-        return function("hessian", [q, target, parameters, multipliers], [bend])
+        return function("hessian", [q, target, parameters, multipliers], [second])
 
     def curvature(self) -> Function:
-        """(q, target, parameters) -> |J| |r|, dV/dv, d2V/dv2, dH/dv: for poses where the first derivative is silent."""
+        """(q, target, parameters) -> |J| |r|, dV/dv, d2V/dv2, dH/dv: for poses where dV/dv is zero."""
         q, target, parameters = self.symbols()
         v = symbol("v", self.robot.n)
         moved = self.residual(self.robot.integrate(q, v), target)
         V = dot(moved, moved) / 2
-        slope = gradient(V, v)
-        bend = jacobian(slope, v)
-        still = zeros(self.robot.n)
+        first = gradient(V, v)
+        second = jacobian(first, v)
+        zero = zeros(self.robot.n)
         return function(
             "curvature",
             [q, target, parameters],
             [
-                norm(substitute(jacobian(moved, v), v, still)) * norm(self.residual(q, target)),
-                substitute(slope, v, still),
-                substitute(bend, v, still),
+                norm(substitute(jacobian(moved, v), v, zero)) * norm(self.residual(q, target)),
+                substitute(first, v, zero),
+                substitute(second, v, zero),
                 self.gradient(self.criterion(q, parameters), q),
             ],
         )

@@ -1,11 +1,11 @@
-"""Clearances as hard constraints: rows of a step's program, and a proof for the whole way that an accepted step goes.
+"""Clearances: distances that must stay above a safe value on the whole way of a step (formulations/clearance.md).
 
-What measures the distances is a criterion that has them, such as ObstacleAvoidance; its parameters stay live.
-(formulations/clearance.md)
+The distances come from a criterion that measures them, such as ObstacleAvoidance; its parameters stay live.
 """
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,16 +21,18 @@ from jtik.symbolic import Expression, fabs, fmax, fmin, if_else, mmin, sum1, ver
 from jtik.types import Array
 
 SAMPLES = 4
-"""Places along a step, its end among them, where the distances are measured; between them they are bounded."""
+"""Points along a step, its end included, where distances are evaluated; between them they are bounded."""
 
-CONTENT = 0.5
-"""Share of the margin up to which a distance may fall short of its aim before it is moved out: along an obstacle every
-step ends a hair short, and that is not worth a program."""
+TOLERATED = 0.5
+"""Share of the margin by which a distance may fall short of its aim before it is restored.
+
+Along an obstacle every step ends slightly short of the aim; a quadratic program for that would be wasted.
+"""
 
 
 @runtime_checkable
 class Measure(Protocol):
-    """What can tell distances [m]: a criterion's parameters, and signed distances of each body to each obstacle."""
+    """What measures distances [m]: a criterion with parameters and signed distances of each body to each obstacle."""
 
     name: str
 
@@ -44,23 +46,27 @@ class Measure(Protocol):
 class Clearance:
     """Keeps every distance of a measure at ``safe`` or more, at the end of each step and on the way there.
 
-    A row limits each step's approach, grad d' dq >= -gain (d - safe - margin), for distances below ``influence``: the
-    velocity damper of Faverjon and Tournassoud; with ``influence=math.inf`` its control-barrier form. Where the task
-    asks for more than the rows allow, the task gives way. A body that is nearer than ``safe`` and half the margin is
-    moved out, grad d' dq = gain (safe + margin - d), before anything else, as far as limits and the other clearances
-    allow, and comes no nearer in any case. What cannot be had is in ``Solution.relaxed``.
+    A row limits the approach of each step, grad d' dq >= -gain (d - safe - margin), for distances below ``influence``:
+    the velocity damper of Faverjon and Tournassoud, with ``influence=math.inf`` its control-barrier form. Where the
+    task asks for more than the rows allow, the task is relaxed. A distance below ``safe`` plus half the margin is
+    restored first, grad d' dq = gain (safe + margin - d), as far as limits and the other clearances allow; it never
+    becomes smaller. ``Solution.relaxed`` lists what cannot be met.
 
     Live parameters: ``clearance.safe``, ``.influence``, and those of the measure, such as ``clearance.centers``.
 
     Args:
         measure: a criterion with ``distances``, such as ``ObstacleAvoidance(obstacles, bodies="links")``. It is not
             minimised here; as one of ``criteria`` it can be, too.
-        safe: the least distance [m].
-        influence: from which distance on a body goes unhindered [m].
-        gain: share of the way to ``safe + margin`` that a step may use, in (0, 1].
-        margin: how far above ``safe`` the rows aim [m]; the room that keeps steps near an obstacle from being tiny.
-        recover: whether a body that is too near is moved out. If not, it only comes no nearer.
-        name: how its parameters are addressed.
+        safe: the smallest distance allowed [m].
+        influence: distance from which on a body is not constrained [m].
+        gain: share of the distance to ``safe + margin`` that a step may use, in (0, 1].
+        margin: how far above ``safe`` the rows aim [m]; it keeps steps near an obstacle from becoming tiny.
+        restore: whether a distance that is too small is restored. If not, it only becomes no smaller.
+        name: name under which its parameters are addressed.
+        recover: former name of ``restore``; deprecated.
+
+    Raises:
+        ArgumentError: for a value outside its range.
 
     Source: Faverjon and Tournassoud (1987); Ames et al. (2017) for the barrier form.
     """
@@ -73,18 +79,22 @@ class Clearance:
         influence: float = 0.3,
         gain: float = 0.5,
         margin: float = 0.01,
-        recover: bool = True,
+        restore: bool = True,
         name: str = "clearance",
+        recover: bool | None = None,
     ) -> None:
+        if recover is not None:
+            warnings.warn("Clearance(recover=) is now called restore=", DeprecationWarning, stacklevel=2)
+            restore = recover
         if not isinstance(measure, Measure):
             raise ArgumentError("measure", measure, "a criterion with distances(), such as ObstacleAvoidance")
-        if not isinstance(recover, (bool, np.bool_)):
-            raise ArgumentError("recover", recover, "True or False: whether what is too near is moved out")
-        self.measure, self.name, self.recover = measure, name, bool(recover)
+        if not isinstance(restore, (bool, np.bool_)):
+            raise ArgumentError("restore", restore, "True or False: whether distances that are too small are restored")
+        self.measure, self.name, self.restore = measure, name, bool(restore)
         self.safe, self.margin = float(finite_array("safe", safe, ())), float(finite_array("margin", margin, ()))
         self.influence, self.gain = float(influence), float(finite_array("gain", gain, ()))
         if self.safe < 0:
-            raise ArgumentError("safe", safe, "a distance [m] from 0")
+            raise ArgumentError("safe", safe, "a non-negative distance [m]")
         if not self.margin > 0:
             raise ArgumentError("margin", margin, "a positive distance [m]")
         if not self.influence > self.safe + self.margin:
@@ -122,13 +132,22 @@ def names_of(measure: Measure, robot: Robot, count: int) -> list[str]:
 
 @dataclass(frozen=True)
 class ClearanceModel:
-    """Clearances at one configuration, for a law and for the judgement of its step.
+    """Clearances at one configuration, for a strategy and for the acceptance of its step.
 
-    Attributes: distance (k, 1) [m]; its Jacobian (k, n); safe, aim = safe + margin, influence and gain of each (k, 1);
-    the least radius of curvature of a surface of constant distance [m]; how far a unit of each velocity entry can move
-    any point of the robot (n,) [m]; q -> distances, for other configurations; recover, which of them ask to be moved
-    out (k,); longest, how far each velocity entry may go for that in this step [rad] or [m]; record, the least
-    violation so far [m].
+    Attributes:
+        distance: distances (k, 1) [m].
+        jacobian: their Jacobian (k, n).
+        safe: smallest value allowed of each (k, 1) [m].
+        aim: safe + margin of each (k, 1) [m].
+        influence: distance from which on each is not constrained (k, 1) [m].
+        gain: share of the distance to the aim that a step may use (k, 1).
+        curvature_radius: smallest radius of curvature of a surface of constant distance [m].
+        travel: how far a unit of each velocity entry can move any point of the robot (n,) [m].
+        rotational: which velocity entries are rotations (n,).
+        after: dq -> the distances after that displacement, (k, 1) [m].
+        restored: which distances are restored when they are too small (k,).
+        longest: how far each velocity entry may move for the restoration in this step [rad] or [m].
+        record: smallest violation so far [m].
     """
 
     distance: Expression
@@ -140,8 +159,8 @@ class ClearanceModel:
     curvature_radius: Expression
     travel: Array
     rotational: NDArray[np.bool_]
-    elsewhere: Any
-    recover: NDArray[np.bool_]
+    after: Any
+    restored: NDArray[np.bool_]
     longest: Expression = 0
     record: Expression = 0
 
@@ -151,56 +170,57 @@ class ClearanceModel:
         return float(np.linalg.norm(self.travel)) or 1.0
 
     @property
-    def recovers(self) -> bool:
-        """Whether any of them asks to be moved out."""
-        return bool(self.recover.any())
+    def restores(self) -> bool:
+        """Whether any distance is restored when it is too small."""
+        return bool(self.restored.any())
 
     @cached_property
     def low(self) -> Expression:
-        """What a step should gain of each distance at least, (k, 1) [m]: negative beyond the aim, else the demand."""
-        room = fmax(self.distance - self.aim, 0)
-        low = if_else(self.distance > self.influence, -inf, -self.gain * room)
-        return low + self.demand if self.recovers else low
+        """Smallest increase of each distance in a step, (k, 1) [m]: negative beyond the aim, else the demand."""
+        surplus = fmax(self.distance - self.aim, 0)
+        low = if_else(self.distance > self.influence, -inf, -self.gain * surplus)
+        return low + self.demand if self.restores else low
 
     @cached_property
     def demand(self) -> Expression:
-        """What should be gained of the distances that are too small, (k, 1) [m], from 0."""
+        """Increase wanted of the distances that are too small, (k, 1) [m], non-negative."""
         return self.gain * self.lacking
 
     @cached_property
     def lacking(self) -> Expression:
-        """What distances that ask to be moved out lack of their aims, (k, 1) [m], from 0."""
+        """By how much the restored distances fall short of their aims, (k, 1) [m], non-negative."""
         return self._lacking(self.distance)
 
     def violation(self, distance: Expression) -> Expression:
-        """The sum of what distances that ask to be moved out lack of their aims [m]."""
+        """Sum of what the restored distances fall short of their aims [m]."""
         return sum1(self._lacking(distance))
 
     def _lacking(self, distance: Expression) -> Expression:
         lacks = self.aim - distance
-        asked = vertcat(*self.recover.astype(float).tolist()) * (lacks > CONTENT * (self.aim - self.safe))
+        asked = vertcat(*self.restored.astype(float).tolist()) * (lacks > TOLERATED * (self.aim - self.safe))
         return if_else(asked, lacks, 0)
 
-    def keeps(self, term: Expression) -> Expression:
-        """1 if the step -term keeps clear all the way: at the samples, and between them by a bound on how far d dips.
+    def keeps(self, dq: Expression) -> Expression:
+        """1 if every distance stays safe on the whole way of the displacement dq.
 
-        A body's point travels at most L in the whole step and turns by at most S; between samples a distance lies at
-        most (L^2 / rho + L S) / (8 K^2) below the chord of a convex stretch, and L / (2 K) below the lower end.
+        The distances are evaluated at the samples and bounded between them. A point of a body moves at most L in the
+        whole step and its link rotates by at most S; between samples a distance lies at most
+        (L^2 / rho + L S) / (8 K^2) below the chord of a convex stretch, and L / (2 K) below the lower end.
         """
-        size = [fabs(term[j]) for j in range(len(self.travel))]
+        size = [fabs(dq[j]) for j in range(len(self.travel))]
         travelled = sum(reach * length for reach, length in zip(self.travel, size, strict=True))
-        # a turn moves the axis of a slide beyond it: each such pair of entries counts twice
+        # a rotation moves the axis of a prismatic joint behind it: each such pair of entries counts twice
         twice = 1 if self.rotational.all() else 2
         turned = twice * sum((length for length, turns in zip(size, self.rotational, strict=True) if turns), 0)
         curved = (travelled**2 / self.curvature_radius + travelled * turned) / (8 * SAMPLES**2)
         dip = fmin(curved, travelled / (2 * SAMPLES))
-        least = fmin(self.safe, self.distance)  # what starts too near comes no nearer
+        smallest = fmin(self.safe, self.distance)  # a distance that starts too small becomes no smaller
         good: Expression = 1
         before = self.distance
         for k in range(1, SAMPLES + 1):
-            after = self.elsewhere(k / SAMPLES * term)
+            after = self.after(k / SAMPLES * dq)
             low = fmin(before, after) - dip
-            near = if_else(self.distance < self.safe, after - self.distance + 1e-12, low - least)
+            near = if_else(self.distance < self.safe, after - self.distance + 1e-12, low - smallest)
             good = good * (mmin(near) >= 0)
             before = after
         return good
@@ -234,7 +254,7 @@ def _own_reach(robot: Robot, frame: str) -> float:
 
 
 def _stroke(joint: Any) -> float:
-    """How far a slide can carry its child [m]."""
+    """How far a prismatic joint can move its child [m]."""
     if joint.type is not JointType.PRISMATIC:
         return 0.0
     ends = max(abs(joint.lower), abs(joint.upper))

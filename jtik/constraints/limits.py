@@ -14,6 +14,9 @@ from jtik.errors import ArgumentError
 from jtik.robot import Robot
 from jtik.types import Array
 
+AT_LIMIT = 1e-9
+"""Distance to a limit at which a joint counts as being at it [rad] or [m]."""
+
 Speeds: TypeAlias = bool | float | Sequence[float] | NDArray[np.float64]
 """The robot's own, none, one number for all joints, or one for each velocity entry."""
 

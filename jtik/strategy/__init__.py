@@ -1,29 +1,70 @@
-"""Strategies: the local model a law sees, the law, and laws composed of a task step and a null-space term."""
+"""The contract of a strategy: the local model it sees, the update it returns, and the two ways to write one.
 
+`Composition` joins a task displacement and a null-space displacement; `Programmed` takes one displacement from
+quadratic programs. Merit functions, backtracking, limits of a step and checks of options are shared by all strategies.
+"""
+
+from typing import Any
+
+from jtik.strategy.acceptance import Acceptance
+from jtik.strategy.backtracking import AdaptiveDamping, Backtracking, adapted_fraction
 from jtik.strategy.base import Shape, State, Strategy, Update
-from jtik.strategy.composition import (
-    Acceptance,
-    Composition,
-    NullMove,
-    Outcome,
-    SecondaryTerm,
-    TaskMove,
-    TaskStep,
+from jtik.strategy.composition import Composition, SecondaryTerm, TaskStep, acceptance_beside
+from jtik.strategy.displacement import NullSpaceDisplacement, Outcome, TaskDisplacement
+from jtik.strategy.errors import StrategyError
+from jtik.strategy.evaluation import Evaluation
+from jtik.strategy.feasibility_restoration import FeasibilityRestoration
+from jtik.strategy.level_merit import LevelMerit
+from jtik.strategy.merit import Merit, Verdict
+from jtik.strategy.model import LocalModel
+from jtik.strategy.options import (
+    check_choice,
+    check_gain,
+    check_non_negative,
+    check_positive,
+    check_step_limit,
 )
-from jtik.strategy.model import LocalModel, Point
+from jtik.strategy.programmed import Programmed, Proposal
+from jtik.strategy.step_limits import limited_box, within_step_limit
+from jtik.strategy.weighted_merit import WeightedMerit
 
 __all__ = [
     "Acceptance",
+    "AdaptiveDamping",
+    "Backtracking",
     "Composition",
+    "Evaluation",
+    "FeasibilityRestoration",
+    "LevelMerit",
     "LocalModel",
-    "NullMove",
+    "Merit",
+    "NullSpaceDisplacement",
     "Outcome",
-    "Point",
+    "Programmed",
+    "Proposal",
     "SecondaryTerm",
     "Shape",
     "State",
     "Strategy",
-    "TaskMove",
+    "StrategyError",
+    "TaskDisplacement",
     "TaskStep",
     "Update",
+    "Verdict",
+    "WeightedMerit",
+    "acceptance_beside",
+    "adapted_fraction",
+    "check_choice",
+    "check_gain",
+    "check_non_negative",
+    "check_positive",
+    "check_step_limit",
+    "limited_box",
+    "within_step_limit",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    from jtik.strategy.renamed import former
+
+    return former(name)

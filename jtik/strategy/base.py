@@ -1,13 +1,15 @@
-"""What a strategy is: the symbolic law of one update, and the state it carries from one update to the next."""
+"""What a strategy is: the symbolic update of one step, and the state it carries from one step to the next."""
 
 from __future__ import annotations
 
+import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from jtik.strategy.model import LocalModel, Point
+from jtik.strategy.evaluation import Evaluation
+from jtik.strategy.model import LocalModel
 from jtik.symbolic import Expression
 from jtik.types import Array
 
@@ -17,7 +19,15 @@ State = Mapping[str, Expression]
 
 @dataclass(frozen=True)
 class Shape:
-    """What a state may depend on: numbers of velocities, coordinates and residual rows, a criterion, clearances."""
+    """What a state may depend on.
+
+    Attributes:
+        n: number of velocity entries.
+        nq: number of configuration entries.
+        m: number of rows of the residual.
+        has_criterion: whether there is a criterion.
+        has_clearance: whether there is a clearance.
+    """
 
     n: int
     nq: int
@@ -28,28 +38,27 @@ class Shape:
 
 @dataclass(frozen=True)
 class Update:
-    """One update of the configuration.
+    """One update of the configuration. Only ``dq`` is needed.
 
     Attributes:
-        point: where the update arrives, if it is accepted.
+        dq: displacement that is added to q (n, 1).
         accepted: 1 if the step is taken, 0 if the configuration stays and only the state changes.
-        state: the state after the update, with the names of the state before.
-        term: what the step to ``point`` subtracts from q (n, 1), the two terms of the paper's law together.
-        wanted: the same before limits shortened it (n, 1).
-        null_term: the part of it meant to move only the null space (n, 1).
-        figures: what a Trace reports, such as alpha and beta; scalars by name.
-        stationarity_residual: how far H is from stationary, where the strategy measures that better than
-            ``model.null_length`` does; else None.
-        progress: relative decrease of what the law brings down, where that is not V; None where it is.
-        relaxed: by how much something falls short of what was asked for, from 0, by its name and unit.
+        state: the state after the update, with the names of the state before; by default the state stays.
+        candidate: what ``model.candidate(dq)`` returned, for a strategy that has evaluated it already.
+        wanted: the displacement before limits shortened it (n, 1); ``dq`` by default.
+        null_space: the part of ``dq`` meant to move only the null space (n, 1); zeros by default.
+        figures: what a trace reports, such as the gains alpha and beta; scalars by name.
+        stationarity_residual: how far H is from stationary; ``model.null_gradient_norm`` by default.
+        progress: relative decrease of what the strategy minimises, if that is not V.
+        relaxed: by how much something falls short of what was asked for, non-negative, by (name, unit).
     """
 
-    point: Point
-    accepted: Expression
-    state: State
-    term: Expression
-    wanted: Expression
-    null_term: Expression
+    dq: Expression
+    accepted: Expression = 1
+    state: State | None = None
+    candidate: Evaluation | None = None
+    wanted: Expression = None
+    null_space: Expression = None
     figures: Mapping[str, Expression] = field(default_factory=dict)
     stationarity_residual: Expression | None = None
     progress: Expression | None = None
@@ -57,10 +66,17 @@ class Update:
 
 
 class Strategy(ABC):
-    """An update law. Subclasses are frozen, keyword-only dataclasses; a registry name stands for their defaults.
+    """A strategy of redundancy resolution. Subclasses are frozen, keyword-only dataclasses.
 
-    ``summary`` is one line for lists; ``source`` names the paper; ``is_soft`` is whether a criterion keeps the task
-    from being met exactly.
+    Most strategies derive from `Composition` (a task displacement and a null-space displacement) or from `Programmed`
+    (one displacement from quadratic programs), which write `update`. A registry name stands for the object with its
+    defaults.
+
+    Attributes:
+        name: the registry name.
+        summary: one line for listings.
+        source: author and year of the paper.
+        is_soft: whether a criterion keeps the task from being met exactly.
     """
 
     name: ClassVar[str] = ""
@@ -68,22 +84,50 @@ class Strategy(ABC):
     source: ClassVar[str] = ""
     is_soft: ClassVar[bool] = False
 
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        take_renamed(
+            cls,
+            {
+                "judges": "evaluates_candidate",
+                "solves_programs": "uses_qp",
+                "keeps_clear": "supports_clearances",
+                "compromises": "is_soft",
+            },
+        )
+
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
         """The state a solve starts from: one-dimensional arrays by name."""
         return {}
 
     def evaluates_candidate(self, has_criterion: bool) -> bool:
-        """Whether acceptance looks at where a step arrives; if not, the engine does not evaluate it there either."""
+        """Whether acceptance depends on task or criterion where the step ends.
+
+        If not, the engine does not evaluate them there either.
+        """
         return True
 
     def uses_qp(self, has_criterion: bool) -> bool:
-        """Whether the law asks a QP solver, by ``model.solve``, where there is a criterion (or a clearance)."""
+        """Whether the strategy solves quadratic programs, by ``model.solve``.
+
+        Args:
+            has_criterion: whether there is a criterion, or a clearance.
+        """
         return False
 
     def supports_clearances(self) -> bool:
-        """Whether its programs have the rows of clearances and it takes no step that does not keep them."""
+        """Whether its quadratic programs have the rows of clearances, and no step that breaks one is accepted."""
         return False
 
     @abstractmethod
     def update(self, model: LocalModel, state: State) -> Update:
-        """The law: from the local model and the state to the next configuration and state."""
+        """The update: from the local model and the state to the displacement and the next state."""
+
+
+def take_renamed(cls: type, renamed: Mapping[str, str]) -> None:
+    """Give what a class defines under a former name its present name, with a DeprecationWarning."""
+    for old, new in renamed.items():
+        if old in vars(cls) and new not in vars(cls):
+            message = f"{cls.__name__}.{old} is now called {new}; the old name goes with the next release"
+            warnings.warn(message, DeprecationWarning, stacklevel=3)
+            setattr(cls, new, vars(cls)[old])

@@ -1,11 +1,11 @@
-"""Strategies made of two parts: a task step that moves the tip, and a secondary term that moves only the null space.
+"""Strategies composed of a displacement for the task and one in its null space.
 
-Acceptance, the third part, is here because it is the same for all of them (formulations/merit.md):
+Acceptance, the third part, is the same for all of them (formulations/merit.md):
 
-- ``"merit"``: outside a tube about the target only V counts, and the null-space motion may not spoil its decrease;
-  inside the tube the exact penalty H + mu |r| must fall. Without a criterion this is plain monotone decrease of V.
-- ``"task"``: V must fall by the task step alone; the null-space term is added unchecked (the paper's beta rules
-  bound it).
+- ``"merit"``: outside a neighbourhood of the target only V counts, and the null-space displacement may not spoil its
+  decrease; inside, the exact penalty H + mu |r| must fall. Without a criterion this is monotone decrease of V.
+- ``"task"``: V must fall by the task displacement alone; the null-space displacement is added unchecked (the paper's
+  rules for beta bound it).
 - ``"always"``: every step is taken, as the paper prints it.
 """
 
@@ -13,134 +13,92 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, ClassVar
 
 import numpy as np
 
-from jtik.strategy.base import Shape, State, Strategy, Update
-from jtik.strategy.merit import SUFFICIENT, outweighs, penalty, reach_of
+from jtik.strategy.acceptance import Acceptance, tested
+from jtik.strategy.base import Shape, State, Strategy, Update, take_renamed
+from jtik.strategy.displacement import NullSpaceDisplacement, Outcome, TaskDisplacement
+from jtik.strategy.errors import Call
+from jtik.strategy.evaluation import Evaluation
+from jtik.strategy.merit import SUFFICIENT, penalty_falls, penalty_weight, reach_of
 from jtik.strategy.model import LocalModel
-from jtik.symbolic import (
-    Expression,
-    dot,
-    fabs,
-    fmax,
-    if_else,
-    is_finite,
-    logic_and,
-    logic_not,
-    logic_or,
-    ratio,
-    sqrt,
-    sumsqr,
-    zeros,
-)
+from jtik.symbolic import Expression, dot, fabs, fmax, if_else, logic_and, logic_or, ratio, sumsqr
 from jtik.symbolic.factorization import RowVector
 from jtik.types import Array
 
-Acceptance = Literal["merit", "task", "always"]
-
-
-@dataclass(frozen=True)
-class TaskMove:
-    """The ``term`` (n, 1) a law subtracts from q to move the tip.
-
-    Attributes: term; its image J term (m, 1); its length; the gain alpha a trace reports, NaN for laws without one;
-    the term in coordinates of the row space, from a law that has them.
-    """
-
-    term: Expression
-    image: Expression
-    length: Expression
-    alpha: Expression
-    row_vector: RowVector | None = None
-
-    @classmethod
-    def along(cls, step: RowVector, alpha: Expression) -> TaskMove:
-        """A step in the row space of J."""
-        return cls(step.vector, step.image, sqrt(step.squared_length), alpha, step)
-
-
-@dataclass(frozen=True)
-class NullMove:
-    """The ``term`` (n, 1) a law subtracts from q to lower H, such as beta h.
-
-    Attributes: term; its length; the decrease of H it promises to first order, (dH/dv)' term; the gain beta a trace
-    reports; how far H is from stationary, where the law knows better than ``model.null_length``; the
-    share of the task step to take, where clearances leave no room for all of it; whether both terms together end inside
-    the limits as they are; what a trace reports beside beta, scalars by name; what gave way, by name and unit.
-    """
-
-    term: Expression
-    length: Expression
-    decrease: Expression
-    beta: Expression
-    stationarity_residual: Expression | None = None
-    task_scale: Expression = 1
-    keeps_limits: bool = False
-    figures: Mapping[str, Expression] = field(default_factory=dict)
-    relaxed: Mapping[tuple[str, str], Expression] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What became of a proposal.
-
-    Attributes: accepted, 0 or 1; ratio of actual to predicted decrease; null, the null-space part as judged;
-    task_blamed and null_blamed: which part is to be shortened after a poor outcome. It is the longer one, so that
-    neither pays for the other.
-    """
-
-    accepted: Expression
-    ratio: Expression
-    null: NullMove
-    task_blamed: Expression
-    null_blamed: Expression
-
 
 class TaskStep(ABC):
-    """The part of an update that moves the tip."""
+    """The part of a composition that moves the end effector."""
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
         """State carried between updates."""
         return {}
 
     @abstractmethod
-    def propose(self, model: LocalModel, state: State) -> TaskMove:
-        """A step towards the target."""
+    def propose(self, model: LocalModel, state: State) -> TaskDisplacement:
+        """A displacement towards the target."""
 
-    def adapt(self, model: LocalModel, state: State, move: TaskMove, outcome: Outcome) -> State:
+    def adapt(self, model: LocalModel, state: State, task: TaskDisplacement, outcome: Outcome) -> State:
         """The state after the outcome is known."""
         return {}
 
 
 class SecondaryTerm(ABC):
-    """The part of an update that lowers H without moving the tip, to first order."""
+    """The part of a composition that lowers H without moving the end effector, to first order.
+
+    Attributes:
+        name: the registry name.
+        summary: one line for listings.
+        source: author and year of the paper.
+    """
+
+    name: ClassVar[str] = ""
+    summary: ClassVar[str] = ""
+    source: ClassVar[str] = ""
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        take_renamed(cls, {"solves_programs": "uses_qp", "keeps_clear": "supports_clearances"})
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
         """State carried between updates."""
         return {}
 
     @abstractmethod
-    def propose(self, model: LocalModel, state: State, task_term: Expression) -> NullMove:
-        """A step in the null space of J."""
+    def propose(self, model: LocalModel, state: State, task_dq: Expression) -> NullSpaceDisplacement:
+        """A displacement in the null space of J, beside the task displacement ``task_dq`` (n, 1)."""
 
     def uses_qp(self) -> bool:
-        """Whether it asks a QP solver, by ``model.solve``."""
+        """Whether it solves quadratic programs, by ``model.solve``."""
         return False
 
     def supports_clearances(self) -> bool:
-        """Whether its programs have the rows of clearances, and leave of the task step what they allow."""
+        """Whether its QPs have the rows of clearances, and scale the task displacement to what they allow."""
         return False
 
-    def correct(self, model: LocalModel, term: Expression) -> Expression:
-        """The whole step ``term`` (n, 1), task step and null step, as it is to be tried: within the limits, too."""
-        return term
+    @property
+    def bounds_itself(self) -> bool:
+        """Whether its own rule bounds it, so that it is added without a test of the merit function."""
+        return False
 
-    def adapt(self, model: LocalModel, state: State, move: NullMove, outcome: Outcome) -> State:
+    def correct(self, model: LocalModel, dq: Expression) -> Expression:
+        """The whole displacement ``dq`` (n, 1), both parts, as it is to be tried, within the limits."""
+        return dq
+
+    def adapt(self, model: LocalModel, state: State, null_space: NullSpaceDisplacement, outcome: Outcome) -> State:
         """The state after the outcome is known."""
         return {}
+
+
+def acceptance_beside(backtracking: bool, secondary: SecondaryTerm) -> Acceptance:
+    """The usual acceptance of a composition: by merit, by the task step alone, or always without backtracking."""
+    if not backtracking:
+        return "always"
+    return "task" if secondary.bounds_itself else "merit"
 
 
 class Composition(Strategy):
@@ -148,7 +106,7 @@ class Composition(Strategy):
 
     @abstractmethod
     def task_step(self) -> TaskStep:
-        """The part that moves the tip."""
+        """The part that moves the end effector."""
 
     @abstractmethod
     def secondary_term(self) -> SecondaryTerm:
@@ -156,10 +114,10 @@ class Composition(Strategy):
 
     @abstractmethod
     def acceptance(self) -> Acceptance:
-        """How a step is judged."""
+        """Which steps are taken."""
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
-        """States of both parts, and the penalty mu."""
+        """States of both parts, and the penalty weight mu."""
         state = dict(self.task_step().initial_state(shape))
         if shape.has_criterion or shape.has_clearance:
             state |= self.secondary_term().initial_state(shape)
@@ -168,11 +126,11 @@ class Composition(Strategy):
         return state
 
     def evaluates_candidate(self, has_criterion: bool) -> bool:
-        """Not where every step is taken and no criterion is at stake."""
+        """Always, but where every step is taken and there is no criterion."""
         return has_criterion or self.acceptance() != "always"
 
     def uses_qp(self, has_criterion: bool) -> bool:
-        """If its secondary term does, and there is one."""
+        """If its secondary term does, and there is a criterion or a clearance."""
         return has_criterion and self.secondary_term().uses_qp()
 
     def supports_clearances(self) -> bool:
@@ -180,85 +138,146 @@ class Composition(Strategy):
         return self.secondary_term().supports_clearances()
 
     def update(self, model: LocalModel, state: State) -> Update:
-        """Propose, join, judge, adapt."""
-        task_step, secondary, rule = self.task_step(), self.secondary_term(), self.acceptance()
-        task = task_step.propose(model, state)
-        task_term = model.within_limits(task.term)
-        proposed = NullMove(zeros(model.robot.n), 0, 0, 0)
-        if model.has_criterion or model.clearance:
-            proposed = secondary.propose(model, state, task_term)
-        task_term = proposed.task_scale * task_term
-        wanted = task.term + proposed.term
-        null = proposed if proposed.keeps_limits else _shortened(model, task_term, proposed)
-        term = task_term + null.term
+        """Propose both displacements, join them, judge the sum, adapt the state."""
+        task_step, secondary = self.task_step(), self.secondary_term()
+        has_null_space = bool(model.has_criterion or model.clearance)
+        task = self._task_displacement(task_step, model, state)
+        task_dq = model.within_limits(task.dq)
+        proposed = NullSpaceDisplacement.none(model.robot.n)
+        if has_null_space:
+            proposed = self._null_space_displacement(secondary, model, state, task_dq)
+        task_dq = proposed.task_scale * task_dq
+        null = proposed if proposed.within_limits else _shortened(model, task_dq, proposed)
+        dq = task_dq + null.dq
         if model.has_criterion:
-            term = secondary.correct(model, term)
-        point = model.moved(term)
+            dq = secondary.correct(model, dq)
+        candidate = model.candidate(dq)
 
-        as_proposed = not (model.bounded or model.clearance)
-        predicted = model.predicted_decrease(task.image if as_proposed else model.J @ task_term)
-        judged = model.moved(task_term) if rule == "task" and model.has_criterion else point
-        actual = model.here.V - judged.V
-        falls = logic_and(predicted > 0, actual >= SUFFICIENT * predicted)
-        mu = None
-        if rule == "always":
-            accepted = 1
-        elif rule == "merit" and model.has_criterion:
-            unhindered = task.row_vector if as_proposed else None
-            rise = model.slope_of_criterion(unhindered) if unhindered else dot(model.gradient, task_term)
-            slope, reach = null.decrease + rise, reach_of(model, predicted)
-            lengths = (task.length**2, task.length**2 + null.length**2)  # at right angles
-            if not (as_proposed and task.row_vector):
-                lengths = (sumsqr(task_term), sumsqr(term))
-            mu = penalty(model, state["penalty"], slope, reach, lengths, point.H)
-            accepted = if_else(model.near, outweighs(model, mu, point, slope, reach), falls)
-        elif rule == "task" and model.has_criterion:
-            accepted = logic_or(falls, logic_and(model.near, judged.length <= model.tube))
-        else:
-            accepted = falls
-        if model.clearance:
-            accepted = logic_or(accepted, model.recovery.takes(term, point.length))
-        judges = self.evaluates_candidate(model.has_criterion)
-        accepted = logic_and(accepted, is_finite(point.V + point.H if judges else term))
-        clear = model.clearance.keeps(term) if model.clearance else 1
-        accepted = logic_and(accepted, clear)
-        gained = ratio(actual, fmax(predicted, 0))
-        if rule == "merit" and model.has_criterion:
-            gained = if_else(model.near, accepted, gained)
-        null_blamed = null.length > task.length if model.has_criterion else 0
-        task_blamed = logic_not(null_blamed) if model.has_criterion else 1
-        if model.clearance:  # too long for the way to be known clear: both parts pay
-            task_blamed, null_blamed = (logic_or(blamed, logic_not(clear)) for blamed in (task_blamed, null_blamed))
-        outcome = Outcome(accepted, gained, null, task_blamed, null_blamed)
+        step = _Step(model, task, task_dq, null, dq, candidate)
+        accepted, actual, mu = self._judge(step, state)
+        evaluated = self.evaluates_candidate(model.has_criterion)
+        longer = null.length > task.length
+        verdict = tested(model, dq, candidate, accepted, null_longer=longer, evaluated=evaluated)
+        gained = ratio(actual, fmax(step.predicted, 0))
+        if self.acceptance() == "merit" and model.has_criterion:
+            gained = if_else(model.near_target, verdict.accepted, gained)
+        outcome = Outcome(verdict.accepted, gained, null, verdict.shorten_task, verdict.shorten_null_space)
+
         after = dict(task_step.adapt(model, state, task, outcome))
-        if model.has_criterion or model.clearance:
+        if has_null_space:
             after |= secondary.adapt(model, state, proposed, outcome)
         if model.has_criterion:
-            after["penalty"] = state["penalty"] if mu is None else mu
-        figures = {
-            "alpha": task.alpha,
-            "beta": null.beta,
-            "V2": null.length**2 / 2,
-            "predicted_decrease": predicted,
-            "actual_decrease": model.here.V - point.V,
-            **proposed.figures,
-        }
-        stationarity_residual, relaxed = proposed.stationarity_residual, proposed.relaxed
-        return Update(point, accepted, after, term, wanted, null.term, figures, stationarity_residual, relaxed=relaxed)
+            after["penalty"] = mu
+        return Update(
+            dq=dq,
+            accepted=verdict.accepted,
+            state=after,
+            candidate=candidate,
+            wanted=task.dq + proposed.dq,
+            null_space=null.dq,
+            figures={
+                "alpha": task.alpha,
+                "beta": null.beta,
+                "V2": null.length**2 / 2,
+                "predicted_decrease": step.predicted,
+                **proposed.figures,
+            },
+            stationarity_residual=proposed.stationarity_residual,
+            relaxed=proposed.relaxed,
+        )
+
+    def _task_displacement(self, step: TaskStep, model: LocalModel, state: State) -> TaskDisplacement:
+        call = Call(self, step.propose)
+        proposed = call(TaskDisplacement, model, state)
+        return replace(proposed, dq=call.column("dq", proposed.dq, model.robot.n)).completed(model)
+
+    def _null_space_displacement(
+        self, term: SecondaryTerm, model: LocalModel, state: State, task_dq: Expression
+    ) -> NullSpaceDisplacement:
+        call = Call(self, term.propose)
+        proposed = call(NullSpaceDisplacement, model, state, task_dq)
+        return replace(proposed, dq=call.column("dq", proposed.dq, model.robot.n)).completed(model)
+
+    def _judge(self, step: _Step, state: State) -> tuple[Expression, Expression, Expression]:
+        """Whether the step is accepted, by how much V falls, and the penalty weight after it."""
+        rule, model, penalty = self.acceptance(), step.model, state.get("penalty")
+        by_task = rule == "task" and model.has_criterion
+        judged = model.candidate(step.task_dq) if by_task else step.candidate
+        actual = model.here.V - judged.V
+        falls = logic_and(step.predicted > 0, actual >= SUFFICIENT * step.predicted)
+        if rule == "always":
+            return 1, actual, penalty
+        if by_task:
+            return logic_or(falls, logic_and(model.near_target, judged.length <= model.neighbourhood)), actual, penalty
+        if not model.has_criterion:
+            return falls, actual, penalty
+        decrease, reach = step.decrease_of_criterion, reach_of(model, step.predicted)
+        mu = penalty_weight(model, penalty, decrease, reach, step.squared_lengths, step.candidate.H)
+        near = penalty_falls(model, mu, step.candidate, decrease, reach)
+        return if_else(model.near_target, near, falls), actual, mu
 
 
-def _shortened(model: LocalModel, task_term: Expression, null: NullMove) -> NullMove:
-    """The null step shortened as a whole, so that it keeps its direction and the sum ends inside the limits."""
+@dataclass(frozen=True)
+class _Step:
+    """A step of a composition that is to be judged.
+
+    Attributes:
+        model: the local model.
+        task: the task displacement as proposed.
+        task_dq: its displacement as it is tried, within limits and clearances (n, 1).
+        null: the null-space displacement as it is tried.
+        dq: the whole displacement (n, 1).
+        candidate: task and criterion after it.
+    """
+
+    model: LocalModel
+    task: TaskDisplacement
+    task_dq: Expression
+    null: NullSpaceDisplacement
+    dq: Expression
+    candidate: Evaluation
+
+    @property
+    def as_proposed(self) -> bool:
+        """Whether neither limits nor clearances can have changed the task displacement."""
+        return not (self.model.bounded or self.model.clearance)
+
+    @cached_property
+    def predicted(self) -> Expression:
+        """Decrease of V that the linear model promises for the task displacement."""
+        image = self.task.image if self.as_proposed else self.model.J_free @ self.task_dq
+        return self.model.predicted_decrease(image)
+
+    @property
+    def _row_vector(self) -> RowVector | None:
+        return self.task.row_vector if self.as_proposed else None
+
+    @property
+    def decrease_of_criterion(self) -> Expression:
+        """Decrease of H that both displacements promise to first order."""
+        row = self._row_vector
+        change = self.model.criterion_change(row) if row else dot(self.model.gradient_free, self.task_dq)
+        return self.null.decrease - change
+
+    @property
+    def squared_lengths(self) -> tuple[Expression, Expression]:
+        """Squared norms of the task displacement and of the whole step."""
+        if self._row_vector:  # the two parts are at right angles
+            return self.task.length**2, self.task.length**2 + self.null.length**2
+        return sumsqr(self.task_dq), sumsqr(self.dq)
+
+
+def _shortened(model: LocalModel, task_dq: Expression, null: NullSpaceDisplacement) -> NullSpaceDisplacement:
+    """The null-space displacement shortened as a whole, so that the sum ends inside the limits."""
     if not (model.bounded and model.has_criterion):
         return null
     scale: Expression = 1
     for i, j in model.bounded:
-        step = -null.term[j]
-        up = model.upper[i] - model.here.q[i] + task_term[j]
-        down = model.lower[i] - model.here.q[i] + task_term[j]
-        room = if_else(step > 0, up, down)
+        step = null.dq[j]
+        up = model.upper[i] - model.here.q[i] - task_dq[j]
+        down = model.lower[i] - model.here.q[i] - task_dq[j]
         moves = fabs(step) > 0
-        fraction = room / if_else(moves, step, 1)
+        fraction = if_else(step > 0, up, down) / if_else(moves, step, 1)
         blocked = logic_and(moves, fraction < scale)
         scale = if_else(blocked, fmax(fraction, 0), scale)
-    return NullMove(scale * null.term, scale * null.length, scale * null.decrease, scale * null.beta)
+    return NullSpaceDisplacement(scale * null.dq, scale * null.length, scale * null.decrease, scale * null.beta)

@@ -19,19 +19,22 @@ def lagrangian_hessian(
     """d2/dv2 of H(q + v) + lambda' r(q + v) at v = 0, ``+`` being ``robot.integrate``, (n, n); unit: that of H.
 
     Args:
-        robot: whose velocities v are.
-        criterion, residual: (q, parameters) -> H and (q, target) -> r, (m, 1).
-        q, target, parameters: where.
-        multipliers: lambda (m, 1), a constant in the derivative; None for H alone.
+        robot: the robot.
+        criterion: (q, parameters) -> H.
+        residual: (q, target) -> r, (m, 1).
+        q: configuration (nq, 1).
+        target: target of the tasks.
+        parameters: live parameters of the criterion.
+        multipliers: lambda (m, 1), constant in the derivative; None for the Hessian of H alone.
     """
     at, v = symbol("at", robot.nq), symbol("v", robot.n)
     there = robot.integrate(at, v)
     L, old, new = criterion(there, parameters), [v, at], [zeros(robot.n), q]
     if multipliers is not None:
-        prices = symbol("prices", *multipliers.shape)
-        L = L + dot(prices, residual(there, target))
-        old, new = [*old, prices], [*new, multipliers]
-    bend = hessian(L, v)
+        constants = symbol("lambda", *multipliers.shape)
+        L = L + dot(constants, residual(there, target))
+        old, new = [*old, constants], [*new, multipliers]
+    second = hessian(L, v)
     for before, after in zip(old, new, strict=True):
-        bend = substitute(bend, before, after)
-    return bend
+        second = substitute(second, before, after)
+    return second

@@ -1,54 +1,100 @@
-"""The exact penalty H + mu |r| by which a step near the target is judged (formulations/merit.md)."""
+"""Merit functions: what must fall in an accepted step, the exact penalty near the target (formulations/merit.md)."""
 
 from __future__ import annotations
 
-from jtik.strategy.model import LocalModel, Point
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from jtik.strategy.evaluation import Evaluation
+from jtik.strategy.model import LocalModel
 from jtik.symbolic import Expression, fabs, fmax, fmin, logic_and, norm, ratio, sqrt
+from jtik.types import Array
+
+if TYPE_CHECKING:
+    from jtik.strategy.base import Shape, State
+    from jtik.strategy.programmed import Proposal
 
 SUFFICIENT = 1e-4
-"""Fraction of the predicted decrease an accepted step must bring (Armijo 1966)."""
+"""Fraction of the predicted decrease that an accepted step must bring (Armijo 1966)."""
 
 ROUNDING = 1e-14
-"""Relative error of an evaluated H, and of a residual beside the reach |J|: a smaller change says nothing."""
+"""Relative error of an evaluated H, and of a residual relative to |J|: a smaller change is not significant."""
 
-MOST = 100
-"""How much a single step may raise the price above the least one."""
+LARGEST_INCREASE = 100
+"""Largest factor by which one step may raise a penalty weight above its smallest admissible value."""
 
 
-def penalty(
+@dataclass(frozen=True)
+class Verdict:
+    """Whether a step decreases the merit function sufficiently.
+
+    Attributes:
+        accepted: 1 if it does, else 0.
+        ratio: actual over predicted decrease.
+        state: state of the merit function after the step, by name.
+        progress: relative decrease of what the merit function minimises, if that is not V.
+        predicted_decrease: decrease that the model promises; what a trace reports.
+    """
+
+    accepted: Expression
+    ratio: Expression = 1
+    state: Mapping[str, Expression] = field(default_factory=dict)
+    progress: Expression | None = None
+    predicted_decrease: Expression | None = None
+
+
+class Merit(ABC):
+    """A merit function of a `Programmed` strategy."""
+
+    def initial_state(self, shape: Shape) -> Mapping[str, Array]:
+        """State that it carries from step to step, such as a penalty weight."""
+        return {}
+
+    @abstractmethod
+    def judge(self, model: LocalModel, state: State, proposal: Proposal, candidate: Evaluation) -> Verdict:
+        """Whether the step to ``candidate`` decreases it sufficiently."""
+
+
+def penalty_weight(
     model: LocalModel,
     before: Expression,
-    slope: Expression,
+    decrease: Expression,
     reach: Expression,
     lengths: tuple[Expression, Expression],
     H_after: Expression,
 ) -> Expression:
-    """mu for a step, from the one before (M6).
+    """The penalty weight mu of H + mu |r| for a step, from the one before (M6).
 
     Args:
-        slope: the decrease of H that it promises to first order.
-        reach: the decrease of the error that it promises.
-        lengths: of its task part and of all of it, squared.
-        H_after: the criterion where it ends.
+        model: the local model.
+        before: mu of the step before.
+        decrease: decrease of H that the step promises to first order.
+        reach: decrease of |r| that the step promises.
+        lengths: squared norms of its task part and of the whole step.
+        H_after: H where the step ends.
     """
     own, whole = lengths
-    bend = ratio(2 * fmax(H_after - model.here.H + slope, 0), whole)
-    least = 1.5 * norm(model.multipliers)
-    least += (0.1 * model.gradient_length + bend * own**0.5) / model.jacobian_length
-    needed = fmin(ratio(bend * own - slope, 0.5 * fmax(reach, 0)), MOST * least)
-    return fmax(fmax(least, 0.5 * before), needed)
+    curvature = ratio(2 * fmax(H_after - model.here.H + decrease, 0), whole)
+    smallest = 1.5 * norm(model.multipliers)
+    smallest += (0.1 * model.gradient_norm + curvature * own**0.5) / model.jacobian_norm
+    needed = fmin(ratio(curvature * own - decrease, 0.5 * fmax(reach, 0)), LARGEST_INCREASE * smallest)
+    return fmax(fmax(smallest, 0.5 * before), needed)
 
 
 def reach_of(model: LocalModel, predicted: Expression) -> Expression:
-    """By how much |r| falls where V falls by ``predicted``."""
+    """Decrease of |r| when V falls by ``predicted``."""
     return model.here.length - sqrt(fmax(2 * (model.here.V - predicted), 0))
 
 
-def outweighs(model: LocalModel, mu: Expression, point: Point, slope: Expression, reach: Expression) -> Expression:
-    """Whether H + mu |r| falls on the way to ``point``, which stays in the tube (M5)."""
+def penalty_falls(
+    model: LocalModel, mu: Expression, candidate: Evaluation, decrease: Expression, reach: Expression
+) -> Expression:
+    """1 where H + mu |r| falls sufficiently and the step ends in the neighbourhood of the target (M5)."""
     here = model.here
-    promised = mu * reach + slope
-    merit, after = here.H + mu * here.length, point.H + mu * point.length
-    noise = ROUNDING * (fabs(here.H) + fabs(merit) + mu * model.jacobian_length)
+    promised = mu * reach + decrease
+    merit, after = here.H + mu * here.length, candidate.H + mu * candidate.length
+    noise = ROUNDING * (fabs(here.H) + fabs(merit) + mu * model.jacobian_norm)
     better = logic_and(promised > -noise, merit - after >= SUFFICIENT * promised - noise)
-    return logic_and(point.length <= model.tube, better)
+    return logic_and(candidate.length <= model.neighbourhood, better)

@@ -1,4 +1,4 @@
-"""The local model: everything an update law may look at, at one configuration, as shared CasADi expressions."""
+"""The local model: everything a strategy may look at, at one configuration, as shared CasADi expressions."""
 
 from __future__ import annotations
 
@@ -15,65 +15,56 @@ from jtik.errors import JtikError
 from jtik.qp.quadratic_program import QPSolution, QuadraticProgram
 from jtik.qp.recorder import Compute, QPRecorder
 from jtik.robot import Robot
-from jtik.strategy.feasibility_restoration import Recovery, recovery
+from jtik.strategy.evaluation import Evaluation
+from jtik.strategy.feasibility_restoration import FeasibilityRestoration, feasibility_restoration
 from jtik.symbolic import TINY, Expression, Function, dot, fmax, fmin, norm, sqrt, sumsqr, vertcat
 from jtik.symbolic.factorization import RowSpace, RowVector, Split
 from jtik.task import TaskStack
 
 
 @dataclass(frozen=True)
-class Point:
-    """Task and criterion at one configuration, without derivatives.
-
-    Attributes: q (nq, 1); residual r = L' e with Kp = L L' (m, 1); V = 1/2 |r|^2 = 1/2 e' Kp e; H, the weighted sum
-    of the criteria (0 without any).
-    """
-
-    q: Expression
-    residual: Expression
-    H: Expression
-
-    @cached_property
-    def V(self) -> Expression:
-        """The Lyapunov function of the task, 1/2 e' Kp e."""
-        return sumsqr(self.residual) / 2
-
-    @cached_property
-    def length(self) -> Expression:
-        """|r| = sqrt(2 V)."""
-        return norm(self.residual)
-
-
-@dataclass(frozen=True)
 class LocalModel:
-    """What an update law sees. ``J`` and ``gradient`` are zero for joints held at their limits.
+    """Task, criterion, limits and clearances at one configuration, as a strategy sees them.
 
-    Weighting is already inside: with r = L' e and J = L' dx/dv, the paper's e' Kp J ... J' Kp e reads r' J J' r.
+    The weighting is inside: with r = L' e and J = L' dx/dv, the paper's e' Kp J J' Kp e reads r' J J' r.
+
+    ``J`` and ``gradient`` are those of all joints. ``J_free`` and ``gradient_free`` are zero for the joints whose limit
+    is active. Use the first pair in a quadratic program that has the limits as its box, which finds the active limits
+    by itself; use the second in a strategy that ignores limits, such as a pseudo-inverse, and let the engine's active
+    set take care of them. Without limits both pairs are the same.
 
     Attributes:
+        robot: the robot.
         here: task and criterion at q.
-        J: Jacobian of the residual with respect to the velocity v, (m, n).
-        gradient: dH/dv, (n, 1); zeros without a criterion.
+        J: Jacobian of the residual with respect to the velocity (m, n), of all joints.
+        gradient: dH/dv (n, 1) of all joints; zeros without a criterion.
+        J_free: J with zero columns for the joints whose limit is active.
+        gradient_free: the gradient with zeros for these joints.
         has_criterion: whether H can differ from zero at all.
-        near: 1 inside the tube about the target in which the criterion is weighed against the task, else 0.
-        tube: its size, in the unit of the residual.
-        lower, upper: box on the configuration (nq, 1), read only where ``bounded``.
+        near_target: 1 in the neighbourhood of the target in which the criterion counts beside the task, else 0.
+        neighbourhood: radius of that neighbourhood, in the unit of the residual.
+        lower: lower limits of q (nq, 1), valid only where ``bounded``.
+        upper: upper limits of q (nq, 1), valid only where ``bounded``.
         bounded: (q index, v index) of the joints that have a limit.
         levels: the task rows of each level of priority, the highest first.
-        full_J, full_gradient: J and gradient of all joints, those at their limits among them, for laws whose programs
-            have the limits as a box.
+        residual_function: (q, target) -> residual.
+        criterion_function: (q, parameters) -> H.
+        target: target of the tasks.
+        parameters: live parameters of criteria and clearances.
+        qps: takes the quadratic programs of a strategy that solves any.
         clearance: distances that may not fall below their safe values; None without any.
-        programs: takes the programs of a law that asks a QP solver.
-        tasks: the tasks themselves, for laws that hand them to another library.
+        tasks: the tasks themselves, for strategies that hand them to another library.
     """
 
     robot: Robot
-    here: Point
+    here: Evaluation
     J: Expression
     gradient: Expression
+    J_free: Expression
+    gradient_free: Expression
     has_criterion: bool
-    near: Expression
-    tube: Expression
+    near_target: Expression
+    neighbourhood: Expression
     lower: Expression
     upper: Expression
     bounded: tuple[tuple[int, int], ...]
@@ -82,99 +73,131 @@ class LocalModel:
     criterion_function: Function
     target: Expression
     parameters: Expression
-    full_J: Expression = None  # noqa: N815
-    full_gradient: Expression = None
-    programs: QPRecorder | None = None
+    qps: QPRecorder | None = None
     clearance: ClearanceModel | None = None
     tasks: TaskStack | None = None
 
+    # -- quadratic programs ---------------------------------------------------------------------------------------
+
     def solve(self, program: QuadraticProgram) -> QPSolution:
-        """The answer of the solver's back end to a program, as expressions to go on with."""
-        if self.programs is None:
-            raise JtikError(f"a program of a strategy whose uses_qp() is False: {program.name}")
-        return self.programs.solve(program)
-
-    @cached_property
-    def recovery(self) -> Recovery:
-        """How bodies that are too near are moved out, and the rows of the clearances for every program of the step.
-
-        A law takes a step that ``recovery.takes``, too, and none that ``clearance.keeps`` does not.
-        """
-        if self.clearance is None or self.programs is None:
-            raise JtikError("recovery of a model without clearances, or of a strategy that solves no programs")
-        return recovery(
-            self.clearance,
-            self.programs,
-            self.box,
-            lambda: self.full_rows.unit_basis,
-            self.full_J,
-            self.here.length,
-        )
+        """The solution of a quadratic program, as expressions to go on with."""
+        if self.qps is None:
+            raise JtikError(f"quadratic program {program.name!r} of a strategy whose uses_qp() is False")
+        return self.qps.solve(program)
 
     def compute(
         self, name: str, compute: Compute, inputs: Sequence[Expression], shapes: Sequence[tuple[int, int]]
     ) -> list[Expression]:
-        """What a Python function answers in the middle of the step, as expressions of these shapes.
+        """What a Python function returns in the middle of the step, as expressions of these shapes.
 
-        It is given ``inputs`` as flat arrays, columns first, and returns one array a shape, or None where it has no
-        answer, which ends the solve with `jtik.Status.UNSOLVED`. Where it is used a step is not one function any more
-        and costs what the Python costs.
+        A step with such a call is not one function any more and takes the time that the Python takes.
+
+        Args:
+            name: name of the computation.
+            compute: called with ``inputs`` as flat arrays, columns first. It returns one array for each shape, or
+                None if it has no answer, which ends the solve with `jtik.Status.UNSOLVED`.
+            inputs: expressions whose values it needs.
+            shapes: shapes of its results.
         """
-        if self.programs is None:
-            raise JtikError(f"a computation of a strategy whose uses_qp() is False: {name}")
-        return self.programs.compute(name, compute, inputs, shapes)
+        if self.qps is None:
+            raise JtikError(f"computation {name!r} of a strategy whose uses_qp() is False")
+        return self.qps.compute(name, compute, inputs, shapes)
 
     @cached_property
     def box(self) -> tuple[Expression, Expression]:
-        """How far each velocity entry may move down (to 0) and up, (n, 1) each; infinite without a limit."""
+        """Bounds of dq by the joint limits, lower <= 0 <= upper, (n, 1) each; infinite without a limit."""
         low, high = [-inf] * self.robot.n, [inf] * self.robot.n
         for i, j in self.bounded:
             low[j], high[j] = fmin(self.lower[i] - self.here.q[i], 0), fmax(self.upper[i] - self.here.q[i], 0)
         return vertcat(*low), vertcat(*high)
 
     @cached_property
-    def full_rows(self) -> RowSpace:
-        """Row space of the Jacobian of all joints."""
-        return RowSpace(self.full_J) if self.bounded else self.rows
+    def restoration(self) -> FeasibilityRestoration:
+        """The step that restores clearances that are too small, and the rows of all clearances for a QP.
+
+        The engine accepts a step that ``restoration.accepts``, and none that breaks ``clearance.keeps``.
+        """
+        if self.clearance is None or self.qps is None:
+            raise JtikError("feasibility restoration without clearances, or of a strategy whose uses_qp() is False")
+        return feasibility_restoration(
+            self.clearance,
+            self.qps,
+            self.box,
+            lambda: self.row_space.unit_basis,
+            self.J,
+            self.here.length,
+        )
+
+    # -- all joints -----------------------------------------------------------------------------------------------
 
     @cached_property
-    def full_null_gradient(self) -> Expression:
-        """(I - J+ J) dH/dv of all joints, as if none were at a limit, (n, 1)."""
-        return self.full_rows.split(self.full_gradient).null if self.bounded else self.null_gradient
-
-    @cached_property
-    def rows(self) -> RowSpace:
-        """Row space of J: the pseudo-inverse and the null-space projector, factored once."""
-        return RowSpace(self.J)
-
-    @cached_property
-    def _split(self) -> Split:
-        return self.rows.split(self.gradient)
+    def row_space(self) -> RowSpace:
+        """Row space of J: its pseudo-inverse and null-space projector."""
+        return RowSpace(self.J) if self.bounded else self.row_space_free
 
     @cached_property
     def null_gradient(self) -> Expression:
-        """h = (I - J+ J) dH/dv: the part of the criterion's gradient that the task leaves free, (n, 1)."""
+        """(I - J+ J) dH/dv of all joints, (n, 1)."""
+        return self.row_space.split(self.gradient).null if self.bounded else self.null_gradient_free
+
+    # -- free joints ----------------------------------------------------------------------------------------------
+
+    @cached_property
+    def row_space_free(self) -> RowSpace:
+        """Row space of J_free: its pseudo-inverse and null-space projector, factored once."""
+        return RowSpace(self.J_free)
+
+    @cached_property
+    def _split(self) -> Split:
+        return self.row_space_free.split(self.gradient_free)
+
+    @cached_property
+    def null_gradient_free(self) -> Expression:
+        """h = (I - J+ J) dH/dv of the free joints: the part of the gradient that the task leaves free, (n, 1)."""
         return self._split.null
 
     @cached_property
-    def gradient_length(self) -> Expression:
-        """|dH/dv|, from its two orthogonal parts."""
-        return sqrt(self.null_length**2 + self._split.rest.squared_length)
+    def null_gradient_norm(self) -> Expression:
+        """|h|, of the free joints."""
+        return norm(self.null_gradient_free)
 
     @cached_property
-    def jacobian_length(self) -> Expression:
-        """Frobenius norm of J."""
-        return sqrt(self.rows.squared_length + TINY)
+    def gradient_norm(self) -> Expression:
+        """|dH/dv| of the free joints, from its two orthogonal parts."""
+        return sqrt(self.null_gradient_norm**2 + self._split.rest.squared_length)
 
     @cached_property
-    def null_length(self) -> Expression:
-        """|h|."""
-        return norm(self.null_gradient)
+    def jacobian_norm(self) -> Expression:
+        """Frobenius norm of J_free."""
+        return sqrt(self.row_space_free.squared_length + TINY)
 
     @cached_property
     def multipliers(self) -> Expression:
-        """(J')+ dH/dv: what a unit of residual is worth in H, (m, 1); minus the Lagrange multipliers."""
+        """(J')+ dH/dv of the free joints (m, 1): the negative Lagrange multipliers of the task."""
         return self._split.multipliers
+
+    @cached_property
+    def task_gradient(self) -> Expression:
+        """dV/dv = J' r of the free joints, (n, 1)."""
+        return self.J_free.T @ self.here.residual
+
+    @cached_property
+    def task_gradient_rows(self) -> RowVector:
+        """J' r of the free joints in coordinates of the row space, for strategies that factor J anyway."""
+        return self.row_space_free.transposed(self.here.residual)
+
+    @cached_property
+    def task_gradient_norm(self) -> Expression:
+        """|J' r| of the free joints."""
+        if self.has_criterion:
+            return sqrt(self.task_gradient_rows.squared_length + TINY)
+        return norm(self.task_gradient)
+
+    def criterion_change(self, step: RowVector) -> Expression:
+        """(dH/dv)' step, of a step in the row space of J_free."""
+        return self._split.rest.dot(step)
+
+    # -- rotations ------------------------------------------------------------------------------------------------
 
     @property
     def rotational(self) -> NDArray[np.bool_]:
@@ -182,69 +205,57 @@ class LocalModel:
         return self.robot.rotational
 
     @cached_property
-    def task_gradient(self) -> Expression:
-        """dV/dv = J' r: against the joint torques of a spring of stiffness Kp between tip and target, (n, 1)."""
-        return self.J.T @ self.here.residual
-
-    @cached_property
-    def force(self) -> RowVector:
-        """J' r in coordinates of the row space: for laws that factor J anyway."""
-        return self.rows.transposed(self.here.residual)
-
-    @cached_property
-    def task_slope(self) -> Expression:
-        """|J' r|."""
-        return sqrt(self.force.squared_length + TINY) if self.has_criterion else norm(self.task_gradient)
-
-    def slope_of_criterion(self, step: RowVector) -> Expression:
-        """(dH/dv)' step of a vector in the row space."""
-        return self._split.rest.dot(step)
-
-    @cached_property
-    def turning(self) -> list[int]:
+    def rotational_entries(self) -> list[int]:
         """Indices of the velocity entries that are rotations."""
         return [int(i) for i in np.flatnonzero(self.rotational)]
 
     @property
     def all_rotational(self) -> bool:
-        """Whether there is no prismatic joint."""
-        return len(self.turning) == self.robot.n
+        """Whether every velocity entry is a rotation."""
+        return len(self.rotational_entries) == self.robot.n
 
-    def rotation_size(self, term: Expression, squared_length: Expression | None = None) -> Expression:
-        """The paper's Q: the norm of the rotational part of a step [rad]. The squared norm of all of it saves work."""
+    def rotation_norm(self, dq: Expression, squared_length: Expression | None = None) -> Expression:
+        """The paper's Q: the norm of the rotational part of a displacement [rad].
+
+        Args:
+            dq: displacement (n, 1).
+            squared_length: its squared norm, which saves work where every entry is a rotation.
+        """
         if self.all_rotational and squared_length is not None:
             return sqrt(squared_length)
-        return norm(term[self.turning]) if self.turning else 0
+        return norm(dq[self.rotational_entries]) if self.rotational_entries else 0
 
     def rotation_dot(self, a: Expression, b: Expression) -> Expression:
-        """Inner product of the rotational parts of two steps [rad^2]."""
-        return dot(a[self.turning], b[self.turning]) if self.turning else 0
+        """Inner product of the rotational parts of two displacements [rad^2]."""
+        return dot(a[self.rotational_entries], b[self.rotational_entries]) if self.rotational_entries else 0
+
+    # -- candidates -----------------------------------------------------------------------------------------------
 
     def residual(self, q: Expression) -> Expression:
         """The residual at another configuration."""
         return self.residual_function(q, self.target)
 
-    def within_limits(self, term: Expression) -> Expression:
-        """The term shortened joint by joint so that the step -term ends inside the limits."""
+    def within_limits(self, dq: Expression) -> Expression:
+        """The displacement shortened joint by joint so that it ends inside the limits, (n, 1)."""
         if not self.bounded:
-            return term
-        entries = [term[i] for i in range(self.robot.n)]
+            return dq
+        entries = [dq[i] for i in range(self.robot.n)]
         for i, j in self.bounded:
-            room_down, room_up = self.here.q[i] - self.lower[i], self.here.q[i] - self.upper[i]
-            entries[j] = fmin(fmax(entries[j], room_up), room_down)
+            low, high = self.lower[i] - self.here.q[i], self.upper[i] - self.here.q[i]
+            entries[j] = fmax(fmin(entries[j], high), low)
         return vertcat(*entries)
 
-    def moved(self, term: Expression) -> Point:
-        """Task and criterion after the step -term, which must end within the limits."""
-        q = self.robot.integrate(self.here.q, -term)
+    def candidate(self, dq: Expression) -> Evaluation:
+        """Task and criterion after the displacement dq, which must end within the limits."""
+        q = self.robot.integrate(self.here.q, dq)
         if self.bounded:  # rounding of q + (limit - q) must not leave the box
             entries = [q[i] for i in range(self.robot.nq)]
             for i, _ in self.bounded:
                 entries[i] = fmin(fmax(entries[i], self.lower[i]), self.upper[i])
             q = vertcat(*entries)
         H = self.criterion_function(q, self.parameters) if self.has_criterion else 0
-        return Point(q, self.residual(q), H)
+        return Evaluation(q, self.residual(q), H, dq)
 
     def predicted_decrease(self, image: Expression) -> Expression:
-        """Decrease of V that the linear model promises for a step -term with ``image`` = J term."""
-        return self.here.V - sumsqr(self.here.residual - image) / 2
+        """Decrease of V that the linear model promises for a displacement with ``image`` = J dq."""
+        return self.here.V - sumsqr(self.here.residual + image) / 2

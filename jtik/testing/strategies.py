@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from jtik.registry import strategy_of
 from jtik.result.solution import Solution, Status
 from jtik.robot import Joint, JointType, Robot
 from jtik.solver import InverseKinematics
-from jtik.strategy import LocalModel, Shape, State, Strategy, Update
-from jtik.symbolic import Expression
+from jtik.strategy import Strategy
 from jtik.task import FrameTask, Task
 from jtik.testing.common import moved, posture, require
 from jtik.types import Array
@@ -57,8 +54,7 @@ def check_strategy(
     generator = np.random.default_rng(rng)
     for robot, task in _benches():
         for criteria in (None, posture):
-            watched = _Watched(law)
-            ik = InverseKinematics(robot, task, criteria=criteria, strategy=watched)
+            ik = InverseKinematics(robot, task, criteria=criteria, strategy=law)
             where = f"strategy {law!r} on {robot!r} {'with' if criteria else 'without'} a criterion"
             falls = claims_monotone and criteria is None
             for _ in range(samples):
@@ -188,63 +184,3 @@ def _check_straight(where: str, ik: InverseKinematics, *, falls: bool) -> None:
     inward[: robot.dimension, 3] *= 0.5
     solution = ik.solve(inward, q0=robot.neutral, max_iterations=500, trace=True)
     _check_solution(f"{where}, singular start", robot, solution, falls=falls)
-
-
-class _Watched(Strategy):
-    """A strategy as it is, whose state and updates are looked at while they are built."""
-
-    def __init__(self, strategy: Strategy) -> None:
-        self._strategy = strategy
-        self._who = f"strategy {strategy!r}"
-
-    def __repr__(self) -> str:
-        return repr(self._strategy)
-
-    def evaluates_candidate(self, has_criterion: bool) -> bool:
-        """As the strategy."""
-        return self._strategy.evaluates_candidate(has_criterion)
-
-    def uses_qp(self, has_criterion: bool) -> bool:
-        """As the strategy."""
-        return self._strategy.uses_qp(has_criterion)
-
-    def initial_state(self, shape: Shape) -> Mapping[str, Array]:
-        """That of the strategy, checked."""
-        state = self._strategy.initial_state(shape)
-        for name, value in state.items():
-            array = np.asarray(value, dtype=float)
-            require(
-                array.ndim == 1 and bool(np.isfinite(array).all()),
-                f"{self._who}: state {name!r} must start as a finite one-dimensional array, not {value!r}",
-            )
-        return state
-
-    def update(self, model: LocalModel, state: State) -> Update:
-        """That of the strategy, checked."""
-        update = self._strategy.update(model, state)
-        require(
-            isinstance(update, Update),
-            f"{self._who}: update must return an Update, not {type(update).__name__}",
-        )
-        before = {name: _rows(value) for name, value in state.items()}
-        after = {name: _rows(value) for name, value in update.state.items()}
-        require(
-            before == after,
-            f"{self._who}: the state begins with names and sizes {before} and after an update has {after}",
-        )
-        n = model.robot.n
-        for name in ("term", "null_term"):
-            rows = _rows(getattr(update, name))
-            require(rows == n, f"{self._who}: {name} must have shape ({n}, 1), not ({rows}, 1)")
-        require(
-            _rows(update.point.q) == model.robot.nq,
-            f"{self._who}: point.q must have shape ({model.robot.nq}, 1)",
-        )
-        require(_rows(update.accepted) == 1, f"{self._who}: accepted must be a scalar, 0 or 1")
-        for name, figure in update.figures.items():
-            require(_rows(figure) == 1, f"{self._who}: figure {name!r} must be a scalar")
-        return update
-
-
-def _rows(value: Expression) -> int:
-    return int(np.prod(getattr(value, "shape", (1, 1))))

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from jtik import register_strategy
-from jtik.strategy import LocalModel
+from jtik.strategy import LocalModel, check_positive
 from jtik.symbolic import Expression, fmax, ratio
-from jtik_formulations.strategies.damped import DampedLeastSquares, positive
+from jtik_formulations.strategies._parts.damped_least_squares import DampedLeastSquares
 
 
 @register_strategy("damped_constant")
@@ -15,12 +15,14 @@ from jtik_formulations.strategies.damped import DampedLeastSquares, positive
 class ConstantDamped(DampedLeastSquares):
     """dq = -J' (J J' + lambda I)^-1 r - beta (I - J+ J) grad H, with one lambda for all poses.
 
-    To compare with, and for servoing a path near singular poses, where equal steps count more than arrival: it
-    converges linearly, the slower the weaker J is.
+    For comparison, and for following a path near singular poses, where an even step matters more than arrival: it
+    converges linearly, the more slowly the smaller the singular values of J are.
 
     Attributes:
         damping: lambda, in the unit of J J' [m^2 / rad^2].
-        q_limit, backtracking, secondary: see `DampedLeastSquares`.
+        q_limit: limit of Q, the norm of the rotational part of a step [rad]; math.inf for none.
+        backtracking: halve the step until V falls. Without it every step is taken.
+        secondary: the null-space term.
 
     Source: Wampler (1986).
     """
@@ -32,7 +34,7 @@ class ConstantDamped(DampedLeastSquares):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        positive("damping", self.damping)
+        check_positive("damping", self.damping)
 
     def damping_of(self, model: LocalModel) -> Expression:
         """The damping."""
@@ -44,12 +46,14 @@ class ConstantDamped(DampedLeastSquares):
 class Sugihara(DampedLeastSquares):
     """dq = -J' (J J' + lambda I)^-1 r - beta (I - J+ J) grad H, with lambda = V + bias.
 
-    Levenberg and Marquardt's step with the error as its damping. It needs no look at the rank anywhere, on the way
-    or at a target out of reach. The bias keeps the last steps bounded at singular targets and costs the quadratic end.
+    Levenberg and Marquardt's step with the error as its damping. It needs no rank decision anywhere, on the way or at
+    a target out of reach. The bias bounds the last steps at singular targets and costs quadratic convergence.
 
     Attributes:
-        bias: least lambda, in the unit of J J' [m^2 / rad^2]; 1e-3 to 1e-2 of a link's length squared, says Sugihara.
-        q_limit, backtracking, secondary: see `DampedLeastSquares`.
+        bias: smallest lambda, in the unit of J J' [m^2 / rad^2]; Sugihara: 1e-3 to 1e-2 of a squared link length.
+        q_limit: limit of Q, the norm of the rotational part of a step [rad]; math.inf for none.
+        backtracking: halve the step until V falls. Without it every step is taken.
+        secondary: the null-space term.
 
     Source: Sugihara (2011), with one bias for all joints.
     """
@@ -61,7 +65,7 @@ class Sugihara(DampedLeastSquares):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        positive("bias", self.bias)
+        check_positive("bias", self.bias)
 
     def damping_of(self, model: LocalModel) -> Expression:
         """V and the bias."""
@@ -80,8 +84,10 @@ class NakamuraHanafusa(DampedLeastSquares):
 
     Attributes:
         damping: lambda0, at a singular pose, relative to |J|^2 / m.
-        threshold: w0, from 0 to 1.
-        q_limit, backtracking, secondary: see `DampedLeastSquares`.
+        threshold: w0, in (0, 1].
+        q_limit: limit of Q, the norm of the rotational part of a step [rad]; math.inf for none.
+        backtracking: halve the step until V falls. Without it every step is taken.
+        secondary: the null-space term.
 
     Source: Nakamura and Hanafusa (1986); Yoshikawa (1985) for w.
     """
@@ -94,12 +100,12 @@ class NakamuraHanafusa(DampedLeastSquares):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        positive("damping", self.damping)
-        positive("threshold", self.threshold)
+        check_positive("damping", self.damping)
+        check_positive("threshold", self.threshold)
 
     def damping_of(self, model: LocalModel) -> Expression:
         """lambda0 (1 - w / w0)^2 below the threshold."""
         m = model.J.shape[0]
-        mean_square = model.rows.squared_length / m
-        manipulability = ratio(model.rows.volume, mean_square ** (m / 2))
+        mean_square = model.row_space_free.squared_length / m
+        manipulability = ratio(model.row_space_free.volume, mean_square ** (m / 2))
         return self.damping * mean_square * fmax(1 - manipulability / self.threshold, 0) ** 2

@@ -11,21 +11,26 @@ from jtik import register_strategy
 from jtik.errors import ArgumentError
 from jtik.strategy import (
     Acceptance,
+    Backtracking,
     Composition,
     LocalModel,
     Outcome,
     SecondaryTerm,
     Shape,
     State,
-    TaskMove,
+    TaskDisplacement,
     TaskStep,
+    acceptance_beside,
+    check_step_limit,
 )
 from jtik.symbolic import Expression, fmax, fmin, if_else, logic_and, logic_or, ratio, sqrt, sumsqr
 from jtik.symbolic.factorization import RowVector
 from jtik.types import Array
-from jtik_formulations.strategies.newton import newton_step
+from jtik_formulations.strategies._parts.cauchy_step import cauchy_step, optimal_gain
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
-from jtik_formulations.strategies.transpose import backtracked, cauchy_step, judged, optimal_gain
+
+BACKTRACKING = Backtracking()
+"""The fraction of a step that is taken where prismatic joints move too."""
 
 POOR, GOOD = 0.25, 0.75
 """Ratios of actual to predicted decrease below which the radius shrinks, above which it grows (Powell 1970)."""
@@ -36,48 +41,49 @@ class DoglegStep(TaskStep):
     """The task step of ``Hybrid``: from the transpose point towards the Newton point, as far as the radius reaches."""
 
     q_limit: float
+    backtracking: Backtracking = BACKTRACKING
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
-        """The trust radius [rad], and the fraction of the error aimed at where prismatic joints move too."""
-        return {"radius": np.full(1, self.q_limit), "fraction": np.ones(1)}
+        """The trust radius [rad], and the fraction of the step to take where prismatic joints move too."""
+        return {"radius": np.full(1, self.q_limit), **self.backtracking.initial_state()}
 
-    def propose(self, model: LocalModel, state: State) -> TaskMove:
+    def propose(self, model: LocalModel, state: State) -> TaskDisplacement:
         """The dogleg point."""
         radius = state["radius"]
-        newton = newton_step(model)
+        newton = model.row_space_free.least_squares(-model.here.residual)
         if not model.all_rotational:
             return self._mixed(model, state, newton)
-        force = model.force
-        alpha = optimal_gain(force.squared_length, force.image)
-        s = fmin(1, ratio(radius, alpha * sqrt(force.squared_length)))
-        transpose = (alpha * s) * force
+        gradient = model.task_gradient_rows
+        alpha = optimal_gain(gradient.squared_length, gradient.image)
+        s = fmin(1, ratio(radius, alpha * sqrt(gradient.squared_length)))
+        transpose = (-alpha * s) * gradient
         tt, tn, nn = transpose.squared_length, transpose.dot(newton), newton.squared_length
         along = _along(tt, tn, nn, radius, s)
-        return TaskMove.along((1 - along) * transpose + along * newton, alpha)
+        return TaskDisplacement.along((1 - along) * transpose + along * newton, alpha)
 
-    def _mixed(self, model: LocalModel, state: State, newton: RowVector) -> TaskMove:
-        """The dogleg of a robot with slides, whose rotational part alone the radius bounds."""
-        radius, fraction = state["radius"], state["fraction"]
+    def _mixed(self, model: LocalModel, state: State, newton: RowVector) -> TaskDisplacement:
+        """The dogleg of a robot with prismatic joints: the radius bounds the rotational part only."""
+        radius, fraction = state["radius"], self.backtracking.fraction(state)
         transpose = cauchy_step(model, radius)
-        towards, step = transpose.gain * transpose.direction, newton.vector
+        towards, step = -transpose.gain * transpose.direction, newton.vector
         tt, tn = model.rotation_dot(towards, towards), model.rotation_dot(towards, step)
         along = _along(tt, tn, model.rotation_dot(step, step), radius, transpose.s)
-        back, on = fraction * (1 - along), fraction * along
-        term = back * towards + on * step
-        image = back * transpose.gain * transpose.image + on * newton.image
-        return TaskMove(term, image, sqrt(sumsqr(term)), transpose.alpha)
+        of_transpose, of_newton = fraction * (1 - along), fraction * along
+        dq = of_transpose * towards + of_newton * step
+        image = of_newton * newton.image - of_transpose * transpose.gain * transpose.image
+        return TaskDisplacement(dq, image, sqrt(sumsqr(dq)), transpose.alpha)
 
-    def adapt(self, model: LocalModel, state: State, move: TaskMove, outcome: Outcome) -> State:
+    def adapt(self, model: LocalModel, state: State, task: TaskDisplacement, outcome: Outcome) -> State:
         """A quarter of the step taken after a poor prediction, twice the radius after a good one at its edge."""
-        radius, fraction = state["radius"], state["fraction"]
-        size = model.rotation_size(move.term, move.length**2)
-        poor = logic_and(outcome.task_blamed, logic_or(outcome.accepted == 0, outcome.ratio < POOR))
+        radius = state["radius"]
+        size = model.rotation_norm(task.dq, task.length**2)
+        poor = logic_and(outcome.shorten_task, logic_or(outcome.accepted == 0, outcome.ratio < POOR))
         good = logic_and(outcome.ratio > GOOD, size > 0.99 * radius)
         smaller = fmin(if_else(size > 0, size, radius), radius) / 4
         larger = fmin(2 * radius, self.q_limit)
-        after = {"radius": if_else(poor, smaller, if_else(good, larger, radius)), "fraction": fraction}
+        after = {"radius": if_else(poor, smaller, if_else(good, larger, radius)), "fraction": state["fraction"]}
         if not model.all_rotational:
-            after |= backtracked(state, outcome)
+            after |= self.backtracking.adapt(state, outcome)
         return after
 
 
@@ -96,11 +102,11 @@ def _along(tt: Expression, tn: Expression, nn: Expression, radius: Expression, s
 class Hybrid(Composition):
     """The transpose step where Newton's is too long to be trusted, Newton's where it is not, a blend between.
 
-    The default. It never lets V rise, needs as few steps as Newton's method on ordinary targets, and goes on where
-    Newton's jumps: near singular poses and at the workspace boundary.
+    The default. V never rises. It needs as few steps as Newton's method on ordinary targets, and goes on where Newton's
+    method jumps: near singular poses and at the workspace boundary.
 
     Attributes:
-        q_limit: largest trust radius, a limit of Q, the length of the rotational part of a step [rad].
+        q_limit: largest trust radius, a limit of Q, the norm of the rotational part of a step [rad].
         secondary: the null-space term.
 
     Source: Das, Slotine and Sheridan (1988), section 2.3, asks for it; Powell (1970) has the dogleg.
@@ -113,7 +119,8 @@ class Hybrid(Composition):
     source = "Das, Slotine and Sheridan 1988, section 2.3; Powell 1970"
 
     def __post_init__(self) -> None:
-        if not 0 < self.q_limit < np.inf:
+        check_step_limit("q_limit", self.q_limit)
+        if self.q_limit == np.inf:
             raise ArgumentError("q_limit", self.q_limit, "a positive, finite angle [rad]")
 
     def task_step(self) -> TaskStep:
@@ -121,9 +128,9 @@ class Hybrid(Composition):
         return DoglegStep(q_limit=self.q_limit)
 
     def secondary_term(self) -> SecondaryTerm:
-        """-beta (I - J+ J) grad H."""
+        """As given."""
         return self.secondary
 
     def acceptance(self) -> Acceptance:
         """By merit, or by the task step."""
-        return judged(True, self.secondary)
+        return acceptance_beside(True, self.secondary)

@@ -1,17 +1,27 @@
-"""mink's own step on the same robot, task, criterion and limits (formulations/mink.md)."""
+"""The step of mink on the same robot, task, criterion and limits (formulations/mink.md)."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from jtik import register_strategy
-from jtik.errors import ArgumentError, finite_array
-from jtik.strategy import LocalModel, NullMove, Outcome, Shape, State, Strategy, Update
-from jtik.symbolic import fmax, fmin, if_else, is_finite, norm, ratio, sumsqr, vertcat, zeros
-from jtik.types import Array
+from jtik.errors import ArgumentError
+from jtik.strategy import (
+    LocalModel,
+    NullSpaceDisplacement,
+    Programmed,
+    Proposal,
+    SecondaryTerm,
+    State,
+    check_gain,
+    check_non_negative,
+    check_positive,
+    check_step_limit,
+    limited_box,
+)
+from jtik.symbolic import fmin, if_else, norm, ratio, sumsqr, zeros
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
 if TYPE_CHECKING:
@@ -20,24 +30,24 @@ if TYPE_CHECKING:
 
 @register_strategy("mink")
 @dataclass(frozen=True, kw_only=True)
-class Mink(Strategy):
-    """A step by mink: its kinematics where it has the task, its program, its solver; every step is taken.
+class Mink(Programmed):
+    """A step by mink, with its kinematics, its quadratic program and its solver; every step is taken.
 
-    For comparing, and for tasks of mink's own beside jtik's. A pose task is mink's ``FrameTask``; every other task is
-    handed over as its residual and Jacobian. Every call goes through Python and costs what mink costs. ``solver=`` of
+    For comparison, and for mink's own tasks beside jtik's. A pose task is mink's ``FrameTask``; every other task is
+    passed as its residual and Jacobian. Every call goes through Python and takes as long as mink takes. ``solver=`` of
     InverseKinematics is the name that mink passes on to qpsolvers.
 
     Attributes:
-        strict: tasks of the highest priority as equalities, the rest minimised below them. Where mink finds no
-            solution, at a singularity or behind a limit, that step is the soft one. False: always the soft one.
-        weight: of the criterion and of mink's own ``tasks`` against 1 of jtik's, where these are soft.
+        strict: tasks of the highest priority are equalities, the rest is minimised below them. Where mink finds no
+            solution, at a singularity or behind a limit, that step is soft. False: every step is soft.
+        weight: of the criterion and of mink's own ``tasks`` relative to 1 of jtik's tasks, where these are soft.
         gain: fraction of the error a step aims to remove, (0, 1].
-        lm_damping: mink's damping by the error, of the soft form: |dq|^2 costs this times |e|^2.
+        lm_damping: mink's damping by the error, in the soft form: weight of |dq|^2 is this times |e|^2.
         damping: mink's constant damping.
-        step_limit: most that each rotation moves in a step [rad]; math.inf for no limit.
-        descent: how far down the criterion a step goes: by its rule for beta below strict tasks, beside soft ones by
-            its ``beta_max``, since what damps them damps the criterion, too, and would mislead the rule.
-        tasks: tasks of mink's to minimise as well, on ``to_mujoco(ik.robot)``. A solve does not wait for them.
+        step_limit: largest motion of each rotational joint in a step [rad]; math.inf for no limit.
+        descent: step length for the criterion: by its rule for beta below strict tasks, by its ``beta_max`` beside soft
+            tasks, whose damping also damps the criterion and would mislead the rule.
+        tasks: tasks of mink to minimise as well, on ``to_mujoco(ik.robot)``. A solve does not wait for them.
 
     Source: Zakka, mink (2024).
     """
@@ -51,86 +61,68 @@ class Mink(Strategy):
     descent: ProjectedGradient = field(default_factory=ProjectedGradient)
     tasks: Sequence[BaseTask] = ()
 
-    summary = "one step of mink's own program, strict or soft, on the same robot"
+    summary = "one step of mink's own quadratic program, strict or soft, on the same robot"
     source = "Zakka 2024 (mink)"
 
     def __post_init__(self) -> None:
-        if not 0 < self.gain <= 1:
-            raise ArgumentError("gain", self.gain, "a number in (0, 1]")
+        check_gain(self.gain)
         for name in ("lm_damping", "damping"):
-            if not 0 <= getattr(self, name) < math.inf:
-                raise ArgumentError(name, getattr(self, name), "a finite number from 0")
-        if not finite_array("weight", self.weight, ()) > 0:
-            raise ArgumentError("weight", self.weight, "a positive, finite number")
-        if not self.step_limit > 0:
-            raise ArgumentError("step_limit", self.step_limit, "a positive angle [rad], math.inf for none")
+            check_non_negative(name, getattr(self, name))
+        check_positive("weight", self.weight)
+        check_step_limit("step_limit", self.step_limit)
         if self.descent.rule != "merit":
             raise ArgumentError("descent.rule", self.descent.rule, "'merit'")
         for task in self.tasks:
             if not hasattr(task, "compute_qp_objective"):
-                raise ArgumentError("tasks", task, "tasks of mink's")
+                raise ArgumentError("tasks", task, "tasks of mink")
 
-    def uses_qp(self, has_criterion: bool) -> bool:
-        """Always: by mink."""
+    def merit(self) -> None:
+        """None: every step is taken."""
+        return None
+
+    def evaluates_candidate(self, has_criterion: bool) -> bool:
+        """Always, to end where something is not finite."""
         return True
 
-    def initial_state(self, shape: Shape) -> Mapping[str, Array]:
-        """What the rule for beta remembers."""
-        return self.descent.initial_state(shape) if self._adapts(shape.has_criterion) else {}
+    def secondary_term(self) -> SecondaryTerm | None:
+        """The rule for beta, below strict tasks."""
+        return self.descent if self.strict else None
 
-    def _adapts(self, has_criterion: bool) -> bool:
-        return self.strict and has_criterion
-
-    def update(self, model: LocalModel, state: State) -> Update:
-        """Ask mink, go there."""
-        from jtik_formulations.strategies._parts.mink_step import MinkStep  # it takes MuJoCo half a second to load
+    def propose(self, model: LocalModel, state: State) -> Proposal:
+        """The displacement that mink returns."""
+        from jtik_formulations.strategies._parts.mink_step import MinkStep  # MuJoCo takes half a second to load
 
         robot, n = model.robot, model.robot.n
-        if model.tasks is None or model.programs is None:
+        if model.tasks is None or model.qps is None:
             raise ArgumentError("model", model, "that of an InverseKinematics")
-        down = NullMove(zeros(n), 0, 0, 0)
-        if self._adapts(model.has_criterion):
-            down = self.descent.propose(model, state, zeros(n))
-        elif model.has_criterion:
-            beta = fmin(self.descent.beta_max, ratio(self.descent.step_limit, model.null_length))
-            down = NullMove(beta * model.null_gradient, beta * model.null_length, beta * model.null_length**2, beta)
+        down = self._descent(model, state)
         step = MinkStep(
             self,
             robot,
             model.tasks,
             strict_rows=model.levels[0],
-            solver=model.programs.solver,
+            solver=model.qps.solver,
             has_criterion=model.has_criterion,
         )
-        cap = [self.step_limit if turns else math.inf for turns in robot.rotational]
-        low, high = model.box
-        inputs = [
-            model.here.q,
-            model.target,
-            model.here.residual,
-            model.full_J,
-            down.beta * model.full_gradient,
-            vertcat(*[fmax(low[j], -c) for j, c in enumerate(cap)]),
-            vertcat(*[fmin(high[j], c) for j, c in enumerate(cap)]),
-        ]
+        low, high = limited_box(model, self.step_limit)
+        gradient = down.beta * model.gradient
+        inputs = [model.here.q, model.target, model.here.residual, model.J, gradient, low, high]
         dq, strict = model.compute("mink", step, inputs, [(n, 1), (1, 1)])
-        point = model.moved(model.within_limits(-dq))
-        outcome = Outcome(1, 1, down, 0, 2 * down.length**2 > sumsqr(dq))  # at right angles to the task's part
-        figures = {
-            "alpha": math.nan,
-            "beta": down.beta,
-            "V2": 0,
-            "predicted_decrease": math.nan,
-            "actual_decrease": model.here.V - point.V,
-            "strict": strict,
-        }
-        return Update(
-            point=point,
-            accepted=is_finite(point.V + point.H),
-            state=self.descent.adapt(model, state, down, outcome) if self._adapts(model.has_criterion) else {},
-            term=model.within_limits(-dq),
-            wanted=-dq,
-            null_term=zeros(n),
-            figures=figures,
-            stationarity_residual=if_else(down.beta > 0, ratio(norm(dq), down.beta), model.null_length),
+        dq = model.within_limits(dq)
+        return Proposal(
+            dq=dq,
+            null_space_unlimited=down,
+            null_space_longer=2 * down.length**2 > sumsqr(dq),  # the two parts are at right angles
+            figures={"beta": down.beta, "strict": strict},
+            stationarity_residual=if_else(down.beta > 0, ratio(norm(dq), down.beta), model.null_gradient_norm),
         )
+
+    def _descent(self, model: LocalModel, state: State) -> NullSpaceDisplacement:
+        """The displacement for the criterion, whose gain mink's objective takes over."""
+        if not model.has_criterion:
+            return NullSpaceDisplacement.none(model.robot.n)
+        if self.strict:
+            return self.descent.propose(model, state, zeros(model.robot.n))
+        h, length = model.null_gradient_free, model.null_gradient_norm
+        beta = fmin(self.descent.beta_max, ratio(self.descent.step_limit, length))
+        return NullSpaceDisplacement(-beta * h, beta * length, beta * length**2, beta)

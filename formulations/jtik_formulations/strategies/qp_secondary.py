@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from jtik import register_secondary
-from jtik._step.active_set import AT_LIMIT
+from jtik.constraints.limits import AT_LIMIT
 from jtik.errors import ArgumentError
 from jtik.qp import QuadraticProgram, Rows
-from jtik.strategy import LocalModel, NullMove, State
+from jtik.strategy import LocalModel, NullSpaceDisplacement, Outcome, State
 from jtik.symbolic import (
     TINY,
     Expression,
@@ -32,7 +32,20 @@ from jtik.symbolic import (
 )
 from jtik.symbolic.factorization import RowSpace
 from jtik.types import Array
-from jtik_formulations.strategies.projected_gradient import NOISE, ProjectedGradient
+from jtik_formulations.strategies._parts.significance import significant
+from jtik_formulations.strategies.projected_gradient import ProjectedGradient
+
+NEGLIGIBLE = 1e-6
+"""Norm of the part of a task displacement that is left out [rad] below which it is not reported."""
+
+WHOLE = 0.999
+"""A share of the task displacement above this is all of it, within the solver's tolerance."""
+
+PENALTY = 1e4
+"""Penalty weight of a share that is left out, in units of what the null space could gain: nearly strict priority."""
+
+SMALLEST_PENALTY = 1e-9
+"""Keeps the quadratic program strictly convex in s where there is no task displacement left."""
 
 
 @register_secondary("qp")
@@ -40,16 +53,19 @@ from jtik_formulations.strategies.projected_gradient import NOISE, ProjectedGrad
 class QPSecondary(ProjectedGradient):
     """nu minimises 1/2 nu' W nu + beta grad H' nu where J nu = 0 and task step and nu together keep to the limits.
 
-    Without limits and with W = I it is the projected gradient. With them, a joint that meets its limit does not stop
-    the others: the program finds the best direction among those that are left, all at once.
+    Without limits and with W = I it is the projected gradient. With limits, a joint that reaches its limit does not
+    stop the others: the quadratic program finds the best direction among those that are left, all at once. beta follows
+    the rule "merit" of `ProjectedGradient`.
 
     Attributes:
-        weight: diagonal of W, one positive number or one a joint: a heavier joint moves less.
+        weight: diagonal of W, one positive number, or one for each velocity entry: a heavier joint moves less.
+        rule: "merit".
+        step_limit: longest null-space step [rad].
+        beta_max: first gain; the unit of q^2 over that of H.
+        floor: not used.
 
-    beta follows the rule of `ProjectedGradient`, whose options are here too.
-
-    Source: Siciliano, Sciavicco, Villani and Oriolo (2009), section 3.5.1 for the projection as a program; Kanoun,
-    Lamiraux and Wieber (2011) for inequalities beside equalities.
+    Source: Siciliano, Sciavicco, Villani and Oriolo (2009), section 3.5.1 for the projection as a quadratic program;
+    Kanoun, Lamiraux and Wieber (2011) for inequalities beside equalities.
     """
 
     weight: float | Sequence[float] = 1.0
@@ -60,7 +76,7 @@ class QPSecondary(ProjectedGradient):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.rule != "merit":
-            raise ArgumentError("rule", self.rule, "'merit': the other rules know nothing of limits")
+            raise ArgumentError("rule", self.rule, "'merit': the other rules ignore limits")
         try:
             weight = np.asarray(self.weight, dtype=float)
         except (TypeError, ValueError):
@@ -69,84 +85,82 @@ class QPSecondary(ProjectedGradient):
             raise ArgumentError("weight", self.weight, "a positive number, or one for each velocity entry")
 
     def uses_qp(self) -> bool:
-        """Yes."""
+        """Always."""
         return True
 
     def supports_clearances(self) -> bool:
-        """Yes."""
+        """Always."""
         return True
 
-    def free_gradient(self, model: LocalModel) -> Expression:
-        """That of all joints: a program finds out by itself who is held."""
-        return model.full_null_gradient
-
-    def propose(self, model: LocalModel, state: State, task_term: Expression) -> NullMove:
-        """The program's answer, and how far H is from stationary: |nu| / beta."""
+    def propose(self, model: LocalModel, state: State, task_dq: Expression) -> NullSpaceDisplacement:
+        """The solution of the quadratic program, and how far H is from stationary: |W nu| / beta."""
         h, n = _reduced_gradient(model), model.robot.n
         weight = np.asarray(self.weight, dtype=float)
         if weight.shape not in ((), (n,)):
             raise ArgumentError("weight", self.weight, f"a positive number, or {n}, one for each velocity entry")
         weight = np.broadcast_to(weight, n)
         length = norm(h)
-        beta = fmin(self.barzilai_borwein(model, state), ratio(state["null_cap"], length))
+        # of all joints: a quadratic program finds the active limits by itself
+        beta = fmin(self.gain.gain(model, state, model.null_gradient), ratio(state["null_cap"], length))
         figures, relaxed = dict[str, Expression](), dict[tuple[str, str], Expression]()
         if model.clearance:
-            move, scale = self._clear(model, weight, beta, task_term)
+            dq, scale = self._with_clearances(model, weight, beta, task_dq)
             figures["task_share"] = scale
-            short = logic_and((1 - scale) * norm(task_term) > SHORT, scale < MOST)
+            short = logic_and((1 - scale) * norm(task_dq) > NEGLIGIBLE, scale < WHOLE)
             relaxed["task step", "share"] = if_else(short, 1 - scale, 0)
         else:
-            move, scale = self._within_limits(model, weight, beta, length, task_term), 1
-        moved = norm(move)
-        return NullMove(
-            term=-move,
-            length=moved,
-            decrease=-dot(model.full_gradient, move),
+            dq, scale = self._within_limits(model, weight, beta, length, task_dq), 1
+        return NullSpaceDisplacement(
+            dq=dq,
             beta=beta,
-            stationarity_residual=ratio(norm(weight * move), beta),
+            stationarity_residual=ratio(norm(weight * dq), beta),
             task_scale=scale,
-            keeps_limits=True,
+            within_limits=True,
             figures=figures,
             relaxed=relaxed,
         )
 
+    def adapt(self, model: LocalModel, state: State, null_space: NullSpaceDisplacement, outcome: Outcome) -> State:
+        """The state of the gain after the outcome is known."""
+        return self.gain.adapt(model, state, model.null_gradient, null_space, outcome)
+
     def _within_limits(
-        self, model: LocalModel, weight: Array, beta: Expression, length: Expression, task_term: Expression
+        self, model: LocalModel, weight: Array, beta: Expression, length: Expression, task_dq: Expression
     ) -> Expression:
-        """nu: no motion of the task, and the sum of both terms in the box."""
+        """nu that does not move the end effector, the sum of both displacements in the box."""
         low, high = model.box
-        worth = if_else(length > NOISE * norm(model.full_gradient), 1, 0)
+        counts = if_else(significant(length, norm(model.gradient)), 1, 0)
         answer = model.solve(
             QuadraticProgram(
                 P=diag(vertcat(*weight.tolist())),
-                q=worth * beta * model.full_null_gradient,  # the rest of the gradient is the multipliers' alone
-                lower=low + task_term,
-                upper=high + task_term,
-                rows=[_task_rows(model, model.full_rows.unit_basis)],
+                q=counts * beta * model.null_gradient,  # the rest of the gradient changes only the multipliers
+                lower=low - task_dq,
+                upper=high - task_dq,
+                rows=[_task_rows(model, model.row_space.unit_basis)],
                 name="null-space step",
             )
         )
-        return worth * answer.x
+        return counts * answer.x
 
-    def _clear(
-        self, model: LocalModel, weight: Array, beta: Expression, task_term: Expression
+    def _with_clearances(
+        self, model: LocalModel, weight: Array, beta: Expression, t: Expression
     ) -> tuple[Expression, Expression]:
-        """nu and the share s of the task step t that the clearances leave room for, from (y, s) with y = s t + nu.
+        """nu and the share s of the task displacement t that the clearances allow, from (y, s) with y = s t + nu.
 
-        Without bodies that are too near y = 0, s = 0 is always feasible, with them y = x, s = 0, the step that moves
-        them out, whose motion of the task stays. s comes before H: its price is far above what nu could gain. Its
-        unit in the program is chosen so that the curvature is 1, however short t is.
+        If no distance is too small, y = 0 and s = 0 are feasible; otherwise y = x and s = 0, with x the restoration
+        step, whose change of the task stays. s has priority over H: its penalty weight is far above what nu could gain.
+        Its unit in the quadratic program is chosen so that the curvature is 1, however short t is.
         """
-        n, t = model.robot.n, -task_term
+        n = model.robot.n
         low, high = model.box
-        K = model.full_rows.unit_basis
-        Wt, slope = weight * t, beta * model.full_null_gradient  # the rest of the gradient is the multipliers' alone
-        price = _PRICE * (dot(t, Wt) + norm(slope) * norm(t) + TINY) + _LEAST_PRICE
-        unit = sqrt(dot(t, Wt) + price)
+        K = model.row_space.unit_basis
+        Wt, gradient = weight * t, beta * model.null_gradient  # the rest of it changes only the multipliers
+        penalty = PENALTY * (dot(t, Wt) + norm(gradient) * norm(t) + TINY) + SMALLEST_PENALTY
+        unit = sqrt(dot(t, Wt) + penalty)
         P = vertcat(horzcat(diag(vertcat(*weight.tolist())), -Wt / unit), horzcat(-Wt.T / unit, 1))
-        q = vertcat(slope, -(dot(slope, t) + price) / unit)
-        room = model.recovery
-        kept, demanded = room.rows, K @ room.step
+        q = vertcat(gradient, -(dot(gradient, t) + penalty) / unit)
+        restoration = model.restoration
+        kept, demanded = restoration.rows, K @ restoration.dq
         answer = model.solve(
             QuadraticProgram(
                 P=P,
@@ -165,35 +179,22 @@ class QPSecondary(ProjectedGradient):
 
 
 def _reduced_gradient(model: LocalModel) -> Expression:
-    """(I - J+ J) dH/dv over the joints that its own direction does not press against a limit, (n, 1): for the gain.
+    """(I - J+ J) dH/dv of the joints that -h does not push outward at a limit, (n, 1): for the gain.
 
-    A guess of what the program will find, right at the end: there it vanishes, where that of all joints need not.
+    An estimate of what the quadratic program will find. At the optimum it vanishes, where that of all joints need not.
     """
-    h = model.full_null_gradient
+    h = model.null_gradient
     if not model.bounded:
         return h
     low, high = model.box
     free: list[Expression] = [1] * model.robot.n
     for _, j in model.bounded:
-        pressed = logic_or(logic_and(high[j] < AT_LIMIT, h[j] < 0), logic_and(low[j] > -AT_LIMIT, h[j] > 0))
-        free[j] = logic_not(pressed)
-    J = horzcat(*[model.full_J[:, j] * keep for j, keep in enumerate(free)])
-    return RowSpace(J).split(vertcat(*free) * model.full_gradient).null
+        outward = logic_or(logic_and(high[j] < AT_LIMIT, h[j] < 0), logic_and(low[j] > -AT_LIMIT, h[j] > 0))
+        free[j] = logic_not(outward)
+    J = horzcat(*[model.J[:, j] * keep for j, keep in enumerate(free)])
+    return RowSpace(J).split(vertcat(*free) * model.gradient).null
 
 
 def _task_rows(model: LocalModel, matrix: Expression, to: Expression = 0) -> Rows:
     """matrix x = to; rows of zeros, of a dependent task, are free."""
-    return Rows("task", matrix, *[to + model.full_rows.dependent_bounds(side) for side in (-1, 1)])
-
-
-SHORT = 1e-6
-"""Length of a task step [rad] below which it is no matter how much of it is left out."""
-
-MOST = 0.999
-"""A share of the task step above this is all of it, but for the solver's rounding."""
-
-_PRICE = 1e4
-"""Price of a share of the task step in units of what the null space could gain: near enough to strict priority."""
-
-_LEAST_PRICE = 1e-9
-"""Keeps the program strictly convex in s where there is no task step left."""
+    return Rows("task", matrix, *[to + model.row_space.dependent_bounds(side) for side in (-1, 1)])

@@ -4,25 +4,32 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from jtik import register_secondary
-from jtik._step.active_set import AT_LIMIT
+from jtik.constraints.limits import AT_LIMIT
 from jtik.errors import ArgumentError
 from jtik.qp import QuadraticProgram, Rows
-from jtik.strategy import LocalModel, NullMove, Outcome, SecondaryTerm, Shape, State
+from jtik.strategy import (
+    LocalModel,
+    NullSpaceDisplacement,
+    Outcome,
+    SecondaryTerm,
+    Shape,
+    State,
+    check_choice,
+    check_positive,
+)
 from jtik.strategy.curvature import lagrangian_hessian
 from jtik.symbolic import (
     TINY,
     Expression,
     diag,
     dot,
-    fabs,
     fmax,
     fmin,
     horzcat,
@@ -40,10 +47,8 @@ from jtik.symbolic import (
 )
 from jtik.symbolic.factorization import RowSpace, Split
 from jtik.types import Array
-from jtik_formulations.strategies.projected_gradient import NOISE
-
-FLAT, RAISED = 1e-8, 1e-2
-"""A pivot of the reduced Hessian below the first fraction of its largest entry counts as zero; what it is raised to."""
+from jtik_formulations.strategies._parts.convexified import convexified
+from jtik_formulations.strategies._parts.significance import significant
 
 NEGATIVE = 1e-3
 """A pivot below minus this fraction is a way down without an end in sight: the step goes as far as its cap."""
@@ -60,8 +65,8 @@ STIFFEST = 1e3
 class SecondOrder(SecondaryTerm):
     """With Newton's task step t, both together are the SQP step: quadratic convergence to the constrained optimum.
 
-    x = -nu minimises (dH/dv - W t)' x + 1/2 x' W x where J x = 0 and t and x together keep to the limits, with
-    W = d2(H + lambda' r)/dv2 at v = 0. Where W is not positive definite on the null space it is made so.
+    x minimises (dH/dv + W t)' x + 1/2 x' W x where J x = 0 and t + x keeps to the limits, with t the task displacement
+    and W = d2(H + lambda' r)/dv2 at v = 0. Where W is not positive definite on the null space it is made so.
 
     Prefer it where the optimum is wanted to the last digits, or where H is so badly scaled that the gradient creeps;
     a step costs several times that of `ProjectedGradient`.
@@ -70,8 +75,9 @@ class SecondOrder(SecondaryTerm):
         curvature: ``"exact"``: W as above; ``"gauss_newton"``: without the curvature of the task, the term with
             lambda. Cheaper, and convex where H is, but of linear convergence where lambda is not zero.
         step_limit: longest null-space step [rad].
-        corrections: how often the step is mended by J+ times what the tip would miss on it. Without any the merit
-            refuses good steps near the optimum (Maratos effect); with one still those along a valley of H.
+        corrections: number of second-order corrections, each -J+ times the task error that the step would leave.
+            Without any the merit function refuses good steps near the optimum (Maratos effect); with one it still
+            refuses those along a valley of H.
 
     Source: Nocedal and Wright, *Numerical Optimization*, chapters 15 and 18; Gill, Murray and Wright (1981) for the
     modified factorisation; Maratos (1978), Fletcher (1982) for the correction.
@@ -85,27 +91,25 @@ class SecondOrder(SecondaryTerm):
     source = "Nocedal and Wright 2006, chapter 18; Gill, Murray and Wright 1981"
 
     def __post_init__(self) -> None:
-        if not (isinstance(self.curvature, str) and self.curvature in ("exact", "gauss_newton")):
-            raise ArgumentError("curvature", self.curvature, "'exact' or 'gauss_newton'")
-        if not 0 < self.step_limit < math.inf:
-            raise ArgumentError("step_limit", self.step_limit, "a positive, finite length [rad]")
+        check_choice("curvature", self.curvature, ("exact", "gauss_newton"))
+        check_positive("step_limit", self.step_limit)
         if isinstance(self.corrections, bool) or not (isinstance(self.corrections, int) and self.corrections >= 0):
-            raise ArgumentError("corrections", self.corrections, "an integer from 0")
+            raise ArgumentError("corrections", self.corrections, "a non-negative integer")
 
     def uses_qp(self) -> bool:
-        """Yes."""
+        """Always."""
         return True
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
-        """The cap of the step; without the exact Hessian also the last step and the slope it began with."""
+        """The cap of the step; without the exact Hessian also the last step and the gradient it began with."""
         first = {"null_cap": np.full(1, self.step_limit)}
         if self.curvature == "gauss_newton":
-            first |= {"null_step": np.zeros(shape.n), "slope": np.zeros(shape.n)}
+            first |= {"null_step": np.zeros(shape.n), "lagrangian_gradient": np.zeros(shape.n)}
         return first
 
-    def propose(self, model: LocalModel, state: State, task_term: Expression) -> NullMove:
-        """The program's answer, and how far H is from stationary."""
-        free, rows, split, slope = _optimality(model)
+    def propose(self, model: LocalModel, state: State, task_dq: Expression) -> NullSpaceDisplacement:
+        """The solution of the quadratic program, and how far H is from stationary."""
+        free, rows, split, gradient = _optimality(model)
         W = lagrangian_hessian(
             model.robot,
             model.criterion_function,
@@ -116,117 +120,80 @@ class SecondOrder(SecondaryTerm):
             multipliers=-split.multipliers if self.curvature == "exact" else None,
         )
         if self.curvature == "gauss_newton":
-            W = _stiffness(W, state["null_step"], slope - state["slope"]) * W
+            W = _stiffness(W, state["null_step"], gradient - state["lagrangian_gradient"]) * W
         basis = rows.unit_basis
         onto_null = diag(free) - basis.T @ basis
         reduced = onto_null @ W @ onto_null
-        slope_there = slope - onto_null @ (W @ rows.least_squares(model.full_J @ task_term).vector)
-        size = fmax(norm_inf(vec(reduced)), norm_inf(slope_there) / self.step_limit) + TINY
+        after_task = gradient + onto_null @ (W @ rows.least_squares(model.J @ task_dq).vector)
+        size = fmax(norm_inf(vec(reduced)), norm_inf(after_task) / self.step_limit) + TINY
         others = identity(model.robot.n) - onto_null
-        bend, definite, lowest = convexified(reduced / size + others)
+        hessian, definite, lowest = convexified(reduced / size + others)
 
         cap = state["null_cap"]
         low, high = model.box
-        lower, upper = fmax(low + task_term, -cap), fmin(high + task_term, cap)
+        lower, upper = fmax(low - task_dq, -cap), fmin(high - task_dq, cap)
         moving = _moving(model)
-        tip = RowSpace(_masked(model.full_J, moving)) if model.bounded else model.rows
-        fixed = Rows("task", tip.unit_basis, *[tip.dependent_bounds(side) for side in (-1, 1)])
-        # solvers have absolute tolerances: an answer of order 1 to data of order 1. A step that the cap cuts most of
-        # goes down the slope, as one of infinite curvature does
-        push = moving * slope_there / size
-        steep = norm_inf(push)
+        task = RowSpace(_masked(model.J, moving)) if model.bounded else model.row_space_free
+        fixed = Rows("task", task.unit_basis, *[task.dependent_bounds(side) for side in (-1, 1)])
+        # solvers have absolute tolerances: data and solution are scaled to order 1. A step much longer than the cap
+        # follows the negative gradient, as one of infinite curvature does
+        scaled = moving * after_task / size
+        steep = norm_inf(scaled)
         unit, ease = fmin(cap, steep) + TINY, fmax(1, ratio(steep, cap))
-        P = (bend + (ease - 1) * identity(model.robot.n)) / ease
+        P = (hessian + (ease - 1) * identity(model.robot.n)) / ease
         answer = model.solve(
-            QuadraticProgram(P, ratio(push, steep), lower / unit, upper / unit, [fixed], "null-space step")
+            QuadraticProgram(P, ratio(scaled, steep), lower / unit, upper / unit, [fixed], "null-space step")
         )
         x = fmin(fmax(unit * answer.x, lower), upper)
-        significant = norm(slope_there) > NOISE * norm(model.full_gradient)
+        counts = significant(norm(after_task), norm(model.gradient))
         longest = ratio(cap, norm(x))
-        x = if_else(significant, 1, 0) * if_else(lowest < -NEGATIVE, longest, fmin(1, longest)) * x
-        stationarity_residual = _stationarity_residual(model, slope)
-        return NullMove(
-            term=-x,
-            length=norm(x),
-            decrease=-dot(slope, x),
-            beta=math.nan,
-            stationarity_residual=stationarity_residual,
-            figures={"null_residual": stationarity_residual, "positive_definite": definite},
+        x = if_else(counts, 1, 0) * if_else(lowest < -NEGATIVE, longest, fmin(1, longest)) * x
+        residual = _stationarity_residual(model, gradient)
+        return NullSpaceDisplacement(
+            dq=x,
+            decrease=-dot(gradient, x),
+            stationarity_residual=residual,
+            figures={"null_residual": residual, "positive_definite": definite},
         )
 
-    def correct(self, model: LocalModel, term: Expression) -> Expression:
-        """Near the target the step lengthened by J+ times what the tip misses on it, again and again."""
+    def correct(self, model: LocalModel, dq: Expression) -> Expression:
+        """Near the target the step with its second-order corrections, -J+ times the task error that it would leave."""
         if not self.corrections:
-            return term
-        wanted = model.here.residual - model.full_J @ term
-        there, mended = model.moved(term), term
-        rows = RowSpace(_masked(model.full_J, _free(model, there.q))) if model.bounded else model.rows
+            return dq
+        wanted = model.here.residual + model.J @ dq
+        there, corrected = model.candidate(dq), dq
+        rows = RowSpace(_masked(model.J, _free(model, there.q))) if model.bounded else model.row_space_free
         for k in range(self.corrections):
-            missed = (there if k == 0 else model.moved(mended)).residual - wanted
-            mended = model.within_limits(mended + rows.least_squares(missed).vector)
-        small = logic_and(model.near, norm(mended - term) <= SHORT * norm(term))
-        return if_else(small, mended, term)
+            missed = (there if k == 0 else model.candidate(corrected)).residual - wanted
+            corrected = model.within_limits(corrected - rows.least_squares(missed).vector)
+        small = logic_and(model.near_target, norm(corrected - dq) <= SHORT * norm(dq))
+        return if_else(small, corrected, dq)
 
-    def adapt(self, model: LocalModel, state: State, move: NullMove, outcome: Outcome) -> State:
-        """The cap: four times after an acceptance, a quarter of the step after a refusal that is its fault."""
-        cap, tried = state["null_cap"], outcome.null.length
-        shorter = if_else(outcome.null_blamed, fmin(tried, cap) / 4, cap)
+    def adapt(self, model: LocalModel, state: State, null_space: NullSpaceDisplacement, outcome: Outcome) -> State:
+        """The cap: four times after an acceptance, a quarter of the step after a refusal for its length."""
+        cap, tried = state["null_cap"], outcome.null_space.length
+        shorter = if_else(outcome.shorten_null_space, fmin(tried, cap) / 4, cap)
         after = {"null_cap": if_else(outcome.accepted, fmin(4 * cap, self.step_limit), shorter)}
         if self.curvature == "gauss_newton":
-            after["null_step"] = if_else(outcome.accepted, -outcome.null.term, state["null_step"])
-            after["slope"] = if_else(outcome.accepted, _optimality(model)[3], state["slope"])
+            after["null_step"] = if_else(outcome.accepted, outcome.null_space.dq, state["null_step"])
+            gradient, before = _optimality(model)[3], state["lagrangian_gradient"]
+            after["lagrangian_gradient"] = if_else(outcome.accepted, gradient, before)
         return after
 
 
-def convexified(A: Expression) -> tuple[Expression, Expression, Expression]:
-    """A symmetric ``A`` (n, n) with entries of order 1, plus a diagonal that makes it positive definite; whether that
-    is zero; and the lowest pivot, or 0.
-
-    It is exactly zero where A is positive definite. By the modified factorisation L D L' of Gill, Murray and Wright
-    (1981): a pivot that is not above FLAT, or too small for the column it divides, is raised.
-    """
-    n = A.shape[0]
-    diagonal = [fabs(A[i, i]) for i in range(n)]
-    others = [fabs(A[i, j]) for i in range(n) for j in range(i)]
-    most = fmax(2 * _largest(diagonal), _largest(others)) + TINY  # of any entry of L D^1/2, squared
-    rest = [[A[i, j] for j in range(i + 1)] for i in range(n)]
-    added, definite, lowest = [], 1, 0
-    for j in range(n):
-        column = [rest[i][j] for i in range(j + 1, n)]
-        least = _largest([fabs(entry) for entry in column]) ** 2 / most
-        pivot = rest[j][j]
-        good = logic_and(pivot > FLAT, pivot >= least)
-        used = if_else(good, pivot, fmax(fmax(fabs(pivot), least), RAISED))
-        added.append(used - pivot)
-        definite = logic_and(definite, good)
-        lowest = fmin(lowest, pivot)
-        for i in range(j + 1, n):
-            factor = rest[i][j] / used
-            for k in range(j + 1, i + 1):
-                rest[i][k] = rest[i][k] - factor * rest[k][j]
-    return A + diag(vertcat(*added)), definite, lowest
-
-
 def _optimality(model: LocalModel) -> tuple[Expression, RowSpace, Split, Expression]:
-    """Joints not at a limit, the row space of their Jacobian, their gradient in it, and the slope of the Lagrangian."""
+    """Joints not at a limit, the row space of their Jacobian, their gradient in it, and that of the Lagrangian."""
     free = _free(model, model.here.q)
-    rows = RowSpace(_masked(model.full_J, free)) if model.bounded else model.rows
-    split = rows.split(free * model.full_gradient)
-    pressed = model.full_gradient - model.full_J.T @ split.multipliers
-    return free, rows, split, if_else(free, split.null, pressed)
+    rows = RowSpace(_masked(model.J, free)) if model.bounded else model.row_space_free
+    split = rows.split(free * model.gradient)
+    at_limit = model.gradient - model.J.T @ split.multipliers
+    return free, rows, split, if_else(free, split.null, at_limit)
 
 
 def _stiffness(W: Expression, step: Expression, change: Expression) -> Expression:
-    """How much more the slope changed along the last step than W says, from 1: what W leaves out must not overshoot."""
-    said = dot(step, W @ step)
-    return if_else(said > 0, fmin(fmax(ratio(dot(step, change), fmax(said, 0)), 1), STIFFEST), 1)
-
-
-def _largest(values: Sequence[Expression]) -> Expression:
-    largest: Expression = 0
-    for value in values:
-        largest = fmax(largest, value)
-    return largest
+    """How much more the gradient changed along the last step than W predicts, at least 1, to prevent overshoot."""
+    predicted = dot(step, W @ step)
+    return if_else(predicted > 0, fmin(fmax(ratio(dot(step, change), fmax(predicted, 0)), 1), STIFFEST), 1)
 
 
 def _free(model: LocalModel, q: Expression) -> Expression:
@@ -238,11 +205,11 @@ def _free(model: LocalModel, q: Expression) -> Expression:
 
 
 def _moving(model: LocalModel) -> Expression:
-    """0 for the joints whose limit the task presses them against on the way to the target, else 1, (n, 1)."""
+    """0 for the joints that the task pushes outward at a limit on the way to the target, else 1, (n, 1)."""
     entries: list[Expression] = [1] * model.robot.n
     for _, j in model.bounded:
-        pressed = logic_and(sumsqr(model.J[:, j]) == 0, sumsqr(model.full_J[:, j]) > 0)
-        entries[j] = logic_or(model.near, logic_not(pressed))
+        outward = logic_and(sumsqr(model.J_free[:, j]) == 0, sumsqr(model.J[:, j]) > 0)
+        entries[j] = logic_or(model.near_target, logic_not(outward))
     return vertcat(*entries)
 
 
@@ -251,10 +218,10 @@ def _masked(J: Expression, free: Expression) -> Expression:
     return horzcat(*[J[:, j] * free[j] for j in range(J.shape[1])])
 
 
-def _stationarity_residual(model: LocalModel, slope: Expression) -> Expression:
-    """Norm of the slope of the Lagrangian over the joints it does not press against a limit they are at."""
+def _stationarity_residual(model: LocalModel, gradient: Expression) -> Expression:
+    """Norm of the gradient of the Lagrangian, without the joints that it pushes outward at a limit."""
     q = model.here.q
-    entries = [slope[j] for j in range(model.robot.n)]
+    entries = [gradient[j] for j in range(model.robot.n)]
     for i, j in model.bounded:
         entries[j] = if_else(q[i] >= model.upper[i] - AT_LIMIT, fmax(entries[j], 0), entries[j])
         entries[j] = if_else(q[i] <= model.lower[i] + AT_LIMIT, fmin(entries[j], 0), entries[j])

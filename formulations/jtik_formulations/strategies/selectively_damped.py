@@ -7,17 +7,27 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-import numpy as np
-
 from jtik import register_strategy
 from jtik.errors import ArgumentError
-from jtik.strategy import Acceptance, Composition, LocalModel, Outcome, SecondaryTerm, Shape, State, TaskMove, TaskStep
+from jtik.strategy import (
+    Acceptance,
+    Backtracking,
+    Composition,
+    LocalModel,
+    Outcome,
+    SecondaryTerm,
+    Shape,
+    State,
+    TaskDisplacement,
+    TaskStep,
+    acceptance_beside,
+    check_choice,
+    check_positive,
+)
 from jtik.symbolic import Expression, fabs, fmax, fmin, if_else, norm, ratio, vertcat
 from jtik.symbolic.svd import SingularValues
 from jtik.types import Array
-from jtik_formulations.strategies.damped import positive
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
-from jtik_formulations.strategies.transpose import backtracked, judged
 
 Clamp = Literal["hard", "soft"]
 
@@ -30,30 +40,27 @@ class SelectivelyDampedStep(TaskStep):
     max_angle: float
     max_error: float
     effectors: tuple[tuple[int, ...], ...] | None
-    backtracking: bool
+    backtracking: Backtracking
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
-        """The fraction of the step that backtracking has come down to."""
-        return {"fraction": np.ones(1)} if self.backtracking else {}
+        """The fraction of the step to take."""
+        return self.backtracking.initial_state()
 
-    def propose(self, model: LocalModel, state: State) -> TaskMove:
+    def propose(self, model: LocalModel, state: State) -> TaskDisplacement:
         """-sum of the clamped phi_i, clamped."""
-        found, effectors = SingularValues(model.J), self._effectors(model.J.shape[0])
-        components = found.components(self._clamped_error(model.here.residual, effectors))
-        reach = [sum(norm(model.J[list(rows), j]) for rows in effectors) for j in range(model.robot.n)]
+        found, effectors = SingularValues(model.J_free), self._effectors(model.J_free.shape[0])
+        components = found.components(self._clamped_error(-model.here.residual, effectors))
+        reach = [sum(norm(model.J_free[list(rows), j]) for rows in effectors) for j in range(model.robot.n)]
         gains = []
         for i, (component, row, squared) in enumerate(zip(components, found.rows, found.squared, strict=True)):
             wanted = sum(norm(found.left[i][list(rows)]) for rows in effectors) if len(effectors) > 1 else 1
             moved = sum(fabs(row[j]) * reach[j] for j in range(model.robot.n))
             limit = self.max_angle * fmin(1, ratio(wanted * squared, moved))
             gain = ratio(component, squared)
-            gains.append(gain * self._scale(limit, fabs(gain) * _largest_turn(model, row)))
-        term = found.combined(gains)
-        scale = self._scale_of_sum(_largest_turn(model, term))
-        if self.backtracking:
-            scale = scale * state["fraction"]
-        term = scale * term
-        return TaskMove(term, scale * found.image(gains), norm(term), math.nan)
+            gains.append(gain * self._scale(limit, fabs(gain) * _largest_rotation(model, row)))
+        full = found.combined(gains)
+        scale = self._scale_of_sum(_largest_rotation(model, full)) * self.backtracking.fraction(state)
+        return TaskDisplacement(scale * full, scale * found.image(gains))
 
     def _scale(self, limit: Expression, angle: Expression) -> Expression:
         """The factor that brings an angle down to its limit."""
@@ -85,15 +92,15 @@ class SelectivelyDampedStep(TaskStep):
                 entries[row] = scale * r[row]
         return vertcat(*entries)
 
-    def adapt(self, model: LocalModel, state: State, move: TaskMove, outcome: Outcome) -> State:
-        """Half the step after a refusal, twice the fraction after an acceptance."""
-        return backtracked(state, outcome) if self.backtracking else {}
+    def adapt(self, model: LocalModel, state: State, task: TaskDisplacement, outcome: Outcome) -> State:
+        """The fraction to take next."""
+        return self.backtracking.adapt(state, outcome)
 
 
-def _largest_turn(model: LocalModel, step: Expression) -> Expression:
-    """The largest angle in a step [rad]; slides are not clamped."""
+def _largest_rotation(model: LocalModel, step: Expression) -> Expression:
+    """The largest angle in a step [rad]; prismatic joints are not clamped."""
     largest: Expression = 0
-    for j in model.turning:
+    for j in model.rotational_entries:
         largest = fmax(largest, fabs(step[j]))
     return largest
 
@@ -131,9 +138,8 @@ class SelectivelyDamped(Composition):
     source = "Buss and Kim 2005"
 
     def __post_init__(self) -> None:
-        if self.clamp not in ("hard", "soft"):
-            raise ArgumentError("clamp", self.clamp, "'hard' or 'soft'")
-        positive("max_angle", self.max_angle)
+        check_choice("clamp", self.clamp, ("hard", "soft"))
+        check_positive("max_angle", self.max_angle)
         if not self.max_error > 0:
             raise ArgumentError("max_error", self.max_error, "a positive length [m], math.inf for none")
         if self.effectors is not None:
@@ -146,13 +152,13 @@ class SelectivelyDamped(Composition):
             max_angle=self.max_angle,
             max_error=self.max_error,
             effectors=self.effectors,
-            backtracking=self.backtracking,
+            backtracking=Backtracking(self.backtracking),
         )
 
     def secondary_term(self) -> SecondaryTerm:
-        """-beta (I - J+ J) grad H."""
+        """As given."""
         return self.secondary
 
     def acceptance(self) -> Acceptance:
         """By merit, by the task step, or always."""
-        return judged(self.backtracking, self.secondary)
+        return acceptance_beside(self.backtracking, self.secondary)

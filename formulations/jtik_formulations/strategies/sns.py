@@ -1,4 +1,4 @@
-"""SNS, saturation in the null space: the task keeps its direction, the limits hold (formulations/sns.md)."""
+"""SNS, saturation in the null space: the task keeps its direction within the limits (formulations/sns.md)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Literal
 
 from jtik import register_strategy
 from jtik.errors import ArgumentError
-from jtik.strategy import LocalModel
+from jtik.strategy import LocalModel, check_choice
 from jtik.symbolic import Expression
 from jtik_formulations.strategies._parts.basic_saturation import BasicSaturation
 from jtik_formulations.strategies._parts.saturation import Saturation
@@ -29,10 +29,11 @@ def sns(
 
     Args:
         J: Jacobian (m, n).
-        xdot: what the task asks for (m, 1), in the range of J.
-        lower, upper: bounds of dq (n, 1) each, with 0 between them.
-        rule: "optimal": the largest s there is, and of all dq that reach it the shortest. "basic": joints that have
-            been put at a bound stay there; s may be smaller.
+        xdot: wanted task displacement (m, 1), in the range of J.
+        lower: lower bounds of dq (n, 1), at most 0.
+        upper: upper bounds of dq (n, 1), at least 0.
+        rule: "optimal": the largest s, and of all dq that reach it the shortest. "basic": joints that have been put at
+            a bound stay there; s may be smaller.
         rounds: how many joints the rule "optimal" may put at a bound or take off it; 2 n by default.
     """
     n = J.shape[1]
@@ -48,17 +49,17 @@ def sns(
 class SNS(TaskScaling):
     """J dq = -s r within the limits of positions and steps, with the largest s; of all such dq the nearest to the wish.
 
-    The tip goes straight towards its target, and a joint that reaches a limit leaves its work to the others: only what
-    all of them cannot do together makes the step shorter. The wish is -beta grad H of a criterion, or no motion.
-    Several levels of priority come one after the other, each with a scale of its own. Needs no QP solver.
+    The end effector moves straight towards its target. The joints that are left take over the motion of a joint that
+    reaches a limit; the step gets shorter only where all of them together cannot make it. The wish is -beta grad H of a
+    criterion, or no motion. Levels of priority follow one another, each with a scale of its own. Needs no QP solver.
 
     Attributes:
         rule: "optimal", or "basic": as first published, where joints once at a limit stay there for the step.
-        rounds: how many joints may come to or off a limit in a step of the rule "optimal", for each level and for the
-            criterion; n by default. Where more had to, the step is shorter than it could be.
+        rounds: how many joints may reach or leave a limit in a step of the rule "optimal", for each level and for the
+            criterion; n by default. If more would have to, the step is shorter than it could be.
         gain: share of the error to remove in a step, in (0, 1].
-        damping: of what is asked for near singular poses, lambda / V [1 / rad^2]; 0 for none.
-        q_limit: most that each rotational joint moves in a step [rad]; math.inf for no limit.
+        damping: damping of the task near singular poses, lambda / V [1 / rad^2]; 0 for none.
+        q_limit: largest motion of each rotational joint in a step [rad]; math.inf for no limit.
         backtracking: halve the step until V falls, or the penalty function of several levels.
         secondary: rule of beta.
 
@@ -73,10 +74,9 @@ class SNS(TaskScaling):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.rule not in ("optimal", "basic"):
-            raise ArgumentError("rule", self.rule, "'optimal' or 'basic'")
+        check_choice("rule", self.rule, ("optimal", "basic"))
         if self.rounds is not None and not (isinstance(self.rounds, int) and self.rounds > 0):
-            raise ArgumentError("rounds", self.rounds, "a positive integer, or None for one a joint")
+            raise ArgumentError("rounds", self.rounds, "a positive integer, or None for one round for each joint")
 
     def releases(self) -> bool:
         """The rule "optimal" does."""

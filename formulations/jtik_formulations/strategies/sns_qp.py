@@ -14,19 +14,19 @@ from jtik.symbolic.factorization import RowSpace, squared_length
 from jtik_formulations.strategies._parts.saturation import DEPENDENT, turned
 from jtik_formulations.strategies._parts.task_scaling import TaskScaling
 
-PRICE = 1e4
-"""What a unit of x along the task is worth in units of |x|^2 / 2: above every price a solution was seen to have."""
+PENALTY = 1e4
+"""Weight of x along the task in units of |x|^2 / 2: above every multiplier that a solution was seen to have."""
 
-HELD = 1e-7
-"""Distance from a bound [rad] or [m] from which a solver's answer is surely not held by it."""
+INACTIVE = 1e-7
+"""Distance from a bound [rad] or [m] above which the bound is surely not active in a solver's solution."""
 
 
 @dataclass(frozen=True)
 class ScalingProgram:
-    """A displacement x in a box by one program a task: the largest share of the task first, then the shortest x.
+    """A displacement x in a box by one QP for each task: the largest share of the task first, then the shortest x.
 
     Attributes:
-        solve: what answers programs.
+        solve: solves quadratic programs.
         lower, upper: the box, (n, 1) each, lower <= 0 <= upper.
         x: the displacement (n, 1).
         rows: Jacobians of the tasks so far (k, n).
@@ -58,9 +58,9 @@ class ScalingProgram:
         length = norm(rest)
         direction = if_else(length > DEPENDENT, 1, 0) * rest / length
         total = norm(change) / (steep * length)
-        free = self.x + total * direction  # the answer without box
+        free = self.x + total * direction  # the solution without a box
         inside = logic_and(self._inside(self.x), self._inside(free))
-        away = self.x - PRICE * fmin(total, 1) * direction
+        away = self.x - PENALTY * fmin(total, 1) * direction
         start = if_else(inside, free, self.x)
         reach = Rows("task", direction.T, zeros(1) - inf, if_else(inside, 0, total))
         x = self._solved(space, start, if_else(inside, 0, 1) * away, [reach], "scaled task")
@@ -69,16 +69,18 @@ class ScalingProgram:
         return replace(self, x=x, rows=vertcat(self.rows, J), scale=scale)
 
     def towards(self, wish: Expression) -> ScalingProgram:
-        """Of all x that do the tasks as this one does the nearest to ``wish`` (n, 1), which moves none of them."""
-        q = if_else(self._inside(self.x), 0, 1) * self.x - wish  # a free x is a right angle to what moves no task
+        """Of all x with the same J x the nearest to ``wish`` (n, 1), which changes no task."""
+        q = (
+            if_else(self._inside(self.x), 0, 1) * self.x - wish
+        )  # without bounds x is orthogonal to what changes no task
         return replace(self, x=self._solved(RowSpace(self.rows), self.x, q, [], "criterion"))
 
     def _inside(self, x: Expression) -> Expression:
-        """1 where no bound holds x."""
-        return logic_and(mmax(self.lower - x) < -HELD, mmax(x - self.upper) < -HELD)
+        """1 where no bound is active at x."""
+        return logic_and(mmax(self.lower - x) < -INACTIVE, mmax(x - self.upper) < -INACTIVE)
 
     def _solved(self, kept: RowSpace, start: Expression, q: Expression, rows: list[Rows], name: str) -> Expression:
-        """The x that minimises 1/2 |x - start|^2 + q' (x - start) within the box, rows and without other motion."""
+        """The x that minimises 1/2 |x - start|^2 + q' (x - start) within box and rows, and keeps the kept rows."""
         basis, n = kept.unit_basis, q.shape[0]
         if basis.shape[0]:
             rows = [Rows("kept", basis, *[kept.dependent_bounds(side) for side in (-1, 1)]), *rows]
@@ -91,11 +93,15 @@ class ScalingProgram:
 class SNSQP(TaskScaling):
     """The steps of ``"sns"`` by quadratic programs: one for each level of priority, and one for the criterion.
 
-    It is there to check the other, and for robots with so many joints that a solver is faster. Options, units and what
-    is guaranteed are those of ``SNS``.
+    For comparison with ``SNS``, and for robots with so many joints that a solver is faster. Options and guarantees are
+    those of ``SNS``.
 
     Attributes:
-        gain, damping, q_limit, backtracking, secondary: as of ``SNS``.
+        gain: share of the error to remove in a step, in (0, 1].
+        damping: damping of the task near singular poses, lambda / V [1 / rad^2]; 0 for none.
+        q_limit: largest motion of each rotational joint in a step [rad]; math.inf for no limit.
+        backtracking: halve the step until V falls, or the penalty function of several levels.
+        secondary: rule of beta.
 
     Source: Flacco, De Luca and Khatib (2015).
     """
@@ -104,9 +110,9 @@ class SNSQP(TaskScaling):
     source = "Flacco, De Luca and Khatib 2015"
 
     def uses_qp(self, has_criterion: bool) -> bool:
-        """One a level, and one for a criterion."""
+        """One for each level, and one for a criterion."""
         return True
 
     def at_rest(self, model: LocalModel, lower: Expression, upper: Expression) -> ScalingProgram:
-        """By programs."""
+        """By quadratic programs."""
         return ScalingProgram.at_rest(model.solve, lower, upper)

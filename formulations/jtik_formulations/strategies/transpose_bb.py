@@ -12,26 +12,32 @@ from jtik import register_strategy
 from jtik.errors import ArgumentError
 from jtik.strategy import (
     Acceptance,
+    Backtracking,
     Composition,
     LocalModel,
     Outcome,
     SecondaryTerm,
     Shape,
     State,
-    TaskMove,
+    TaskDisplacement,
     TaskStep,
     Update,
+    acceptance_beside,
+    check_step_limit,
 )
 from jtik.symbolic import dot, fmax, fmin, if_else, logic_and, norm, ratio, sumsqr, vertcat
 from jtik.types import Array
+from jtik_formulations.strategies._parts.cauchy_step import optimal_gain
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
-from jtik_formulations.strategies.transpose import backtracked, judged, optimal_gain
 
-LONGEST = 1.9
-"""Most that the monotone gain is of the optimal one; from twice that on, the linear model of V does not fall."""
+BACKTRACKING = Backtracking()
+"""The fraction of a step that is taken."""
+
+LARGEST_RATIO = 1.9
+"""Largest ratio of the monotone gain to the optimal one; from 2 on, the linear model of V does not fall."""
 
 SUFFICIENT = 1e-4
-"""Share of the decrease to first order that a step must bring, below the largest V remembered (Grippo 1986)."""
+"""Share of the first-order decrease that a step must bring below the largest V remembered (Grippo 1986)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,30 +46,32 @@ class BarzilaiBorweinStep(TaskStep):
 
     q_limit: float
     monotone: bool
+    backtracking: Backtracking = BACKTRACKING
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
-        """The last step taken and J' r before it, zeros at first, and the fraction backtracking has come down to."""
-        return {"last_step": np.zeros(shape.n), "last_force": np.zeros(shape.n), "fraction": np.ones(1)}
+        """The last step taken and the gradient J' r before it, zeros at first, and the fraction to take."""
+        last = {"last_step": np.zeros(shape.n), "last_gradient": np.zeros(shape.n)}
+        return {**last, **self.backtracking.initial_state()}
 
-    def propose(self, model: LocalModel, state: State) -> TaskMove:
+    def propose(self, model: LocalModel, state: State) -> TaskDisplacement:
         """-alpha J' r."""
-        force = model.task_gradient
-        image = model.J @ force
-        optimal = optimal_gain(sumsqr(force), image)
-        step, change = state["last_step"], force - state["last_force"]
+        gradient = model.task_gradient
+        image = model.J_free @ gradient
+        optimal = optimal_gain(sumsqr(gradient), image)
+        step, change = state["last_step"], gradient - state["last_gradient"]
         curvature = dot(step, change)
         gain = if_else(curvature > 0, ratio(curvature, sumsqr(change)), optimal)
         if self.monotone:
-            gain = fmin(gain, LONGEST * optimal)
-        gain = state["fraction"] * fmin(gain, ratio(self.q_limit, model.rotation_size(force)))
-        return TaskMove(gain * force, gain * image, gain * norm(force), gain)
+            gain = fmin(gain, LARGEST_RATIO * optimal)
+        gain = state["fraction"] * fmin(gain, ratio(self.q_limit, model.rotation_norm(gradient)))
+        return TaskDisplacement(-gain * gradient, -gain * image, gain * norm(gradient), gain)
 
-    def adapt(self, model: LocalModel, state: State, move: TaskMove, outcome: Outcome) -> State:
-        """The step and the force of now if it is taken; after a refusal half the step, after an acceptance twice."""
+    def adapt(self, model: LocalModel, state: State, task: TaskDisplacement, outcome: Outcome) -> State:
+        """The present step and gradient if it is taken, and the fraction to take next."""
         return {
-            "last_step": if_else(outcome.accepted, -move.term, state["last_step"]),
-            "last_force": if_else(outcome.accepted, model.task_gradient, state["last_force"]),
-            **backtracked(state, outcome),
+            "last_step": if_else(outcome.accepted, task.dq, state["last_step"]),
+            "last_gradient": if_else(outcome.accepted, model.task_gradient, state["last_gradient"]),
+            **self.backtracking.adapt(state, outcome),
         }
 
 
@@ -72,14 +80,14 @@ class BarzilaiBorweinStep(TaskStep):
 class TransposeBB(Composition):
     """dq = -alpha J' Kp e - beta (I - J+ J) grad H, with alpha by Barzilai and Borwein.
 
-    alpha is the reciprocal of the curvature of V that the last step has met. Prefer it to ``"transpose"`` wherever no
-    matrix is to be factored but the number of steps matters: many rows, many joints.
+    alpha is the reciprocal of the curvature of V along the last step. Prefer it to ``"transpose"`` wherever no matrix
+    is to be factored but the number of steps matters: many rows, many joints.
 
     Attributes:
-        q_limit: limit of Q, the length of the rotational part of a step [rad].
-        monotone: whether V falls at every step, for which alpha stays below twice the optimal gain. Without, V must
-            fall below the largest of the last ``memory`` values; beside a criterion it makes no difference.
-        memory: how many values.
+        q_limit: limit of Q, the norm of the rotational part of a step [rad].
+        monotone: whether V falls at every step, for which alpha stays below twice the optimal gain. Otherwise V must
+            fall below the largest of the last ``memory`` values; with a criterion it makes no difference.
+        memory: number of values of V remembered.
         secondary: the null-space term.
 
     Source: Barzilai and Borwein (1988); Grippo, Lampariello and Lucidi (1986) and Raydan (1997) for acceptance
@@ -95,22 +103,23 @@ class TransposeBB(Composition):
     source = "Barzilai and Borwein 1988"
 
     def __post_init__(self) -> None:
-        if not 0 < self.q_limit < np.inf:
+        check_step_limit("q_limit", self.q_limit)
+        if self.q_limit == np.inf:
             raise ArgumentError("q_limit", self.q_limit, "a positive, finite angle [rad]")
         if not (isinstance(self.memory, int) and self.memory >= 1):
-            raise ArgumentError("memory", self.memory, "a whole number from 1")
+            raise ArgumentError("memory", self.memory, "a positive integer")
 
     def task_step(self) -> TaskStep:
         """-alpha J' Kp e."""
         return BarzilaiBorweinStep(q_limit=self.q_limit, monotone=self.monotone)
 
     def secondary_term(self) -> SecondaryTerm:
-        """-beta (I - J+ J) grad H."""
+        """As given."""
         return self.secondary
 
     def acceptance(self) -> Acceptance:
-        """By merit, or, without monotony, by the memory."""
-        return judged(self.monotone, self.secondary)
+        """By merit, or, without monotony, by the values remembered."""
+        return acceptance_beside(self.monotone, self.secondary)
 
     def evaluates_candidate(self, has_criterion: bool) -> bool:
         """Always."""
@@ -122,15 +131,18 @@ class TransposeBB(Composition):
         return state if self.monotone or shape.has_criterion else state | {"energies": np.zeros(self.memory)}
 
     def update(self, model: LocalModel, state: State) -> Update:
-        """As composed; without monotony, judged by the memory."""
+        """As composed; without monotony, accepted by the values remembered."""
         if model.has_criterion and not self.monotone:
             return replace(self, monotone=True).update(model, state)
         update = super().update(model, state)
         if self.monotone:
             return update
         kept = [model.here.V, *[state["energies"][i] for i in range(self.memory - 1)]]
-        gained = reduce(fmax, kept) - update.point.V
-        accepted = logic_and(update.accepted, gained >= SUFFICIENT * dot(model.task_gradient, update.term))
+        assert update.candidate is not None
+        assert update.state is not None
+        gained = reduce(fmax, kept) - update.candidate.V
+        promised = -dot(model.task_gradient, update.dq)
+        accepted = logic_and(update.accepted, gained >= SUFFICIENT * promised)
         taken = {**update.state, "energies": vertcat(*kept)}
         refused = {**state, "fraction": state["fraction"] / 2}
         after = {name: if_else(accepted, value, refused[name]) for name, value in taken.items()}

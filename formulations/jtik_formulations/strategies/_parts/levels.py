@@ -1,10 +1,9 @@
-"""The programs of several levels of priority, one after the other (formulations/lexicographic_qp.md)."""
+"""The quadratic programs of several levels of priority, in order of priority (formulations/lexicographic_qp.md)."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 from jtik.qp import QPSolution, QuadraticProgram, Rows
 from jtik.symbolic import (
@@ -32,32 +31,30 @@ from jtik.symbolic import (
 from jtik.symbolic.factorization import RowSpace
 
 DEFINITE = 1e-8
-"""Least curvature of a level's program, relative to |J|^2: keeps it definite, decides what nothing else decides."""
+"""Smallest curvature of a level's quadratic program, relative to |J|^2: keeps it strictly convex."""
 
 MISSED = 1e-5
-"""Fraction of a level's error that is left where limits keep it from its aim, rather than damping or rounding."""
+"""Fraction of a level's error that is left because of limits, rather than of damping or rounding."""
 
-PRESSED = 1e-4
-"""Least multiplier of a limit that does, relative to |J| times the error that is left."""
+ACTIVE = 1e-4
+"""Smallest multiplier of such a limit, relative to |J| times the error that is left."""
 
-
-class Solver(Protocol):
-    """What answers programs, such as a local model."""
-
-    def solve(self, program: QuadraticProgram) -> QPSolution:
-        """The answer."""
+Solve = Callable[[QuadraticProgram], QPSolution]
+"""What solves quadratic programs, such as ``model.solve``."""
 
 
 @dataclass(frozen=True)
 class Descent:
-    """What the levels came to.
+    """The displacement of all levels.
 
-    Attributes: step (n, 1); free (n, 1), 0 for a joint whose limit keeps a level from its aim: whoever moves it away
-    from there makes that level worse, so it has nothing left to give to what comes below; else 1; missed, for each
-    level the norm of the error that limits and rows leave of it, 0 where they do not keep it from its aim.
+    Attributes:
+        dq: displacement (n, 1).
+        free: 0 for a joint whose limit keeps a level from its target, else 1, (n, 1). Moving it away from the limit
+            makes that level worse, so that it is not available to what comes below.
+        missed: for each level the norm of the error that limits and rows leave, 0 where they leave none.
     """
 
-    step: Expression
+    dq: Expression
     free: Expression
     missed: Sequence[Expression]
 
@@ -67,100 +64,125 @@ def descend(
     r: Expression,
     levels: Sequence[Sequence[int]],
     box: tuple[Expression, Expression],
-    solver: Solver,
+    solve: Solve,
     *,
     damping: float = 0.0,
-    brake: Expression = 0,
+    added_damping: Expression = 0,
     rows: Rows | None = None,
     start: Expression | None = None,
 ) -> Descent:
-    """x (n, 1) that lexicographically minimises |r_k + J_k x| over the levels k, within the box and the rows.
+    """The displacement that lexicographically minimises |r_k + J_k dq| over the levels k, within the box and the rows.
 
     Args:
         J: Jacobian of all levels, (m, n).
         r: residual, (m, 1).
         levels: rows of each level, the highest first.
-        box: lower and upper bounds of x, (n, 1) each, with 0 between them.
-        solver: what answers the programs.
+        box: lower and upper bounds of dq, (n, 1) each, with 0 between them.
+        solve: solves the quadratic programs.
         damping: of each level's step, in proportion to half its squared error.
-        brake: damping of all levels' steps.
+        added_damping: damping of all levels' steps.
         rows: inequalities that hold at every level; ``start`` must satisfy them.
-        start: the x to which the first level adds its own, within the box; 0 by default.
+        start: displacement to which the first level adds its own, within the box; 0 by default.
     """
     n = J.shape[1]
     x = zeros(n) if start is None else start
     free, above = vertcat(*[1] * n), list[int]()
     missed = list[Expression]()
     for k, level in enumerate(map(list, levels)):
-        # a joint that a level above has pressed against its limit is none of this level's
+        # a joint whose limit is active for a level above is not available to this level
         space = RowSpace(J[above + level, :] @ diag(free) if above else J[level, :])
         kept = []
         if above:
             bounds = [space.dependent_bounds(side)[: len(above)] for side in (-1, 1)]
             kept = [Rows("levels above", space.unit_basis[: len(above), :], *bounds)]
-        own = space.unit_basis[len(above) :, :]  # what this level can move and none above it feels
-        x, pressed, left = _level(J[level, :], r[level], own, x, box, solver, kept, damping, brake, rows, f"level {k}")
-        free = vertcat(*[logic_and(free[j], logic_not(pressed[j])) for j in range(n)])
+        own = space.unit_basis[len(above) :, :]  # directions that move this level and none above it
+        step = _Level(J[level, :], r[level], own, box, kept, damping, added_damping, rows, f"level {k}")
+        x, active, left = step.solved(x, solve)
+        free = vertcat(*[logic_and(free[j], logic_not(active[j])) for j in range(n)])
         above = above + level
         missed.append(left)
     return Descent(x, free, missed)
 
 
-def _level(
-    J: Expression,
-    r: Expression,
-    own: Expression,
-    x: Expression,
-    box: tuple[Expression, Expression],
-    solver: Solver,
-    kept: list[Rows],
-    damping: float,
-    brake: Expression,
-    rows: Rows | None,
-    name: str,
-) -> tuple[Expression, list[Expression], Expression]:
-    """From the answer of the levels above to that of this one too; which joints' limits keep it from its aim; and what
-    error limits and rows leave of it."""
-    (low, high), (m, n) = box, J.shape
-    C = J @ own.T
-    error = r + J @ x
-    mu = damping * sumsqr(error) / 2 + brake
-    # the answer without limits: (C' C + mu I)^-1 C' error, and of all least-squares answers the shortest
-    y = -own.T @ RowSpace(horzcat(C, sqrt(mu) * identity(m))).least_squares(error).vector[:m]
-    inside = fmin(fmax(x + y, low), high) - x
-    part = fmin(1, ratio(norm(inside), norm(y)))  # far outside the box, numbers of its size are better
-    start = x + part * y
-    size = sumsqr(J.reshape((-1, 1)))
-    scale = fmax(mu, DEFINITE * size) + TINY  # at this scale the solver's tolerance is one of joints
-    curved = C / sqrt(scale) @ own
-    room = [low - start, high - start]
-    there = logic_and(part >= 1, logic_and(mmax(room[0]) <= 0, mmin(room[1]) >= 0))
-    if rows:  # what rounding broke above may stay
-        used = rows.matrix @ start
-        lower, upper = fmin(rows.lower, rows.matrix @ x), fmax(rows.upper, rows.matrix @ x)
-        kept = [*kept, Rows(rows.name, rows.matrix, lower - used, upper - used)]
-        there = logic_and(there, logic_and(mmax(lower - used) <= 0, mmin(upper - used) >= 0))
-    answer = solver.solve(
-        QuadraticProgram(
-            P=curved.T @ curved + identity(n),
-            q=(part - 1) * (curved.T @ (curved @ y) + mu / scale * y),  # zero where no limit is in the way
-            lower=room[0],
-            upper=room[1],
-            rows=kept,
-            name=name,
-            closed_form=(zeros(n), there),
+@dataclass(frozen=True)
+class _Level:
+    """One level of priority.
+
+    Attributes:
+        J: its Jacobian (m, n).
+        r: its residual (m, 1).
+        own: orthonormal rows of the directions that move this level and none above it (m, n).
+        box: lower and upper bounds of the whole displacement, (n, 1) each.
+        kept: rows that keep the levels above as they are.
+        damping: in proportion to half its squared error.
+        added_damping: damping besides.
+        rows: inequalities that hold at every level.
+        name: name of its quadratic program.
+    """
+
+    J: Expression
+    r: Expression
+    own: Expression
+    box: tuple[Expression, Expression]
+    kept: list[Rows]
+    damping: float
+    added_damping: Expression
+    rows: Rows | None
+    name: str
+
+    def solved(self, x: Expression, solve: Solve) -> tuple[Expression, list[Expression], Expression]:
+        """From the displacement x of the levels above to that of this one too.
+
+        Returns the displacement, 1 for each joint whose limit keeps the level from its target, and the norm of the
+        error that limits and rows leave.
+        """
+        J, (low, high), (_, n) = self.J, self.box, self.J.shape
+        error = self.r + J @ x
+        mu = self.damping * sumsqr(error) / 2 + self.added_damping
+        y = self._without_limits(error, mu)
+        inside = fmin(fmax(x + y, low), high) - x
+        part = fmin(1, ratio(norm(inside), norm(y)))  # far outside the box a shorter start is better scaled
+        start = x + part * y
+        size = sumsqr(J.reshape((-1, 1)))
+        scale = fmax(mu, DEFINITE * size) + TINY  # at this scale the solver's tolerance is one of joints
+        curved = (J @ self.own.T) / sqrt(scale) @ self.own
+        lower, upper, kept = low - start, high - start, self.kept
+        solved = logic_and(part >= 1, logic_and(mmax(lower) <= 0, mmin(upper) >= 0))
+        if self.rows:  # rows that rounding broke at a level above may stay as they are
+            shifted = self._shifted(self.rows, x, start)
+            kept = [*kept, shifted]
+            solved = logic_and(solved, logic_and(mmax(shifted.lower) <= 0, mmin(shifted.upper) >= 0))
+        solution = solve(
+            QuadraticProgram(
+                P=curved.T @ curved + identity(n),
+                q=(part - 1) * (curved.T @ (curved @ y) + mu / scale * y),  # zero where no limit is active
+                lower=lower,
+                upper=upper,
+                rows=kept,
+                name=self.name,
+                closed_form=(zeros(n), solved),
+            )
         )
-    )
-    reached = fmin(fmax(start + answer.x, low), high)  # what rounding left outside would be infeasible below
-    left = norm(r + J @ reached)
-    missed = left > MISSED * norm(error)
-    moved = norm(reached - x)
-    force = [scale * fabs(answer.box_multipliers[j]) for j in range(n)]
-    least = fmax(PRESSED * sqrt(size) * left, 10 * scale * moved)
-    held = mmax(vertcat(*force)) > least
-    if rows:
-        used = answer.multipliers(rows.name)
-        pressing = [scale * fabs(used[i]) * norm(rows.matrix[i, :]) for i in range(rows.count)]
-        held = logic_or(held, mmax(vertcat(*pressing)) > least)
-    short = if_else(logic_and(missed, held), left, 0)
-    return reached, [logic_and(missed, each > least) for each in force], short
+        reached = fmin(fmax(start + solution.x, low), high)  # rounding outside would be infeasible at levels below
+        left = norm(self.r + J @ reached)
+        missed = left > MISSED * norm(error)
+        smallest = fmax(ACTIVE * sqrt(size) * left, 10 * scale * norm(reached - x))
+        multipliers = [scale * fabs(solution.box_multipliers[j]) for j in range(n)]
+        limited = mmax(vertcat(*multipliers)) > smallest
+        if self.rows:
+            of_rows, matrix = solution.multipliers(self.rows.name), self.rows.matrix
+            sizes = [scale * fabs(of_rows[i]) * norm(matrix[i, :]) for i in range(self.rows.count)]
+            limited = logic_or(limited, mmax(vertcat(*sizes)) > smallest)
+        short = if_else(logic_and(missed, limited), left, 0)
+        return reached, [logic_and(missed, each > smallest) for each in multipliers], short
+
+    def _without_limits(self, error: Expression, mu: Expression) -> Expression:
+        """-(C' C + mu I)^-1 C' error with C = J on this level's own directions; the shortest of all solutions."""
+        C, m = self.J @ self.own.T, self.J.shape[0]
+        return -self.own.T @ RowSpace(horzcat(C, sqrt(mu) * identity(m))).least_squares(error).vector[:m]
+
+    @staticmethod
+    def _shifted(rows: Rows, x: Expression, start: Expression) -> Rows:
+        """The rows for a displacement from ``start``; x satisfies them."""
+        used, before = rows.matrix @ start, rows.matrix @ x
+        return Rows(rows.name, rows.matrix, fmin(rows.lower, before) - used, fmax(rows.upper, before) - used)

@@ -1,0 +1,79 @@
+"""The gain beta from the curvature along the last step, and the cap of null-space steps (projected_gradient.md, P2)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from jtik.strategy import LocalModel, NullSpaceDisplacement, Outcome, Shape, State
+from jtik.symbolic import TINY, Expression, dot, fmax, fmin, if_else, logic_and, sqrt, sumsqr
+from jtik.types import Array
+
+SMALLEST_CHANGE = 1e-12
+"""Change of grad H, relative to it, below which it is rounding and shows no curvature."""
+
+NOTHING, STEP, NULL_STEP = 0.0, 1.0, 2.0
+"""What is known of the last step: nothing; where it began; that a null-space step was most of it."""
+
+UNBOUNDED = 1e30
+"""A gain where H has no positive curvature along the step."""
+
+
+@dataclass(frozen=True)
+class BarzilaiBorweinGain:
+    """The gain beta of the null-space gradient step, by Barzilai and Borwein, and its largest length.
+
+    Attributes:
+        step_limit: longest null-space step [rad].
+        beta_max: the first gain; the unit of q^2 over that of H.
+    """
+
+    step_limit: float
+    beta_max: float
+
+    def initial_state(self, shape: Shape) -> Mapping[str, Array]:
+        """The cap of a step, and what is remembered of the last one."""
+        return {
+            "null_cap": np.full(1, self.step_limit),
+            "seen_at": np.zeros(shape.nq),
+            "seen_gradient": np.zeros(shape.n),
+            "seen_null_gradient": np.zeros(shape.n),
+            "seen": np.full(1, NOTHING),
+            "beta": np.full(1, self.beta_max),
+        }
+
+    def gain(self, model: LocalModel, state: State, null_gradient: Expression) -> Expression:
+        """s's / s'y, s the change of q since the last step, y the change of the gradient with it (P2).
+
+        If a null-space step was most of it, y is the change of ``null_gradient`` (n, 1), and where H is not convex
+        there is no bound. Otherwise y is that of grad H; where H is not convex, or q has not moved, the gain stays.
+        """
+        change = model.robot.difference(state["seen_at"], model.here.q)
+        squared = sumsqr(change)
+        of_null = dot(change, null_gradient - state["seen_null_gradient"])
+        of_all = dot(change, model.gradient - state["seen_gradient"])
+        significant = of_all > SMALLEST_CHANGE * sqrt(squared) * model.gradient_norm
+        kept = if_else(logic_and(state["seen"] == STEP, significant), squared / of_all, state["beta"])
+        return if_else(state["seen"] == NULL_STEP, squared / fmax(of_null, squared / UNBOUNDED + TINY), kept)
+
+    def adapt(
+        self,
+        model: LocalModel,
+        state: State,
+        null_gradient: Expression,
+        proposed: NullSpaceDisplacement,
+        outcome: Outcome,
+    ) -> State:
+        """Cap and memory after the step was judged."""
+        cap, accepted = state["null_cap"], outcome.accepted
+        shorter = if_else(outcome.shorten_null_space, fmin(outcome.null_space.length, cap) / 4, cap)
+        return {
+            "null_cap": if_else(accepted, fmin(2 * cap, self.step_limit), shorter),
+            "beta": if_else(proposed.beta > 0, proposed.beta, state["beta"]),
+            "seen_at": model.here.q,
+            "seen_gradient": model.gradient,
+            "seen_null_gradient": null_gradient,
+            "seen": if_else(logic_and(accepted, outcome.shorten_null_space), NULL_STEP, STEP),
+        }

@@ -1,0 +1,52 @@
+"""The clearances of a problem at one configuration, for the step and for the escape from a saddle point."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from jtik._step.active_set import clamped
+from jtik._step.symbolic_problem import SymbolicProblem
+from jtik.constraints.clearance import ClearanceModel, travels
+from jtik.symbolic import Expression, mmin, substitute, symbol
+
+
+def clearance_model(
+    problem: SymbolicProblem,
+    q: Expression,
+    measured: Sequence[Expression],
+    parameters: Expression,
+    limits: tuple[Expression, Expression],
+    state: Mapping[str, Expression] | None = None,
+) -> ClearanceModel:
+    """The clearances at q.
+
+    Args:
+        problem: the problem.
+        q: configuration (nq, 1).
+        measured: distances, their Jacobian and their figures, as `SymbolicProblem.clearance` returns them.
+        parameters: live parameters.
+        limits: lower and upper limits of q.
+        state: state of the step, with what the feasibility restoration remembers.
+    """
+    state = state or {}
+    distance, J, figures = measured
+    lower, upper = limits
+    dq = symbol("dq", problem.robot.n)
+    there = clamped(problem.robot.integrate(q, dq), lower, upper, problem.bounded)
+    after = problem.distances(there, parameters)
+    safe, aim, influence, gain = (figures[:, i] for i in range(4))
+    return ClearanceModel(
+        distance=distance,
+        jacobian=J,
+        safe=safe,
+        aim=aim,
+        influence=influence,
+        gain=gain,
+        curvature_radius=mmin(figures[:, 4]),
+        travel=travels(problem.robot),
+        rotational=problem.robot.rotational,
+        after=lambda step: substitute(after, dq, step),
+        restored=problem.restored,
+        longest=state.get("longest", 0),
+        record=state.get("violation", 0),
+    )

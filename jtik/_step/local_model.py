@@ -1,0 +1,100 @@
+"""The local model of a problem: what the strategy of a fused step sees."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from jtik._step.active_set import ActiveSet, clamped
+from jtik._step.clearances import clearance_model
+from jtik._step.inputs import Inputs
+from jtik._step.symbolic_problem import SymbolicProblem
+from jtik.qp.recorder import QPRecorder
+from jtik.strategy import Evaluation, LocalModel
+from jtik.symbolic import TINY, Expression, if_else, sqrt, substitute, symbol
+from jtik.symbolic.factorization import squared_length
+
+NEIGHBOURHOOD = 0.02
+"""Radius of the neighbourhood of the target: the error that a motion of so many rad (or m) can make, |J| times this."""
+
+
+@dataclass(frozen=True)
+class Linearized:
+    """A problem linearised at one configuration.
+
+    Attributes:
+        parts: q, residual, Jacobian, H and its gradient as expressions of the inputs; with clearances also distances,
+            their Jacobian and their figures.
+        at: the same as the strategy sees them: symbols, where the stages between quadratic programs share them.
+        model: the local model, written in ``at``.
+        active_set: the active set; None without limits.
+    """
+
+    parts: list[Expression]
+    at: list[Expression]
+    model: LocalModel
+    active_set: ActiveSet | None
+
+
+def linearized(
+    problem: SymbolicProblem,
+    start: Expression,
+    inputs: Inputs[Expression],
+    state: Mapping[str, Expression],
+    qps: QPRecorder | None,
+) -> Linearized:
+    """The problem at ``start`` (nq, 1), clamped to the limits.
+
+    Args:
+        problem: the problem.
+        start: configuration that the step is given.
+        inputs: inputs of the step.
+        state: state of the step.
+        qps: takes the quadratic programs of a strategy that solves any.
+    """
+    limits = inputs.lower, inputs.upper
+    parts = _parts(problem, clamped(start, *limits, problem.bounded), inputs.target, inputs.parameters)
+    at = [symbol(f"at{i}", *part.shape) for i, part in enumerate(parts)] if qps else parts
+    q, residual, J, H, gradient = at[:5]
+    here = Evaluation(q, residual, H)
+    neighbourhood = near = 0
+    if problem.has_criterion:
+        known = state["neighbourhood"]
+        neighbourhood = if_else(known > 0, known, NEIGHBOURHOOD * sqrt(squared_length(J) + TINY))
+        near = here.length <= neighbourhood
+    active = None
+    if problem.bounded:
+        active = ActiveSet(problem, state, here, near, J, gradient, limits, uses_qp=bool(qps))
+    model = LocalModel(
+        robot=problem.robot,
+        here=here,
+        J=J,
+        gradient=gradient,
+        J_free=active.masked(J) if active else J,
+        gradient_free=active.masked(gradient.T).T if active else gradient,
+        has_criterion=problem.has_criterion,
+        near_target=near,
+        neighbourhood=neighbourhood,
+        lower=inputs.lower,
+        upper=inputs.upper,
+        bounded=problem.bounded,
+        levels=problem.levels,
+        residual_function=problem.residual,
+        criterion_function=problem.criterion,
+        target=inputs.target,
+        parameters=inputs.parameters,
+        qps=qps,
+        clearance=clearance_model(problem, q, at[5:], inputs.parameters, limits, state) if problem.clearances else None,
+        tasks=problem.tasks,
+    )
+    return Linearized(parts, at, model, active)
+
+
+def _parts(problem: SymbolicProblem, q: Expression, target: Expression, parameters: Expression) -> list[Expression]:
+    """q, residual, its Jacobian, H and its gradient; with clearances distances, their Jacobian and their figures."""
+    at = symbol("at", problem.robot.nq)
+    H = problem.criterion(at, parameters)
+    parts = [problem.residual(at, target), problem.residual_jacobian(at, target), H, problem.gradient(H, at)]
+    if problem.clearances:
+        parts += problem.clearance(at, parameters)
+    return [q, *[substitute(part, at, q) for part in parts]]

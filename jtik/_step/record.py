@@ -1,0 +1,40 @@
+"""The figures of one step for a trace."""
+
+from __future__ import annotations
+
+import math
+
+from jtik._step.layout import VectorLayout
+from jtik._step.relaxation import Yielding
+from jtik._step.update import CheckedUpdate
+from jtik.strategy import LocalModel
+from jtik.symbolic import Expression, vertcat
+
+OPTIONAL = ("alpha", "beta", "V2", "predicted_decrease")
+"""Figures of a strategy that every trace has; NaN where a strategy does not give one."""
+
+
+def figures_of(
+    model: LocalModel, update: CheckedUpdate, accepted: Expression, relaxation: Yielding
+) -> tuple[VectorLayout, dict[str, Expression]]:
+    """Layout and expressions of the record of a step."""
+    here = model.here
+    figures = {
+        "V": here.V,
+        "H": here.H,
+        "accepted": accepted,
+        "null_residual": model.null_gradient_norm if model.has_criterion else 0,
+        **dict.fromkeys(OPTIONAL, math.nan),
+        "actual_decrease": here.V - update.candidate.V,
+        **update.figures,
+        **relaxation.figures,
+        "dq": update.dq,
+        "null_space": update.null_space,
+        "J": vertcat(*[model.J_free[:, j] for j in range(model.robot.n)]),
+        "null_space_image": model.J @ update.null_space,
+    }
+    return VectorLayout.of({name: _rows(value) for name, value in figures.items()}), figures
+
+
+def _rows(value: Expression) -> int:
+    return int(getattr(value, "shape", (1, 1))[0])

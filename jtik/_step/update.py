@@ -1,0 +1,92 @@
+"""The update of a strategy: its methods called, what they return checked, and defaults filled in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from jtik.strategy import Evaluation, LocalModel, Shape, Strategy, Update
+from jtik.strategy.errors import Call, KnownState
+from jtik.symbolic import Expression, is_equal, zeros
+from jtik.types import Array
+
+
+@dataclass(frozen=True)
+class CheckedUpdate:
+    """An `Update` with every field filled in and of the right shape; see there for the fields."""
+
+    dq: Expression
+    accepted: Expression
+    state: Mapping[str, Expression]
+    candidate: Evaluation
+    wanted: Expression
+    null_space: Expression
+    figures: Mapping[str, Expression]
+    stationarity_residual: Expression | None
+    progress: Expression | None
+    relaxed: Mapping[tuple[str, str], Expression]
+
+
+def first_state(strategy: Strategy, shape: Shape) -> dict[str, Array]:
+    """The state a strategy begins with.
+
+    Raises:
+        StrategyError: when it is not a mapping from names to finite one-dimensional arrays.
+    """
+    call = Call(strategy, strategy.initial_state)
+    state: dict[str, Array] = {}
+    for name, value in call(Mapping, shape).items():  # type: ignore[type-abstract]
+        try:
+            array = np.array(value, dtype=float)
+        except (TypeError, ValueError):
+            array = np.full((1, 1), np.nan)
+        if not isinstance(name, str) or array.ndim != 1 or not np.isfinite(array).all():
+            raise call.error(f"returned state {name!r} = {value!r}", "names with finite one-dimensional arrays")
+        state[name] = array
+    return state
+
+
+def checked_update(strategy: Strategy, model: LocalModel, state: Mapping[str, Expression]) -> CheckedUpdate:
+    """What ``strategy.update`` returns for the local model and its state.
+
+    Raises:
+        StrategyError: when it raises, is no `Update`, or a field has the wrong shape or belongs to another step.
+    """
+    call, n = Call(strategy, strategy.update), model.robot.n
+    update = call(Update, model, KnownState(state, strategy))
+    dq = call.column("dq", update.dq, n)
+    candidate = model.candidate(dq) if update.candidate is None else update.candidate
+    if not isinstance(candidate, Evaluation):
+        raise call.error(f"returned candidate {type(candidate).__name__}", "what model.candidate(dq) returns")
+    if candidate.dq is None or not _same(candidate.dq, dq):
+        raise call.error("returned a candidate that was evaluated for another displacement", "model.candidate(dq)")
+    after = dict(state) if update.state is None else dict(update.state)
+    sizes = {name: _rows(value) for name, value in state.items()}
+    if {name: _rows(value) for name, value in after.items()} != sizes:
+        found = {name: _rows(value) for name, value in after.items()}
+        raise call.error(f"returned a state with names and sizes {found}", f"those of initial_state, {sizes}")
+    for (name, unit), amount in update.relaxed.items():
+        call.column(f"relaxed[{name!r}, {unit!r}]", amount, 1)
+    return CheckedUpdate(
+        dq=dq,
+        accepted=call.column("accepted", update.accepted, 1),
+        state=after,
+        candidate=candidate,
+        wanted=dq if update.wanted is None else call.column("wanted", update.wanted, n),
+        null_space=zeros(n) if update.null_space is None else call.column("null_space", update.null_space, n),
+        figures={name: call.column(f"figure {name!r}", figure, 1) for name, figure in update.figures.items()},
+        stationarity_residual=update.stationarity_residual,
+        progress=update.progress,
+        relaxed=update.relaxed,
+    )
+
+
+def _same(first: Expression, second: Expression) -> bool:
+    """Whether two columns are the same expressions."""
+    return first is second or bool(first.shape == second.shape and is_equal(first, second, 2))
+
+
+def _rows(value: Expression) -> int:
+    return int(np.prod(getattr(value, "shape", (1, 1))))

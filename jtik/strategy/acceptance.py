@@ -1,0 +1,58 @@
+"""The tests that every accepted step passes, whatever its strategy, and which part of a refused one is shortened."""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+from jtik.strategy.evaluation import Evaluation
+from jtik.strategy.model import LocalModel
+from jtik.symbolic import Expression, is_finite, logic_and, logic_not, logic_or
+
+Acceptance = Literal["merit", "task", "always"]
+"""By which test a step is accepted."""
+
+
+class Tested(NamedTuple):
+    """A step after all tests.
+
+    Attributes:
+        accepted: 1 if it is taken.
+        shorten_task: 1 if its task part is to be shortened after a refusal.
+        shorten_null_space: 1 if its null-space part is.
+    """
+
+    accepted: Expression
+    shorten_task: Expression
+    shorten_null_space: Expression
+
+
+def tested(
+    model: LocalModel,
+    dq: Expression,
+    candidate: Evaluation,
+    accepted: Expression,
+    *,
+    null_longer: Expression,
+    evaluated: bool,
+) -> Tested:
+    """A step that also restores clearances or keeps them, and ends where everything is finite.
+
+    Args:
+        model: the local model.
+        dq: the displacement (n, 1).
+        candidate: task and criterion after it.
+        accepted: whether the merit function accepts it.
+        null_longer: 1 where the null-space part is longer than the task part, and so is the one to shorten.
+        evaluated: whether the strategy depends on task and criterion at the candidate.
+    """
+    shorten_null = null_longer if model.has_criterion else 0
+    shorten_task = logic_not(shorten_null) if model.has_criterion else 1
+    if model.clearance:
+        accepted = logic_or(accepted, model.restoration.accepts(dq, candidate.length))
+    accepted = logic_and(accepted, is_finite(candidate.V + candidate.H if evaluated else dq))
+    if model.clearance:
+        clear = model.clearance.keeps(dq)
+        accepted = logic_and(accepted, clear)
+        # the step is too long for its whole way to be known to be safe: both parts get shorter
+        shorten_task, shorten_null = (logic_or(part, logic_not(clear)) for part in (shorten_task, shorten_null))
+    return Tested(accepted, shorten_task, shorten_null)

@@ -1,0 +1,76 @@
+"""How a step gets shorter after a refusal: by a fraction of the step, or by damping."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from jtik.strategy.base import State
+from jtik.strategy.displacement import Outcome
+from jtik.symbolic import Expression, fmax, fmin, if_else
+from jtik.types import Array
+
+
+@dataclass(frozen=True)
+class Backtracking:
+    """The fraction of a step that is taken: half after a refusal, twice after an acceptance, at most 1.
+
+    Attributes:
+        active: whether there is any backtracking; if not, the fraction is 1 and there is no state.
+        name: name of the state.
+    """
+
+    active: bool = True
+    name: str = "fraction"
+
+    def initial_state(self) -> Mapping[str, Array]:
+        """The whole step."""
+        return {self.name: np.ones(1)} if self.active else {}
+
+    def fraction(self, state: State) -> Expression:
+        """The fraction to take now."""
+        return state[self.name] if self.active else 1
+
+    def adapt(self, state: State, outcome: Outcome) -> State:
+        """The fraction to take next."""
+        if not self.active:
+            return {}
+        return {self.name: adapted_fraction(state[self.name], outcome.accepted, outcome.shorten_task)}
+
+
+def adapted_fraction(fraction: Expression, accepted: Expression, shorten: Expression) -> Expression:
+    """Twice the fraction, at most 1, after an acceptance; half of it after a refusal if the step is to be shortened."""
+    return if_else(accepted, fmin(1, 2 * fraction), if_else(shorten, fraction / 2, fraction))
+
+
+@dataclass(frozen=True)
+class AdaptiveDamping:
+    """Damping that refusals add and acceptances remove again.
+
+    Attributes:
+        increase: factor after a refusal.
+        decrease: factor after an acceptance.
+        name: name of the state.
+    """
+
+    increase: float
+    decrease: float
+    name: str = "damping"
+
+    def initial_state(self) -> Mapping[str, Array]:
+        """No damping."""
+        return {self.name: np.zeros(1)}
+
+    def adapt(self, state: State, outcome: Outcome, smallest: Expression) -> State:
+        """The damping of the next step.
+
+        Args:
+            state: the state before.
+            outcome: verdict on the step.
+            smallest: smallest damping after a refusal; less would not shorten the step that was refused.
+        """
+        damping = state[self.name]
+        larger = if_else(outcome.shorten_task, fmax(self.increase * damping, smallest), damping)
+        return {self.name: if_else(outcome.accepted, self.decrease * damping, larger)}

@@ -1,0 +1,117 @@
+"""Displacements of one update: for the task, in its null space, and the verdict on both together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from jtik.symbolic import Expression, dot, norm, sqrt, zeros
+from jtik.symbolic.factorization import RowVector
+
+if TYPE_CHECKING:
+    from jtik.strategy.model import LocalModel
+
+
+@dataclass(frozen=True)
+class TaskDisplacement:
+    """The part of a step that moves the end effector.
+
+    Only ``dq`` is needed. A step that knows its image or its norm from its own arithmetic saves the engine work.
+
+    Attributes:
+        dq: displacement that is added to q (n, 1).
+        image: J_free dq (m, 1).
+        length: norm of dq.
+        alpha: the gain that a trace reports; NaN without one.
+        row_vector: dq in coordinates of the row space of J_free, if it lies there.
+    """
+
+    dq: Expression
+    image: Expression = None
+    length: Expression = None
+    alpha: Expression = math.nan
+    row_vector: RowVector | None = None
+
+    @classmethod
+    def along(cls, step: RowVector, alpha: Expression = math.nan) -> TaskDisplacement:
+        """A displacement in the row space of J_free."""
+        return cls(step.vector, step.image, sqrt(step.squared_length), alpha, step)
+
+    def completed(self, model: LocalModel) -> TaskDisplacement:
+        """The same with image and length filled in."""
+        image = model.J_free @ self.dq if self.image is None else self.image
+        length = norm(self.dq) if self.length is None else self.length
+        return TaskDisplacement(self.dq, image, length, self.alpha, self.row_vector)
+
+
+@dataclass(frozen=True)
+class NullSpaceDisplacement:
+    """The part of a step that lowers H without moving the end effector, to first order.
+
+    Only ``dq`` is needed.
+
+    Attributes:
+        dq: displacement that is added to q (n, 1).
+        length: norm of dq.
+        decrease: decrease of H that dq promises to first order, -(dH/dv)' dq.
+        beta: the gain that a trace reports; NaN without one.
+        stationarity_residual: how far H is from stationary; None for ``model.null_gradient_norm``.
+        task_scale: share of the task displacement to take, where clearances do not allow all of it.
+        within_limits: whether both displacements together end inside the limits as they are; if not, the engine
+            shortens this one.
+        figures: what a trace reports besides, scalars by name.
+        relaxed: by how much something falls short of what was asked for, non-negative, by (name, unit).
+    """
+
+    dq: Expression
+    length: Expression = None
+    decrease: Expression = None
+    beta: Expression = math.nan
+    stationarity_residual: Expression | None = None
+    task_scale: Expression = 1
+    within_limits: bool = False
+    figures: Mapping[str, Expression] = field(default_factory=dict)
+    relaxed: Mapping[tuple[str, str], Expression] = field(default_factory=dict)
+
+    @classmethod
+    def none(cls, n: int) -> NullSpaceDisplacement:
+        """No displacement of n velocity entries: where there is nothing to minimise."""
+        return cls(zeros(n), 0, 0, 0)
+
+    def completed(self, model: LocalModel) -> NullSpaceDisplacement:
+        """The same with length and decrease filled in."""
+        length = norm(self.dq) if self.length is None else self.length
+        decrease = -dot(model.gradient, self.dq) if self.decrease is None else self.decrease
+        return replace(self, length=length, decrease=decrease)
+
+    def scaled(self, share: Expression) -> NullSpaceDisplacement:
+        """A share of it, with length, decrease and gain in proportion."""
+        return replace(
+            self,
+            dq=share * self.dq,
+            length=share * self.length,
+            decrease=share * self.decrease,
+            beta=share * self.beta,
+        )
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The verdict on a proposed step.
+
+    Attributes:
+        accepted: 1 if the step is taken, else 0.
+        ratio: actual over predicted decrease.
+        null_space: the null-space displacement as it was judged.
+        shorten_task: 1 if the task displacement is to be shortened after a poor outcome.
+        shorten_null_space: 1 if the null-space displacement is. It is the longer of the two, so that neither is
+            shortened for the other's fault.
+    """
+
+    accepted: Expression
+    ratio: Expression
+    null_space: NullSpaceDisplacement
+    shorten_task: Expression
+    shorten_null_space: Expression
