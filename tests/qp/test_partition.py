@@ -1,4 +1,4 @@
-"""One graph as functions in a row: the same numbers, nothing computed twice, nothing known too early."""
+"""Partition of an expression graph into stages: the same values, each computed once."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.qp import QuadraticProgram, Rows
+from jtik.qp import QPSolversBackend, QuadraticProgram, Rows
 from jtik.qp.partition import partitioned
 from jtik.symbolic import function, symbol
 from jtik.symbolic.compile import CompiledFunction, CompilerError
@@ -17,7 +17,7 @@ from ..conftest import EXACT, planar
 
 
 def run(stages, known):
-    """The stages one after the other, as `jtik.qp.staged` calls them; what each gave."""
+    """The results of the stages, called in order as in `jtik.qp.staged`."""
     arguments, given = list(known[0]), []
     for k, stage in enumerate(stages):
         *outputs, handed = [*CompiledFunction(stage)(*arguments), None][: stage.n_out() + (k == len(stages) - 1)]
@@ -28,7 +28,7 @@ def run(stages, known):
 
 
 def example():
-    """Three stages, a costly value that all of them want, and outputs that are constant, zero and sparse."""
+    """Three stages, a costly value that all of them use, and outputs that are constant, zero and sparse."""
     a, b, c = symbol("a", 3), symbol("b", 2), symbol("c", 1)
     costly = casadi.exp(casadi.sin(a[0]) * a[1]) + casadi.sqrt(a[2] ** 2 + 1)
     second = costly * b[0] + casadi.if_else(b[1] > 0, b[1], -b[1])
@@ -60,46 +60,46 @@ def test_nothing_is_computed_twice():
     assert counts == [3, 0, 0]
 
 
-def test_a_stage_without_anything_to_hand_on():
+def test_a_stage_without_intermediate_values():
     a, b = symbol("a", 1), symbol("b", 1)
     first, last = partitioned(["one", "two"], [[a], [b]], [[a + 1], [b * a]])
     assert first.numel_out(1) == 0
     assert run([first, last], [[2.0], [3.0]])[1][0] == pytest.approx(6.0)
 
 
-class TestShortcut:
-    """The minimiser without rows and box: the answer where it keeps to both, and known not to be where it does not."""
+class TestSolutionWithoutSolver:
+    """The unconstrained minimiser, and whether it satisfies rows and box and so solves the QP."""
 
     def of(self, P, q, lower, upper, rows=()):
-        x, holds = QuadraticProgram(*map(casadi.SX, (P, q, lower, upper)), rows=rows).shortcut()
-        x, holds = function("f", [], [x, holds])()["o0"].full()[:, 0], function("f", [], [holds])()["o0"]
-        return x, bool(holds)
+        x, solves = QuadraticProgram(*map(casadi.SX, (P, q, lower, upper)), rows=rows).solution_without_solver()
+        x, solves = function("f", [], [x, solves])()["o0"].full()[:, 0], function("f", [], [solves])()["o0"]
+        return x, bool(solves)
 
     def test_inside(self):
-        x, holds = self.of(np.diag([2.0, 4.0]), [2.0, -2.0], [-1, -1], [1, 1])
-        assert (x.tolist(), holds) == ([-1.0, 0.5], True)
+        x, solves = self.of(np.diag([2.0, 4.0]), [2.0, -2.0], [-1, -1], [1, 1])
+        assert (x.tolist(), solves) == ([-1.0, 0.5], True)
 
     @pytest.mark.parametrize("lower", [-0.5, -1 + 1e-9])
     def test_outside(self, lower):
         assert not self.of(np.diag([2.0, 4.0]), [2.0, -2.0], [lower, -1], [1, 1])[1]
 
-    @pytest.mark.parametrize(("bound", "holds"), [(-0.5, True), (-0.51, False)])
-    def test_rows(self, bound, holds):
+    @pytest.mark.parametrize(("bound", "solves"), [(-0.5, True), (-0.51, False)])
+    def test_rows(self, bound, solves):
         rows = [Rows("r", *map(casadi.SX, ([[1.0, 1.0]], [-np.inf], [bound])))]
-        assert self.of(np.diag([2.0, 4.0]), [2.0, -2.0], [-5, -5], [5, 5], rows)[1] is holds
+        assert self.of(np.diag([2.0, 4.0]), [2.0, -2.0], [-5, -5], [5, 5], rows)[1] is solves
 
     def test_singular(self):
         assert not self.of(np.diag([1.0, 0.0]), [0.0, 1.0], [-1, -1], [1, 1])[1]
 
-    def test_a_solve_is_the_same_with_it_as_with_a_solver_that_has_none(self):
-        for law in ("newton+qp", "weighted_qp"):
+    def test_a_solve_is_the_same_as_with_a_back_end_that_always_solves(self):
+        for strategy in ("newton+qp", "weighted_qp"):
             ends = []
-            for solver in ("daqp", jtik.qp.Foreign("daqp")):
+            for solver in ("daqp", QPSolversBackend("daqp")):
                 ik = jtik.InverseKinematics(
                     planar(6, lower=-0.7, upper=0.7),
                     jtik.FrameTask(),
                     criteria=JointCentering(),
-                    strategy=law,
+                    strategy=strategy,
                     solver=solver,
                 )
                 ends.append(ik.solve([3.0, 3.0], q0=np.full(6, 0.2), max_iterations=40).q)
@@ -107,7 +107,7 @@ class TestShortcut:
 
 
 def test_generated_c_takes_the_same_steps(tmp_path, monkeypatch):
-    """All but the solver's call, whose header need not be there."""
+    """The solver itself is not compiled, because its header may be missing."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     options = {"criteria": JointCentering(), "strategy": "newton+qp"}
     steps = []

@@ -1,4 +1,4 @@
-"""Programs as data: shapes, names, what the engine checks of an answer, and how a strategy asks."""
+"""Quadratic programs as data: shapes, names, the check of solutions, and QPs of a strategy."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 import qpsolvers
 
 import jtik
-from jtik.qp import QPRecorder, QuadraticProgram, Rows
+from jtik.qp import PersistentOSQP, QPRecorder, QPSolversBackend, QuadraticProgram, Rows
 from jtik.strategy import Strategy, Update
 from jtik_formulations import JointCentering
 
@@ -26,7 +26,7 @@ def program(**changes):
     return QuadraticProgram(**data | changes)
 
 
-def test_groups_lie_below_each_other_and_are_found_by_name():
+def test_groups_of_rows_are_stacked_and_found_by_name():
     more = Rows("more", casadi.SX([[1, 0, 0], [0, 1, 0]]), casadi.SX([-1, -2]), casadi.SX([1, 2]))
     whole = program(rows=[*program().rows, more])
     assert whole.row_count == 3
@@ -50,7 +50,7 @@ def test_shapes_are_checked(change, named):
         program(**change)
 
 
-def test_an_answer_is_not_believed():
+def test_solutions_are_checked():
     recorder = QPRecorder(accuracy=1e-6)
     solution = recorder.solve(program())
     check = casadi.Function(
@@ -67,7 +67,7 @@ def test_an_answer_is_not_believed():
     assert float(check([np.nan] * 3, y, z)[2]) == 0
 
 
-def test_a_user_can_look_at_the_program_and_solve_it_elsewhere():
+def test_build_returns_the_qp_for_another_solver():
     arm, q = planar(5, lower=-1.0, upper=1.0), np.array([0.3, 0.4, 0.95, 0.2, -0.1])
     ik = jtik.InverseKinematics(arm, jtik.FrameTask(), criteria=JointCentering(), strategy="newton+qp")
     problem = ik.build(q, arm.position(q))
@@ -79,7 +79,7 @@ def test_a_user_can_look_at_the_program_and_solve_it_elsewhere():
     assert ik.step(q, arm.position(q)).q == pytest.approx(q + step, abs=1e-9)
 
 
-def test_there_is_none_without_a_strategy_that_has_one():
+def test_build_needs_a_strategy_with_a_qp_of_that_name():
     ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
     with pytest.raises(jtik.ArgumentError, match="newton\\+qp"):
         ik.build(np.zeros(3), [1.0, 1.0])
@@ -89,7 +89,7 @@ def test_there_is_none_without_a_strategy_that_has_one():
 
 
 class Contradiction(Strategy):
-    """A third party's law whose program has no answer."""
+    """A third-party strategy whose QP is infeasible."""
 
     def uses_qp(self, has_criterion):
         return True
@@ -103,8 +103,8 @@ class Contradiction(Strategy):
         return Update(model.moved(-x), 1, {}, -x, -x, casadi.SX(n, 1))
 
 
-@pytest.mark.parametrize("solver", ["daqp", "osqp", jtik.qp.Foreign("daqp"), jtik.qp.PersistentOSQP()], ids=str)
-def test_a_program_without_an_answer_ends_a_solve_with_a_status(solver):
+@pytest.mark.parametrize("solver", ["daqp", "osqp", QPSolversBackend("daqp"), PersistentOSQP()], ids=str)
+def test_an_infeasible_qp_ends_a_solve_with_a_status(solver):
     ik = jtik.InverseKinematics(planar(3), jtik.FrameTask(), strategy=Contradiction(), solver=solver)
     solution = ik.solve([1.0, 1.0], q0=[0.1, 0.2, 0.3])
     assert solution.status is jtik.Status.UNSOLVED
@@ -113,7 +113,7 @@ def test_a_program_without_an_answer_ends_a_solve_with_a_status(solver):
 
 
 class TwoPrograms(Strategy):
-    """First the shortest step, then the one nearest to (1, 1, 1) among those that bring the tip as near."""
+    """First the shortest step, then the one closest to (1, 1, 1, 1) among those with the same task motion."""
 
     def uses_qp(self, has_criterion):
         return True
@@ -128,8 +128,8 @@ class TwoPrograms(Strategy):
         return Update(model.moved(-second.x), 1, {}, -second.x, -second.x, casadi.SX(n, 1))
 
 
-@pytest.mark.parametrize("solver", ["daqp", jtik.qp.Foreign("daqp")], ids=str)
-def test_a_program_may_use_the_answer_of_the_one_before(solver):
+@pytest.mark.parametrize("solver", ["daqp", QPSolversBackend("daqp")], ids=str)
+def test_a_qp_may_use_the_solution_of_the_one_before(solver):
     arm, q, target = planar(4), np.array([0.3, 0.4, 0.5, 0.2]), np.array([2.0, 2.5])
     ik = jtik.InverseKinematics(arm, jtik.FrameTask(), strategy=TwoPrograms(), solver=solver)
     J = arm.jacobian(q)[:2]
