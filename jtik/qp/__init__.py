@@ -19,8 +19,10 @@ from jtik.qp.conic import Conic
 from jtik.qp.elastic import Elastic
 from jtik.qp.persistent import PersistentOSQP
 from jtik.qp.qpsolvers_backend import QPSolversBackend, as_problem
-from jtik.qp.quadratic_program import QPSolution, QuadraticProgram, Rows
+from jtik.qp.quadratic_program import QuadraticProgram
 from jtik.qp.recorder import QPRecorder, RecordedQP
+from jtik.qp.rows import Rows
+from jtik.qp.solution import QPSolution
 
 __all__ = [
     "Backend",

@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
-from jtik.qp.quadratic_program import QPSolution, QuadraticProgram
+from jtik.qp.quadratic_program import QuadraticProgram
+from jtik.qp.solution import QPSolution
 from jtik.symbolic import Expression, logic_and, logic_or, symbol
 from jtik.types import Array
 

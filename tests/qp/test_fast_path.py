@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import jtik
+from jtik.qp import FusedBackend, QPSolversBackend
 from jtik.qp.call import output_memory
+from jtik.symbolic import MX, function
 from jtik.symbolic.compile import bind
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
@@ -71,3 +73,42 @@ def test_a_step_with_clearances_has_no_fast_path():
         clearances=jtik.Clearance(field, safe=0.1),
     )
     assert ik._runner.fused.parts.fast_path is None
+
+
+class Failing(FusedBackend):
+    """A fused back end whose solutions are NaN; the QP of the step below needs a solver, because of the limits."""
+
+    name = "failing"
+    accuracy = 1e-6
+
+    def __init__(self, fallback=None):
+        self.fallback = fallback
+
+    def function(self, n, rows):
+        sizes = [(n, n), (n, 1), (rows, n), (rows, 1), (rows, 1), (n, 1), (n, 1)]
+        data = [MX.sym(f"d{i}", *size) for i, size in enumerate(sizes)]
+        return function("failing", data, [np.nan * MX.ones(size, 1) for size in (n, rows, n)])
+
+
+class TestFallback:
+    q = np.array([0.49, 0.46, 0.5, 0.48, 0.47])
+
+    def step(self, solver):
+        ik = jtik.InverseKinematics(
+            planar(5, lower=-0.5, upper=0.5),
+            jtik.FrameTask(),
+            criteria=JointCentering(preferred=np.array([0.9, 0.3, 0.9, 0.2, 0.9])),
+            strategy="newton+qp",
+            solver=solver,
+        )
+        return ik.step(self.q, planar_points(self.q)[-1])
+
+    def test_it_solves_what_the_back_end_does_not(self):
+        expected = self.step("daqp")
+        assert np.abs(expected.q - self.q).max() > 1e-3
+        assert self.step(Failing(QPSolversBackend("daqp"))).q == pytest.approx(expected.q, abs=1e-7)
+
+    def test_without_one_the_step_is_refused(self):
+        step = self.step(Failing())
+        assert not step.accepted
+        assert step.q.tolist() == self.q.tolist()

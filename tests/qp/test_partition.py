@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import casadi
-import numpy as np
 import pytest
 
-import jtik
-from jtik.qp import QPSolversBackend, QuadraticProgram, Rows
 from jtik.qp.partition import partitioned
-from jtik.symbolic import function, symbol
-from jtik.symbolic.compile import CompiledFunction, CompilerError
-from jtik_formulations import JointCentering
+from jtik.symbolic import symbol
+from jtik.symbolic.compile import CompiledFunction
 
-from ..conftest import EXACT, planar
+from ..conftest import EXACT
 
 
 def run(stages, known):
@@ -65,59 +61,3 @@ def test_a_stage_without_intermediate_values():
     first, last = partitioned(["one", "two"], [[a], [b]], [[a + 1], [b * a]])
     assert first.numel_out(1) == 0
     assert run([first, last], [[2.0], [3.0]])[1][0] == pytest.approx(6.0)
-
-
-class TestSolutionWithoutSolver:
-    """The unconstrained minimiser, and whether it satisfies rows and box and so solves the QP."""
-
-    def of(self, P, q, lower, upper, rows=()):
-        x, solves = QuadraticProgram(*map(casadi.SX, (P, q, lower, upper)), rows=rows).solution_without_solver()
-        x, solves = function("f", [], [x, solves])()["o0"].full()[:, 0], function("f", [], [solves])()["o0"]
-        return x, bool(solves)
-
-    def test_inside(self):
-        x, solves = self.of(np.diag([2.0, 4.0]), [2.0, -2.0], [-1, -1], [1, 1])
-        assert (x.tolist(), solves) == ([-1.0, 0.5], True)
-
-    @pytest.mark.parametrize("lower", [-0.5, -1 + 1e-9])
-    def test_outside(self, lower):
-        assert not self.of(np.diag([2.0, 4.0]), [2.0, -2.0], [lower, -1], [1, 1])[1]
-
-    @pytest.mark.parametrize(("bound", "solves"), [(-0.5, True), (-0.51, False)])
-    def test_rows(self, bound, solves):
-        rows = [Rows("r", *map(casadi.SX, ([[1.0, 1.0]], [-np.inf], [bound])))]
-        assert self.of(np.diag([2.0, 4.0]), [2.0, -2.0], [-5, -5], [5, 5], rows)[1] is solves
-
-    def test_singular(self):
-        assert not self.of(np.diag([1.0, 0.0]), [0.0, 1.0], [-1, -1], [1, 1])[1]
-
-    def test_a_solve_is_the_same_as_with_a_back_end_that_always_solves(self):
-        for strategy in ("newton+qp", "weighted_qp"):
-            ends = []
-            for solver in ("daqp", QPSolversBackend("daqp")):
-                ik = jtik.InverseKinematics(
-                    planar(6, lower=-0.7, upper=0.7),
-                    jtik.FrameTask(),
-                    criteria=JointCentering(),
-                    strategy=strategy,
-                    solver=solver,
-                )
-                ends.append(ik.solve([3.0, 3.0], q0=np.full(6, 0.2), max_iterations=40).q)
-            assert ends[0] == pytest.approx(ends[1], abs=1e-6)
-
-
-def test_generated_c_takes_the_same_steps(tmp_path, monkeypatch):
-    """The solver itself is not compiled, because its header may be missing."""
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    options = {"criteria": JointCentering(), "strategy": "newton+qp"}
-    steps = []
-    for compiled in (False, True):
-        try:
-            ik = jtik.InverseKinematics(planar(4, lower=-1, upper=1), jtik.FrameTask(), compiled=compiled, **options)
-        except CompilerError as error:
-            pytest.skip(str(error))
-        q = np.full(4, 0.3)
-        for _ in range(5):
-            q = ik.step(q, [2.0, 2.0]).q
-        steps.append(q)
-    assert steps[0] == pytest.approx(steps[1], abs=1e-9)

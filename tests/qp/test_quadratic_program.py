@@ -10,6 +10,7 @@ import qpsolvers
 import jtik
 from jtik.qp import PersistentOSQP, QPRecorder, QPSolversBackend, QuadraticProgram, Rows
 from jtik.strategy import Strategy, Update
+from jtik.symbolic import function
 from jtik_formulations import JointCentering
 
 from ..conftest import planar
@@ -48,23 +49,6 @@ def test_groups_of_rows_are_stacked_and_found_by_name():
 def test_shapes_are_checked(change, named):
     with pytest.raises(jtik.ArgumentError, match=named):
         program(**change)
-
-
-def test_solutions_are_checked():
-    recorder = QPRecorder(accuracy=1e-6)
-    solution = recorder.solve(program())
-    check = casadi.Function(
-        "check",
-        [solution.x, solution.row_multipliers, solution.box_multipliers],
-        [solution.violation, solution.stationarity, recorder.solved()],
-    )
-    # x = -q - y where the box is open: y from the sum, -1 + 2 - 0.5 - 3 y = 0.5 with the second at its bound
-    x, y, z = np.array([-0.5, 1.0, 0.0]), np.array([-0.5]), np.array([0.0, 1.5, 0.0])
-    assert [float(v) for v in check(x, y, z)] == pytest.approx([0, 0, 1], abs=1e-15)
-    assert float(check([-0.4, 1.0, 0.0], y, z)[0]) == pytest.approx(0.1)
-    assert float(check([-0.5, 1.2, -0.2], y, z)[0]) == pytest.approx(0.2)
-    assert float(check(x, y + 1, z)[2]) == 0
-    assert float(check([np.nan] * 3, y, z)[2]) == 0
 
 
 def test_build_returns_the_qp_for_another_solver():
@@ -137,3 +121,42 @@ def test_a_qp_may_use_the_solution_of_the_one_before(solver):
     expected = shortest + (np.eye(4) - np.linalg.pinv(J) @ J) @ np.ones(4)
     assert ik.step(q, target).q - q == pytest.approx(expected, abs=1e-9)
     assert ik.build(q, target, program="second").b == pytest.approx(target - arm.position(q), abs=1e-9)
+
+
+class TestSolutionWithoutSolver:
+    """The unconstrained minimiser, and whether it satisfies rows and box and so solves the QP."""
+
+    def of(self, P, q, lower, upper, rows=()):
+        x, solves = QuadraticProgram(*map(casadi.SX, (P, q, lower, upper)), rows=rows).solution_without_solver()
+        x, solves = function("f", [], [x, solves])()["o0"].full()[:, 0], function("f", [], [solves])()["o0"]
+        return x, bool(solves)
+
+    def test_inside(self):
+        x, solves = self.of(np.diag([2.0, 4.0]), [2.0, -2.0], [-1, -1], [1, 1])
+        assert (x.tolist(), solves) == ([-1.0, 0.5], True)
+
+    @pytest.mark.parametrize("lower", [-0.5, -1 + 1e-9])
+    def test_outside(self, lower):
+        assert not self.of(np.diag([2.0, 4.0]), [2.0, -2.0], [lower, -1], [1, 1])[1]
+
+    @pytest.mark.parametrize(("bound", "solves"), [(-0.5, True), (-0.51, False)])
+    def test_rows(self, bound, solves):
+        rows = [Rows("r", *map(casadi.SX, ([[1.0, 1.0]], [-np.inf], [bound])))]
+        assert self.of(np.diag([2.0, 4.0]), [2.0, -2.0], [-5, -5], [5, 5], rows)[1] is solves
+
+    def test_singular(self):
+        assert not self.of(np.diag([1.0, 0.0]), [0.0, 1.0], [-1, -1], [1, 1])[1]
+
+    def test_a_solve_is_the_same_as_with_a_back_end_that_always_solves(self):
+        for strategy in ("newton+qp", "weighted_qp"):
+            ends = []
+            for solver in ("daqp", QPSolversBackend("daqp")):
+                ik = jtik.InverseKinematics(
+                    planar(6, lower=-0.7, upper=0.7),
+                    jtik.FrameTask(),
+                    criteria=JointCentering(),
+                    strategy=strategy,
+                    solver=solver,
+                )
+                ends.append(ik.solve([3.0, 3.0], q0=np.full(6, 0.2), max_iterations=40).q)
+            assert ends[0] == pytest.approx(ends[1], abs=1e-6)

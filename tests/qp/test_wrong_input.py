@@ -12,9 +12,8 @@ import qpsolvers
 
 import jtik
 from jtik.qp import BackendError, Conic, PersistentOSQP, QPSolversBackend, QuadraticProgram, Rows, available, backend_of
-from jtik.qp.convexity import is_convex
 from jtik.strategy import Strategy, Update
-from jtik.symbolic import fmax, fmin, function, has_conic, identity, symbol, zeros
+from jtik.symbolic import fmax, fmin, has_conic, identity, zeros
 from jtik_formulations import JointCentering, Mink, Newton, ObstacleAvoidance, QPSecondary, SecondOrder, WeightedQP
 
 from ..conftest import planar
@@ -159,38 +158,16 @@ class TestAQPWithoutSolution:
         assert solver(Faulty(mistake=""), solver=backend(name)).solve(TARGET, q0=START).position_error <= 1e-6
 
 
-class TestNonConvexQP:
-    @pytest.mark.parametrize("P", [-np.eye(4), np.diag([1.0, 1, 1, -1e-3]), np.ones((4, 4)) - np.eye(4)])
-    def test_a_numeric_matrix_is_refused(self, P):
-        box = np.full((4, 1), np.inf)
-        with pytest.raises(
-            jtik.ArgumentError, match=r"mine\.P: given .*not convex: its smallest eigenvalue is -.*semidef"
-        ):
-            QuadraticProgram(P=casadi.SX(P), q=zeros(4), lower=-box, upper=box, name="mine")
+def test_a_criterion_need_not_be_convex():
+    """The second-order term makes its QP convex itself."""
 
-    def test_the_convexity_test_of_expressions(self, rng):
-        P = symbol("P", 5, 5)
-        convexity = function("convexity", [P], [is_convex(P)])
-        for _ in range(200):
-            M = rng.standard_normal((5, rng.integers(1, 6)))
-            basis = np.linalg.qr(rng.standard_normal((5, 5)))[0]
-            assert convexity(M @ M.T) == 1  # of any rank
-            eigenvalues = np.append(-(10.0 ** rng.uniform(-3, 0)), rng.uniform(0, 1, 4))
-            assert convexity(basis @ np.diag(eigenvalues) @ basis.T) == 0
-        assert convexity(np.zeros((5, 5))) == 1
-        assert convexity(np.eye(5)[::-1]) == 0
-        assert convexity(np.full((5, 5), np.nan)) == 0
+    @jtik.criterion
+    def hills(q, robot):
+        return sum(casadi.cos(2 * q[i]) for i in range(4))
 
-    def test_a_criterion_need_not_be_convex(self):
-        """The second-order term makes its QP convex itself."""
-
-        @jtik.criterion
-        def hills(q, robot):
-            return sum(casadi.cos(2 * q[i]) for i in range(4))
-
-        ik = solver("hybrid+second_order", criteria=hills)
-        assert ik.solve(TARGET, q0=START, until="stationary").converged
-        assert np.linalg.eigvalsh(ik.build(START, TARGET).P)[0] > 0
+    ik = solver("hybrid+second_order", criteria=hills)
+    assert ik.solve(TARGET, q0=START, until="stationary").converged
+    assert np.linalg.eigvalsh(ik.build(START, TARGET).P)[0] > 0
 
 
 class TestWeights:
