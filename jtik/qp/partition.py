@@ -43,7 +43,7 @@ def partitioned(
     passed_on: list[list[int]] = [[] for _ in names]
     for node in sorted(graph.used_later):
         passed_on[graph.stage[node]].append(node)
-    columns = [symbol(f"handed{k}", len(nodes)) for k, nodes in enumerate(passed_on)]
+    columns = [symbol(f"intermediate{k}", len(nodes)) for k, nodes in enumerate(passed_on)]
     functions = []
     for k, name in enumerate(names):
         inputs = list(known[0])

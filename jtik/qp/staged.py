@@ -101,8 +101,8 @@ class Staged:
         assert isinstance(self.backend, FusedBackend)
         for k, call in enumerate(self.calls):
             assert isinstance(call, QPCall)
-            *data, handed = called(self.stages[k], known) if k or given is None else given
-            known = [*known, handed, *called(call.solver_function(self.backend), data)]
+            *data, intermediate = called(self.stages[k], known) if k or given is None else given
+            known = [*known, intermediate, *called(call.solver_function(self.backend), data)]
         return called(self.stages[-1], known)
 
     def program(self, name: str | None, arguments: list[Array]) -> NumericQP:
@@ -126,7 +126,7 @@ class Staged:
                 return each.call.expanded_qp(evaluated(each.data, at))
         known = [*at, *[part for each in self.preparations for part in evaluated(each.solver_function(Conic()), at)]]
         for stage, call in zip(self.stages, self.calls, strict=False):
-            *data, handed = evaluated(stage, known)
+            *data, intermediate = evaluated(stage, known)
             if isinstance(call, PythonCall):
                 answer = [np.zeros(size) for size in call.sizes]
                 BoundComputation(call.compute, data, answer)()
@@ -134,7 +134,7 @@ class Staged:
                 return call.expanded_qp(data)
             else:
                 answer = evaluated(call.solver_function(Conic()), data)
-            known += [handed, *answer]
+            known += [intermediate, *answer]
         raise AssertionError(wanted)
 
     def bind(self, arguments: list[Array], results: list[Array]) -> Callable[[], None]:
@@ -152,7 +152,7 @@ class Staged:
             calls.append(each.bind(self.backend, at, answer))
             known = [*known, *answer]
         for stage, call in zip(self.stages, self.calls, strict=False):
-            *data, handed = outputs = output_memory(stage)
+            *data, intermediate = outputs = output_memory(stage)
             calls.append(bind(stage, known, outputs))
             answer = [np.zeros(size) for size in call.sizes]
             if isinstance(call, PythonCall):
@@ -163,7 +163,7 @@ class Staged:
                 memory, expand = call.expanded_memory(data)
                 calls += [expand] if expand else []
                 calls.append(BoundSolver(self.backend, call.numeric_qp(memory), answer))
-            known = [*known, handed, *answer]
+            known = [*known, intermediate, *answer]
         calls.append(bind(self.stages[-1], known, results))
 
         def step() -> None:
@@ -224,9 +224,9 @@ def _fast_path(parts: Staged) -> Function:
     first = given = called(parts.stages[0], known)
     valid: Expression = 1
     for stage, call in zip(parts.stages[1:], parts.calls, strict=True):
-        *_, x, valid_here, handed = given
+        *_, x, valid_here, intermediate = given
         valid = logic_and(valid, valid_here)
-        known += [handed, x, *[zeros(size) for size in call.sizes[1:]]]
+        known += [intermediate, x, *[zeros(size) for size in call.sizes[1:]]]
         given = called(stage, known)
     return function("jtik_fast_path", inputs, [*given, valid, *local, *first])
 

@@ -16,10 +16,10 @@ def run(stages, known):
     """The results of the stages, called in order as in `jtik.qp.staged`."""
     arguments, given = list(known[0]), []
     for k, stage in enumerate(stages):
-        *outputs, handed = [*CompiledFunction(stage)(*arguments), None][: stage.n_out() + (k == len(stages) - 1)]
+        *outputs, intermediate = [*CompiledFunction(stage)(*arguments), None][: stage.n_out() + (k == len(stages) - 1)]
         given.append(outputs)
         if k < len(stages) - 1:
-            arguments += [handed, *known[k + 1]]
+            arguments += [intermediate, *known[k + 1]]
     return given
 
 
