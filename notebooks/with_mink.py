@@ -127,7 +127,7 @@ class Kept(jtik.Strategy):
         low, high = model.box
         rows = [] if self._limit is None else [self._limit.rows(model)]
         P = J.T @ J + self._mu * np.eye(model.robot.n)
-        dq = model.solve(jtik.qp.Program(P=P, q=J.T @ r, lower=low, upper=high, rows=rows)).x
+        dq = model.solve(jtik.qp.QuadraticProgram(P=P, q=J.T @ r, lower=low, upper=high, rows=rows)).x
         return jtik.strategy.Update(
             point=model.moved(-dq), accepted=1, state={}, term=-dq, wanted=-dq, null_term=0 * dq
         )

@@ -1,4 +1,4 @@
-"""What a back end is, and which there are: the strings that ``InverseKinematics(solver=)`` takes."""
+"""Back ends that solve quadratic programs: base classes, and the names that ``InverseKinematics(solver=)`` takes."""
 
 from __future__ import annotations
 
@@ -14,17 +14,22 @@ from jtik.symbolic import Function, has_conic
 from jtik.types import Array
 
 PLUGINS = {"daqp": 1e-7, "osqp": 1e-3, "piqp": 1e-5, "proxqp": 1e-3, "qpoases": 1e-7, "highs": 1e-5, "qrqp": 1e-5}
-"""CasADi's conic plugins and how exactly an answer of theirs is expected to hold (violation, stationarity)."""
+"""CasADi's conic plugins and the accuracy (violation, stationarity) that their solutions are checked against."""
 
-WRONG = ("qrqp",)
-"""Plugins that are not to be used: qrqp was wrong on up to a sixth of box-constrained programs."""
+EXCLUDED = ("qrqp",)
+"""Plugins that are refused: qrqp gave wrong solutions to up to a sixth of box-constrained QPs."""
 
-ELSEWHERE = 1e-3
-"""The same for a solver of qpsolvers that is not in the table."""
+DEFAULT_ACCURACY = 1e-3
+"""The accuracy of a solver of qpsolvers that is not in the table."""
 
 
 class BackendError(JtikError):
-    """A solver that cannot be used. Attributes: solver, reason."""
+    """A QP solver cannot be used.
+
+    Attributes:
+        solver: name of the solver.
+        reason: why it cannot be used, and what could be used instead.
+    """
 
     def __init__(self, solver: str, reason: str) -> None:
         super().__init__(solver, reason)
@@ -36,8 +41,18 @@ class BackendError(JtikError):
 
 
 @dataclass(frozen=True)
-class Numbers:
-    """A program's data as arrays: P (n, n), q (n,), C (k, n), l, u (k,), lb, ub (n,); columns first, shared memory."""
+class NumericQP:
+    """A quadratic program as NumPy arrays in memory that is shared with the step; matrices are column-major.
+
+    Attributes:
+        P: Hessian (n, n).
+        q: linear cost (n,).
+        C: matrix of the rows (k, n).
+        low: lower bounds of the rows (k,).
+        high: upper bounds of the rows (k,).
+        lower: lower bounds of the variables (n,).
+        upper: upper bounds of the variables (n,).
+    """
 
     P: Array
     q: Array
@@ -48,85 +63,105 @@ class Numbers:
     upper: Array
 
     @property
-    def sound(self) -> bool:
-        """Whether every number is finite, or an infinite bound: there are solvers that loop on NaN."""
+    def valid(self) -> bool:
+        """Whether every number is finite, or an infinite bound: some solvers loop on NaN."""
         finite = np.isfinite(self.P).all() and np.isfinite(self.q).all() and np.isfinite(self.C).all()
         bounds = (self.low, self.high, self.lower, self.upper)
         return bool(finite) and not any(np.isnan(bound).any() for bound in bounds)
 
 
-class _Answering(ABC):
-    """What solves the programs of a step.
+class _BackendBase(ABC):
+    """What both kinds of back end have in common.
 
-    ``name`` is what the user called it; ``accuracy`` what its answers are held to; ``second`` is asked where a fused
-    one has no answer.
+    Attributes:
+        name: the name that ``solver=`` takes.
+        accuracy: largest violation, and largest stationarity residual relative to 1 + |q|, of an accepted solution.
+        fallback: back end for QPs that a fused one fails to solve; None for none.
     """
 
     name: str
     accuracy: float
-    second: CalledBackend | None = None
+    fallback: CalledBackend | None = None
 
 
-class FusedBackend(_Answering):
-    """One that CasADi calls, so that a step stays one function."""
+class FusedBackend(_BackendBase):
+    """A back end that CasADi calls, so that the step stays one function."""
 
     @abstractmethod
     def function(self, n: int, rows: int) -> Function:
-        """(P, q, C, l, u, lb, ub) -> (x, row multipliers, box multipliers), for programs of this size."""
+        """The function (P, q, C, l, u, lb, ub) -> (x, row multipliers, box multipliers).
+
+        Args:
+            n: number of variables.
+            rows: number of rows of C.
+        """
 
 
-class CalledBackend(_Answering):
-    """One that Python calls, between the functions of a step."""
+class CalledBackend(_BackendBase):
+    """A back end that Python calls, between the functions of a step."""
 
     @abstractmethod
-    def solver(self, n: int, rows: int) -> Solver:
-        """Something that solves programs of this size, one after the other."""
+    def solver(self, n: int, rows: int) -> QPSolver:
+        """A solver of QPs of this size, to be called once per QP.
+
+        Args:
+            n: number of variables.
+            rows: number of rows of C.
+        """
 
 
 Backend: TypeAlias = FusedBackend | CalledBackend
-"""What ``solver=`` takes, beside a name."""
+"""What ``solver=`` accepts besides a name."""
 
 
-def accuracy_of(given: float | None, usual: float) -> float:
-    """What answers are held to. Raises ArgumentError unless it is finite and positive."""
+def accuracy_of(given: float | None, default: float) -> float:
+    """The accuracy to check solutions against.
+
+    Raises:
+        ArgumentError: unless it is finite and positive.
+    """
     if given is None:
-        return usual
+        return default
     accuracy = float(finite_array("accuracy", given, ()))
     if not accuracy > 0:
         raise ArgumentError("accuracy", given, "a positive number")
     return accuracy
 
 
-def simplest() -> Numbers:
-    """A program that every solver answers, to try its options on: x = -1 in a box, above -2."""
+def trial_qp() -> NumericQP:
+    """A small QP to try a solver's options on; its solution is x = -1."""
     one = np.ones((1, 1))
-    return Numbers(one, one[0], one, -2 * one[0], np.full(1, np.inf), -3 * one[0], 3 * one[0])
+    return NumericQP(one, one[0], one, -2 * one[0], np.full(1, np.inf), -3 * one[0], 3 * one[0])
 
 
-class Solver(ABC):
-    """One program's solver, with whatever it keeps from call to call."""
+class QPSolver(ABC):
+    """A solver of QPs of one size, which may keep a workspace between calls."""
 
     @abstractmethod
-    def solve(self, program: Numbers) -> Sequence[Array] | None:
-        """x (n,), row multipliers (k,) and box multipliers (n,), or None where there is no answer."""
+    def solve(self, qp: NumericQP) -> Sequence[Array] | None:
+        """Solve one QP.
+
+        Returns:
+            x (n,), row multipliers (k,) and box multipliers (n,); None if the solver found no solution.
+        """
 
 
 def available() -> list[str]:
-    """Names that ``solver=`` accepts here: CasADi's plugins, then what qpsolvers has."""
+    """Names that ``solver=`` accepts in this environment: CasADi's plugins, then the solvers of qpsolvers."""
     import qpsolvers
 
-    plugins = [name for name in PLUGINS if name not in WRONG and has_conic(name)]
+    plugins = [name for name in PLUGINS if name not in EXCLUDED and has_conic(name)]
     return [*plugins, *[name for name in qpsolvers.available_solvers if name not in plugins]]
 
 
 def backend_of(solver: str | Backend | None) -> Backend:
-    """The back end a name stands for; DAQP for None.
+    """The back end of that name; DAQP for None.
 
     Raises:
-        BackendError: when it is not installed, or not to be used.
+        BackendError: if the solver is not installed, or excluded.
     """
     from jtik.qp.conic import Conic
-    from jtik.qp.foreign import Foreign
+    from jtik.qp.qpsolvers_backend import QPSolversBackend
 
     if isinstance(solver, Backend):
         return solver
@@ -135,8 +170,8 @@ def backend_of(solver: str | Backend | None) -> Backend:
         raise BackendError(
             repr(solver), f"give a FusedBackend or a CalledBackend of jtik.qp, or one of {', '.join(available())}"
         )
-    if name in WRONG:
-        raise BackendError(name, f"is wrong on box-constrained programs; use one of {', '.join(available())}")
+    if name in EXCLUDED:
+        raise BackendError(name, f"is wrong on box-constrained QPs; use one of {', '.join(available())}")
     if name in PLUGINS and has_conic(name):
         return Conic(name)
-    return Foreign(name)
+    return QPSolversBackend(name)

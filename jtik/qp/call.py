@@ -1,4 +1,4 @@
-"""What happens between the functions of a step: a program for a solver, or a computation in Python."""
+"""Calls between the functions of a step: a QP for the back end, or a computation in Python."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jtik.qp.backend import CalledBackend, FusedBackend, Numbers
-from jtik.qp.elastic import Expansion
+from jtik.qp.backend import CalledBackend, FusedBackend, NumericQP
+from jtik.qp.elastic import SlackExpansion
 from jtik.qp.quadratic_program import QuadraticProgram
 from jtik.qp.recorder import Compute
 from jtik.symbolic import MX, Expression, Function, either, function
@@ -18,104 +18,120 @@ from jtik.types import Array
 
 @dataclass(frozen=True)
 class QPCall:
-    """A program of ``n`` variables and ``rows`` rows, for the back end; how its elastic rows become plain ones."""
+    """A QP of fixed size that the back end solves.
+
+    Attributes:
+        name: name of the QP.
+        n: number of variables, without slacks.
+        rows: number of rows.
+        expansion: how slack variables are added for elastic rows; None without elastic rows.
+    """
 
     name: str
     n: int
     rows: int
-    expansion: Expansion | None = None
+    expansion: SlackExpansion | None = None
 
     @classmethod
     def of(cls, program: QuadraticProgram) -> QPCall:
-        """For programs of this size."""
+        """The call for QPs of the size of ``program``."""
         return cls(program.name, program.size, program.row_count, program.expansion)
 
     @property
     def sizes(self) -> list[int]:
-        """Of x, row multipliers and box multipliers."""
+        """Lengths of x, row multipliers and box multipliers."""
         return [self.n, self.rows, self.n]
 
     @property
-    def plain_size(self) -> int:
-        """Number of variables that a solver sees."""
+    def expanded_size(self) -> int:
+        """Number of variables including slacks."""
         return self.expansion.size if self.expansion else self.n
 
-    def plain(self, data: Sequence[Array]) -> tuple[list[Array], Callable[[], None] | None]:
-        """The plain program's memory, and what fills it from a stage's outputs where that is another."""
+    def expanded_memory(self, data: Sequence[Array]) -> tuple[list[Array], Callable[[], None] | None]:
+        """The memory of the QP with slack variables, and the call that fills it from a stage's outputs.
+
+        Without elastic rows the memory is the stage's own, and the call is None.
+        """
         if self.expansion is None:
             return list(data[:7]), None
         expand = self.expansion.function()
-        memory = outputs_of(expand)
+        memory = output_memory(expand)
         return memory, bind(expand, list(data[:10]), memory)
 
-    def plain_numbers(self, data: Sequence[Array]) -> Numbers:
-        """A stage's outputs as a plain program."""
-        memory, expand = self.plain(data)
+    def expanded_qp(self, data: Sequence[Array]) -> NumericQP:
+        """The numeric QP with slack variables, from a stage's outputs."""
+        memory, expand = self.expanded_memory(data)
         if expand:
             expand()
-        return self.numbers(memory)
+        return self.numeric_qp(memory)
 
-    def numbers(self, plain: Sequence[Array]) -> Numbers:
-        """A plain program's memory, columns first as CasADi has them, as a program."""
-        n, (P, q, C, low, high, lower, upper) = self.plain_size, plain
-        return Numbers(P.reshape(n, n).T, q, C.reshape(n, self.rows).T, low, high, lower, upper)
+    def numeric_qp(self, memory: Sequence[Array]) -> NumericQP:
+        """The numeric QP on the memory of P, q, C, l, u, lb, ub, column-major as CasADi has them."""
+        n, (P, q, C, low, high, lower, upper) = self.expanded_size, memory
+        return NumericQP(P.reshape(n, n).T, q, C.reshape(n, self.rows).T, low, high, lower, upper)
 
-    def solved_by(self, backend: FusedBackend) -> Function:
-        """(the program's data, the answer of its shortcut and whether that holds) -> answer, by a fused back end.
+    def solver_function(self, backend: FusedBackend) -> Function:
+        """(the QP's data, a solution without solver, whether it is valid) -> solution, by a fused back end.
 
-        The solver is not called where the shortcut holds.
+        The solver is not called where the solution without solver is valid.
         """
         data = [MX.sym(f"d{i}", *size) for i, size in enumerate(self.data_sizes)]
-        *given, x, holds = data
-        near = function("near", [*given, x], [x, MX(self.rows, 1), MX(self.n, 1)])
-        solver = function("far", [*given, x], self.answered(given, backend))
-        return function("solved", data, called(either(near, solver), [holds, *given, x]))
+        *given, x, valid = data
+        fast = function("fast_path", [*given, x], [x, MX(self.rows, 1), MX(self.n, 1)])
+        solver = function("qp_path", [*given, x], self.solution(given, backend))
+        return function("solved", data, called(either(fast, solver), [valid, *given, x]))
 
-    def answered(self, given: Sequence[Expression], backend: FusedBackend) -> list[Expression]:
-        """The answer of a fused back end to a program's data."""
-        plain = called(self.expansion.function(), given) if self.expansion else given
-        answer = called(backend.function(self.plain_size, self.rows), plain)
-        if self.expansion:  # slacks come last, and are known from the rest
+    def solution(self, given: Sequence[Expression], backend: FusedBackend) -> list[Expression]:
+        """Expressions of x, row multipliers and box multipliers, by a fused back end, for a QP's data."""
+        expanded = called(self.expansion.function(), given) if self.expansion else given
+        answer = called(backend.function(self.expanded_size, self.rows), expanded)
+        if self.expansion:  # the slacks are the last entries; they follow from x
             answer = [answer[0][: self.n], answer[1], answer[2][: self.n]]
         return answer
 
     @property
     def data_sizes(self) -> list[tuple[int, int]]:
-        """Of P, q, C, l, u, lb, ub, what elastic rows cost, and of the shortcut's answer and whether it holds."""
+        """Shapes of P, q, C, l, u, lb, ub, the penalties of elastic rows, a solution without solver, its validity."""
         n, k, e = self.n, self.rows, len(self.expansion.elastic) if self.expansion else 0
-        prices = [(e, 1)] * 3 if self.expansion else []
-        return [(n, n), (n, 1), (k, n), (k, 1), (k, 1), (n, 1), (n, 1), *prices, (n, 1), (1, 1)]
+        penalties = [(e, 1)] * 3 if self.expansion else []
+        return [(n, n), (n, 1), (k, n), (k, 1), (k, 1), (n, 1), (n, 1), *penalties, (n, 1), (1, 1)]
 
 
 @dataclass(frozen=True)
 class PythonCall:
-    """A computation in Python whose answers have these sizes."""
+    """A computation in Python.
+
+    Attributes:
+        name: name of the computation.
+        compute: the Python function.
+        sizes: lengths of its results.
+    """
 
     name: str
     compute: Compute
     sizes: list[int]
 
 
-class Answering:
-    """A solver with the memory of its program and of its answer; NaN is the answer where there is none."""
+class BoundSolver:
+    """A QP solver bound to the memory of its QP and of its solution, which is NaN if there is none."""
 
-    def __init__(self, backend: CalledBackend, program: Numbers, answer: list[Array]) -> None:
-        self._solver = backend.solver(len(program.q), len(program.low))
-        self._program, self._answer = program, answer
+    def __init__(self, backend: CalledBackend, qp: NumericQP, answer: list[Array]) -> None:
+        self._solver = backend.solver(len(qp.q), len(qp.low))
+        self._qp, self._answer = qp, answer
 
     def __call__(self) -> None:
-        """Answer the program that is in memory."""
-        solution = self._solver.solve(self._program) if self._program.sound else None
+        """Solve the QP that is in memory."""
+        solution = self._solver.solve(self._qp) if self._qp.valid else None
         if solution is None:
             for memory in self._answer:
                 memory[:] = np.nan
             return
         for memory, values in zip(self._answer, solution, strict=True):
-            memory[:] = values[: len(memory)]  # slacks come last
+            memory[:] = values[: len(memory)]  # the slacks are the last entries
 
 
-class Computing:
-    """Python with the memory of its arguments and of its answer; NaN is the answer where there is none."""
+class BoundComputation:
+    """A Python function bound to the memory of its arguments and of its results, which are NaN if there are none."""
 
     def __init__(self, compute: Compute, data: list[Array], answer: list[Array]) -> None:
         self._compute, self._data, self._answer = compute, data, answer
@@ -128,18 +144,18 @@ class Computing:
 
 
 def called(inner: Function, arguments: Sequence[Expression]) -> list[Expression]:
-    """What a function makes of expressions."""
+    """The outputs of a function called on expressions, always as a list."""
     answer = inner(*arguments)
     return list(answer) if isinstance(answer, (tuple, list)) else [answer]
 
 
 def evaluated(of: Function, arguments: list[Array]) -> list[Array]:
-    """What it makes of numbers, as columns."""
-    results = outputs_of(of)
+    """The outputs of a function on numbers, flat and column-major."""
+    results = output_memory(of)
     bind(of, arguments, results)()
     return results
 
 
-def outputs_of(of: Function) -> list[Array]:
-    """Memory for what it makes."""
+def output_memory(of: Function) -> list[Array]:
+    """Zeros to hold the outputs of a function, flat."""
     return [np.zeros(of.numel_out(i)) for i in range(of.n_out())]

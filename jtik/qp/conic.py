@@ -1,15 +1,15 @@
-"""Solvers inside the fused step: CasADi's conic interface, a call of the step stays one call."""
+"""QP solvers inside the fused step, by CasADi's conic interface: a call of the step stays one call."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-from jtik.qp.backend import PLUGINS, WRONG, BackendError, FusedBackend, accuracy_of
-from jtik.qp.foreign import Foreign
+from jtik.qp.backend import EXCLUDED, PLUGINS, BackendError, FusedBackend, accuracy_of
+from jtik.qp.qpsolvers_backend import QPSolversBackend
 from jtik.symbolic import Function, conic, has_conic
 
-_QUIET: Mapping[str, Mapping[str, Any]] = {
+_DEFAULTS: Mapping[str, Mapping[str, Any]] = {
     "daqp": {"daqp": {"primal_tol": 1e-8}},
     "osqp": {"osqp": {"verbose": False, "eps_abs": 1e-8, "eps_rel": 1e-8, "max_iter": 20000, "polish": True}},
     "proxqp": {"proxqp": {"eps_abs": 1e-9, "verbose": False}},
@@ -17,33 +17,38 @@ _QUIET: Mapping[str, Mapping[str, Any]] = {
     "qpoases": {"printLevel": "none", "sparse": False},
     "highs": {"highs": {"output_flag": False}},
 }
-"""What keeps a plugin silent and exact enough for a step."""
+"""Default options: no output, and tolerances small enough for a step to converge."""
 
 
 class Conic(FusedBackend):
-    """A conic plugin of CasADi. Options pass through to it.
+    """A conic plugin of CasADi as the back end. Prefer it where there is a plugin: no Python runs inside a step.
+
+    Args:
+        name: name of the plugin, such as "daqp".
+        accuracy: what solutions are checked against; a default for each plugin.
+        **options: options of the plugin, passed through to it.
 
     Raises:
-        ArgumentError: for an accuracy that is none.
-        BackendError: when CasADi came without the plugin; from `function` when the plugin cannot do such programs, or
-            refuses the options.
+        ArgumentError: if ``accuracy`` is not finite and positive.
+        BackendError: if CasADi came without the plugin; from `function` if the plugin cannot solve dense QPs with rows
+            and bounds, or refuses the options.
     """
 
     def __init__(self, name: str = "daqp", *, accuracy: float | None = None, **options: Any) -> None:
-        if name in WRONG or not has_conic(name):
-            usable = [plugin for plugin in PLUGINS if plugin not in WRONG and has_conic(plugin)]
-            raise BackendError(name, f"no plugin of this CasADi that can be used; there are {', '.join(usable)}")
+        if name in EXCLUDED or not has_conic(name):
+            usable = [plugin for plugin in PLUGINS if plugin not in EXCLUDED and has_conic(plugin)]
+            raise BackendError(name, f"is no usable plugin of this CasADi; use one of {', '.join(usable)}")
         self.name = name
         self.accuracy = accuracy_of(accuracy, PLUGINS.get(name, 1e-5))
-        self._options = {**_QUIET.get(name, {}), **options}
-        if name == "daqp" and not options:  # CasADi's own copy gives up on one in some thousands that this one solves
-            self.second = Foreign("daqp", primal_tol=1e-8)
+        self._options = {**_DEFAULTS.get(name, {}), **options}
+        if name == "daqp" and not options:  # CasADi's own copy fails on one QP in some thousands that this one solves
+            self.fallback = QPSolversBackend("daqp", primal_tol=1e-8)
 
     def __repr__(self) -> str:
         return f"Conic({self.name!r})"
 
     def function(self, n: int, rows: int) -> Function:
-        """The plugin for dense programs of this size."""
+        """The plugin for dense QPs of this size."""
         try:
             return conic(f"qp_{self.name}", self.name, n, rows, {"error_on_fail": False, **self._options})
         except RuntimeError as error:
@@ -51,7 +56,7 @@ class Conic(FusedBackend):
 
 
 def _reason(error: RuntimeError, options: Mapping[str, Any]) -> str:
-    """What a plugin says of a program or of an option that it cannot do, without the trail that CasADi lays."""
+    """The plugin's own message about a QP or an option that it refuses, without CasADi's stack of source positions."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     unknown = [line for line in lines if "nknown option" in line]
     if unknown:

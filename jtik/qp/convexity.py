@@ -1,4 +1,4 @@
-"""Whether a quadratic form is convex: not every solver looks for more than a stationary point."""
+"""Convexity test of a quadratic form: some solvers accept any stationary point."""
 
 from __future__ import annotations
 
@@ -6,34 +6,37 @@ import numpy as np
 
 from jtik.symbolic import Expression, fabs, fmax, if_else, logic_and, numbers
 
-FLAT = 1e-9
-"""A pivot below this fraction of the largest diagonal entry counts as zero, above minus it as not negative."""
+ZERO_PIVOT = 1e-9
+"""Pivots of at most this fraction of the largest diagonal entry count as zero; below minus it, as negative."""
 
-BESIDE = 1e-4
-"""Largest entry beside a pivot that counts as zero: in a semidefinite matrix the geometric mean of two pivots."""
+ZERO_OFF_DIAGONAL = 1e-4
+"""Off-diagonal entries up to this fraction count as zero: a semidefinite matrix bounds them by sqrt(pivot * pivot)."""
 
 
-def convex(P: Expression) -> Expression:
+def is_convex(P: Expression) -> Expression:
     """1 where the symmetric ``P`` (n, n) is positive semidefinite to rounding, else 0: by the pivots of L D L'."""
     n = P.shape[0]
     rest = [[P[i, j] for j in range(i + 1)] for i in range(n)]
     scale: Expression = 0
     for i in range(n):
         scale = fmax(scale, fabs(rest[i][i]))
-    good: Expression = 1
+    convex: Expression = 1
     for j in range(n):
-        pivot, zero = rest[j][j], rest[j][j] <= FLAT * scale
-        good = logic_and(good, pivot >= -FLAT * scale)
+        pivot, zero = rest[j][j], rest[j][j] <= ZERO_PIVOT * scale
+        convex = logic_and(convex, pivot >= -ZERO_PIVOT * scale)
         for i in range(j + 1, n):
-            good = logic_and(good, if_else(zero, fabs(rest[i][j]) <= BESIDE * scale, 1))
+            convex = logic_and(convex, if_else(zero, fabs(rest[i][j]) <= ZERO_OFF_DIAGONAL * scale, 1))
             factor = if_else(zero, 0, rest[i][j] / if_else(zero, 1, pivot))
             for k in range(j + 1, i + 1):
                 rest[i][k] = rest[i][k] - factor * rest[k][j]
-    return good
+    return convex
 
 
-def lowest_eigenvalue(P: Expression) -> float | None:
-    """Of a matrix of numbers, relative to its largest entry; None where it has symbols or something not finite."""
+def smallest_eigenvalue(P: Expression) -> float | None:
+    """The smallest eigenvalue of a numeric matrix, relative to its largest entry.
+
+    None if the matrix has symbols or entries that are not finite, or is zero.
+    """
     values = numbers(P)
     if values is None or not np.isfinite(values).all() or not values.any():
         return None

@@ -1,7 +1,8 @@
-"""Rows that may give way, at a price: how a program with such rows becomes a plain one (formulations/elastic.md)."""
+"""Elastic rows: constraints that may be relaxed by a slack with a penalty (formulations/elastic.md)."""
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
@@ -23,37 +24,68 @@ from jtik.symbolic import (
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Elastic:
-    """What it costs that a row gives way by a slack s: ``price s + 1/2 curvature s^2``, 0 <= s <= give.
+    """The penalty ``penalty s + 1/2 curvature s^2``, 0 <= s <= max_slack, of relaxing a row by the slack s.
 
-    Above the row's multiplier in the hard program the price keeps it hard: s is 0 wherever it can be, exactly. Each
-    number is one for all rows of a group, or a column (k, 1).
+    Prefer it to a hard row where rows may contradict each other. A penalty above the row's multiplier in the hard QP is
+    exact: s is 0 wherever the row can be satisfied. Each argument is one number for all rows of a group, or a
+    column (k, 1).
 
-    Attributes:
-        price: of a unit of slack, positive; the program's unit of cost over that of the row.
-        give: most slack. ``max(-lower, 0)`` and the like keep x = 0 feasible and no more.
-        curvature: for slack beyond what the price forbids, so that several rows share it; the price by default.
+    Args:
+        penalty: penalty weight of a unit of slack, positive, in the QP's unit of cost over the row's unit.
+        max_slack: upper bound of the slack, non-negative, in the row's unit. ``max(-lower, 0)`` and the like are just
+            enough to keep x = 0 feasible.
+        curvature: weight of the quadratic penalty, positive, so that several relaxed rows share the slack;
+            ``penalty`` by default.
+        price: deprecated name of ``penalty``.
+        give: deprecated name of ``max_slack``.
 
     Raises:
-        ArgumentError: for a price or curvature that is not positive, or a give below 0.
+        ArgumentError: if penalty or curvature is not positive, or max_slack is negative.
     """
 
-    price: Any
-    give: Any = inf
-    curvature: Any = None
+    penalty: Any
+    max_slack: Any
+    curvature: Any
 
-    def __post_init__(self) -> None:
-        for name, least in (("price", 0), ("curvature", 0), ("give", -1e-300)):
+    def __init__(
+        self, penalty: Any = None, max_slack: Any = None, curvature: Any = None, *, price: Any = None, give: Any = None
+    ) -> None:
+        for old, new, value in (("price", "penalty", price), ("give", "max_slack", give)):
+            if value is not None:
+                _deprecated(old, new)
+        penalty = price if penalty is None else penalty
+        max_slack = give if max_slack is None else max_slack
+        if penalty is None:
+            raise ArgumentError("elastic.penalty", None, "a positive number, or one for each row")
+        object.__setattr__(self, "penalty", penalty)
+        object.__setattr__(self, "max_slack", inf if max_slack is None else max_slack)
+        object.__setattr__(self, "curvature", curvature)
+        for name in ("penalty", "curvature"):
             value = getattr(self, name)
-            if isinstance(value, (int, float)) and not value > least:
-                raise ArgumentError(f"elastic.{name}", value, "a number from 0" if name == "give" else "a positive one")
+            if isinstance(value, (int, float)) and not value > 0:
+                raise ArgumentError(f"elastic.{name}", value, "a positive number")
+        if isinstance(self.max_slack, (int, float)) and not self.max_slack >= 0:
+            raise ArgumentError("elastic.max_slack", self.max_slack, "a non-negative number")
+
+    @property
+    def price(self) -> Any:
+        """Deprecated name of `penalty`."""
+        _deprecated("price", "penalty")
+        return self.penalty
+
+    @property
+    def give(self) -> Any:
+        """Deprecated name of `max_slack`."""
+        _deprecated("give", "max_slack")
+        return self.max_slack
 
     def columns(self, count: int) -> list[Expression]:
-        """Price, curvature and give of ``count`` rows, (count, 1) each."""
-        curvature = self.price if self.curvature is None else self.curvature
+        """Penalty, curvature and largest slack of ``count`` rows, (count, 1) each."""
+        curvature = self.penalty if self.curvature is None else self.curvature
         columns = []
-        for name, value in (("price", self.price), ("curvature", curvature), ("give", self.give)):
+        for name, value in (("penalty", self.penalty), ("curvature", curvature), ("max_slack", self.max_slack)):
             column = value if is_symbolic(value) else vertcat(*([value] if isinstance(value, (int, float)) else value))
             if column.shape == (1, 1):
                 column = vertcat(*[column] * count)
@@ -64,11 +96,15 @@ class Elastic:
 
 
 @dataclass(frozen=True)
-class Expansion:
-    """A program of ``n`` variables and ``rows`` rows, made plain: a slack variable more for each side that may give.
+class SlackExpansion:
+    """How a QP with elastic rows becomes one with hard rows: one slack variable more for each side of an elastic row.
 
-    Attributes: n; rows; elastic, indices of the elastic rows; below and above, positions among those that have a lower
-    and an upper bound to give way: their slacks lie behind x, in this order.
+    Attributes:
+        n: number of variables without slacks.
+        rows: number of rows.
+        elastic: indices of the elastic rows.
+        below: positions among the elastic rows of those with a lower bound; their slacks follow x.
+        above: positions among the elastic rows of those with an upper bound; their slacks come last.
     """
 
     n: int
@@ -78,50 +114,57 @@ class Expansion:
     above: tuple[int, ...]
 
     @classmethod
-    def of(cls, n: int, rows: int, elastic: Sequence[int], low: Expression, high: Expression) -> Expansion:
-        """For bounds of all rows; a side that is infinite by construction needs no slack."""
-        below = tuple(i for i, row in enumerate(elastic) if not _never(low[row]))
-        above = tuple(i for i, row in enumerate(elastic) if not _never(high[row]))
+    def of(cls, n: int, rows: int, elastic: Sequence[int], low: Expression, high: Expression) -> SlackExpansion:
+        """From the bounds of all rows; a bound that is infinite by construction needs no slack."""
+        below = tuple(i for i, row in enumerate(elastic) if not _always_infinite(low[row]))
+        above = tuple(i for i, row in enumerate(elastic) if not _always_infinite(high[row]))
         return cls(n, rows, tuple(elastic), below, above)
 
     @property
     def size(self) -> int:
-        """Number of variables of the plain program."""
+        """Number of variables including slacks."""
         return self.n + len(self.below) + len(self.above)
 
     def function(self) -> Function:
-        """(P, q, C, l, u, lb, ub, price, curvature, give) -> (P, q, C, l, u, lb, ub) of the plain program."""
+        """(P, q, C, l, u, lb, ub, penalty, curvature, max_slack) -> (P, q, C, l, u, lb, ub) with slack variables."""
         n, k, e = self.n, self.rows, len(self.elastic)
         sizes = ((n, n), (n, 1), (k, n), (k, 1), (k, 1), (n, 1), (n, 1), (e, 1), (e, 1), (e, 1))
         given = [symbol(f"d{i}", *size) for i, size in enumerate(sizes)]
-        P, q, C, low, high, lower, upper, price, curvature, give = given
+        P, q, C, low, high, lower, upper, penalty, curvature, max_slack = given
         m, sides = self.size - n, [*self.below, *self.above]
         signs = [1] * len(self.below) + [-1] * len(self.above)
         slack = zeros(k, m)
         for column, (side, sign) in enumerate(zip(sides, signs, strict=True)):
             slack[self.elastic[side], column] = sign
         P = vertcat(horzcat(P, zeros(n, m)), horzcat(zeros(m, n), diag(curvature[sides])))
-        bounds = vertcat(lower, zeros(m)), vertcat(upper, give[sides])
-        plain = [P, vertcat(q, price[sides]), horzcat(C, slack), low, high, *bounds]
-        return function("elastic", given, plain)
+        bounds = vertcat(lower, zeros(m)), vertcat(upper, max_slack[sides])
+        expanded = [P, vertcat(q, penalty[sides]), horzcat(C, slack), low, high, *bounds]
+        return function("elastic", given, expanded)
 
 
-def mispriced(slack: Expression, multipliers: Expression, columns: Sequence[Expression], accuracy: float) -> Expression:
-    """How far multipliers are from what the slacks (e, 1) cost, relative to the price: 0 at the optimum.
+def multiplier_error(
+    slack: Expression, multipliers: Expression, columns: Sequence[Expression], accuracy: float
+) -> Expression:
+    """Violation of the optimality conditions of the slacks (e, 1), relative to the penalty: 0 at the optimum.
 
-    A slack that could be larger has a multiplier of at most price + curvature s, one that could be smaller at least
-    that; what is nearer to an end than ``accuracy`` is there.
+    The multiplier of a slack below its upper bound is at most penalty + curvature s, that of a positive slack at least
+    as much. A slack within ``accuracy`` of a bound counts as being at it.
     """
-    price, curvature, give = columns
+    penalty, curvature, max_slack = columns
     worst: Expression = 0
     for i in range(slack.shape[0]):
         s, y = slack[i], fmax(multipliers[i], -multipliers[i])
-        excess = (y - price[i] - curvature[i] * s) / (1 + price[i])
-        worst = fmax(worst, if_else(s < give[i] - accuracy, excess, 0))
+        excess = (y - penalty[i] - curvature[i] * s) / (1 + penalty[i])
+        worst = fmax(worst, if_else(s < max_slack[i] - accuracy, excess, 0))
         worst = fmax(worst, if_else(s > accuracy, -excess, 0))
     return worst
 
 
-def _never(bound: Expression) -> bool:
-    """Whether a bound is infinite whatever the numbers."""
+def _always_infinite(bound: Expression) -> bool:
+    """Whether a bound is an infinite constant."""
     return bool(bound.is_constant()) and abs(float(bound)) == inf
+
+
+def _deprecated(old: str, new: str) -> None:
+    """Warn about a deprecated argument or attribute of Elastic."""
+    warnings.warn(f"Elastic: {old!r} is deprecated; use {new!r}", DeprecationWarning, stacklevel=3)

@@ -1,7 +1,7 @@
-"""One expression graph as several functions in a row, each value computed once, as soon as it can be.
+"""Partition of an expression graph into consecutive functions (stages) that compute each value once.
 
-Between two functions of a step a solver answers. What the first has computed and the second needs again, such as a
-factorisation, is handed on as numbers instead of being computed twice.
+Between two stages of a step a solver is called. Values that one stage computes and a later one needs, such as a
+factorisation, are passed on as numbers instead of being computed twice.
 """
 
 from __future__ import annotations
@@ -29,41 +29,46 @@ def partitioned(
 ) -> list[Function]:
     """Functions that compute ``wanted[k]`` from the symbols ``known[0]`` to ``known[k]``.
 
-    Function k takes ``known[0]``, then for each earlier stage j what stage j handed on and ``known[j + 1]``; it
-    returns ``wanted[k]`` and, all but the last, one column of what it hands on.
-
     Args:
-        names: of the functions.
-        known: symbols that come to be known before each stage.
-        wanted: expressions of them that each stage has to give.
+        names: names of the functions.
+        known: symbols whose values become known before each stage.
+        wanted: expressions that each stage returns.
+
+    Returns:
+        One function for each stage. Function k takes ``known[0]``, then for each earlier stage j the intermediate
+        values of stage j and ``known[j + 1]``. It returns ``wanted[k]`` and, except for the last, one column of
+        intermediate values.
     """
     graph = _Graph.of(known, [[densify(each) for each in group] for group in wanted])
-    handed: list[list[int]] = [[] for _ in names]
+    passed_on: list[list[int]] = [[] for _ in names]
     for node in sorted(graph.used_later):
-        handed[graph.stage[node]].append(node)
-    columns = [symbol(f"handed{k}", len(nodes)) for k, nodes in enumerate(handed)]
+        passed_on[graph.stage[node]].append(node)
+    columns = [symbol(f"intermediate{k}", len(nodes)) for k, nodes in enumerate(passed_on)]
     functions = []
     for k, name in enumerate(names):
         inputs = list(known[0])
         values: dict[int, Expression] = {}
         for j in range(k):
             inputs += [columns[j], *known[j + 1]]
-            values |= {node: columns[j][i] for i, node in enumerate(handed[j])}
+            values |= {node: columns[j][i] for i, node in enumerate(passed_on[j])}
         graph.evaluate(k, values)
         outputs = [_filled(like, graph.results[k][i], values) for i, like in enumerate(wanted[k])]
         if k < len(names) - 1:
-            outputs.append(vertcat(*[values[node] for node in handed[k]]) if handed[k] else zeros(0))
+            outputs.append(vertcat(*[values[node] for node in passed_on[k]]) if passed_on[k] else zeros(0))
         functions.append(function(name, inputs, outputs))
     return functions
 
 
 @dataclass
 class _Graph:
-    """The operations of all stages: each node an operation, its operands, and the stage from which it can be computed.
+    """The operations of all stages as a graph.
 
-    Attributes: nodes, (operation, operands) in an order in which they can be computed; their values where they have
-    one beforehand; stage, -1 of constants; used_later, nodes that a later stage needs; results, the nodes of each entry
-    of each wanted expression.
+    Attributes:
+        nodes: (operation, operands) of each node, in an order in which they can be computed.
+        given: values of the nodes that are symbols or constants.
+        stage: first stage in which each node can be computed; -1 for constants.
+        used_later: nodes that a later stage needs.
+        results: nodes of each entry of each wanted expression of each stage.
     """
 
     nodes: list[tuple[int, tuple[int, ...]]]
@@ -74,7 +79,7 @@ class _Graph:
 
     @classmethod
     def of(cls, known: Sequence[Sequence[Expression]], wanted: Sequence[Sequence[Expression]]) -> _Graph:
-        """Read the instructions of one function of everything."""
+        """From the instructions of one function that computes all wanted expressions."""
         symbols = [(k, each) for k, group in enumerate(known) for each in group]
         outputs = [(k, i) for k, group in enumerate(wanted) for i in range(len(group))]
         whole = function("whole", [each for _, each in symbols], [wanted[k][i] for k, i in outputs])
@@ -108,12 +113,12 @@ class _Graph:
         return graph
 
     def _use(self, node: int, stage: int) -> None:
-        """Note that a stage needs a node; symbols and constants are there anyway."""
+        """Note that a stage needs a node; symbols and constants are available in every stage."""
         if node not in self.given and self.stage[node] < stage:
             self.used_later.add(node)
 
     def evaluate(self, stage: int, values: dict[int, Expression]) -> None:
-        """Add the values of all nodes of a stage to those that it is given."""
+        """Add the values of all nodes of a stage to the values that it is given."""
         values |= self.given
         for node, (operation, operands) in enumerate(self.nodes):
             if self.stage[node] != stage or node in values:
@@ -125,7 +130,7 @@ class _Graph:
 
 
 def _filled(like: Expression, nodes: Sequence[int], values: dict[int, Expression]) -> Expression:
-    """A dense matrix of the shape of ``like``, columns first."""
+    """The dense, column-major matrix of these nodes with the shape of ``like``."""
     rows, columns = like.shape
     if not nodes:
         return SX.zeros(rows, columns)

@@ -1,4 +1,4 @@
-"""What a law asks for on its way: programs and computations, in their order, and the symbols of their answers."""
+"""Recording of the QPs and Python computations that a strategy uses, in order, with the symbols of their results."""
 
 from __future__ import annotations
 
@@ -6,43 +6,56 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
-from jtik.qp.quadratic_program import QPSolution, QuadraticProgram
+from jtik.qp.quadratic_program import QuadraticProgram
+from jtik.qp.solution import QPSolution
 from jtik.symbolic import Expression, logic_and, logic_or, symbol
 from jtik.types import Array
 
 Compute: TypeAlias = Callable[[Sequence[Array]], "Sequence[Any] | None"]
-"""What Python does in the middle of a step: flat arrays (columns first) to arrays; None where there is no answer."""
+"""A Python function inside a step: flat column-major arrays -> arrays, or None if there is no result."""
 
 
 @dataclass(frozen=True)
-class Recorded:
-    """A program and the symbols that stand for its answer."""
+class RecordedQP:
+    """A QP and the symbols of its solution.
+
+    Attributes:
+        program: the QP.
+        solution: its solution, as symbols.
+    """
 
     program: QuadraticProgram
     solution: QPSolution
 
     @property
     def name(self) -> str:
-        """The program's."""
+        """The QP's name."""
         return self.program.name
 
     def data(self) -> list[Expression]:
-        """What the solver is given."""
+        """The QP's data, as the solver is given them."""
         return self.program.data()
 
     @property
     def answers(self) -> list[Expression]:
-        """What it answers."""
+        """Symbols of x, row multipliers and box multipliers."""
         return [self.solution.x, self.solution.row_multipliers, self.solution.box_multipliers]
 
     def solved(self, accuracy: float) -> Expression:
-        """1 where the answer holds."""
+        """1 where the solution satisfies the optimality conditions to ``accuracy``, else 0."""
         return self.solution.solved(accuracy)
 
 
 @dataclass(frozen=True)
-class Computation:
-    """Something that Python computes from numbers of the step, and the symbols that stand for what comes out."""
+class RecordedComputation:
+    """A computation in Python inside a step, and the symbols of its results.
+
+    Attributes:
+        name: name of the computation.
+        compute: the Python function.
+        inputs: expressions of its arguments.
+        answers: symbols of its results.
+    """
 
     name: str
     compute: Compute
@@ -50,11 +63,11 @@ class Computation:
     answers: list[Expression]
 
     def data(self) -> list[Expression]:
-        """What it is given."""
+        """Expressions of the arguments."""
         return self.inputs
 
     def solved(self, accuracy: float) -> Expression:
-        """1 where there is an answer without NaN."""
+        """1 where no result is NaN, else 0."""
         good: Expression = 1
         for answer in self.answers:
             for i in range(answer.numel()):
@@ -65,7 +78,14 @@ class Computation:
 
 @dataclass(frozen=True)
 class Preparation:
-    """A program before the step: when it is needed, its solution, what is made of it, and the symbols for that."""
+    """A QP that is solved before the step, where it is needed.
+
+    Attributes:
+        needed: 1 where the QP is needed, else 0.
+        solution: the QP's solution, as symbols.
+        results: expressions of that solution.
+        answers: symbols of the results, as the step uses them.
+    """
 
     needed: Expression
     solution: QPSolution
@@ -75,31 +95,48 @@ class Preparation:
 
 @dataclass
 class QPRecorder:
-    """Takes programs and computations in the order in which a strategy asks for answers."""
+    """Records QPs and computations in the order in which a strategy asks for their results.
+
+    Attributes:
+        accuracy: what solutions are checked against.
+        solver: name of the back end.
+        programs: the QPs and computations so far.
+        preparations: the QPs that are solved before the step.
+    """
 
     accuracy: float
     solver: str = "daqp"
-    programs: list[Recorded | Computation] = field(default_factory=list)
+    programs: list[RecordedQP | RecordedComputation] = field(default_factory=list)
     preparations: list[Preparation] = field(default_factory=list)
 
     def compute(
         self, name: str, compute: Compute, inputs: Sequence[Expression], shapes: Sequence[tuple[int, int]]
     ) -> list[Expression]:
-        """What Python will answer, as symbols of these shapes."""
+        """Record a computation in Python.
+
+        Args:
+            name: name of the computation.
+            compute: the Python function; it gets flat, column-major arrays.
+            inputs: expressions of its arguments.
+            shapes: shapes of its results.
+
+        Returns:
+            Symbols of the results.
+        """
         k = len(self.programs)
         answers = [symbol(f"c{k}_{i}", *shape) for i, shape in enumerate(shapes)]
-        self.programs.append(Computation(name, compute, list(inputs), answers))
+        self.programs.append(RecordedComputation(name, compute, list(inputs), answers))
         return answers
 
     def solve(self, program: QuadraticProgram) -> QPSolution:
-        """The answer, as symbols."""
+        """Record a QP and return its solution, as symbols."""
         solution = _symbols(program, str(len(self.programs)))
-        self.programs.append(Recorded(program, solution))
+        self.programs.append(RecordedQP(program, solution))
         return solution
 
     def solutions(self) -> list[tuple[QuadraticProgram, QPSolution]]:
-        """The programs so far, with their answers."""
-        return [(each.program, each.solution) for each in self.programs if isinstance(each, Recorded)]
+        """The QPs so far, with their solutions."""
+        return [(each.program, each.solution) for each in self.programs if isinstance(each, RecordedQP)]
 
     def prepare(
         self,
@@ -107,10 +144,18 @@ class QPRecorder:
         program: QuadraticProgram,
         results: Callable[[QPSolution], Sequence[Expression]],
     ) -> list[Expression]:
-        """What a program of the local model alone has to say where it is ``needed``, before the step; else zeros.
+        """Record a QP that is solved before the step, where it is needed.
 
-        Where it is not, nothing of it is evaluated. ``results`` makes columns of its solution, which nobody checks: a
-        step must be able to do without.
+        The results are not checked: the step must be valid without them. Where the QP is not needed, none of it is
+        evaluated.
+
+        Args:
+            needed: 1 where the QP is needed, else 0.
+            program: the QP; it depends on the local model only.
+            results: columns made of the QP's solution.
+
+        Returns:
+            Symbols of the results; zeros where the QP is not needed.
         """
         name = f"prepared{len(self.preparations)}"
         solution = _symbols(program, name)
@@ -120,7 +165,7 @@ class QPRecorder:
         return answers
 
     def solved(self) -> Expression:
-        """1 where every program so far was answered rightly."""
+        """1 where all QPs and computations so far have valid results, else 0."""
         good: Expression = 1
         for recorded in self.programs:
             good = logic_and(good, recorded.solved(self.accuracy))
@@ -128,5 +173,6 @@ class QPRecorder:
 
 
 def _symbols(program: QuadraticProgram, name: str) -> QPSolution:
+    """The solution of a QP as symbols."""
     n, rows = program.size, program.row_count
     return QPSolution(symbol(f"x{name}", n), symbol(f"y{name}", rows), symbol(f"z{name}", n), program)

@@ -1,8 +1,9 @@
-"""A step with solvers in it: expressions up to a program, its answer, expressions up to the next, to the end.
+"""A step that contains QPs or Python computations: functions (stages) with calls in between.
 
-The expressions are functions of SX, generated and fast; a fused back end joins them with its calls into one function of
-MX, any other is called between them from here. Most steps need no solver, because shortcuts hold: with a fused back end
-one function is the whole of such a step, and says whether it was one; the stages go on from there where it was not.
+The stages are SX functions, fast and available as generated C. A fused back end joins stages and calls into one MX
+function; any other back end is called between the stages. Most steps need no solver, because each QP has a closed-form
+solution or an unconstrained minimiser that is feasible. With a fused back end such a step is one function, the fast
+path, which also reports whether it was valid; where it was not, the QP path goes on from what the fast path computed.
 """
 
 from __future__ import annotations
@@ -15,120 +16,135 @@ from typing import TypeAlias
 import numpy as np
 
 from jtik.errors import UnknownNameError
-from jtik.qp.backend import Backend, FusedBackend, Numbers
-from jtik.qp.call import Answering, Computing, PythonCall, QPCall, called, evaluated, outputs_of
+from jtik.qp.backend import Backend, FusedBackend, NumericQP
+from jtik.qp.call import BoundComputation, BoundSolver, PythonCall, QPCall, called, evaluated, output_memory
 from jtik.qp.conic import Conic
 from jtik.qp.partition import partitioned
-from jtik.qp.prepared import PreparedCall
-from jtik.qp.recorder import Computation, QPRecorder, Recorded
+from jtik.qp.preparation import PreparationCall
+from jtik.qp.recorder import QPRecorder, RecordedComputation, RecordedQP
 from jtik.symbolic import MX, Expression, Function, either, function, logic_and, symbol, zeros
 from jtik.symbolic.compile import bind, to_c
 from jtik.types import Array
 
 Call: TypeAlias = QPCall | PythonCall
-"""What happens between two stages."""
+"""A call between two stages."""
 
 
 @dataclass(frozen=True)
 class Staged:
-    """A step that a solver, or Python, takes part in.
+    """A step that contains QPs or Python computations.
 
-    Attributes: local, inputs -> local model; stages, (inputs, local model, what was prepared, and what each stage
-    before handed on and was answered) -> what a call is given, and what is handed on, the last -> the step's outputs;
-    the calls between them; what solves programs; what is prepared from the local model, where it is needed; near, of a
-    step that a fused back end can join and that prepares nothing, inputs -> the outputs if all shortcuts hold; whether
-    they do; the local model; what the first stage gives.
+    Attributes:
+        local: inputs -> local model.
+        stages: (inputs, local model, results of the preparations, then for each earlier stage its intermediate values
+            and the results of its call) -> the data of a call and the stage's intermediate values; the last one ->
+            outputs of the step.
+        calls: the calls between the stages.
+        backend: what solves the QPs.
+        preparations: QPs that are solved before the step, where they are needed.
+        fast_path: inputs -> outputs if no QP needs a solver, whether that is so, the local model, outputs of the first
+            stage; None for a step that a called back end solves, that has preparations or computations, or that
+            was built without one.
     """
 
     local: Function
     stages: tuple[Function, ...]
     calls: tuple[Call, ...]
     backend: Backend
-    preparations: tuple[PreparedCall, ...] = ()
-    near: Function | None = None
+    preparations: tuple[PreparationCall, ...] = ()
+    fast_path: Function | None = None
 
     @property
     def fusible(self) -> bool:
-        """Whether nothing in it needs Python."""
+        """Whether the step can be one function: a fused back end, and no computation in Python."""
         return isinstance(self.backend, FusedBackend) and all(isinstance(call, QPCall) for call in self.calls)
 
     def compiled(self) -> Staged:
-        """The same with every expression as generated C; the solver stays as it is."""
-        near = [self.near] if self.near else []
+        """The same as generated C, all but the solver."""
+        fast = [self.fast_path] if self.fast_path else []
         with ThreadPoolExecutor() as compilers:
-            local, *rest = compilers.map(to_c, [self.local, *near, *self.stages])
+            local, *rest = compilers.map(to_c, [self.local, *fast, *self.stages])
         return replace(
             self,
             local=local,
-            stages=tuple(rest[len(near) :]),
+            stages=tuple(rest[len(fast) :]),
             preparations=tuple(each.compiled() for each in self.preparations),
-            near=rest[0] if near else None,
+            fast_path=rest[0] if fast else None,
         )
 
     def joined(self) -> Function:
-        """One function of MX with the calls of a fused back end inside."""
+        """The step as one MX function that contains the calls of a fused back end."""
         inputs, ends = _columns(self.local, self.local.n_in()), self.stages[-1].n_out()
-        if self.near is None:
+        if self.fast_path is None:
             at = [*inputs, *called(self.local, inputs)]
             return function("jtik_step", inputs, self._through([*at, *self._prepared(at)]))
-        parts = called(self.near, inputs)
+        parts = called(self.fast_path, inputs)
         arguments = [*parts[:ends], *inputs, *parts[ends + 1 :]]
         inside = [MX.sym(f"a{i}", *part.shape) for i, part in enumerate(arguments)]
-        near = function("near", inside, inside[:ends])
-        far = function("far", inside, called(self.far(), inside[ends:]))
-        return function("jtik_step", inputs, called(either(near, far), [parts[ends], *arguments]))
+        fast = function("fast_path", inside, inside[:ends])
+        qp = function("qp_path", inside, called(self.qp_path(), inside[ends:]))
+        return function("jtik_step", inputs, called(either(fast, qp), [parts[ends], *arguments]))
 
-    def far(self) -> Function:
-        """(inputs, the local model, what the first stage gives) -> outputs by way of the solver, after ``near``."""
+    def qp_path(self) -> Function:
+        """(inputs, local model, outputs of the first stage) -> outputs of the step; called after ``fast_path``."""
         first, before = self.stages[0], self.local.n_in() + self.local.n_out()
         at, given = _columns(first, before), [MX.sym(f"g{i}", *first.size_out(i)) for i in range(first.n_out())]
-        return function("jtik_far", [*at, *given], self._through(at, given))
+        return function("jtik_qp_path", [*at, *given], self._through(at, given))
 
     def _prepared(self, at: Sequence[MX]) -> list[MX]:
-        """The results of the preparations."""
+        """Expressions of the results of the preparations."""
         assert isinstance(self.backend, FusedBackend)
-        return [part for each in self.preparations for part in called(each.solved_by(self.backend), at)]
+        return [part for each in self.preparations for part in called(each.solver_function(self.backend), at)]
 
     def _through(self, known: list[MX], given: Sequence[MX] | None = None) -> list[MX]:
-        """The step's outputs by stages and calls, from what is known before them, perhaps with what the first gives."""
+        """The step's outputs by stages and calls; ``given`` are the outputs of the first stage, if known."""
         assert isinstance(self.backend, FusedBackend)
         for k, call in enumerate(self.calls):
             assert isinstance(call, QPCall)
-            *data, handed = called(self.stages[k], known) if k or given is None else given
-            known = [*known, handed, *called(call.solved_by(self.backend), data)]
+            *data, intermediate = called(self.stages[k], known) if k or given is None else given
+            known = [*known, intermediate, *called(call.solver_function(self.backend), data)]
         return called(self.stages[-1], known)
 
-    def program(self, name: str | None, arguments: list[Array]) -> Numbers:
-        """The numbers of the program called ``name``, or of the first; those before it are solved on the way.
+    def program(self, name: str | None, arguments: list[Array]) -> NumericQP:
+        """The numeric QP called ``name``, or the first one; the QPs before it are solved by DAQP.
+
+        Args:
+            name: name of the QP; None for the first.
+            arguments: the step's inputs.
 
         Raises:
-            UnknownNameError: when there is no such program.
+            UnknownNameError: if there is no such QP.
         """
         names = [call.name for call in self.calls if isinstance(call, QPCall)]
         names += [each.call.name for each in self.preparations]
         if not names or (name is not None and name not in names):
-            raise UnknownNameError("program", name or "first", names)
+            raise UnknownNameError("quadratic program", name or "first", names)
         wanted = name or names[0]
         at = [*arguments, *evaluated(self.local, arguments)]
         for each in self.preparations:
             if each.call.name == wanted:
-                return each.call.plain_numbers(evaluated(each.data, at))
-        known = [*at, *[part for each in self.preparations for part in evaluated(each.solved_by(Conic()), at)]]
+                return each.call.expanded_qp(evaluated(each.data, at))
+        known = [*at, *[part for each in self.preparations for part in evaluated(each.solver_function(Conic()), at)]]
         for stage, call in zip(self.stages, self.calls, strict=False):
-            *data, handed = evaluated(stage, known)
+            *data, intermediate = evaluated(stage, known)
             if isinstance(call, PythonCall):
                 answer = [np.zeros(size) for size in call.sizes]
-                Computing(call.compute, data, answer)()
+                BoundComputation(call.compute, data, answer)()
             elif call.name == wanted:
-                return call.plain_numbers(data)
+                return call.expanded_qp(data)
             else:
-                answer = evaluated(call.solved_by(Conic()), data)
-            known += [handed, *answer]
+                answer = evaluated(call.solver_function(Conic()), data)
+            known += [intermediate, *answer]
         raise AssertionError(wanted)
 
     def bind(self, arguments: list[Array], results: list[Array]) -> Callable[[], None]:
-        """As `jtik.symbolic.compile.bind`: a call without arguments on memory bound once."""
-        local = outputs_of(self.local)
+        """The QP path as a call without arguments on memory bound once, as `jtik.symbolic.compile.bind`.
+
+        Args:
+            arguments: memory of the step's inputs.
+            results: memory of the step's outputs.
+        """
+        local = output_memory(self.local)
         calls: list[Callable[[], None]] = [bind(self.local, arguments, local)]
         at = known = [*arguments, *local]
         for each in self.preparations:
@@ -136,18 +152,18 @@ class Staged:
             calls.append(each.bind(self.backend, at, answer))
             known = [*known, *answer]
         for stage, call in zip(self.stages, self.calls, strict=False):
-            *data, handed = outputs = outputs_of(stage)
+            *data, intermediate = outputs = output_memory(stage)
             calls.append(bind(stage, known, outputs))
             answer = [np.zeros(size) for size in call.sizes]
             if isinstance(call, PythonCall):
-                calls.append(Computing(call.compute, data, answer))
+                calls.append(BoundComputation(call.compute, data, answer))
             elif isinstance(self.backend, FusedBackend):
-                calls.append(bind(call.solved_by(self.backend), data, answer))
+                calls.append(bind(call.solver_function(self.backend), data, answer))
             else:
-                memory, expand = call.plain(data)
+                memory, expand = call.expanded_memory(data)
                 calls += [expand] if expand else []
-                calls.append(Answering(self.backend, call.numbers(memory), answer))
-            known = [*known, handed, *answer]
+                calls.append(BoundSolver(self.backend, call.numeric_qp(memory), answer))
+            known = [*known, intermediate, *answer]
         calls.append(bind(self.stages[-1], known, results))
 
         def step() -> None:
@@ -165,53 +181,63 @@ def staged(
     outputs: Sequence[Expression],
     backend: Backend,
     *,
+    fast_path: bool = True,
     crowded: bool = False,
 ) -> Staged:
-    """The step from ``inputs`` to ``outputs``, which are written in ``cut`` for the local model and in the answers.
+    """Divide a step into stages at its QPs and computations.
 
-    In a ``crowded`` step shortcuts seldom hold; like one that prepares something it has no function for the case that
-    all do.
+    Args:
+        inputs: symbols of the step's inputs.
+        local: expressions of the local model, in ``inputs``.
+        cut: symbols of the local model, in which everything else is written.
+        programs: the QPs and computations.
+        outputs: expressions of the step's outputs, in ``inputs``, ``cut`` and the symbols of the results.
+        backend: what solves the QPs.
+        fast_path: whether to build the fast path. Without it a step is smaller; it is of little use where most steps
+            need a solver. A step with preparations has none.
+        crowded: former option, the opposite of ``fast_path``.
     """
+    fast_path = fast_path and not crowded
     model = function("jtik_local", inputs, local)
     at = [*inputs, *cut]
     known: list[Sequence[Expression]] = [[*at, *[part for each in programs.preparations for part in each.answers]]]
     calls: list[Call] = []
     for recorded in programs.programs:
-        if isinstance(recorded, Computation):
+        if isinstance(recorded, RecordedComputation):
             sizes = [int(answer.numel()) for answer in recorded.answers]
             calls.append(PythonCall(recorded.name, recorded.compute, sizes))
         else:
             calls.append(QPCall.of(recorded.program))
         known.append(recorded.answers)
     names = [*[f"jtik_program{k}" for k in range(len(calls))], "jtik_end"]
-    stages = partitioned(names, known, [*[_given(each) for each in programs.programs], outputs])
-    prepared = tuple(PreparedCall.of(each, at) for each in programs.preparations)
+    stages = partitioned(names, known, [*[_call_data(each) for each in programs.programs], outputs])
+    prepared = tuple(PreparationCall.of(each, at) for each in programs.preparations)
     parts = Staged(model, tuple(stages), tuple(calls), backend, prepared)
-    return replace(parts, near=_near(parts)) if parts.fusible and not (crowded or prepared) else parts
+    return replace(parts, fast_path=_fast_path(parts)) if fast_path and parts.fusible and not prepared else parts
 
 
-def _near(parts: Staged) -> Function:
-    """The whole step as if no call needed its solver; see `Staged`."""
+def _fast_path(parts: Staged) -> Function:
+    """The whole step without solver; see `Staged`."""
     inputs = [symbol(f"i{k}", *parts.local.size_in(k)) for k in range(parts.local.n_in())]
     local = called(parts.local, inputs)
     known: list[Expression] = [*inputs, *local]
     first = given = called(parts.stages[0], known)
-    holds: Expression = 1
+    valid: Expression = 1
     for stage, call in zip(parts.stages[1:], parts.calls, strict=True):
-        *_, x, shortcut, handed = given
-        holds = logic_and(holds, shortcut)
-        known += [handed, x, *[zeros(size) for size in call.sizes[1:]]]
+        *_, x, valid_here, intermediate = given
+        valid = logic_and(valid, valid_here)
+        known += [intermediate, x, *[zeros(size) for size in call.sizes[1:]]]
         given = called(stage, known)
-    return function("jtik_near", inputs, [*given, holds, *local, *first])
+    return function("jtik_fast_path", inputs, [*given, valid, *local, *first])
 
 
 def _columns(of: Function, count: int) -> list[MX]:
-    """Symbols for its first inputs."""
+    """Symbols of the first ``count`` inputs of a function."""
     return [MX.sym(f"i{k}", *of.size_in(k)) for k in range(count)]
 
 
-def _given(recorded: Recorded | Computation) -> list[Expression]:
-    """What a call is given."""
-    if isinstance(recorded, Computation):
+def _call_data(recorded: RecordedQP | RecordedComputation) -> list[Expression]:
+    """The data of a call."""
+    if isinstance(recorded, RecordedComputation):
         return recorded.data()
-    return [*recorded.data(), *recorded.program.prices, *recorded.program.shortcut()]
+    return [*recorded.data(), *recorded.program.penalties, *recorded.program.solution_without_solver()]

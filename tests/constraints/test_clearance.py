@@ -262,7 +262,7 @@ def test_without_recovery_it_only_comes_no_nearer(problems):
     assert min(least) >= gaps(q, [near]).min() - 1e-6
 
 
-@pytest.mark.parametrize("backend", ["osqp", jtik.qp.Foreign("daqp"), jtik.qp.PersistentOSQP()], ids=str)
+@pytest.mark.parametrize("backend", ["osqp", jtik.qp.QPSolversBackend("daqp"), jtik.qp.PersistentOSQP()], ids=str)
 def test_any_solver_makes_room(backend):
     arm, q = planar(5), np.array([0.4, 0.3, -0.5, -0.4, 0.3])
     points = planar_points(q)

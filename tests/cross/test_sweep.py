@@ -22,7 +22,7 @@ from scipy.spatial.transform import Rotation as Turn
 
 import jtik
 from jtik import Status
-from jtik.qp import Foreign, PersistentOSQP, available
+from jtik.qp import PersistentOSQP, QPSolversBackend, available
 from jtik.registry import strategy_of
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
@@ -180,7 +180,7 @@ SLOW = ("clarabel", "quadprog", "qpsolvers:daqp", "qpsolvers:osqp", "persistent 
 
 BACKENDS = {
     **{name: lambda name=name: name for name in available()},
-    **{f"qpsolvers:{name}": lambda name=name: Foreign(name) for name in ("daqp", "osqp")},
+    **{f"qpsolvers:{name}": lambda name=name: QPSolversBackend(name) for name in ("daqp", "osqp")},
     "persistent osqp": PersistentOSQP,
 }
 

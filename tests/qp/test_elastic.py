@@ -1,4 +1,4 @@
-"""Elastic rows: hard where they can be, broken at their price where they cannot, and told of by how much."""
+"""Elastic rows: satisfied where possible, relaxed with a penalty elsewhere, and reported."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from scipy.optimize import linprog, minimize
 import jtik
 from jtik.qp import (
     Elastic,
-    Foreign,
     FusedBackend,
     PersistentOSQP,
     QPRecorder,
+    QPSolversBackend,
     QuadraticProgram,
     Rows,
     available,
@@ -25,12 +25,16 @@ from jtik.symbolic.compile import bind
 
 from ..conftest import planar
 
-BACKENDS = [*[backend_of(name) for name in available() if name != "qpoases"], Foreign("daqp"), PersistentOSQP()]
-NEAR = {"daqp": 1e-8, "osqp": 2e-5, "highs": 2e-5}
+BACKENDS = [
+    *[backend_of(name) for name in available() if name != "qpoases"],
+    QPSolversBackend("daqp"),
+    PersistentOSQP(),
+]
+AGREEMENT = {"daqp": 1e-8, "osqp": 2e-5, "highs": 2e-5}
 
 
 def solved(program, backend=None, joined=None):
-    """x, row multipliers, slack of the group "soft", and whether the engine believes the answer."""
+    """x, row multipliers, slack of the group "soft", and whether the solution passes the check."""
     backend = backend_of(backend)
     number, cut = casadi.SX.sym("number"), casadi.SX.sym("cut")
     recorder = QPRecorder(backend.accuracy)
@@ -44,7 +48,7 @@ def solved(program, backend=None, joined=None):
 
 
 def random_data(rng, n=5, k=4):
-    """P, q, C, lower, upper, lb, ub: rows around 0, of which some contradict q strongly."""
+    """P, q, C, lower, upper, lb, ub: rows around 0, some of which conflict strongly with q."""
     M, C = rng.standard_normal((n, n)), rng.standard_normal((k, n))
     low, high = -rng.uniform(0.1, 0.5, k), rng.uniform(0.1, 0.5, k)
     low[0], high[1] = -np.inf, np.inf
@@ -58,33 +62,38 @@ def program_of(data, elastic, hard=()):
     return QuadraticProgram(P, q, lower, upper, rows)
 
 
-def slsqp(data, price, curvature, give=np.inf):
-    """The least cost over x and slacks, by SciPy."""
+def slsqp(data, penalty, curvature, max_slack=np.inf):
+    """The x of smallest cost over x and slacks, by SciPy."""
     P, q, C, low, high, lower, upper = data
     n, k = len(q), len(C)
 
     def cost(z):
         x, s = z[:n], z[n:]
-        return x @ P @ x / 2 + q @ x + price * s.sum() + curvature * (s @ s) / 2
+        return x @ P @ x / 2 + q @ x + penalty * s.sum() + curvature * (s @ s) / 2
 
-    def slope(z):
-        return np.concatenate([P @ z[:n] + q, price + curvature * z[n:]])
+    def gradient(z):
+        return np.concatenate([P @ z[:n] + q, penalty + curvature * z[n:]])
 
     A, B = np.hstack([C, np.eye(k)]), np.hstack([C, -np.eye(k)])
-    kept = [
+    constraints = [
         {"type": "ineq", "fun": lambda z, r=row, b=b: r @ z - b, "jac": lambda z, r=row: r}
         for row, b in zip([*A, *-B], [*low, *-high], strict=True)
         if np.isfinite(b)
     ]
-    box = [*zip(lower, upper, strict=True), *[(0, None if np.isinf(give) else give)] * k]
+    box = [*zip(lower, upper, strict=True), *[(0, None if np.isinf(max_slack) else max_slack)] * k]
     found = minimize(
-        cost, np.zeros(n + k), jac=slope, bounds=box, constraints=kept, options={"ftol": 1e-14, "maxiter": 500}
+        cost,
+        np.zeros(n + k),
+        jac=gradient,
+        bounds=box,
+        constraints=constraints,
+        options={"ftol": 1e-14, "maxiter": 500},
     )
-    assert found.success or found.status == 8  # it is as exact as it can be
+    assert found.success or found.status == 8  # 8: no further descent in floating point
     return found.x[:n]
 
 
-def test_equals_the_hard_program_where_that_can_be_solved_and_the_price_is_above_its_multipliers(rng):
+def test_equals_the_hard_qp_where_the_penalty_exceeds_its_multipliers(rng):
     for _ in range(20):
         data = random_data(rng)
         x, y, slack, good = solved(program_of(data, Elastic(1e4)))
@@ -110,70 +119,70 @@ def hard_answer(program):
     return results[:2]
 
 
-@pytest.mark.parametrize("price", [0.2, 1.0])
-def test_below_them_it_gives_way_as_scipy_says(price, rng):
-    gave = 0
+@pytest.mark.parametrize("penalty", [0.2, 1.0])
+def test_with_a_smaller_penalty_rows_are_relaxed_as_by_scipy(penalty, rng):
+    relaxed = 0
     for _ in range(10):
         data = random_data(rng)
-        x, y, slack, good = solved(program_of(data, Elastic(price, curvature=2.0)))
+        x, y, slack, good = solved(program_of(data, Elastic(penalty, curvature=2.0)))
         assert good
-        assert x == pytest.approx(slsqp(data, price, 2.0), abs=2e-6)
+        assert x == pytest.approx(slsqp(data, penalty, 2.0), abs=2e-6)
         used = data[2] @ x
         assert slack == pytest.approx(np.clip(np.maximum(data[3] - used, used - data[4]), 0, None), abs=1e-9)
-        broken = slack > 1e-7
-        assert np.abs(y[broken]) == pytest.approx(price + 2 * slack[broken], abs=1e-6)  # what it costs
-        assert (np.abs(y) <= price + 2 * slack + 1e-6).all()
-        gave += broken.any()
-    assert gave >= 5
+        relaxed_rows = slack > 1e-7
+        assert np.abs(y[relaxed_rows]) == pytest.approx(penalty + 2 * slack[relaxed_rows], abs=1e-6)
+        assert (np.abs(y) <= penalty + 2 * slack + 1e-6).all()
+        relaxed += relaxed_rows.any()
+    assert relaxed >= 5
 
 
-def test_no_row_gives_more_than_its_most(rng):
-    gave = 0
+def test_no_slack_exceeds_its_upper_bound(rng):
+    relaxed = 0
     for _ in range(10):
         data = random_data(rng)
-        x, _, slack, good = solved(program_of(data, Elastic(0.2, curvature=2.0, give=0.1)))
+        x, _, slack, good = solved(program_of(data, Elastic(0.2, curvature=2.0, max_slack=0.1)))
         assert good
         assert slack.max() <= 0.1 + 1e-8
         assert x == pytest.approx(slsqp(data, 0.2, 2.0, 0.1), abs=2e-6)
-        gave += (slack > 0.1 - 1e-8).any()
-    assert gave >= 5
+        relaxed += (slack > 0.1 - 1e-8).any()
+    assert relaxed >= 5
 
 
 @pytest.mark.parametrize("backend", BACKENDS, ids=repr)
-def test_every_back_end_answers_alike(backend, rng):
+def test_every_back_end_returns_the_same_solution(backend, rng):
     for _ in range(5):
         program = program_of(random_data(rng), Elastic(1.0, curvature=2.0))
         x, _, slack, good = solved(program, backend)
         exact = solved(program)
         assert good
-        assert x == pytest.approx(exact[0], abs=NEAR.get(backend.name, 1e-5))
-        assert slack == pytest.approx(exact[2], abs=NEAR.get(backend.name, 1e-5))
+        assert x == pytest.approx(exact[0], abs=AGREEMENT.get(backend.name, 1e-5))
+        assert slack == pytest.approx(exact[2], abs=AGREEMENT.get(backend.name, 1e-5))
 
 
-def test_fused_or_called_in_between_is_the_same(rng):
+def test_the_joined_function_and_the_separate_calls_agree(rng):
     program = program_of(random_data(rng), Elastic(1.0))
     assert np.concatenate(solved(program, joined=False)[:3]) == pytest.approx(np.concatenate(solved(program)[:3]))
 
 
-def test_contradictions_break_by_the_least_sum(rng):
-    """Four rows that demand more than there is: the total slack is that of a linear program."""
+def test_contradictory_rows_have_the_smallest_total_slack(rng):
+    """Four rows that cannot be satisfied together: the total slack is that of a linear program."""
     for _ in range(10):
         C = rng.standard_normal((4, 3))
         low = np.abs(rng.standard_normal(4)) + 1
         data = (np.eye(3), np.zeros(3), C, low, np.full(4, np.inf), np.full(3, -0.3), np.full(3, 0.3))
         _, _, slack, good = solved(program_of(data, Elastic(1e3, curvature=1.0)))
-        least = linprog(
+        smallest = linprog(
             np.r_[np.zeros(3), np.ones(4)],
             A_ub=-np.hstack([C, np.eye(4)]),
             b_ub=-low,
             bounds=[(-0.3, 0.3)] * 3 + [(0, None)] * 4,
         )
         assert good
-        assert slack.sum() == pytest.approx(least.fun, abs=1e-3)
+        assert slack.sum() == pytest.approx(smallest.fun, abs=1e-3)
 
 
-def test_equalities_may_give_way_to_either_side():
-    """x = 1 and x = -0.5, the first dearer by a half: cost 2 |x - 1| + 3 |x + 0.5| is least at x = -0.5."""
+def test_equalities_may_be_relaxed_to_either_side():
+    """x = 1 and x = -0.5 with the penalties 2 and 3: 2 |x - 1| + 3 |x + 0.5| is smallest at x = -0.5."""
     rows = casadi.SX([[1.0], [1.0]])
     program = QuadraticProgram(
         casadi.SX(1e-9),
@@ -199,8 +208,8 @@ def test_hard_rows_beside_them_stay_hard(rng):
         assert len(slack) == 4
 
 
-def test_a_solver_that_ignores_the_price_is_not_believed():
-    """x >= 1 at the price 1 while |x|^2 / 2 costs less: x = 1 with the multiplier 1; x = 2 with none is no answer."""
+def test_multipliers_are_checked_against_the_penalty():
+    """x >= 3 with the penalty 1 beside |x|^2 / 2: the solution is x = 1 with the multiplier 1."""
     program = program_of(
         (np.eye(1), np.zeros(1), np.ones((1, 1)), [3.0], [np.inf], [-9.0], [9.0]), Elastic(1.0, curvature=1e-6)
     )
@@ -210,13 +219,13 @@ def test_a_solver_that_ignores_the_price_is_not_believed():
         "check", [solution.x, solution.row_multipliers, solution.box_multipliers], [recorder.solved()]
     )
     assert float(check(1.0, -1.0 - 2e-6, 2e-6)) == 1
-    assert float(check(1.5, -1.5, 0)) == 0  # cheaper to give way more
-    assert float(check(0.5, -0.5, 0)) == 0  # cheaper to give way less
+    assert float(check(1.5, -1.5, 0)) == 0  # a larger slack costs less
+    assert float(check(0.5, -0.5, 0)) == 0  # a smaller slack costs less
     assert float(check(3.0, -3.0, 0)) == 0
 
 
-class Wish(Strategy):
-    """A third party's law: all joints by 1 and by -1 at once, the second thrice as dear, under a limit of 0.4."""
+class Conflicting(Strategy):
+    """A third-party strategy: each joint by 1 and by -1, the second with three times the penalty, within 0.4."""
 
     def uses_qp(self, has_criterion):
         return True
@@ -224,16 +233,16 @@ class Wish(Strategy):
     def update(self, model, state):
         n = model.robot.n
         both = casadi.SX([1.0] * n + [-1.0] * n)
-        price = Elastic([1.0] * n + [3.0] * n)
-        rows = [Rows.equal("soft", casadi.vertcat(*[casadi.SX.eye(n)] * 2), both, price)]
+        elastic = Elastic([1.0] * n + [3.0] * n)
+        rows = [Rows.equal("soft", casadi.vertcat(*[casadi.SX.eye(n)] * 2), both, elastic)]
         box = casadi.SX([-0.4] * n), casadi.SX([0.4] * n)
-        answer = model.solve(QuadraticProgram(1e-6 * casadi.SX.eye(n), casadi.SX(n, 1), *box, rows, name="wish"))
+        answer = model.solve(QuadraticProgram(1e-6 * casadi.SX.eye(n), casadi.SX(n, 1), *box, rows, name="conflicting"))
         return Update(model.moved(-answer.x), 1, {}, -answer.x, -answer.x, casadi.SX(n, 1))
 
 
-@pytest.mark.parametrize("solver", ["daqp", Foreign("daqp"), PersistentOSQP()], ids=str)
-def test_a_strategy_may_use_them_and_a_user_sees_a_plain_program(solver):
-    ik = jtik.InverseKinematics(planar(2), jtik.FrameTask(), strategy=Wish(), solver=solver)
+@pytest.mark.parametrize("solver", ["daqp", QPSolversBackend("daqp"), PersistentOSQP()], ids=str)
+def test_a_strategy_may_use_them_and_build_shows_the_slack_variables(solver):
+    ik = jtik.InverseKinematics(planar(2), jtik.FrameTask(), strategy=Conflicting(), solver=solver)
     q = np.array([0.3, 0.5])
     assert ik.step(q, [1.0, 1.0]).q - q == pytest.approx([-0.4, -0.4], abs=1e-6)
     problem = ik.build(q, [1.0, 1.0])
@@ -246,21 +255,38 @@ class TestWrongInput:
     @pytest.mark.parametrize(
         ("options", "named"),
         [
-            ({"price": 0.0}, "price"),
-            ({"price": np.nan}, "price"),
-            ({"price": 1.0, "curvature": -1.0}, "curvature"),
-            ({"price": 1.0, "give": -1.0}, "give"),
+            ({"penalty": 0.0}, "penalty"),
+            ({"penalty": np.nan}, "penalty"),
+            ({"penalty": 1.0, "curvature": -1.0}, "curvature"),
+            ({"penalty": 1.0, "max_slack": -1.0}, "max_slack: given -1.0; accepted: a non-negative"),
+            ({"penalty": 1.0, "max_slack": np.nan}, "max_slack"),
+            ({}, "penalty"),
         ],
     )
     def test_values(self, options, named):
         with pytest.raises(jtik.ArgumentError, match=named):
             Elastic(**options)
 
-    def test_as_many_prices_as_rows(self, rng):
-        with pytest.raises(jtik.ArgumentError, match=r"price.*\(4, 1\)"):
+    def test_the_number_of_penalties(self, rng):
+        with pytest.raises(jtik.ArgumentError, match=r"penalty.*\(4, 1\)"):
             program_of(random_data(rng), Elastic([1.0, 2.0]))
 
     def test_slack_of_hard_rows(self):
         program = QuadraticProgram(*map(casadi.SX, (1, 0, -1, 1)), [Rows("hard", *map(casadi.SX, (1, -1, 1)))])
         with pytest.raises(jtik.ArgumentError, match="elastic"):
             QPRecorder(1e-9).solve(program).slack("hard")
+
+
+class TestDeprecatedNames:
+    def test_arguments(self):
+        with pytest.warns(DeprecationWarning, match="'price' is deprecated; use 'penalty'"):
+            assert Elastic(price=2.0) == Elastic(2.0)
+        with pytest.warns(DeprecationWarning, match="'give' is deprecated; use 'max_slack'"):
+            assert Elastic(2.0, give=0.5) == Elastic(2.0, max_slack=0.5)
+
+    def test_attributes(self):
+        elastic = Elastic(2.0, max_slack=0.5)
+        with pytest.warns(DeprecationWarning, match="penalty"):
+            assert elastic.price == 2.0
+        with pytest.warns(DeprecationWarning, match="max_slack"):
+            assert elastic.give == 0.5

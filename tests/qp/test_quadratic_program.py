@@ -1,4 +1,4 @@
-"""Programs as data: shapes, names, what the engine checks of an answer, and how a strategy asks."""
+"""Quadratic programs as data: shapes, names, the check of solutions, and QPs of a strategy."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ import pytest
 import qpsolvers
 
 import jtik
-from jtik.qp import QPRecorder, QuadraticProgram, Rows
+from jtik.qp import PersistentOSQP, QPRecorder, QPSolversBackend, QuadraticProgram, Rows
 from jtik.strategy import Strategy, Update
+from jtik.symbolic import function
 from jtik_formulations import JointCentering
 
 from ..conftest import planar
@@ -26,7 +27,7 @@ def program(**changes):
     return QuadraticProgram(**data | changes)
 
 
-def test_groups_lie_below_each_other_and_are_found_by_name():
+def test_groups_of_rows_are_stacked_and_found_by_name():
     more = Rows("more", casadi.SX([[1, 0, 0], [0, 1, 0]]), casadi.SX([-1, -2]), casadi.SX([1, 2]))
     whole = program(rows=[*program().rows, more])
     assert whole.row_count == 3
@@ -50,24 +51,7 @@ def test_shapes_are_checked(change, named):
         program(**change)
 
 
-def test_an_answer_is_not_believed():
-    recorder = QPRecorder(accuracy=1e-6)
-    solution = recorder.solve(program())
-    check = casadi.Function(
-        "check",
-        [solution.x, solution.row_multipliers, solution.box_multipliers],
-        [solution.violation, solution.stationarity, recorder.solved()],
-    )
-    # x = -q - y where the box is open: y from the sum, -1 + 2 - 0.5 - 3 y = 0.5 with the second at its bound
-    x, y, z = np.array([-0.5, 1.0, 0.0]), np.array([-0.5]), np.array([0.0, 1.5, 0.0])
-    assert [float(v) for v in check(x, y, z)] == pytest.approx([0, 0, 1], abs=1e-15)
-    assert float(check([-0.4, 1.0, 0.0], y, z)[0]) == pytest.approx(0.1)
-    assert float(check([-0.5, 1.2, -0.2], y, z)[0]) == pytest.approx(0.2)
-    assert float(check(x, y + 1, z)[2]) == 0
-    assert float(check([np.nan] * 3, y, z)[2]) == 0
-
-
-def test_a_user_can_look_at_the_program_and_solve_it_elsewhere():
+def test_build_returns_the_qp_for_another_solver():
     arm, q = planar(5, lower=-1.0, upper=1.0), np.array([0.3, 0.4, 0.95, 0.2, -0.1])
     ik = jtik.InverseKinematics(arm, jtik.FrameTask(), criteria=JointCentering(), strategy="newton+qp")
     problem = ik.build(q, arm.position(q))
@@ -79,7 +63,7 @@ def test_a_user_can_look_at_the_program_and_solve_it_elsewhere():
     assert ik.step(q, arm.position(q)).q == pytest.approx(q + step, abs=1e-9)
 
 
-def test_there_is_none_without_a_strategy_that_has_one():
+def test_build_needs_a_strategy_with_a_qp_of_that_name():
     ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
     with pytest.raises(jtik.ArgumentError, match="newton\\+qp"):
         ik.build(np.zeros(3), [1.0, 1.0])
@@ -89,7 +73,7 @@ def test_there_is_none_without_a_strategy_that_has_one():
 
 
 class Contradiction(Strategy):
-    """A third party's law whose program has no answer."""
+    """A third-party strategy whose QP is infeasible."""
 
     def uses_qp(self, has_criterion):
         return True
@@ -103,8 +87,8 @@ class Contradiction(Strategy):
         return Update(model.moved(-x), 1, {}, -x, -x, casadi.SX(n, 1))
 
 
-@pytest.mark.parametrize("solver", ["daqp", "osqp", jtik.qp.Foreign("daqp"), jtik.qp.PersistentOSQP()], ids=str)
-def test_a_program_without_an_answer_ends_a_solve_with_a_status(solver):
+@pytest.mark.parametrize("solver", ["daqp", "osqp", QPSolversBackend("daqp"), PersistentOSQP()], ids=str)
+def test_an_infeasible_qp_ends_a_solve_with_a_status(solver):
     ik = jtik.InverseKinematics(planar(3), jtik.FrameTask(), strategy=Contradiction(), solver=solver)
     solution = ik.solve([1.0, 1.0], q0=[0.1, 0.2, 0.3])
     assert solution.status is jtik.Status.UNSOLVED
@@ -113,7 +97,7 @@ def test_a_program_without_an_answer_ends_a_solve_with_a_status(solver):
 
 
 class TwoPrograms(Strategy):
-    """First the shortest step, then the one nearest to (1, 1, 1) among those that bring the tip as near."""
+    """First the shortest step, then the one closest to (1, 1, 1, 1) among those with the same task motion."""
 
     def uses_qp(self, has_criterion):
         return True
@@ -128,8 +112,8 @@ class TwoPrograms(Strategy):
         return Update(model.moved(-second.x), 1, {}, -second.x, -second.x, casadi.SX(n, 1))
 
 
-@pytest.mark.parametrize("solver", ["daqp", jtik.qp.Foreign("daqp")], ids=str)
-def test_a_program_may_use_the_answer_of_the_one_before(solver):
+@pytest.mark.parametrize("solver", ["daqp", QPSolversBackend("daqp")], ids=str)
+def test_a_qp_may_use_the_solution_of_the_one_before(solver):
     arm, q, target = planar(4), np.array([0.3, 0.4, 0.5, 0.2]), np.array([2.0, 2.5])
     ik = jtik.InverseKinematics(arm, jtik.FrameTask(), strategy=TwoPrograms(), solver=solver)
     J = arm.jacobian(q)[:2]
@@ -137,3 +121,42 @@ def test_a_program_may_use_the_answer_of_the_one_before(solver):
     expected = shortest + (np.eye(4) - np.linalg.pinv(J) @ J) @ np.ones(4)
     assert ik.step(q, target).q - q == pytest.approx(expected, abs=1e-9)
     assert ik.build(q, target, program="second").b == pytest.approx(target - arm.position(q), abs=1e-9)
+
+
+class TestSolutionWithoutSolver:
+    """The unconstrained minimiser, and whether it satisfies rows and box and so solves the QP."""
+
+    def of(self, P, q, lower, upper, rows=()):
+        x, solves = QuadraticProgram(*map(casadi.SX, (P, q, lower, upper)), rows=rows).solution_without_solver()
+        x, solves = function("f", [], [x, solves])()["o0"].full()[:, 0], function("f", [], [solves])()["o0"]
+        return x, bool(solves)
+
+    def test_inside(self):
+        x, solves = self.of(np.diag([2.0, 4.0]), [2.0, -2.0], [-1, -1], [1, 1])
+        assert (x.tolist(), solves) == ([-1.0, 0.5], True)
+
+    @pytest.mark.parametrize("lower", [-0.5, -1 + 1e-9])
+    def test_outside(self, lower):
+        assert not self.of(np.diag([2.0, 4.0]), [2.0, -2.0], [lower, -1], [1, 1])[1]
+
+    @pytest.mark.parametrize(("bound", "solves"), [(-0.5, True), (-0.51, False)])
+    def test_rows(self, bound, solves):
+        rows = [Rows("r", *map(casadi.SX, ([[1.0, 1.0]], [-np.inf], [bound])))]
+        assert self.of(np.diag([2.0, 4.0]), [2.0, -2.0], [-5, -5], [5, 5], rows)[1] is solves
+
+    def test_singular(self):
+        assert not self.of(np.diag([1.0, 0.0]), [0.0, 1.0], [-1, -1], [1, 1])[1]
+
+    def test_a_solve_is_the_same_as_with_a_back_end_that_always_solves(self):
+        for strategy in ("newton+qp", "weighted_qp"):
+            ends = []
+            for solver in ("daqp", QPSolversBackend("daqp")):
+                ik = jtik.InverseKinematics(
+                    planar(6, lower=-0.7, upper=0.7),
+                    jtik.FrameTask(),
+                    criteria=JointCentering(),
+                    strategy=strategy,
+                    solver=solver,
+                )
+                ends.append(ik.solve([3.0, 3.0], q0=np.full(6, 0.2), max_iterations=40).q)
+            assert ends[0] == pytest.approx(ends[1], abs=1e-6)

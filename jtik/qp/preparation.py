@@ -1,4 +1,4 @@
-"""A program that is answered before a step, and only where it is needed: else it costs one comparison."""
+"""A QP that is solved before the step and only where it is needed; elsewhere it costs one comparison."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jtik.qp.backend import Backend, FusedBackend
-from jtik.qp.call import Answering, QPCall, called, outputs_of
+from jtik.qp.call import BoundSolver, QPCall, called, output_memory
 from jtik.qp.recorder import Preparation
 from jtik.symbolic import MX, Expression, Function, either, function
 from jtik.symbolic.compile import bind, to_c
@@ -16,10 +16,14 @@ from jtik.types import Array
 
 
 @dataclass(frozen=True)
-class PreparedCall:
-    """Functions of what is known before the step: whether the program is needed; its data; with its answer the results.
+class PreparationCall:
+    """The functions of a preparation, of the values known before the step.
 
-    ``call`` is the program for the back end.
+    Attributes:
+        needed: known values -> whether the QP is needed.
+        data: known values -> the QP's data.
+        finish: (known values, solution of the QP) -> results.
+        call: the QP for the back end.
     """
 
     needed: Function
@@ -28,51 +32,51 @@ class PreparedCall:
     call: QPCall
 
     @classmethod
-    def of(cls, preparation: Preparation, known: Sequence[Expression]) -> PreparedCall:
-        """From expressions of ``known``."""
+    def of(cls, preparation: Preparation, known: Sequence[Expression]) -> PreparationCall:
+        """From a preparation written in the symbols ``known``."""
         program, solution = preparation.solution.program, preparation.solution
         name = f"jtik_{program.name}"
         answer = [solution.x, solution.row_multipliers, solution.box_multipliers]
         return cls(
             function(f"{name}_needed", known, [preparation.needed]),
-            function(f"{name}_data", known, [*program.data(), *program.prices]),
+            function(f"{name}_data", known, [*program.data(), *program.penalties]),
             function(f"{name}_finish", [*known, *answer], preparation.results),
             QPCall.of(program),
         )
 
     @property
     def sizes(self) -> list[int]:
-        """Of the results."""
+        """Lengths of the results."""
         return [self.finish.numel_out(i) for i in range(self.finish.n_out())]
 
-    def compiled(self) -> PreparedCall:
-        """The same as generated C; the solver stays as it is."""
+    def compiled(self) -> PreparationCall:
+        """The same as generated C, all but the solver."""
         return replace(self, needed=to_c(self.needed), data=to_c(self.data), finish=to_c(self.finish))
 
-    def solved_by(self, backend: FusedBackend) -> Function:
-        """known -> results, by a fused back end."""
+    def solver_function(self, backend: FusedBackend) -> Function:
+        """known values -> results, by a fused back end; zeros where the QP is not needed."""
         known = [MX.sym(f"k{i}", *self.needed.size_in(i)) for i in range(self.needed.n_in())]
-        answer = self.call.answered(called(self.data, known), backend)
-        far = function("far", known, called(self.finish, [*known, *answer]))
-        near = function("near", known, [MX.zeros(size, 1) for size in self.sizes])
-        return function(self.call.name, known, called(either(far, near), [*called(self.needed, known), *known]))
+        answer = self.call.solution(called(self.data, known), backend)
+        solved = function("needed", known, called(self.finish, [*known, *answer]))
+        skipped = function("skipped", known, [MX.zeros(size, 1) for size in self.sizes])
+        return function(self.call.name, known, called(either(solved, skipped), [*called(self.needed, known), *known]))
 
     def bind(self, backend: Backend, known: list[Array], results: list[Array]) -> Callable[[], None]:
         """A call without arguments on memory bound once."""
         if isinstance(backend, FusedBackend):
-            return bind(self.solved_by(backend), known, results)
-        data, needed = outputs_of(self.data), np.zeros(1)
-        memory, expand = self.call.plain(data)
+            return bind(self.solver_function(backend), known, results)
+        data, needed = output_memory(self.data), np.zeros(1)
+        memory, expand = self.call.expanded_memory(data)
         answer = [np.zeros(size) for size in self.call.sizes]
         calls = [bind(self.data, known, data)]
         if expand:
             calls.append(expand)
-        calls.append(Answering(backend, self.call.numbers(memory), answer))
+        calls.append(BoundSolver(backend, self.call.numeric_qp(memory), answer))
         calls.append(bind(self.finish, [*known, *answer], results))
-        ask = bind(self.needed, known, [needed])
+        evaluate_needed = bind(self.needed, known, [needed])
 
         def prepare() -> None:
-            ask()
+            evaluate_needed()
             if needed[0] == 0:
                 for result in results:
                     result[:] = 0

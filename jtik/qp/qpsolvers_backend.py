@@ -1,4 +1,4 @@
-"""Any solver qpsolvers knows, by name: outside the fused step, with its data and answers copied across."""
+"""Solvers of qpsolvers as back ends, by name: called from Python between the functions of a step."""
 
 from __future__ import annotations
 
@@ -10,24 +10,38 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.qp.backend import ELSEWHERE, PLUGINS, BackendError, CalledBackend, Numbers, Solver, accuracy_of, simplest
+from jtik.qp.backend import (
+    DEFAULT_ACCURACY,
+    PLUGINS,
+    BackendError,
+    CalledBackend,
+    NumericQP,
+    QPSolver,
+    accuracy_of,
+    trial_qp,
+)
 from jtik.types import Array
 
-_EXACT: dict[str, dict[str, Any]] = {
+_DEFAULTS: dict[str, dict[str, Any]] = {
     "osqp": {"eps_abs": 1e-8, "eps_rel": 1e-8, "max_iter": 20000, "polishing": True},
     "scs": {"eps_abs": 1e-8, "eps_rel": 1e-8},
     "proxqp": {"eps_abs": 1e-9, "eps_rel": 0.0},
 }
-"""Defaults of first-order solvers are for control, too coarse to converge by."""
+"""Default options: the tolerances of first-order solvers are too coarse for a step to converge."""
 
 
-class Foreign(CalledBackend):
-    """A solver of qpsolvers. Options pass through to it.
+class QPSolversBackend(CalledBackend):
+    """A solver of qpsolvers as the back end. Prefer it where CasADi has no plugin for the solver.
+
+    Args:
+        name: name of the solver in qpsolvers.
+        accuracy: what solutions are checked against; a default for each solver.
+        **options: options of the solver, passed through to it.
 
     Raises:
-        ArgumentError: for an accuracy that is none.
-        BackendError: when it is not installed; it says which are, and how to install one. Or when it refuses the
-            options.
+        ArgumentError: if ``accuracy`` is not finite and positive.
+        BackendError: if the solver is not installed, with the installed ones and how to install it, or if it refuses
+            the options.
     """
 
     def __init__(self, name: str, *, accuracy: float | None = None, **options: Any) -> None:
@@ -42,62 +56,68 @@ class Foreign(CalledBackend):
                 more = f"install it with: pip install 'qpsolvers[{name}]'"
             raise BackendError(name, f"not installed; there are {', '.join(available())}; {more}")
         self.name = name
-        self.accuracy = accuracy_of(accuracy, PLUGINS.get(name, ELSEWHERE))
-        self._options = {**_EXACT.get(name, {}), **options}
+        self.accuracy = accuracy_of(accuracy, PLUGINS.get(name, DEFAULT_ACCURACY))
+        self._options = {**_DEFAULTS.get(name, {}), **options}
         if options:
             try:
-                _solved(name, simplest(), self._options)
+                _solve(name, trial_qp(), self._options)
             except Exception as error:
                 raise BackendError(name, f"refuses the options {options}: {error}") from error
 
     def __repr__(self) -> str:
-        return f"Foreign({self.name!r})"
+        return f"QPSolversBackend({self.name!r})"
 
-    def solver(self, n: int, rows: int) -> Solver:
-        """One that splits equalities from inequalities at each call."""
-        return _Solver(self.name, self._options)
+    def solver(self, n: int, rows: int) -> QPSolver:
+        """A solver that separates equalities from inequalities at each call."""
+        return _QPSolversSolver(self.name, self._options)
 
 
-class _Solver(Solver):
+class _QPSolversSolver(QPSolver):
+    """One solver of qpsolvers with its options."""
+
     def __init__(self, name: str, options: dict[str, Any]) -> None:
         self._name, self._options = name, options
 
-    def solve(self, program: Numbers) -> Sequence[Array] | None:
-        """Through ``qpsolvers.solve_problem``; a solver that raises has no answer."""
+    def solve(self, qp: NumericQP) -> Sequence[Array] | None:
+        """Solve by ``qpsolvers.solve_problem``; None if the solver raises."""
         try:
-            return _solved(self._name, program, self._options)
-        except Exception:  # their errors have no base in common
+            return _solve(self._name, qp, self._options)
+        except Exception:  # the solvers' errors have no common base class
             return None
 
 
-def _solved(name: str, program: Numbers, options: dict[str, Any]) -> Sequence[Array] | None:
-    """Through ``qpsolvers.solve_problem``, which may raise anything."""
+def _solve(name: str, qp: NumericQP, options: dict[str, Any]) -> Sequence[Array] | None:
+    """Solve by ``qpsolvers.solve_problem``, which may raise any error."""
     import qpsolvers
 
-    problem, equal, above, below = as_problem(program)
+    problem, equal, above, below = as_problem(qp)
     if name not in qpsolvers.dense_solvers:
         problem = _sparse(problem)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # what a solver says of its own interface is not the caller's business
+        warnings.simplefilter("ignore")  # solvers warn about their own interfaces, which the caller cannot change
         solution = qpsolvers.solve_problem(problem, solver=name, **options)
     if not solution.found or solution.x is None:
         return None
-    rows = np.zeros(len(program.low))
+    rows = np.zeros(len(qp.low))
     if equal.any() and solution.y is not None:
         rows[equal] = solution.y
     if (above.any() or below.any()) and solution.z is not None:
         count = int(above.sum())
         rows[above] += solution.z[:count]
         rows[below] -= solution.z[count:]
-    box = solution.z_box if solution.z_box is not None and len(solution.z_box) else np.zeros(len(program.q))
+    box = solution.z_box if solution.z_box is not None and len(solution.z_box) else np.zeros(len(qp.q))
     return solution.x, rows, box
 
 
-def as_problem(program: Numbers) -> tuple[Any, NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
-    """The ``qpsolvers.Problem``, and which rows are equalities, have an upper and have a lower bound."""
+def as_problem(qp: NumericQP) -> tuple[Any, NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
+    """Convert a QP to a ``qpsolvers.Problem``.
+
+    Returns:
+        The problem; masks (k,) of the rows that are equalities, have an upper bound, and have a lower bound.
+    """
     import qpsolvers
 
-    low, high, C = program.low, program.high, program.C
+    low, high, C = qp.low, qp.high, qp.C
     equal = low == high
     above, below = ~equal & np.isfinite(high), ~equal & np.isfinite(low)
     G = h = A = b = None
@@ -105,13 +125,13 @@ def as_problem(program: Numbers) -> tuple[Any, NDArray[np.bool_], NDArray[np.boo
         G, h = np.vstack([C[above], -C[below]]), np.concatenate([high[above], -low[below]])
     if equal.any():
         A, b = C[equal], low[equal]
-    P = (program.P + program.P.T) / 2
-    problem = qpsolvers.Problem(P, program.q.copy(), G, h, A, b, program.lower.copy(), program.upper.copy())
+    P = (qp.P + qp.P.T) / 2
+    problem = qpsolvers.Problem(P, qp.q.copy(), G, h, A, b, qp.lower.copy(), qp.upper.copy())
     return problem, equal, above, below
 
 
 def _sparse(problem: Any) -> Any:
-    """The same problem for a solver that takes sparse matrices only."""
+    """The same problem with sparse matrices, for a solver that takes no dense ones."""
     import qpsolvers
     from scipy import sparse
 
@@ -121,6 +141,6 @@ def _sparse(problem: Any) -> Any:
 
 
 def _installable() -> list[str]:
-    """Names of solvers that come as extras of qpsolvers."""
+    """Names of the solvers that can be installed as extras of qpsolvers."""
     extras = metadata("qpsolvers").get_all("Provides-Extra") or []
     return [extra for extra in extras if "-" not in extra]

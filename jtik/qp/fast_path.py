@@ -1,0 +1,99 @@
+"""One step on bound memory: by the fast path (no QP needed), the QP path, or the QP path with a fallback solver."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+from jtik.qp.backend import CalledBackend, NumericQP, QPSolver
+from jtik.qp.call import output_memory
+from jtik.qp.staged import Staged
+from jtik.symbolic import Function
+from jtik.symbolic.compile import bind
+from jtik.types import Array
+
+NOT_WRITTEN = -1.0
+"""A value that is no code of a step: it shows that a step has not written its results."""
+
+
+class NoBackend(CalledBackend):
+    """A back end that solves nothing: the step then reports an unsolved QP and stays where it is."""
+
+    name = "none"
+    accuracy = 0.0
+
+    def solver(self, n: int, rows: int) -> QPSolver:
+        """A solver that returns None."""
+        return _NoSolver()
+
+
+class _NoSolver(QPSolver):
+    """A solver without solutions."""
+
+    def solve(self, qp: NumericQP) -> Sequence[Array] | None:
+        """None."""
+        return None
+
+
+def fast_or_qp_path(
+    whole: Function, parts: Staged, unsolved: int, arguments: list[Array], results: list[Array]
+) -> Callable[[], None]:
+    """The step as a call on this memory.
+
+    It takes the fast path where no QP has to be solved, else the QP path with the back end; if that finds no solution,
+    the QP path with the back end's fallback.
+
+    Args:
+        whole: the parts joined by a fused back end.
+        parts: the parts of the step.
+        unsolved: value of ``results[2][0]`` after a step whose QP was not solved.
+        arguments: memory of the step's inputs, as in `Staged.bind`.
+        results: memory of the step's outputs, as in `Staged.bind`.
+    """
+    fallback = _Fallback(parts, arguments, results)
+    if parts.fast_path is None:
+        return _with_fallback(bind(whole, arguments, results), fallback, unsolved)
+    valid, *between = output_memory(parts.fast_path)[len(results) :]
+    no_qp_needed: Any = memoryview(valid.data)
+    fast_path = bind(parts.fast_path, arguments, [*results, valid, *between])
+    qp_path = _with_fallback(bind(parts.qp_path(), [*arguments, *between], results), fallback, unsolved)
+
+    def step() -> None:
+        fast_path()
+        if not no_qp_needed[0]:
+            qp_path()
+
+    return step
+
+
+class _Fallback:
+    """The step with the back end's fallback, bound when it is first needed."""
+
+    def __init__(self, parts: Staged, arguments: list[Array], results: list[Array]) -> None:
+        self._parts, self._arguments, self.results = parts, arguments, results
+        self.backend = parts.backend.fallback
+
+    @cached_property
+    def step(self) -> Callable[[], None]:
+        """The call."""
+        return replace(self._parts, backend=self.backend or NoBackend()).bind(self._arguments, self.results)
+
+
+def _with_fallback(step: Callable[[], None], fallback: _Fallback, unsolved: int) -> Callable[[], None]:
+    """``step``, repeated with the fallback if it ends ``unsolved`` or its solver fails."""
+    code: Any = memoryview(fallback.results[2].data)  # of doubles
+    has_fallback = fallback.backend is not None
+
+    def guarded() -> None:
+        code[0] = NOT_WRITTEN  # some plugins fail by leaving all results as they were
+        try:
+            step()
+        except RuntimeError:  # how CasADi reports any failure of a plugin, such as crossed bounds
+            fallback.step()
+        else:
+            if code[0] == NOT_WRITTEN or (has_fallback and code[0] == unsolved):
+                fallback.step()
+
+    return guarded
