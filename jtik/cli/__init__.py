@@ -55,7 +55,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"jtik {__version__}")
     commands = parser.add_subparsers(metavar="command", required=True, parser_class=_Parser)
 
-    what = "the registered strategies and criteria, and the built-in robots"
+    what = "the registered strategies, secondary terms and criteria, and the built-in robots"
     command = commands.add_parser("list", help=what, description=f"List {what}.")
     command.set_defaults(run=catalogue.run)
 

@@ -16,6 +16,7 @@ import pytest
 import jtik
 from jtik.cli import catalogue, main
 from jtik.cli.document import load, read
+from jtik.registry import Registry
 from jtik.robot import gallery
 
 Capture = pytest.CaptureFixture[str]
@@ -86,15 +87,19 @@ def position(robot: jtik.Robot, document: dict[str, Any]) -> np.ndarray:
 def test_list_shows_everything_registered(capsys: Capture) -> None:
     assert main(["list"]) == 0
     out = capsys.readouterr().out
-    for name in (*jtik.strategies, *jtik.criteria, *gallery.names()):
+    for name in (*jtik.strategies, *jtik.secondaries, *jtik.criteria, *gallery.names()):
         assert name in out
+    titles = [line for line in out.splitlines() if line.startswith(("Strategies", "Secondary", "Criteria", "Robots"))]
+    assert [title.split()[0] for title in titles] == ["Strategies", "Secondary", "Criteria", "Robots"]
 
 
 def test_list_shows_brackets_as_they_are(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
     class Boxed(jtik.Strategy):
         summary = "keeps dq in [m] within a box"
 
-    monkeypatch.setattr(catalogue, "strategies", {"boxed": Boxed})
+    registry: Registry[jtik.Strategy] = Registry("strategy", jtik.Strategy, "none.strategies")
+    registry.add("boxed", Boxed)
+    monkeypatch.setattr(catalogue, "strategies", registry)
     assert main(["list"]) == 0
     assert "[m]" in capsys.readouterr().out
 
@@ -103,10 +108,10 @@ def test_list_needs_no_rich(capsys: Capture, monkeypatch: pytest.MonkeyPatch) ->
     without(monkeypatch, "rich")
     assert main(["list"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    for name, plugin in (*jtik.strategies.items(), *jtik.criteria.items()):
-        (line,) = [line for line in lines if line.startswith(f"{name} ")]
-        assert plugin.summary in line
-        assert line.endswith(plugin.source)
+    for row in (*jtik.strategies.rows(), *jtik.secondaries.rows(), *jtik.criteria.rows()):
+        (line,) = [line for line in lines if line.startswith(f"{row.name} ")]
+        assert row.summary in line
+        assert line.endswith(row.source)
 
 
 def test_solve_prints_the_solution(capsys: Capture) -> None:
