@@ -12,7 +12,8 @@ from typing import Any
 import jtik
 from jtik.cli.document import InputError, Subject, read_subject
 from jtik.cli.problem_options import add_problem_options, problem_document
-from jtik.problems import ProblemSet, named
+from jtik.problems import ProblemSet
+from jtik.problems.collection import named
 from jtik.registry import strategies
 
 INTERRUPTED = 130
