@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from jtik.demo.scene import Scene
 from jtik.geometry import Obstacle
-from jtik.plotting.planar import Skeleton
+from jtik.plotting import Skeleton
 from jtik.result.solution import Solution, Status
 from jtik.solver import InverseKinematics
 from jtik.types import Array
