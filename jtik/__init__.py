@@ -2,9 +2,9 @@
 
 `InverseKinematics` solves; a robot, a task, criteria and a strategy are its arguments; a `Solution` is the answer.
 
-Three mappings list what is registered, and each shows itself as a table: ``jtik.strategies`` (update laws),
-``jtik.criteria`` (functions to minimise) and ``jtik.secondaries`` (null-space terms, for pairs such as
-``strategy="newton+qp"``). `register_strategy`, `register_criterion` and `register_secondary` add to them.
+Three mappings list what is registered, and each shows itself as a table: ``jtik.strategies``, ``jtik.criteria`` and
+``jtik.secondaries`` (null-space terms, for pairs such as ``strategy="newton+qp"``). `register_strategy`,
+`register_criterion` and `register_secondary` add to them.
 
 What is in ``jtik`` itself is public, and so are these modules:
 
