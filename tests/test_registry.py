@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import textwrap
+import types
 import warnings
 from pathlib import Path
 
@@ -31,6 +32,14 @@ class Cautious(jtik.Criterion):
 
 class Neither:
     pass
+"""
+
+CURIOUS = """
+import jtik
+from thirdparty_registry import strategies
+
+class Curious(jtik.strategies["hybrid"]):
+    seen = list(strategies)
 """
 
 
@@ -303,6 +312,17 @@ class TestEntryPoints:
             assert len(registry) == 1
             assert "broken" not in registry
             assert "patient" in registry
+
+    def test_a_plugin_may_list_what_is_registered_while_it_is_loaded(self, distribution, tmp_path):
+        distribution(strategies={"curious": "thirdparty_curious:Curious"})
+        (tmp_path / "thirdparty_curious.py").write_text(CURIOUS)
+        registry = sys.modules["thirdparty_registry"] = types.SimpleNamespace(strategies=strategies())
+        try:
+            assert registry.strategies["curious"].seen == []
+            assert list(registry.strategies) == ["curious"]
+        finally:
+            for name in ("thirdparty_registry", "thirdparty_curious"):
+                sys.modules.pop(name, None)
 
     def test_another_name_warns_of_nothing(self, distribution):
         distribution(strategies={"patient": "thirdparty_plugin:Patient", "broken": "thirdparty_broken:Strategy"})

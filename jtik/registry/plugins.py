@@ -39,6 +39,7 @@ class Plugins:
         self._group = group
         self._add = add
         self._found: tuple[EntryPoint, ...] | None = None
+        self._loading: set[EntryPoint] = set()
         self._loaded: set[EntryPoint] = set()
         self._broken: dict[EntryPoint, PluginError] = {}
 
@@ -79,6 +80,9 @@ class Plugins:
 
     def _load(self, entry: EntryPoint) -> None:
         """Load and register one; a plugin may raise anything, and may even exit."""
+        if entry in self._loading:  # its own module lists what is registered
+            return
+        self._loading.add(entry)
         try:
             self._add(entry.name, entry.load())
         except (Exception, SystemExit) as error:
@@ -89,3 +93,5 @@ class Plugins:
         else:
             self._broken.pop(entry, None)
             self._loaded.add(entry)
+        finally:
+            self._loading.discard(entry)
