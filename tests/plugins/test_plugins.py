@@ -101,6 +101,15 @@ class TestBroken:
             "import jtik, sys\n" + SOLVE.format(name=name) + "assert 'jtik_plugin_broken' not in sys.modules"
         )
 
+    def test_it_does_not_disturb_a_comparison(self) -> None:
+        without_output("""
+        import jtik
+        arm = jtik.Robot.planar(3)
+        names = ["hybrid", "newton+qp"]
+        found = jtik.compare(arm, jtik.FrameTask("tip"), strategies=names, problems="reachable", count=2)
+        assert list(found.contenders) == names, found
+        """)
+
     def test_the_list_shows_it_as_broken_and_everything_else(self) -> None:
         done = run("sys.modules['rich'] = None", "list", module="jtik")
         assert (done.returncode, done.stderr) == (0, "")
