@@ -28,7 +28,7 @@ LEVELS = (
 )
 """Imports run downwards: a module imports those of its own level and of levels above it in this list."""
 
-LEVEL = {room: level for level, rooms in enumerate(LEVELS) for room in rooms}
+LEVEL = {subpackage: level for level, names in enumerate(LEVELS) for subpackage in names}
 
 MEDIAN_LINES, MOST_LINES = 120, 350
 MOST_AT_THE_TOP = 12
@@ -40,8 +40,8 @@ UPWARDS = {
 }
 """Imports that do not run downwards yet. Nothing may be added."""
 
-AT_THE_BOTTOM = {*UPWARDS, "jtik/result/report.py -> symbolic"}
-"""Imports of what stands at the bottom that it does without one day. Nothing may be added."""
+LOWEST = {*UPWARDS, "jtik/result/report.py -> symbolic"}
+"""Imports of the lowest subpackages that are not removed yet. Nothing may be added."""
 
 PRIVATE = {
     "formulations/jtik_formulations/strategies/_parts/task_scaling.py -> jtik._step.active_set",
@@ -95,7 +95,7 @@ def lines(path: Path) -> int:
     return len(path.read_text(encoding="utf-8").splitlines())
 
 
-def rooms_of(one: Import) -> set[str]:
+def subpackages_of(one: Import) -> set[str]:
     """The folders or files at the top of ``jtik`` that an import of a jtik module names."""
     first, _, rest = one.module.partition(".")
     if first != "jtik":
@@ -105,7 +105,7 @@ def rooms_of(one: Import) -> set[str]:
     return {name if name in LEVEL else "__init__" for name in one.names} or {"__init__"}
 
 
-def room(file: str) -> str:
+def subpackage(file: str) -> str:
     """The folder or file at the top of ``jtik`` that a file is in."""
     return Path(file).parts[1].removesuffix(".py")
 
@@ -115,7 +115,7 @@ def is_private(name: str) -> bool:
     return any(part.startswith("_") and not part.startswith("__") for part in name.split("."))
 
 
-def test_every_room_has_a_level() -> None:
+def test_every_subpackage_has_a_level() -> None:
     at_the_top = {path.name.removesuffix(".py") for path in JTIK.iterdir() if path.suffix == ".py" or path.is_dir()}
     assert at_the_top - {"__pycache__"} <= set(LEVEL)
 
@@ -124,8 +124,8 @@ def test_imports_run_downwards() -> None:
     upwards = {
         f"{one.file} -> {target}"
         for one in all_imports(JTIK)
-        for target in rooms_of(one)
-        if LEVEL[target] > LEVEL[room(one.file)]
+        for target in subpackages_of(one)
+        if LEVEL[target] > LEVEL[subpackage(one.file)]
     }
     assert upwards <= UPWARDS
     assert upwards >= UPWARDS, "remove from UPWARDS what is done"
@@ -139,18 +139,18 @@ def test_imports_run_downwards() -> None:
         ("result", {"errors", "types"}),
     ],
 )
-def test_what_stands_at_the_bottom_imports_little(importer: str, allowed: set[str]) -> None:
+def test_the_lowest_subpackages_import_little(importer: str, allowed: set[str]) -> None:
     found = {
         f"{one.file} -> {target}"
         for one in all_imports(JTIK)
-        if room(one.file) == importer
-        for target in rooms_of(one) - allowed - {importer}
+        if subpackage(one.file) == importer
+        for target in subpackages_of(one) - allowed - {importer}
     }
-    assert found <= AT_THE_BOTTOM
+    assert found <= LOWEST
 
 
-def test_casadi_is_imported_in_the_symbolic_room_only() -> None:
-    importers = {room(one.file) for one in all_imports(JTIK) if one.module.partition(".")[0] == "casadi"}
+def test_casadi_is_imported_in_jtik_symbolic_only() -> None:
+    importers = {subpackage(one.file) for one in all_imports(JTIK) if one.module.partition(".")[0] == "casadi"}
     assert importers == {"symbolic"}
     assert not [one for one in all_imports(FORMULATIONS) if one.module.partition(".")[0] == "casadi"]
 

@@ -33,10 +33,10 @@ def test_import_loads_numpy_and_casadi_and_nothing_else() -> None:
         print(*sorted(name for name in new if name.startswith("jtik.") and name.count(".") == 1))
         print(*sorted(tops & {"asyncio", "multiprocessing", "sqlite3", "http", "unittest", "ctypes"}))
     """)
-    tops, rooms, heavy = (line.split() for line in loaded.splitlines())
+    tops, subpackages, heavy = (line.split() for line in loaded.splitlines())
     assert {top for top in tops if not top.startswith("swig_runtime_data")} == {"casadi", "jtik", "numpy"}
     for late in ("cli", "demo", "interop", "plotting", "problems", "study", "testing"):
-        assert f"jtik.{late}" not in rooms
+        assert f"jtik.{late}" not in subpackages
     assert set(heavy) <= {"ctypes"}  # numpy needs it
 
 

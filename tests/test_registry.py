@@ -191,6 +191,16 @@ class TestRegistration:
         with pytest.raises(jtik.ArgumentError, match=r"strategy name: given .*; accepted: a text .* without '\+'"):
             jtik.register_strategy(name)(jtik.strategies["newton"])
 
+    @pytest.mark.parametrize("kind", ["strategy", "secondary", "criterion"])
+    def test_a_decorator_without_a_name_is_refused(self, kind):
+        with pytest.raises(
+            jtik.ArgumentError, match=r" name: given <class '.*Mine'>; accepted: a text .* without '\+'"
+        ):
+
+            @getattr(jtik, f"register_{kind}")
+            class Mine:
+                pass
+
     def test_the_decorator_names_the_class(self, monkeypatch):
         registry = strategies()
         monkeypatch.setattr("jtik.registry.decorators.strategies", registry)

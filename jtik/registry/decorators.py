@@ -34,6 +34,7 @@ def register_strategy(name: str) -> Callable[[S], S]:
     Raises:
         ArgumentError: when another class has the name, or what is decorated is no Strategy.
     """
+    strategies.check_name(name)  # also finds a decorator without its name
 
     def register(plugin: S) -> S:
         strategies.add(name, plugin)
@@ -53,6 +54,7 @@ def register_secondary(name: str) -> Callable[[N], N]:
     Raises:
         ArgumentError: when another class has the name, or what is decorated is no SecondaryTerm.
     """
+    secondaries.check_name(name)  # also finds a decorator without its name
 
     def register(plugin: N) -> N:
         secondaries.add(name, plugin)
@@ -72,6 +74,7 @@ def register_criterion(name: str) -> Callable[[C], C]:
     Raises:
         ArgumentError: when another class has the name, or what is decorated is no Criterion.
     """
+    criteria.check_name(name)  # also finds a decorator without its name
 
     def register(plugin: C) -> C:
         criteria.add(name, plugin)

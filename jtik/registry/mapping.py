@@ -47,8 +47,7 @@ class Registry(Mapping[str, type[T]], Generic[T]):
         Raises:
             ArgumentError: when another class has the name, the name is none, or ``plugin`` is no subclass of the base.
         """
-        if not isinstance(name, str) or not name or "+" in name:
-            raise ArgumentError(f"{self._kind} name", repr(name), "a text of at least one character, without '+'")
+        self.check_name(name)
         if not (isinstance(plugin, type) and issubclass(plugin, self._base)):
             raise ArgumentError(f"{self._kind} {name!r}", plugin, f"a subclass of {self._base.__name__}")
         if plugin.__module__.partition(".")[0] != BUILT_IN:
@@ -60,6 +59,11 @@ class Registry(Mapping[str, type[T]], Generic[T]):
         self._classes[name] = plugin
         if not vars(plugin).get("name"):
             plugin.name = name  # type: ignore[attr-defined]
+
+    def check_name(self, name: object) -> None:
+        """Raise ArgumentError when ``name`` is no text, empty, or has the ``+`` of pairs."""
+        if not isinstance(name, str) or not name or "+" in name:
+            raise ArgumentError(f"{self._kind} name", repr(name), "a text of at least one character, without '+'")
 
     def __getitem__(self, name: str) -> type[T]:
         error = self._load(name)

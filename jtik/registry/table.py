@@ -12,8 +12,8 @@ WIDTH = 120
 
 GAP = "  "
 
-LEAST_SOURCE = 30
-"""Characters that the source may always have, however long the summaries are."""
+MIN_SOURCE = 30
+"""Width that the source column has at least, if it needs it; the summaries get the rest."""
 
 
 class Row(NamedTuple):
@@ -66,7 +66,7 @@ def _narrowed(widths: Sequence[int], width: int) -> list[int]:
     """Column widths that fit together: names whole if they can be, then the summaries, then the sources."""
     left = width - 2 * len(GAP)
     name = min(widths[0], left // 3)
-    source = min(widths[2], max(LEAST_SOURCE, left - name - widths[1]))
+    source = min(widths[2], max(MIN_SOURCE, left - name - widths[1]))
     return [name, min(widths[1], left - name - source), source]
 
 
