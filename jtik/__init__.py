@@ -1,11 +1,44 @@
-"""jtik: redundancy resolution by any update law, with any criterion, in one fused compiled step."""
+"""Redundancy resolution: joint positions for what the end effector must do, with a criterion for the freedom left.
 
-from jtik import problems
+`InverseKinematics` solves; a robot, a task, criteria and a strategy are its arguments; a `Solution` is the answer.
+
+Three mappings list what is registered, and each shows itself as a table: ``jtik.strategies``, ``jtik.criteria`` and
+``jtik.secondaries`` (null-space terms, for pairs such as ``strategy="newton+qp"``). `register_strategy`,
+`register_criterion` and `register_secondary` add to them.
+
+What is in ``jtik`` itself is public, and so are these modules:
+
+- `jtik.robot`: kinematic models, their builders and loaders.
+- `jtik.task`: errors of frames, axes, the centre of mass.
+- `jtik.criterion`: criteria, sums of them, live parameters.
+- `jtik.constraints`: limits and clearances.
+- `jtik.strategy`: what a strategy is made of.
+- `jtik.qp`: quadratic programs and their solvers.
+- `jtik.symbolic`: the mathematics that criteria and strategies are written in.
+- `jtik.result`: what a solver returns.
+- `jtik.geometry`: obstacles and other shapes.
+- `jtik.study`: comparisons of strategies.
+- `jtik.problems`: generators and collections of problems.
+- `jtik.plotting`: pictures of planar robots.
+- `jtik.interop`: mink, pink, MuJoCo, Pinocchio.
+- `jtik.testing`: the contract that every strategy and criterion must pass.
+- `jtik.registry`, `jtik.errors`, `jtik.types`, `jtik.progress`: names to classes, errors, array types, progress.
+
+A module, a class or a function whose name begins with an underscore is private and may change in any release.
+The module `jtik.criterion` is imported as ``from jtik.criterion import ...``,
+because ``jtik.criterion`` is the decorator.
+"""
+
+from __future__ import annotations
+
+import importlib
+import warnings
+from typing import TYPE_CHECKING, Any
+
 from jtik._loop.batch import SolutionBatch
 from jtik._step.relaxation import Relaxation
-from jtik.constraints.clearance import Clearance
-from jtik.constraints.limits import Limits
-from jtik.criterion.base import Criterion, CriterionError, CriterionSum, criterion
+from jtik.constraints import Clearance, Limits
+from jtik.criterion import Criterion, CriterionError, CriterionSum, criterion
 from jtik.errors import ArgumentError, JtikError, MissingExtraError, RobotFileError, UnknownNameError
 from jtik.geometry import Box, Capsule, Circle, Cylinder, Point, Sphere
 from jtik.registry import (
@@ -17,13 +50,16 @@ from jtik.registry import (
     secondaries,
     strategies,
 )
-from jtik.result.solution import Solution, Status, Step, Trace
-from jtik.result.trajectory import Trajectory
+from jtik.result import Solution, Status, Step, Trace, Trajectory
 from jtik.robot import Joint, JointType, Robot
 from jtik.solver import InverseKinematics
 from jtik.strategy import Strategy
-from jtik.study import Comparison, compare
 from jtik.task import AxisTask, CenterOfMassTask, FrameTask, LookAtTask, RelativeFrameTask, Task
+
+if TYPE_CHECKING:
+    from jtik import interop, plotting, problems, study, testing
+    from jtik.study.compare import compare
+    from jtik.study.comparison import Comparison
 
 __version__ = "0.1.0"
 
@@ -67,10 +103,41 @@ __all__ = [
     "compare",
     "criteria",
     "criterion",
+    "interop",
+    "plotting",
     "problems",
     "register_criterion",
     "register_secondary",
     "register_strategy",
     "secondaries",
     "strategies",
+    "study",
+    "testing",
 ]
+
+_LAZY = {"compare": "jtik.study.compare", "Comparison": "jtik.study.comparison"}
+"""Names that are imported when they are first used, and the modules that have them."""
+
+_LAZY_MODULES = ("interop", "plotting", "problems", "study", "testing")
+
+_RENAMED = {"GaveWay": "Relaxation"}
+"""Former names and the present ones; they go after one release."""
+
+if not TYPE_CHECKING:  # a type checker then still finds misspelled names
+
+    def __getattr__(name: str) -> Any:
+        """A name that is imported on first use, or a former name of one."""
+        if name in _RENAMED:
+            new = _RENAMED[name]
+            warnings.warn(f"jtik.{name} is now jtik.{new}", DeprecationWarning, stacklevel=2)
+            return globals()[new]
+        if name in _LAZY_MODULES:
+            return importlib.import_module(f"jtik.{name}")
+        if name in _LAZY:
+            found = globals()[name] = getattr(importlib.import_module(_LAZY[name]), name)
+            return found
+        raise AttributeError(f"module 'jtik' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_LAZY, *_LAZY_MODULES})

@@ -1,7 +1,7 @@
-"""Errors that keep their data, and the checks at the door that raise them.
+"""Errors of jtik, and the check of arguments that are arrays.
 
-Every error derives from `JtikError`, so ``except JtikError`` catches all of them and nothing else. Each keeps
-what went wrong as attributes and says in its message what would have been accepted.
+Every error derives from `JtikError`, so ``except JtikError`` catches all of them and nothing else. Each keeps its data
+as attributes. Its message says what would have been accepted.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from jtik.types import Array
 
 
 class JtikError(Exception):
-    """The base of every error that jtik raises on purpose."""
+    """Base class of the errors that jtik raises."""
 
 
 class ArgumentError(JtikError, ValueError):
@@ -23,7 +23,7 @@ class ArgumentError(JtikError, ValueError):
 
     Attributes:
         argument: name of the argument, as the caller wrote it.
-        given: what was given, or a sentence about it.
+        given: what was given, or a text that describes it.
         accepted: what would have been accepted.
     """
 
@@ -39,13 +39,13 @@ class ArgumentError(JtikError, ValueError):
 
 
 class UnknownNameError(JtikError, KeyError):
-    """A frame, joint, strategy ... of that name does not exist.
+    """A name that does not exist: of a frame, a joint, a strategy ...
 
     Attributes:
         kind: what was looked up, for instance ``"frame"``.
         name: the name that was not found.
         known: the names that exist.
-        closest: the known name most like the given one, whatever the case of its letters, or None.
+        closest: the known name most similar to the given one, without regard to case; None if none is similar.
     """
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
@@ -83,12 +83,12 @@ class MissingExtraError(JtikError, ImportError):
 
 
 class RobotFileError(JtikError, ValueError):
-    """A description of a robot that cannot be read.
+    """A robot description that cannot be read.
 
     Attributes:
-        file: the path, or what stands for it where the description was text or a model.
-        element: which part of it is wrong, for instance ``"joint 'elbow'"``; empty when it is the whole.
-        problem: what is wrong with it, and what would have been accepted.
+        file: the path; for a description that is a text or a model, what kind it is.
+        element: the part that is wrong, for instance ``"joint 'elbow'"``; empty when it is the whole description.
+        problem: what is wrong, and what would have been accepted.
     """
 
     def __init__(self, file: str, element: str, problem: str) -> None:
@@ -106,7 +106,7 @@ class ImmutableError(JtikError, AttributeError):
 
     Attributes:
         owner: the object, as text.
-        attribute: the attribute that was to be set or deleted.
+        attribute: the attribute that the caller tried to set or delete.
     """
 
     def __init__(self, owner: str, attribute: str) -> None:
@@ -119,12 +119,12 @@ class ImmutableError(JtikError, AttributeError):
 
 
 def finite_array(argument: str, value: object, shape: tuple[int | None, ...]) -> Array:
-    """A float64 copy of ``value``, checked at the door.
+    """A float64 copy of an argument, with a check of its shape and that all numbers are finite.
 
     Args:
-        argument: the name to use in the error.
-        value: numbers: a scalar, a nested sequence or an array.
-        shape: the shape wanted; None stands for any length of that axis.
+        argument: name of the argument, for the error.
+        value: a scalar, a nested sequence or an array of numbers.
+        shape: the wanted shape; None for an axis of any length.
 
     Raises:
         ArgumentError: when ``value`` is not numeric, has another shape, or holds NaN or infinity.
@@ -149,6 +149,7 @@ def finite_array(argument: str, value: object, shape: tuple[int | None, ...]) ->
 
 
 def _shape_text(shape: tuple[int | None, ...]) -> str:
+    """What is accepted, as a text."""
     if not shape:
         return "one finite number"
     sizes = ", ".join("any" if size is None else str(size) for size in shape)

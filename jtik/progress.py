@@ -1,4 +1,4 @@
-"""Progress of long work, shown only when asked for."""
+"""Progress of long computations: a bar on the terminal, or calls of a function."""
 
 from __future__ import annotations
 
@@ -10,28 +10,34 @@ from jtik.errors import MissingExtraError
 Item = TypeVar("Item")
 Item_co = TypeVar("Item_co", covariant=True)
 Progress = bool | Callable[[int, int], None]
-"""True for a bar on the terminal, a function called with (done, total), or False for nothing."""
+"""False for none, True for a bar on the terminal, or a function that is called with (done, total)."""
 
 
 class Counted(Protocol[Item_co]):
-    """Things to go through of which it is known how many they are."""
+    """Items whose number is known."""
 
     def __len__(self) -> int: ...
     def __iter__(self) -> Iterator[Item_co]: ...
 
 
 def watched(items: Counted[Item], progress: Progress, label: str) -> Iterator[Item]:
-    """The items one by one, telling ``progress`` how many are done.
+    """The items one by one; after each, ``progress`` is informed.
+
+    Args:
+        items: the items.
+        progress: False for none, True for a bar on the terminal, or a function that is called with (done, total).
+        label: text beside the bar.
 
     Raises:
-        MissingExtraError: for a bar without rich.
+        MissingExtraError: when a bar is wanted and rich is not installed.
     """
     if progress is False:
         return iter(items)
-    return _bar(items, label) if progress is True else _told(items, progress)
+    return _bar(items, label) if progress is True else _reported(items, progress)
 
 
 def _bar(items: Counted[Item], label: str) -> Iterator[Item]:
+    """The items with a bar on the terminal."""
     try:
         from rich.progress import track
     except ImportError as error:
@@ -39,7 +45,8 @@ def _bar(items: Counted[Item], label: str) -> Iterator[Item]:
     return iter(track(items, description=label))
 
 
-def _told(items: Counted[Item], tell: Callable[[int, int], None]) -> Iterator[Item]:
+def _reported(items: Counted[Item], report: Callable[[int, int], None]) -> Iterator[Item]:
+    """The items; ``report`` is called after each."""
     for done, item in enumerate(items, start=1):
         yield item
-        tell(done, len(items))
+        report(done, len(items))

@@ -1,4 +1,4 @@
-"""Types that every module shares."""
+"""Types that all modules share."""
 
 from __future__ import annotations
 
@@ -8,4 +8,4 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array: TypeAlias = NDArray[np.float64]
-"""Numbers: an array of float64."""
+"""An array of float64."""

@@ -1,4 +1,4 @@
-"""Errors keep their data and tell what would have been accepted."""
+"""Errors keep their data and say what would have been accepted."""
 
 from __future__ import annotations
 

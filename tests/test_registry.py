@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import textwrap
+import types
+import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import jtik
-from jtik.registry import Registry
+from jtik.registry import Registry, supporting_clearances, table
+from jtik.strategy import SecondaryTerm
 
 from .conftest import planar
 
@@ -29,6 +34,14 @@ class Neither:
     pass
 """
 
+CURIOUS = """
+import jtik
+from thirdparty_registry import strategies
+
+class Curious(jtik.strategies["hybrid"]):
+    seen = list(strategies)
+"""
+
 
 @pytest.fixture
 def distribution(tmp_path, monkeypatch):
@@ -37,6 +50,7 @@ def distribution(tmp_path, monkeypatch):
     def install(**groups):
         (tmp_path / "thirdparty_plugin.py").write_text(PLUGIN)
         (tmp_path / "thirdparty_broken.py").write_text("raise OSError('the disk is full')\n")
+        (tmp_path / "thirdparty_exits.py").write_text("raise SystemExit(3)\n")
         info = tmp_path / "third_party-1.0.dist-info"
         info.mkdir()
         (info / "METADATA").write_text("Metadata-Version: 2.1\nName: third-party\nVersion: 1.0\n")
@@ -45,7 +59,7 @@ def distribution(tmp_path, monkeypatch):
             lines += [f"[jtik.{group}]", *[f"{name} = {value}" for name, value in entries.items()]]
         (info / "entry_points.txt").write_text("\n".join(lines) + "\n")
         monkeypatch.syspath_prepend(tmp_path)
-        for module in ("thirdparty_plugin", "thirdparty_broken"):
+        for module in ("thirdparty_plugin", "thirdparty_broken", "thirdparty_exits"):
             monkeypatch.delitem(sys.modules, module, raising=False)
 
     return install
@@ -60,6 +74,13 @@ def criteria():
     return Registry("criterion", jtik.Criterion, "jtik.criteria")
 
 
+def run(program):
+    """A program in a new process, with every warning an error."""
+    paths = [path for path in sys.path if path]
+    program = f"import sys; sys.path[:0] = {paths!r}\n{textwrap.dedent(program)}"
+    subprocess.run([sys.executable, "-W", "error", "-c", program], check=True)
+
+
 class TestBuiltIns:
     def test_strategies_and_criteria_of_the_paper_are_there(self):
         assert {"transpose", "newton", "hybrid"} <= set(jtik.strategies)
@@ -69,12 +90,12 @@ class TestBuiltIns:
 
     @pytest.mark.parametrize("name", sorted(jtik.strategies))
     def test_a_strategy_name_stands_for_the_defaults(self, name):
-        law = jtik.strategies[name]
-        assert issubclass(law, jtik.Strategy)
-        assert law.name == name
-        assert law.summary
-        assert law.source
-        assert jtik.InverseKinematics(planar(2), jtik.FrameTask(), strategy=name).strategy == law()
+        strategy = jtik.strategies[name]
+        assert issubclass(strategy, jtik.Strategy)
+        assert strategy.name == name
+        assert strategy.summary
+        assert strategy.source
+        assert jtik.InverseKinematics(planar(2), jtik.FrameTask(), strategy=name).strategy == strategy()
 
     @pytest.mark.parametrize("name", sorted(jtik.criteria))
     def test_a_criterion_class_says_what_it_is(self, name):
@@ -82,13 +103,12 @@ class TestBuiltIns:
         assert jtik.criteria[name].summary
 
     def test_they_are_loaded_when_first_asked_for_and_not_before(self):
-        script = (
-            "import sys, jtik; assert 'jtik_formulations' not in sys.modules; "
-            "assert 'hybrid' in jtik.strategies; assert 'jtik_formulations' in sys.modules"
-        )
-        paths = [path for path in sys.path if path]
-        program = f"import sys; sys.path[:0] = {paths!r}; {script}"
-        subprocess.run([sys.executable, "-c", program], check=True)
+        run("""
+        import sys, jtik
+        assert "jtik_formulations" not in sys.modules
+        assert "hybrid" in jtik.strategies
+        assert "jtik_formulations" in sys.modules
+        """)
 
     def test_an_unknown_name_lists_the_known(self):
         with pytest.raises(jtik.UnknownNameError, match="unknown strategy 'hybird'; did you mean 'hybrid'") as caught:
@@ -103,16 +123,57 @@ class TestBuiltIns:
 
 
 class TestRegistration:
-    def test_a_taken_name_is_refused(self):
+    def test_a_taken_name_is_refused_and_both_classes_are_named(self):
         registry = strategies()
-        law = jtik.strategies["hybrid"]
-        registry.add("mine", law)
-        registry.add("mine", law)  # the same again is no conflict
-        with pytest.raises(jtik.ArgumentError, match=r"strategy name.*mine.*not yet taken by .*Hybrid"):
+        hybrid = jtik.strategies["hybrid"]
+        registry.add("mine", hybrid)
+        registry.add("mine", hybrid)  # the same again is no conflict
+        with pytest.raises(jtik.ArgumentError) as caught:
             registry.add("mine", jtik.strategies["newton"])
-        with pytest.raises(jtik.ArgumentError, match="not yet taken"):
-            jtik.register_strategy("hybrid")(type("Other", (law,), {}))
-        assert jtik.strategies["hybrid"] is law
+        assert str(caught.value) == (
+            "strategy name: given 'mine' for jtik_formulations.strategies.newton.Newton; "
+            "accepted: a name not yet taken by jtik_formulations.strategies.hybrid.Hybrid"
+        )
+        assert registry["mine"] is hybrid
+
+    def test_a_built_in_name_is_taken_before_anything_is_loaded(self):
+        """The conflict is reported where the class is defined, not when the built-in classes are loaded later."""
+        program = """
+        import jtik, sys
+        assert "jtik_formulations" not in sys.modules
+        try:
+            @jtik.register_secondary("qp")
+            class Mine(jtik.strategy.SecondaryTerm):
+                pass
+        except jtik.ArgumentError as error:
+            assert "not yet taken by jtik_formulations" in str(error), error
+        else:
+            raise AssertionError("accepted")
+        assert jtik.secondaries["qp"].__name__ == "QPSecondary"
+        """
+        run(program)
+
+    def test_the_same_class_defined_again_replaces_the_former(self):
+        """As a notebook cell does that is run twice."""
+        registry = strategies()
+
+        def cell(limit):
+            class Mine(jtik.strategies["newton"]):
+                q_limit = limit
+
+            registry.add("mine", Mine)
+
+        cell(0.1)
+        cell(0.2)
+        assert registry["mine"].q_limit == 0.2
+        assert list(registry.loaded()) == ["mine"]
+
+    def test_a_class_of_another_module_does_not_replace_one_of_the_same_name(self):
+        registry = strategies()
+        one, other = (type("Mine", (jtik.strategies["newton"],), {"__module__": module}) for module in ("a", "b"))
+        registry.add("mine", one)
+        with pytest.raises(jtik.ArgumentError, match=r"given 'mine' for b\.Mine; .*taken by a\.Mine"):
+            registry.add("mine", other)
 
     def test_a_refused_class_keeps_no_trace_of_the_name(self):
         other = type("Other", (jtik.strategies["newton"],), {})
@@ -122,12 +183,27 @@ class TestRegistration:
 
     @pytest.mark.parametrize("plugin", [dict, jtik.criteria["joint_centering"], "hybrid", 3])
     def test_a_class_of_another_kind_is_refused(self, plugin):
-        with pytest.raises(jtik.ArgumentError, match="a subclass of Strategy"):
+        with pytest.raises(jtik.ArgumentError, match="strategy 'odd': given .*; accepted: a subclass of Strategy"):
             strategies().add("odd", plugin)
+
+    @pytest.mark.parametrize("name", ["", "newton+mine", 3, None])
+    def test_a_name_that_nobody_could_ask_for_is_refused(self, name):
+        with pytest.raises(jtik.ArgumentError, match=r"strategy name: given .*; accepted: a text .* without '\+'"):
+            jtik.register_strategy(name)(jtik.strategies["newton"])
+
+    @pytest.mark.parametrize("kind", ["strategy", "secondary", "criterion"])
+    def test_a_decorator_without_a_name_is_refused(self, kind):
+        with pytest.raises(
+            jtik.ArgumentError, match=r" name: given <class '.*Mine'>; accepted: a text .* without '\+'"
+        ):
+
+            @getattr(jtik, f"register_{kind}")
+            class Mine:
+                pass
 
     def test_the_decorator_names_the_class(self, monkeypatch):
         registry = strategies()
-        monkeypatch.setattr("jtik.registry.strategies", registry)
+        monkeypatch.setattr("jtik.registry.decorators.strategies", registry)
 
         @jtik.register_strategy("mine")
         class Mine(jtik.strategies["hybrid"]):
@@ -135,6 +211,18 @@ class TestRegistration:
 
         assert Mine.name == "mine"
         assert registry["mine"] is Mine
+
+    def test_every_decorator_adds_to_its_own_registry(self, monkeypatch):
+        for kind, plugin in [
+            ("strategy", jtik.strategies["newton"]),
+            ("secondary", jtik.secondaries["qp"]),
+            ("criterion", jtik.criteria["joint_centering"]),
+        ]:
+            plural = {"strategy": "strategies", "secondary": "secondaries", "criterion": "criteria"}[kind]
+            fresh = Registry(kind, plugin.__mro__[-3], f"none.{plural}")
+            monkeypatch.setattr(f"jtik.registry.decorators.{plural}", fresh)
+            assert getattr(jtik, f"register_{kind}")("mine")(plugin) is plugin
+            assert fresh["mine"] is plugin
 
 
 class TestEntryPoints:
@@ -144,54 +232,203 @@ class TestEntryPoints:
             criteria={"cautious": "thirdparty_plugin:Cautious"},
         )
         found = strategies()
-        law = found["patient"]
-        assert issubclass(law, jtik.Strategy)
-        solution = jtik.InverseKinematics(planar(3), jtik.FrameTask(), strategy=law()).solve([1.0, 1.0], q0=[0.1] * 3)
+        patient = found["patient"]
+        assert issubclass(patient, jtik.Strategy)
+        solution = jtik.InverseKinematics(planar(3), jtik.FrameTask(), strategy=patient()).solve(
+            [1.0, 1.0], q0=[0.1] * 3
+        )
         assert solution.converged
         assert criteria()["cautious"].name == "cautious"
+        assert list(found) == ["patient"]
+        assert "patient" in found
 
     def test_a_third_partys_strategy_carries_the_name_it_is_registered_by(self, distribution):
         distribution(strategies={"patient": "thirdparty_plugin:Patient"})
         assert strategies()["patient"].name == "patient"
 
+    def test_a_name_loads_its_own_plugin_only(self, distribution):
+        distribution(strategies={"patient": "thirdparty_plugin:Patient", "broken": "thirdparty_broken:Strategy"})
+        registry = strategies()
+        registry.add("mine", jtik.strategies["newton"])
+        assert registry["mine"] is jtik.strategies["newton"]
+        assert "thirdparty_plugin" not in sys.modules
+        assert registry.names() == ["broken", "mine", "patient"]
+        assert "thirdparty_plugin" not in sys.modules
+        assert registry["patient"].name == "patient"
+        assert "thirdparty_broken" not in sys.modules
+
+    def test_an_unknown_name_lists_those_of_plugins_without_loading_them(self, distribution):
+        distribution(strategies={"patient": "thirdparty_plugin:Patient"})
+        with pytest.raises(jtik.UnknownNameError, match="did you mean 'patient'") as caught:
+            strategies()["patiant"]
+        assert caught.value.known == ("patient",)
+        assert "thirdparty_plugin" not in sys.modules
+
     @pytest.mark.parametrize(
         ("target", "reason"),
         [
-            ("thirdparty_broken:Law", "OSError: the disk is full"),
-            ("thirdparty_absent:Law", "ModuleNotFoundError"),
+            ("thirdparty_broken:Strategy", "OSError: the disk is full"),
+            ("thirdparty_exits:Strategy", "SystemExit: 3"),
+            ("thirdparty_absent:Strategy", "ModuleNotFoundError: No module named 'thirdparty_absent'"),
             ("thirdparty_plugin:Absent", "AttributeError"),
+            ("thirdparty_plugin:Neither", "ArgumentError: strategy 'broken': given <class"),
+            ("thirdparty_plugin", "accepted: a subclass of Strategy"),
         ],
     )
     def test_one_that_cannot_be_loaded_names_its_distribution(self, distribution, target, reason):
         distribution(strategies={"broken": target})
-        with pytest.raises(jtik.PluginError, match="third-party") as caught:
-            len(strategies())
-        assert caught.value.plugin == "broken"
-        assert caught.value.distribution == "third-party"
-        assert reason in caught.value.reason
+        registry = strategies()
+        for _ in range(2):  # not once, and then silently without it
+            with pytest.raises(jtik.PluginError) as caught:
+                registry["broken"]
+            assert caught.value.plugin == "broken"
+            assert caught.value.distribution == "third-party"
+            assert reason in caught.value.reason
+            assert str(caught.value) == (
+                f"plugin 'broken' of distribution 'third-party' could not be loaded: {caught.value.reason}"
+            )
+            assert caught.value.__cause__ is not None
 
-    @pytest.mark.parametrize("name", ["odd", "hybrid"])
-    def test_one_of_another_kind_or_with_a_taken_name_names_its_distribution(self, distribution, name):
-        plugin = "Neither" if name == "odd" else "Patient"
-        distribution(strategies={name: f"thirdparty_plugin:{plugin}"})
+    def test_one_with_a_taken_name_leaves_the_name_to_its_owner(self, distribution):
+        distribution(strategies={"hybrid": "thirdparty_plugin:Patient"})
         registry = strategies()
         registry.add("hybrid", jtik.strategies["hybrid"])
-        with pytest.raises(jtik.JtikError, match="third-party"):
-            len(registry)
+        assert registry["hybrid"] is jtik.strategies["hybrid"]
+        with pytest.warns(
+            UserWarning,
+            match=r"^plugin 'hybrid' of distribution 'third-party' could not be loaded: ArgumentError: strategy name: "
+            r"given 'hybrid' for thirdparty_plugin\.Patient; accepted: a name not yet taken by "
+            r"jtik_formulations\.strategies\.hybrid\.Hybrid; it is left out of the strategies$",
+        ):
+            assert list(registry) == ["hybrid"]
+        assert registry["hybrid"] is jtik.strategies["hybrid"]
 
-    def test_a_broken_one_is_told_every_time(self, distribution):
-        """Not once, and then silently without it."""
-        distribution(strategies={"broken": "thirdparty_broken:Law"})
+    @pytest.mark.parametrize(
+        "listing",
+        [len, list, repr, str, lambda registry: registry._repr_html_(), lambda registry: "broken" in registry],
+        ids=["len", "list", "repr", "str", "html", "in"],
+    )
+    def test_listings_warn_once_and_leave_it_out(self, distribution, listing):
+        distribution(strategies={"patient": "thirdparty_plugin:Patient", "broken": "thirdparty_broken:Strategy"})
         registry = strategies()
-        for _ in range(2):
-            with pytest.raises(jtik.PluginError):
-                registry["broken"]
+        with pytest.warns(UserWarning, match="'broken' of distribution 'third-party'.*the disk is full") as caught:
+            listing(registry)
+        assert len(caught) == 1
+        assert Path(caught[0].filename).name in (Path(__file__).name, "mapping.py")  # mapping: str calls repr
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            listing(registry)
+            assert list(registry) == ["patient"]
+            assert len(registry) == 1
+            assert "broken" not in registry
+            assert "patient" in registry
+
+    def test_a_plugin_may_list_what_is_registered_while_it_is_loaded(self, distribution, tmp_path):
+        distribution(strategies={"curious": "thirdparty_curious:Curious"})
+        (tmp_path / "thirdparty_curious.py").write_text(CURIOUS)
+        registry = sys.modules["thirdparty_registry"] = types.SimpleNamespace(strategies=strategies())
+        try:
+            assert registry.strategies["curious"].seen == []
+            assert list(registry.strategies) == ["curious"]
+        finally:
+            for name in ("thirdparty_registry", "thirdparty_curious"):
+                sys.modules.pop(name, None)
+
+    def test_another_name_warns_of_nothing(self, distribution):
+        distribution(strategies={"patient": "thirdparty_plugin:Patient", "broken": "thirdparty_broken:Strategy"})
+        registry = strategies()
+        assert registry["patient"].name == "patient"
+        assert "patient" in registry
+        assert "unknown" not in registry
+        assert registry.get("unknown") is None
+
+    def test_one_that_was_mended_is_loaded_when_its_name_is_asked_for_again(self, distribution, tmp_path, monkeypatch):
+        distribution(strategies={"broken": "thirdparty_broken:Strategy"})
+        registry = strategies()
+        with pytest.raises(jtik.PluginError):
+            registry["broken"]
+        module = type(sys)("thirdparty_broken")
+        module.Strategy = type("Strategy", (jtik.strategies["newton"],), {"__module__": "thirdparty_broken"})
+        monkeypatch.setitem(sys.modules, "thirdparty_broken", module)
+        assert registry["broken"] is module.Strategy
+        assert list(registry) == ["broken"]
+
+    def test_a_pair_with_a_broken_secondary_term_names_its_distribution(self, distribution, monkeypatch):
+        distribution(secondaries={"broken": "thirdparty_broken:Term"})
+        registry = Registry("secondary term", SecondaryTerm, "jtik.secondaries")
+        monkeypatch.setattr("jtik.registry.selection.secondaries", registry)
+        with pytest.raises(jtik.PluginError, match="plugin 'broken' of distribution 'third-party'"):
+            jtik.InverseKinematics(planar(2), jtik.FrameTask(), strategy="newton+broken")
+
+
+class TestTable:
+    @pytest.mark.parametrize("registry", [jtik.strategies, jtik.criteria, jtik.secondaries], ids=lambda one: one._title)
+    def test_it_shows_name_summary_and_source_within_120_characters(self, registry):
+        text = repr(registry)
+        assert str(registry) == text
+        title, headings, *lines = text.splitlines()
+        assert title == f"{registry._title}: {len(registry)}"
+        assert headings.split() == ["name", "what", "it", "does", "source"]
+        assert max(map(len, text.splitlines())) <= 120
+        starts = [line.split()[0] for line in lines if not line.startswith(" ")]
+        assert starts == list(registry)
+        source = headings.index("source")
+        shown = " ".join(" ".join(line[source:].split()) for line in lines)
+        for plugin in registry.values():
+            assert " ".join(getattr(plugin, "source", "").split()) in shown
+
+    def test_columns_are_aligned_and_long_cells_wrapped(self):
+        rows = [("a", "one two three four five six seven eight", "S 1"), ("bcd", "nine", "")]
+        assert table.text_table("things: 2", rows, width=40).splitlines() == [
+            "things: 2",
+            "name  what it does                source",
+            "a     one two three four five     S 1",
+            "      six seven eight",
+            "bcd   nine",
+        ]
+
+    def test_without_a_width_every_class_has_one_line(self):
+        rows = [("a", "much " * 50, "paper")]
+        assert len(table.text_table("things: 1", rows, width=None).splitlines()) == 3
+
+    def test_a_class_without_summary_is_described_by_its_docstring(self):
+        class Plain:
+            """The first line.
+
+            More.
+            """
+
+        assert table.rows({"plain": Plain}) == [("plain", "The first line.", "")]
+        assert table.rows({"empty": type("Empty", (), {})}) == [("empty", "", "")]
+
+    def test_a_broken_plugin_has_a_row_that_says_why(self, distribution):
+        distribution(strategies={"patient": "thirdparty_plugin:Patient", "broken": "thirdparty_broken:Strategy"})
+        registry = strategies()
+        assert registry.rows()[0] == ("broken", "could not be loaded: OSError: the disk is full", "third-party")
+        with pytest.warns(UserWarning, match="left out"):
+            lines = repr(registry).splitlines()
+        assert lines[0] == "strategies: 1, and 1 broken"
+        assert lines[2].startswith("broken   could not be loaded: OSError: the disk is full")
+        assert lines[2].endswith("third-party")
+
+    def test_html_is_escaped(self):
+        class Angled(jtik.Strategy):
+            summary = "keeps |dq| < 1 & <b>bold</b>"
+            source = "<script>alert('x')</script>"
+
+        registry = strategies()
+        registry.add("<i>", Angled)
+        shown = registry._repr_html_()
+        assert "<td style='text-align:left'>&lt;i&gt;</td>" in shown
+        assert "keeps |dq| &lt; 1 &amp; &lt;b&gt;bold&lt;/b&gt;" in shown
+        for raw in ("<i>", "<b>", "<script>"):
+            assert raw not in shown
 
 
 class TestStrategyArgument:
     def test_an_object_is_taken_as_it_is(self):
-        law = jtik.strategies["newton"](q_limit=0.2)
-        assert jtik.InverseKinematics(planar(2), jtik.FrameTask(), strategy=law).strategy is law
+        newton = jtik.strategies["newton"](q_limit=0.2)
+        assert jtik.InverseKinematics(planar(2), jtik.FrameTask(), strategy=newton).strategy is newton
 
     def test_an_unknown_name_lists_the_known(self):
         with pytest.raises(jtik.UnknownNameError, match="unknown strategy 'gradient'") as caught:
@@ -202,3 +439,17 @@ class TestStrategyArgument:
     def test_something_else_lists_the_names(self, strategy):
         with pytest.raises(jtik.ArgumentError, match="(?s)strategy: .*'hybrid'.*'newton'"):
             jtik.InverseKinematics(planar(2), jtik.FrameTask(), strategy=strategy)
+
+    def test_a_strategy_without_secondary_term_cannot_be_paired(self):
+        with pytest.raises(jtik.ArgumentError) as caught:
+            jtik.InverseKinematics(planar(2), jtik.FrameTask(), strategy="weighted_qp+qp")
+        assert str(caught.value) == (
+            "strategy: given weighted_qp+qp; accepted: a strategy with a secondary term before '+', not 'weighted_qp'"
+        )
+
+    def test_clearances_with_a_strategy_that_has_none_list_those_that_have(self):
+        accepted = supporting_clearances()
+        assert accepted.startswith("a strategy whose quadratic programs have rows for them: ")
+        assert "'weighted_qp'" in accepted
+        assert "'newton+qp'" in accepted
+        assert "'newton'," not in accepted

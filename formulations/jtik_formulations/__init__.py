@@ -1,4 +1,4 @@
-"""The formulations: one module and one derivation each, side by side in ``formulations/``."""
+"""The built-in strategies, secondary terms and criteria: one module each, with its derivation in ``formulations/``."""
 
 from jtik_formulations.criteria.joint_centering import JointCentering
 from jtik_formulations.criteria.obstacle_avoidance import ObstacleAvoidance

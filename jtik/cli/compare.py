@@ -1,4 +1,4 @@
-"""``jtik compare``: strategies side by side on the same problems; a table here, and a report as one HTML file."""
+"""``jtik compare``: compare strategies on the same problems; prints a table and writes a report as one HTML file."""
 
 from __future__ import annotations
 
@@ -10,41 +10,47 @@ from pathlib import Path
 from typing import Any
 
 import jtik
-from jtik.cli.document import InputError, Subject, read_subject
+from jtik.cli.checks import InputError
+from jtik.cli.document import DocumentSetup, read_setup
 from jtik.cli.problem_options import add_problem_options, problem_document
-from jtik.problems import ProblemSet, named
+from jtik.problems import ProblemSet
+from jtik.problems.collection import named
 from jtik.registry import strategies
 
 INTERRUPTED = 130
-"""Exit code after Ctrl-C; what was done is in the report."""
+"""Exit code after Ctrl-C. The report has what was computed before."""
 
-FEW = ("hybrid", "newton", "transpose", "damped")
-"""Who takes part when nobody is named."""
+DEFAULT_STRATEGIES = ("hybrid", "newton", "transpose", "damped")
+"""The strategies that are compared by default."""
 
 
 def add_arguments(commands: Any) -> None:
     """Add the command ``compare`` to argparse's subparsers."""
     command = commands.add_parser(
         "compare",
-        help="strategies side by side on the same problems",
-        description="Compare strategies: the same problems, starts and tolerances; a table, and a report in HTML.",
+        help="compare strategies on the same problems",
+        description="Compare strategies on the same problems, from the same starts, to the same tolerances.",
         epilog="Exit code: 0 done, 2 wrong input, 130 interrupted. Lengths in m, angles in rad. The robot is planar:10 "
-        "and the task a position of its tip if nothing else is said.",
+        "and the task a position of its frame tip by default.",
     )
     add_problem_options(command, kind="position")
-    what = f"names that `jtik list` shows, or all; peer:NAME for another library (default: {' '.join(FEW)})"
-    command.add_argument("--strategies", nargs="+", metavar="NAME", default=list(FEW), help=what)
+    what = (
+        f"names that `jtik list` shows, or all; peer:NAME for another library (default: {' '.join(DEFAULT_STRATEGIES)})"
+    )
+    command.add_argument("--strategies", nargs="+", metavar="NAME", default=list(DEFAULT_STRATEGIES), help=what)
     command.add_argument(
         "--problems",
         nargs="+",
         metavar="KIND[:COUNT]",
         default=["reachable"],
         help="reachable, near_singular, boundary, unreachable, near_limits, circle, line, lissajous; or named:NAME for "
-        "a collection with robot, task and known answers (default: reachable)",
+        "a problem set with its own robot, task and known answers (default: reachable)",
     )
-    command.add_argument("--count", type=int, default=50, help="problems of a kind (default: %(default)s)")
-    command.add_argument("--seed", type=int, default=0, help="of the problems and restarts (default: %(default)s)")
-    command.add_argument("--restarts", type=int, default=0, help="other starts to try (default: %(default)s)")
+    command.add_argument("--count", type=int, default=50, help="number of problems of each kind (default: %(default)s)")
+    command.add_argument("--seed", type=int, default=0, help="seed of the problems and restarts (default: %(default)s)")
+    command.add_argument(
+        "--restarts", type=int, default=0, help="number of further starts to try (default: %(default)s)"
+    )
     command.add_argument("--until", choices=("reached", "stationary"), default="reached", help="(default: %(default)s)")
     command.add_argument("--max-iterations", type=int, default=1000, metavar="N", help="(default: %(default)s)")
     command.add_argument("--position-tolerance", type=float, default=1e-6, metavar="METRES")
@@ -52,8 +58,8 @@ def add_arguments(commands: Any) -> None:
     command.add_argument("--no-limits", dest="limits", action="store_false", help="ignore joint limits")
     command.add_argument("--compiled", action="store_true", help="steps as generated C, where there is a compiler")
     command.add_argument("--repeats", type=int, default=3, help="timed rounds (default: %(default)s)")
-    command.add_argument("--jobs", type=int, default=1, metavar="N", help="processes (default: %(default)s)")
-    command.add_argument("--save", metavar="FILE.npz", help="keep the study here as it goes, and resume from it")
+    command.add_argument("--jobs", type=int, default=1, metavar="N", help="number of processes (default: %(default)s)")
+    command.add_argument("--save", metavar="FILE.npz", help="save the study here while it runs, and resume from it")
     command.add_argument("--csv", metavar="FILE", help="write every row to this file")
     command.add_argument("--markdown", action="store_true", help="print the table in Markdown")
     command.add_argument(
@@ -68,14 +74,14 @@ def run(arguments: argparse.Namespace) -> int:
         if path and not Path(path).absolute().parent.is_dir():
             raise InputError(f"{path}: no such folder")
     if arguments.jobs < 1:
-        raise InputError(f"--jobs {arguments.jobs}: accepted: an integer from 1")
-    subject, problems = _subject(arguments)
+        raise InputError(f"--jobs {arguments.jobs}: accepted: a positive integer")
+    setup, problems = _setup_and_problems(arguments)
     with _executor(arguments.jobs) as executor:
         found = jtik.compare(
-            subject.robot,
-            subject.tasks,
+            setup.robot,
+            setup.tasks,
             strategies=list(strategies) if arguments.strategies == ["all"] else arguments.strategies,
-            criteria=subject.criteria if subject.criteria.terms else None,
+            criteria=setup.criteria if setup.criteria.terms else None,
             problems=problems,
             count=arguments.count,
             seed=arguments.seed,
@@ -99,20 +105,20 @@ def run(arguments: argparse.Namespace) -> int:
     return 0 if found.complete else INTERRUPTED
 
 
-def _subject(arguments: argparse.Namespace) -> tuple[Subject, ProblemSet | dict[str, int]]:
-    """Robot, task and criteria, and the problems."""
+def _setup_and_problems(arguments: argparse.Namespace) -> tuple[DocumentSetup, ProblemSet | dict[str, int]]:
+    """Robot, tasks and criteria, and the problems."""
     words: list[str] = arguments.problems
     collections = [word.partition(":")[2] for word in words if word.startswith("named:")]
     document = problem_document(arguments)
     if collections:
         if len(words) > 1 or document.get("robot") or document.get("task"):
-            raise InputError("--problems named:NAME: accepted: alone, since it brings its own robot and task")
+            raise InputError("--problems named:NAME: accepted: alone; it has its own robot and task")
         entry = named(collections[0])
-        own = read_subject({**document, "robot": "planar:1"}).criteria
+        own = read_setup({**document, "robot": "planar:1"}).criteria
         criteria = own if own.terms else jtik.CriterionSum(()) + entry.criteria if entry.criteria else own
-        return Subject(entry.robot, _as_list(entry.task), criteria), entry.problems
+        return DocumentSetup(entry.robot, _as_list(entry.task), criteria), entry.problems
     document.setdefault("robot", "planar:10")
-    return read_subject(document), dict(_counted(word, arguments.count) for word in words)
+    return read_setup(document), dict(_counted(word, arguments.count) for word in words)
 
 
 def _as_list(task: Any) -> list[jtik.Task]:
@@ -128,7 +134,7 @@ def _counted(word: str, count: int) -> tuple[str, int]:
 
 @contextmanager
 def _executor(jobs: int) -> Iterator[Executor | None]:
-    """Processes, where more than one is asked for."""
+    """An executor of several processes; None for one job."""
     if jobs == 1:
         yield None
         return

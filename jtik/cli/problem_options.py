@@ -1,17 +1,19 @@
-"""Options that say what is to be solved, shared by the commands that solve: robot, task, criteria, obstacles."""
+"""Options for robot, task, criteria and obstacles, which several commands share."""
 
 from __future__ import annotations
 
 import argparse
 from typing import Any
 
-from jtik.cli.document import InputError, load, robot_table
+from jtik.cli.checks import InputError
+from jtik.cli.document import load
+from jtik.cli.sections import robot_table
 
 SHAPES = {"circle": ("X", "Y", "RADIUS"), "sphere": ("X", "Y", "Z", "RADIUS"), "point": ("X",)}
 
 
 def add_problem_options(command: argparse.ArgumentParser, *, kind: str) -> None:
-    """Add them to a command; ``kind`` is what its task is by default."""
+    """Add the options to a command; ``kind`` is the default kind of its task."""
     command.add_argument("--file", metavar="PROBLEM", help="a problem in TOML or JSON")
     command.add_argument("--robot", metavar="SPEC", help="planar:10, planar:1,0.8,0.5, vehicle:3 or a built-in robot")
     command.add_argument("--frame", help="frame to bring to the target (default: tip)")
@@ -36,7 +38,7 @@ def add_problem_options(command: argparse.ArgumentParser, *, kind: str) -> None:
 
 
 def problem_document(arguments: argparse.Namespace) -> dict[str, Any]:
-    """The file's document with these options laid over it."""
+    """The document of the file, overridden by these options."""
     document = load(arguments.file) if arguments.file else {}
     if arguments.robot is not None:
         document["robot"] = robot_table(arguments.robot)
@@ -45,12 +47,12 @@ def problem_document(arguments: argparse.Namespace) -> dict[str, Any]:
     obstacles = {f"{shape}s": rows for shape in SHAPES if (rows := getattr(arguments, shape)) is not None}
     if obstacles:
         document["obstacles"] = obstacles
-    lay_over(document, "task", arguments, ("frame", "kind", "axes"))
+    override(document, "task", arguments, ("frame", "kind", "axes"))
     return document
 
 
-def lay_over(document: dict[str, Any], section: str, arguments: argparse.Namespace, names: tuple[str, ...]) -> None:
-    """Options into a section of the document."""
+def override(document: dict[str, Any], section: str, arguments: argparse.Namespace, names: tuple[str, ...]) -> None:
+    """Override keys of one section of the document by the options that are given."""
     given = {name: value for name in names if (value := getattr(arguments, name)) is not None}
     if not given:
         return
@@ -65,4 +67,4 @@ def _weighted(text: str) -> dict[str, Any]:
     try:
         return {"name": name, "weight": float(weight) if equals else 1.0}
     except ValueError:
-        raise InputError(f"--criterion {text}: accepted: NAME or NAME=WEIGHT, a number from 0") from None
+        raise InputError(f"--criterion {text}: accepted: NAME or NAME=WEIGHT, a non-negative number") from None

@@ -1,4 +1,4 @@
-"""``jtik solve``: one target, from options, from a file, or from a file changed by options."""
+"""``jtik solve``: solve for one target, given by options, by a file, or by a file that options override."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from jtik.cli.document import InputError, Problem, read
-from jtik.cli.problem_options import add_problem_options, lay_over, problem_document
+from jtik.cli.checks import InputError
+from jtik.cli.document import DocumentProblem, read
+from jtik.cli.problem_options import add_problem_options, override, problem_document
 from jtik.result.solution import Solution, Trace
 
 
@@ -29,9 +30,13 @@ def add_arguments(commands: Any) -> None:
     add_problem_options(command, kind="position")
     command.add_argument("--target", nargs="+", type=float, metavar="NUMBER", help="such as X Y, or X Y Z")
     command.add_argument("--q0", nargs="+", type=float, metavar="NUMBER", help="configuration to start from")
-    command.add_argument("--strategy", metavar="NAME", help="a name that `jtik list` shows (default: hybrid)")
+    command.add_argument(
+        "--strategy",
+        metavar="NAME",
+        help="a name or a pair such as newton+qp (default: hybrid)",
+    )
     command.add_argument("--until", choices=("stationary", "reached"), help="when to stop (default: stationary)")
-    command.add_argument("--max-iterations", type=int, metavar="N", help="most steps to try")
+    command.add_argument("--max-iterations", type=int, metavar="N", help="maximum number of iterations")
     command.add_argument("--position-tolerance", type=float, metavar="METRES")
     command.add_argument("--orientation-tolerance", type=float, metavar="RADIANS")
     command.add_argument("--no-limits", dest="limits", action="store_false", default=None, help="ignore joint limits")
@@ -74,11 +79,11 @@ SHOWN = (
     "relaxed",
     "seconds",
 )
-"""What of a Solution the JSON holds."""
+"""Attributes of a Solution that the JSON has."""
 
 
-def as_json(problem: Problem, solution: Solution) -> dict[str, Any]:
-    """Everything a solution holds but its trace; a number that is not finite becomes null."""
+def as_json(problem: DocumentProblem, solution: Solution) -> dict[str, Any]:
+    """A solution without its trace, as a JSON document. Numbers that are not finite become null."""
     robot = problem.ik.robot
     document = {
         "robot": robot.name,
@@ -106,12 +111,12 @@ def _plain(value: Any) -> Any:
 
 
 def _document(arguments: argparse.Namespace) -> dict[str, Any]:
-    """The file's document with the options laid over it."""
+    """The document of the file, overridden by the options."""
     document = problem_document(arguments)
     for key in ("target", "q0", "strategy"):
         if getattr(arguments, key) is not None:
             document[key] = getattr(arguments, key)
-    lay_over(
+    override(
         document,
         "solve",
         arguments,
@@ -121,7 +126,7 @@ def _document(arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def _write_trace(path: Path, trace: Trace) -> None:
-    """A row an iteration: q, the error, and the figures of the step from there; the last row has no step."""
+    """Write one row an iteration: q, the error, and the figures of the step from there. The last row has no step."""
     steps, columns = len(trace), trace.q.shape[1]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)

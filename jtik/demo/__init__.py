@@ -1,7 +1,7 @@
-"""The demo: Figure 2.2 of Das, Slotine and Sheridan (1988), drawn, measured and set in motion.
+"""The demo: Figure 2.2 of Das, Slotine and Sheridan (1988) as a picture, as an animation and in numbers.
 
-A ten-link planar arm follows a path of its tip through a field of discs while obstacle avoidance and zero joint angles
-share the freedom left; then every registered strategy solves the last target from the same start.
+The end effector of a ten-link planar arm follows a path through a field of discs. The criteria are obstacle avoidance
+and zero joint angles. Then every registered strategy solves the last target from the same start.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ __all__ = ["DemoResult", "PathResult", "Scene", "StrategyResult", "run"]
 
 @dataclass(frozen=True)
 class DemoResult:
-    """What the demo measured and the files it wrote.
+    """What the demo measured, and the files it wrote.
 
     Attributes:
-        path: the way through the field.
-        without: the same way without obstacle avoidance.
-        strategies: one solve a registered strategy.
-        files: what was written.
+        path: the path through the field.
+        without: the same path without obstacle avoidance.
+        strategies: one solve for each registered strategy.
+        files: the files.
     """
 
     path: PathResult
@@ -44,44 +44,45 @@ def run(out: str | Path = "jtik-demo", *, quick: bool = False, console: Console 
     """Run the demo and write its files.
 
     Args:
-        out: folder for postures.png, postures.svg, arm.gif and results.json; made when it is missing.
-        quick: fewer targets, frames and repetitions.
-        console: where to show progress and tables; nothing is shown without one.
+        out: folder for postures.png, postures.svg, arm.gif and results.json; it is created if necessary.
+        quick: whether to use fewer targets, frames and repetitions.
+        console: where to show progress and tables; None to show nothing.
 
     Raises:
-        MissingExtraError: without rich, matplotlib or pillow.
+        MissingExtraError: when rich, matplotlib or pillow is not installed.
         OSError: when the folder cannot be written.
     """
     folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)
     targets, frames, runs = (36, 12, 3) if quick else (121, 61, 15)
     scene = Scene()
-    path = scene.path(targets)
+    positions = scene.path(targets)
     names = list(strategies)
     with _progress(console) as progress:
         task = progress.add_task("following the path", total=targets)
-        way = follow_path(scene, path, advance=lambda: progress.advance(task))
+        path = follow_path(scene, positions, advance=lambda: progress.advance(task))
         task = progress.add_task("without avoidance", total=targets)
-        without = follow_path(scene, path, avoid=False, advance=lambda: progress.advance(task))
+        without = follow_path(scene, positions, avoid=False, advance=lambda: progress.advance(task))
         task = progress.add_task("every strategy", total=len(names))
         tried = []
         for name in names:
-            tried.append(try_strategy(scene, name, path[-1], runs))
+            tried.append(try_strategy(scene, name, positions[-1], runs))
             progress.advance(task)
         task = progress.add_task("pictures", total=3)
-        files = draw_stills(scene, way.q, without.q, folder)
+        files = draw_stills(scene, path.q, without.q, folder)
         progress.advance(task)
-        files.append(animate(scene, way.q, folder / "arm.gif", frames))
+        files.append(animate(scene, path.q, folder / "arm.gif", frames))
         progress.advance(task)
-        files.append(write_results(folder / "results.json", scene, way, tried))
+        files.append(write_results(folder / "results.json", scene, path, tried))
         progress.advance(task)
     if console is not None:
-        console.print(path_table(way), strategy_table(tried), sep="\n")
+        console.print(path_table(path), strategy_table(tried), sep="\n")
         console.print(f"written: {', '.join(str(file) for file in files)}", soft_wrap=True, markup=False)
-    return DemoResult(way, without, tuple(tried), tuple(files))
+    return DemoResult(path, without, tuple(tried), tuple(files))
 
 
 def _progress(console: Console | None) -> Any:
+    """Progress bars on the console."""
     try:
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
     except ImportError as error:

@@ -1,4 +1,4 @@
-"""What the demo measures, by means that know nothing of the formulations: plain NumPy distances and a clock."""
+"""Measurements of the demo, which use no formulation: distances in NumPy, and a clock."""
 
 from __future__ import annotations
 
@@ -11,30 +11,33 @@ from numpy.typing import ArrayLike, NDArray
 
 from jtik.demo.scene import Scene
 from jtik.geometry import Obstacle
-from jtik.plotting.planar import Skeleton
+from jtik.plotting import Skeleton
 from jtik.result.solution import Solution, Status
 from jtik.solver import InverseKinematics
 from jtik.types import Array
 
 POSITION_TOLERANCE = 1e-6
-"""Of every solve of the demo [m]."""
+"""Position tolerance of every solve of the demo [m]."""
+
 V_ROUNDING = POSITION_TOLERANCE**2 / 2
-"""A rise of V = |error|^2 / 2 [m^2] below this one is no rise: both ends are on target."""
-MOST_ITERATIONS = 2000
+"""An increase of V = |error|^2 / 2 [m^2] below this one does not count: V is within the tolerance at both ends."""
+
+MAX_ITERATIONS = 2000
+"""Maximum number of iterations of every solve of the demo."""
 
 
 @dataclass(frozen=True)
 class PathResult:
-    """The arm led along the path, a row a target.
+    """The solves along the path, one a target.
 
     Attributes:
         q: configurations (k, n) [rad].
-        statuses: how each solve ended.
-        residuals: distance of the tip from its target (k,) [m].
-        iterations: (k,).
-        seconds: all solves together [s].
-        joint_clearance: from the nearest joint or the tip to the nearest obstacle's surface (k,) [m].
-        link_clearance: the same for the nearest point of any link.
+        statuses: status of each solve.
+        residuals: distances of the end effector from its target (k,) [m].
+        iterations: numbers of iterations (k,).
+        seconds: time of all solves together [s].
+        joint_clearance: smallest distance of a joint or the end effector from an obstacle's surface (k,) [m].
+        link_clearance: smallest distance of a point of any link from an obstacle's surface (k,) [m].
     """
 
     q: Array
@@ -47,7 +50,7 @@ class PathResult:
 
     @property
     def reached(self) -> int:
-        """Targets reached to the tolerance."""
+        """Number of targets that were reached to the tolerance."""
         return int((self.residuals <= POSITION_TOLERANCE).sum())
 
     @property
@@ -57,7 +60,7 @@ class PathResult:
 
     @property
     def step_seconds(self) -> float:
-        """Solve time over iterations [s]."""
+        """Solve time per iteration [s]."""
         return self.seconds / max(int(self.iterations.sum()), 1)
 
 
@@ -66,15 +69,16 @@ class StrategyResult:
     """One strategy's solve of the final target from the scene's start.
 
     Attributes:
-        strategy: its name.
-        status: how it ended.
-        iterations: how many.
-        residual: distance of the tip from the target [m].
-        largest_rise: of V = |error|^2 / 2 from one iteration to the next [m^2]; 0 where V never rises.
+        strategy: name of the strategy.
+        status: status of the solve.
+        iterations: number of iterations.
+        residual: distance of the end effector from the target [m].
+        largest_rise: largest increase of V = |error|^2 / 2 in an iteration [m^2]; 0 where V never increases.
         H: criterion at the end.
-        joint_clearance, link_clearance: at the end [m].
-        step_seconds: solve time over iterations, median of several warm solves [s].
-        q: the end (n,) [rad].
+        joint_clearance: smallest distance of a joint from an obstacle's surface at the end [m].
+        link_clearance: smallest distance of a link from an obstacle's surface at the end [m].
+        step_seconds: solve time per iteration, median of several solves after the first [s].
+        q: configuration at the end (n,) [rad].
     """
 
     strategy: str
@@ -90,10 +94,14 @@ class StrategyResult:
 
 
 def clearances(links: ArrayLike, obstacles: Sequence[Obstacle]) -> tuple[Array, Array]:
-    """Distances of links (..., links, 2, 2) [m] from the surfaces of obstacles.
+    """Distances of links from the surfaces of obstacles.
+
+    Args:
+        links: both ends of every link (..., links, 2, 2) [m].
+        obstacles: circles and points.
 
     Returns:
-        For the outer ends of the links, and for the links: (..., links, obstacles) [m], negative inside.
+        Two arrays (..., links, obstacles) [m], negative inside: distances of the links' outer ends, and of the links.
     """
     ends = np.asarray(links, dtype=float)[..., None, :, :]
     inner, outer = ends[..., 0, :], ends[..., 1, :]
@@ -108,12 +116,19 @@ def clearances(links: ArrayLike, obstacles: Sequence[Obstacle]) -> tuple[Array, 
 def follow_path(
     scene: Scene, targets: Array, *, avoid: bool = True, advance: Callable[[], object] = lambda: None
 ) -> PathResult:
-    """Solve target after target, each from where the last one ended; ``advance`` is called after each."""
+    """Solve one target after the other, each from the configuration at which the last solve ended.
+
+    Args:
+        scene: the scene.
+        targets: positions (k, 2) [m].
+        avoid: whether obstacle avoidance is a criterion.
+        advance: called after each target.
+    """
     ik = scene.solver(avoid=avoid)
     q: ArrayLike = scene.start
     solutions: list[Solution] = []
     for target in targets:
-        solution = ik.solve(target, q0=q, max_iterations=MOST_ITERATIONS, position_tolerance=POSITION_TOLERANCE)
+        solution = ik.solve(target, q0=q, max_iterations=MAX_ITERATIONS, position_tolerance=POSITION_TOLERANCE)
         solutions.append(solution)
         q = solution.q
         advance()
@@ -131,7 +146,14 @@ def follow_path(
 
 
 def try_strategy(scene: Scene, name: str, target: Array, runs: int) -> StrategyResult:
-    """Solve ``target`` from the scene's start with one strategy, traced once for V and ``runs`` times for time."""
+    """Solve one target from the scene's start: once with a trace, and several times for the time.
+
+    Args:
+        scene: the scene.
+        name: name of the strategy.
+        target: position (2,) [m].
+        runs: number of solves for the time.
+    """
     ik = scene.solver(name)
     traced = _solved(ik, target, scene.start, trace=True)
     assert traced.trace is not None
@@ -153,13 +175,14 @@ def try_strategy(scene: Scene, name: str, target: Array, runs: int) -> StrategyR
 
 
 def step_time(ik: InverseKinematics, target: ArrayLike, q0: ArrayLike, runs: int) -> float:
-    """Solve time over iterations [s]: median of ``runs`` untraced solves after one that warms up."""
+    """Solve time per iteration [s]: the median of ``runs`` solves after a first one that does not count."""
     times = []
     for _ in range(runs + 1):
-        solution = ik.solve(target, q0=q0, max_iterations=MOST_ITERATIONS, position_tolerance=POSITION_TOLERANCE)
+        solution = ik.solve(target, q0=q0, max_iterations=MAX_ITERATIONS, position_tolerance=POSITION_TOLERANCE)
         times.append(solution.seconds / max(solution.iterations, 1))
     return statistics.median(times[1:])
 
 
 def _solved(ik: InverseKinematics, target: ArrayLike, q0: ArrayLike, trace: bool = False) -> Solution:
-    return ik.solve(target, q0=q0, max_iterations=MOST_ITERATIONS, position_tolerance=POSITION_TOLERANCE, trace=trace)
+    """A solve with the tolerances of the demo."""
+    return ik.solve(target, q0=q0, max_iterations=MAX_ITERATIONS, position_tolerance=POSITION_TOLERANCE, trace=trace)

@@ -1,4 +1,4 @@
-"""The pictures of the demo: postures along the path, and the arm in motion."""
+"""The pictures of the demo: postures along the path, and an animation."""
 
 from __future__ import annotations
 
@@ -14,33 +14,43 @@ from jtik.types import Array
 
 WINDOW: plotting.Window = (-3.0, 9.5, -2.66, 3.74)
 INSET_WINDOW: plotting.Window = (-0.35, 9.35, -2.3, 4.15)
+"""What the picture shows, and what its inset shows: (left, right, bottom, top) [m]."""
+
 INSET_LEFT, INSET_BOTTOM, INSET_WIDTH = -2.3, -2.38, 3.0
-"""Where the picture without avoidance sits [m], in the empty corner of the scene."""
-SHOWN = 12
-"""Postures in the still picture."""
+"""Place of the inset, the picture without avoidance [m]; this corner of the scene is empty."""
+
+POSTURES = 12
+"""Number of postures in the picture."""
+
 HIT, CLEAR = "#c2412d", "#b9bec6"
+"""Colours of links that touch an obstacle, and of the others."""
+
 TRAIL = 10
-"""Frames of the animation between postures that stay as a trail."""
+"""Number of frames of the animation between two postures that stay visible."""
+
 TEXT = {"color": "#4a4f57", "fontsize": 13}
 
 
 def draw_stills(scene: Scene, q: Array, without: Array, folder: Path) -> list[Path]:
-    """Postures from light to dark, as postures.png (1600 pixels wide) and postures.svg.
+    """Draw postures from light to dark, as postures.png (1600 pixels wide) and postures.svg.
 
     Args:
         scene: the scene.
         q: configurations along the path (k, n).
-        without: configurations along the same path without obstacle avoidance (j, n), for the small picture.
-        folder: where to write.
+        without: configurations along the same path without obstacle avoidance (j, n), for the inset.
+        folder: folder to write to.
+
+    Returns:
+        The two files.
     """
     figure, axes = plotting.blank_figure(WINDOW)
     plotting.label_axes(axes)
     plotting.draw_obstacles(axes, scene.obstacles)
     plotting.draw_path(axes, scene.path(400))
-    chosen = q[_spread(len(q), SHOWN)]
+    chosen = q[_spread(len(q), POSTURES)]
     plotting.draw_postures(axes, scene.robot, chosen)
     plotting.draw_base(axes)
-    _write_key(axes, len(chosen))
+    _draw_legend(axes, len(chosen))
     _draw_inset(axes, scene, without)
     paths = [folder / "postures.png", folder / "postures.svg"]
     figure.savefig(paths[0], dpi=100)
@@ -49,7 +59,17 @@ def draw_stills(scene: Scene, q: Array, without: Array, folder: Path) -> list[Pa
 
 
 def animate(scene: Scene, q: Array, path: Path, frames: int) -> Path:
-    """The arm in motion along the path, leaving a trail, as a GIF."""
+    """Write an animation of the arm along the path as a GIF.
+
+    Args:
+        scene: the scene.
+        q: configurations along the path (k, n).
+        path: the file to write.
+        frames: number of frames.
+
+    Returns:
+        The file.
+    """
     figure, axes = plotting.blank_figure(WINDOW, width=8.0)
     plotting.label_axes(axes, size=8.0)
     plotting.draw_obstacles(axes, scene.obstacles)
@@ -72,12 +92,12 @@ def animate(scene: Scene, q: Array, path: Path, frames: int) -> Path:
 
 
 def _spread(count: int, wanted: int) -> NDArray[np.int_]:
-    """``wanted`` indices of 0 ... count - 1, both ends among them."""
+    """``wanted`` evenly spaced indices of 0 ... count - 1, with both ends."""
     return np.unique(np.linspace(0, count - 1, min(wanted, count)).round().astype(int))
 
 
-def _write_key(axes: plotting.Axes, count: int) -> None:
-    """What the colours and the dashes mean, in a corner that is free."""
+def _draw_legend(axes: plotting.Axes, count: int) -> None:
+    """Draw the legend: what the colours and the dashes mean."""
     left, top = 4.52, 3.3
     for k, color in enumerate(plotting.shades(count)):
         axes.plot(
@@ -91,11 +111,11 @@ def _write_key(axes: plotting.Axes, count: int) -> None:
     axes.text(left - 0.14, top, "first posture", ha="right", va="center", **TEXT)
     axes.text(end + 0.14, top, "last", ha="left", va="center", **TEXT)
     plotting.draw_path(axes, [(7.36, top), (7.86, top)])
-    axes.text(8.0, top, "way of the tip", ha="left", va="center", **TEXT)
+    axes.text(8.0, top, "path of the end effector", ha="left", va="center", **TEXT)
 
 
 def _draw_inset(axes: plotting.Axes, scene: Scene, without: Array) -> None:
-    """The same targets without obstacle avoidance, links that hit something in red."""
+    """Draw the same targets without obstacle avoidance, links that touch an obstacle in red."""
     left, right, bottom, top = INSET_WINDOW
     height = INSET_WIDTH * (top - bottom) / (right - left)
     inset = axes.inset_axes((INSET_LEFT, INSET_BOTTOM, INSET_WIDTH, height), transform=axes.transData, zorder=6)

@@ -1,4 +1,4 @@
-"""The numbers of the demo, as tables for people and as JSON for programs."""
+"""The results of the demo: tables for the terminal, and a JSON file."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ _STYLE: dict[str, Any] = {"title_justify": "left", "title_style": "bold", "pad_e
 
 
 def path_table(result: PathResult) -> Table:
-    """One row a figure of the way through the field."""
+    """The figures of the path through the field, one a row."""
     from rich import box
     from rich.table import Table
 
-    table = Table(title="The way through the field", show_header=False, box=box.SIMPLE, **_STYLE)
+    table = Table(title="The path through the field", show_header=False, box=box.SIMPLE, **_STYLE)
     table.add_column(style="bold")
     table.add_column(justify="right")
     for name, text in (
         ("targets reached", f"{result.reached} of {len(result.q)}"),
-        ("worst residual", f"{result.residuals.max():.1e} m"),
-        ("least joint clearance", f"{result.joint_clearance.min():.3f} m"),
-        ("least link clearance", f"{result.link_clearance.min():.3f} m"),
+        ("largest residual", f"{result.residuals.max():.1e} m"),
+        ("smallest joint clearance", f"{result.joint_clearance.min():.3f} m"),
+        ("smallest link clearance", f"{result.link_clearance.min():.3f} m"),
         ("mean iterations a target", f"{result.iterations.mean():.0f}"),
         ("time a step", f"{1e6 * result.step_seconds:.1f} µs"),
     ):
@@ -39,7 +39,7 @@ def path_table(result: PathResult) -> Table:
 
 
 def strategy_table(results: Sequence[StrategyResult]) -> Table:
-    """One row a strategy."""
+    """The solves of the strategies, one a row."""
     from rich import box
     from rich.markup import escape
     from rich.table import Table
@@ -79,8 +79,8 @@ def strategy_table(results: Sequence[StrategyResult]) -> Table:
     return table
 
 
-def write_results(path: Path, scene: Scene, way: PathResult, strategies: Sequence[StrategyResult]) -> Path:
-    """Everything measured, with the scene it was measured in, as JSON; lengths [m], angles [rad], times [s]."""
+def write_results(file: Path, scene: Scene, path_result: PathResult, strategies: Sequence[StrategyResult]) -> Path:
+    """Write all measurements and the scene as JSON; lengths [m], angles [rad], times [s]."""
     document: dict[str, Any] = {
         "machine": f"{platform.machine()}, Python {platform.python_version()}",
         "scene": {
@@ -90,17 +90,17 @@ def write_results(path: Path, scene: Scene, way: PathResult, strategies: Sequenc
             "weights": {"joint_centering": scene.centering, "obstacle_avoidance": scene.avoidance},
         },
         "path": {
-            "targets": len(way.q),
-            "reached": way.reached,
-            "worst_residual": float(way.residuals.max()),
-            "least_joint_clearance": float(way.joint_clearance.min()),
-            "least_link_clearance": float(way.link_clearance.min()),
-            "mean_iterations": float(way.iterations.mean()),
-            "step_seconds": way.step_seconds,
-            "statuses": [status.name for status in way.statuses],
-            "q": way.q.tolist(),
+            "targets": len(path_result.q),
+            "reached": path_result.reached,
+            "largest_residual": float(path_result.residuals.max()),
+            "smallest_joint_clearance": float(path_result.joint_clearance.min()),
+            "smallest_link_clearance": float(path_result.link_clearance.min()),
+            "mean_iterations": float(path_result.iterations.mean()),
+            "step_seconds": path_result.step_seconds,
+            "statuses": [status.name for status in path_result.statuses],
+            "q": path_result.q.tolist(),
         },
         "strategies": [{**vars(result), "status": result.status.name, "q": result.q.tolist()} for result in strategies],
     }
-    path.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
-    return path
+    file.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+    return file

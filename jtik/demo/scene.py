@@ -1,4 +1,4 @@
-"""The scene of the demo: a ten-link arm, seven discs, and the way the tip takes between them."""
+"""The scene of the demo: a ten-link arm, seven discs, and the path of the end effector between them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jtik.strategy import Strategy
 from jtik.task import FrameTask
 from jtik.types import Array
 
-_DISCS = (
+_DISCS = (  # centre and radius [m]
     ((1.75, 0.30), 0.55),
     ((4.05, 1.00), 0.60),
     ((6.20, -0.40), 0.60),
@@ -28,14 +28,14 @@ _DISCS = (
 
 @dataclass(frozen=True)
 class Scene:
-    """What Figure 2.2 of the paper shows: ten unit links, a field of obstacles, the tip led through it.
+    """The scene of Figure 2.2 of the paper: ten unit links, a field of obstacles, a path through it.
 
     Attributes:
         robot: the arm.
         obstacles: the discs.
-        start: configuration to start from (10,) [rad]: an arc whose tip is in front of the field.
-        centering: weight of zero joint angles.
-        avoidance: weight of obstacle avoidance.
+        start: configuration to start from (10,) [rad]: an arc that ends in front of the field.
+        centering: weight of the criterion "joint_centering".
+        avoidance: weight of the criterion "obstacle_avoidance".
     """
 
     robot: Robot = field(default_factory=lambda: Robot.planar(10))
@@ -45,15 +45,27 @@ class Scene:
     avoidance: float = 1.0
 
     def path(self, count: int) -> Array:
-        """Targets of the tip (count, 2) [m]: a wave below the second disc, above the third and below the fourth."""
+        """Targets of the end effector: a wave below the second disc, above the third and below the fourth.
+
+        Args:
+            count: number of targets.
+
+        Returns:
+            Positions (count, 2) [m].
+        """
         x = np.linspace(2.75, 8.8, count)
         return np.stack([x, 0.2 + 0.55 * np.cos(2 * np.pi * (x - 6.25) / 4.4)], axis=1)
 
     def solver(self, strategy: str | Strategy = "hybrid", *, avoid: bool = True) -> InverseKinematics:
-        """Inverse kinematics of the tip's position with zero joint angles and, unless told not to, avoidance."""
+        """A solver for the position of the end effector.
+
+        Args:
+            strategy: a strategy or its name.
+            avoid: whether obstacle avoidance is a criterion beside joint centering.
+        """
         wanted: CriterionSum = self.centering * criteria["joint_centering"]()
         if avoid:
-            # what a registered class takes beyond the base class is its own business
+            # the base class does not know the arguments of this criterion
             avoidance = criteria["obstacle_avoidance"](self.obstacles, bodies="both")  # type: ignore[call-arg]
             wanted = wanted + self.avoidance * avoidance
         return InverseKinematics(self.robot, FrameTask("tip"), criteria=wanted, strategy=strategy)

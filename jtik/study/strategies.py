@@ -133,7 +133,7 @@ def contenders_of(given: Any) -> dict[str, Contender]:
                 label = f"{own} #{number}"
             found[label] = contender
     if not found:
-        raise ArgumentError("strategies", "none", f"at least one, such as {', '.join(strategies)}")
+        raise ArgumentError("strategies", "none", f"at least one, such as {', '.join(strategies.names())}")
     return found
 
 
@@ -168,14 +168,14 @@ def described(strategy: Strategy) -> str:
 
 def _registered(kind: type[Any]) -> str:
     for registry in (strategies, secondaries):
-        for name in registry:
-            if registry[name] is kind:
+        for name, plugin in registry.loaded().items():
+            if plugin is kind:
                 return name
     return kind.__name__
 
 
 def _short(value: Any) -> str:
-    if type(value) in {secondaries[name] for name in secondaries} and is_dataclass(value):
+    if type(value) in set(secondaries.loaded().values()) and is_dataclass(value):
         return described(value)  # type: ignore[arg-type]
     return f"{value:g}" if isinstance(value, float) else str(value)
 

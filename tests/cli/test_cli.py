@@ -16,6 +16,7 @@ import pytest
 import jtik
 from jtik.cli import catalogue, main
 from jtik.cli.document import load, read
+from jtik.registry import Registry
 from jtik.robot import gallery
 
 Capture = pytest.CaptureFixture[str]
@@ -86,15 +87,19 @@ def position(robot: jtik.Robot, document: dict[str, Any]) -> np.ndarray:
 def test_list_shows_everything_registered(capsys: Capture) -> None:
     assert main(["list"]) == 0
     out = capsys.readouterr().out
-    for name in (*jtik.strategies, *jtik.criteria, *gallery.names()):
+    for name in (*jtik.strategies, *jtik.secondaries, *jtik.criteria, *gallery.names()):
         assert name in out
+    titles = [line for line in out.splitlines() if line.startswith(("Strategies", "Secondary", "Criteria", "Robots"))]
+    assert [title.split()[0] for title in titles] == ["Strategies", "Secondary", "Criteria", "Robots"]
 
 
 def test_list_shows_brackets_as_they_are(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
     class Boxed(jtik.Strategy):
         summary = "keeps dq in [m] within a box"
 
-    monkeypatch.setattr(catalogue, "strategies", {"boxed": Boxed})
+    registry: Registry[jtik.Strategy] = Registry("strategy", jtik.Strategy, "none.strategies")
+    registry.add("boxed", Boxed)
+    monkeypatch.setattr(catalogue, "strategies", registry)
     assert main(["list"]) == 0
     assert "[m]" in capsys.readouterr().out
 
@@ -103,10 +108,10 @@ def test_list_needs_no_rich(capsys: Capture, monkeypatch: pytest.MonkeyPatch) ->
     without(monkeypatch, "rich")
     assert main(["list"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    for name, plugin in (*jtik.strategies.items(), *jtik.criteria.items()):
-        (line,) = [line for line in lines if line.startswith(f"{name} ")]
-        assert plugin.summary in line
-        assert line.endswith(plugin.source)
+    for row in (*jtik.strategies.rows(), *jtik.secondaries.rows(), *jtik.criteria.rows()):
+        (line,) = [line for line in lines if line.startswith(f"{row.name} ")]
+        assert row.summary in line
+        assert line.endswith(row.source)
 
 
 def test_solve_prints_the_solution(capsys: Capture) -> None:
@@ -221,6 +226,13 @@ def test_options_override_the_file(capsys: Capture, problem_file: Path) -> None:
     assert document["strategy"].startswith("Newton")
 
 
+@pytest.mark.parametrize("given", ["newton+qp", {"name": "newton+qp", "q_limit": 0.25}])
+def test_a_strategy_is_paired_with_a_secondary_term(given: str | dict[str, Any]) -> None:
+    strategy = read({"robot": "planar:3", "target": [1.0, 1.0], "strategy": given}).ik.strategy
+    options = {} if isinstance(given, str) else {"q_limit": 0.25}
+    assert strategy == jtik.strategies["newton"](secondary=jtik.secondaries["qp"](), **options)  # type: ignore[call-arg]
+
+
 def test_until_reached_stops_earlier(capsys: Capture) -> None:
     line = "--robot planar:6 --target 3 2 --q0 .9 -.3 .9 -.3 .9 -.3 --criterion joint_centering --until"
     stationary, reached = (solved(capsys, line, until) for until in ("stationary", "reached"))
@@ -273,9 +285,21 @@ def test_trace_is_one_row_an_iteration(capsys: Capture, tmp_path: Path) -> None:
         ("solve --robot planar:3 --target nan 1", "finite"),
         ("solve --robot planar:3 --target 1 1 --q0 1", "q0: given shape (1,)"),
         ("solve --robot planar:3 --target 1 1 --strategy hybird", "did you mean 'hybrid'"),
+        (
+            "solve --robot planar:3 --target 1 1 --strategy newton+qpp",
+            "secondary term 'qpp'; did you mean 'qp'",
+        ),
+        (
+            "solve --robot planar:3 --target 1 1 --strategy weighted_qp+qp",
+            "a strategy with a secondary term before '+'",
+        ),
+        ("compare --robot planar:3 --jobs 0", "--jobs 0: accepted: a positive integer"),
         ("solve --robot planar:3 --target 1 1 --criterion joint_center=1", "did you mean 'joint_centering'"),
-        ("solve --robot planar:3 --target 1 1 --criterion joint_centering=much", "NAME=WEIGHT"),
-        ("solve --robot planar:3 --target 1 1 --criterion joint_centering=-1", "from 0"),
+        (
+            "solve --robot planar:3 --target 1 1 --criterion joint_centering=much",
+            "NAME=WEIGHT, a non-negative number",
+        ),
+        ("solve --robot planar:3 --target 1 1 --criterion joint_centering=-1", "given -1.0; accepted: "),
         ("solve --robot planar:3 --target 1 1 --criterion obstacle_avoidance", "--circle"),
         ("solve --robot planar:3 --target 1 1 --circle 1 1 -1", "radius"),
         ("solve --robot planar:3 --target 1 1 --point 1", "center"),
@@ -309,7 +333,7 @@ def test_wrong_input_is_refused_in_one_line(capsys: Capture, words: str, said: s
         ('name = "hybrid"', "", "[strategy] name"),
         ("stiffness = 2.0", "stiffness = 'soft'", "stiffness: given soft"),
         ("stiffness = 2.0", "hardness = 2.0", "stiffness"),
-        ("weight = 0.5", "weight = 'much'", "weight of joint_centering"),
+        ("weight = 0.5", "weight = 'much'", "weight of joint_centering: given much; accepted: a non-negative number"),
         ('bodies = "both"', "obstacles = [[1, 2]]", "[obstacles]"),
         ("circles = [[1.0, -1.0, 0.3]]", "circles = [1.0, -1.0, 0.3]", "list of lists"),
         ("circles = [[1.0, -1.0, 0.3]]", "circles = [[1.0, -1.0]]", "radius"),

@@ -19,11 +19,11 @@ pytest.importorskip("matplotlib")
 image = pytest.importorskip("PIL.Image")
 
 PIXEL = 1.5
-"""Slack of a comparison in pixels: anti-aliasing and rounding."""
+"""Tolerance of a comparison in pixels: anti-aliasing and rounding."""
 
 SNAP = 1e-3
 """Share of pixels that may differ because lines snap to the grid; an arm covers ten times as many."""
-RIM = 1.0
+OUTLINE = 1.0
 """What half the line around a disc adds to its radius, in pixels."""
 
 
@@ -131,7 +131,7 @@ def test_discs_and_points_are_drawn_where_they_are() -> None:
     changed = np.abs(pixels(figure) - blank).max(axis=2) > 8
     scale = plotting.points_per_metre(axes) * figure.dpi / 72
     left, right = np.split(changed, 2, axis=1)
-    assert right.sum() == pytest.approx(np.pi * (0.5 * scale + RIM) ** 2, rel=0.03)
+    assert right.sum() == pytest.approx(np.pi * (0.5 * scale + OUTLINE) ** 2, rel=0.03)
     _, columns = np.nonzero(left)
     assert columns.mean() == pytest.approx(axes.transData.transform((-1, 0))[0], abs=PIXEL)
 
@@ -212,3 +212,9 @@ def test_importing_plotting_does_not_import_matplotlib() -> None:
         "import sys, jtik.plotting, jtik.demo, jtik.cli; sys.exit('matplotlib' in sys.modules or 'rich' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], cwd=root, check=False).returncode == 0
+
+
+def test_the_former_module_has_the_same_names() -> None:
+    from jtik.plotting import planar
+
+    assert all(getattr(planar, name) is getattr(plotting, name) for name in plotting.__all__)

@@ -1,0 +1,140 @@
+"""Figures, and axes in metres at equal scale.
+
+matplotlib is imported where it is needed, and only its object interface: no window, no pyplot, no global state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cache
+from io import BytesIO
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from jtik.errors import ArgumentError, MissingExtraError, finite_array
+from jtik.geometry import Obstacle
+from jtik.plotting.style import BACKGROUND, MARGIN, MUTED, THIN
+
+Window: TypeAlias = tuple[float, float, float, float]
+"""What a picture shows: (left, right, bottom, top) [m]."""
+
+Axes: TypeAlias = Any
+"""Axes of matplotlib."""
+
+Figure: TypeAlias = Any
+"""A figure of matplotlib."""
+
+
+def new_figure(size: tuple[float, float], **options: Any) -> Figure:
+    """An empty figure.
+
+    Args:
+        size: width and height [inch].
+        options: those of ``matplotlib.figure.Figure``.
+
+    Raises:
+        MissingExtraError: when matplotlib is not installed.
+    """
+    try:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise MissingExtraError("matplotlib", "plot", "a picture") from error
+    return _picture(Figure, FigureCanvasAgg)(figsize=size, facecolor=BACKGROUND, **options)
+
+
+def blank_figure(window: Window, width: float = 16.0) -> tuple[Figure, Axes]:
+    """A figure and its axes, which show ``window`` at equal scale.
+
+    Args:
+        window: (left, right, bottom, top) [m].
+        width: width of the figure [inch]; the height follows from the window.
+
+    Returns:
+        The figure and the axes.
+
+    Raises:
+        ArgumentError: when the window is empty.
+        MissingExtraError: when matplotlib is not installed.
+    """
+    left, right, bottom, top = finite_array("window", window, (4,)).tolist()
+    if not (left < right and bottom < top):
+        raise ArgumentError("window", window, "(left, right, bottom, top) [m] with left < right, bottom < top")
+    scale = width * (1 - 2 * MARGIN) / (right - left)
+    margin = width * MARGIN
+    height = scale * (top - bottom) + 2 * margin
+    figure = new_figure((width, height))
+    axes = figure.add_axes((MARGIN, margin / height, 1 - 2 * MARGIN, 1 - 2 * margin / height))
+    axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal", facecolor=BACKGROUND)
+    frame_axes(axes)
+    return figure, axes
+
+
+def label_axes(axes: Axes, size: float = 13.0) -> None:
+    """Label both axes with ticks and units, inside the frame.
+
+    Args:
+        axes: the axes.
+        size: size of the text [points].
+    """
+    axes.tick_params(direction="in", length=0.4 * size, color=THIN, labelcolor=MUTED, labelsize=size, pad=-0.5 * size)
+    style = {"textcoords": "offset points", "color": MUTED, "fontsize": size}
+    axes.annotate("x [m]", (1, 0), (-0.6 * size, 0.5 * size), xycoords="axes fraction", ha="right", **style)
+    axes.annotate("y [m]", (0, 1), (0.5 * size, -0.6 * size), xycoords="axes fraction", va="top", **style)
+    for label in axes.get_xticklabels():
+        label.set_verticalalignment("bottom")
+    for label in axes.get_yticklabels():
+        label.set_horizontalalignment("left")
+
+
+def frame_axes(axes: Axes) -> None:
+    """Draw the frame of the axes as a thin line."""
+    for spine in axes.spines.values():
+        spine.set(color=THIN, linewidth=1.0)
+
+
+def window_around(points: ArrayLike, obstacles: Iterable[Obstacle] = (), margin: float = 0.06) -> Window:
+    """The window that shows positions and obstacles.
+
+    Args:
+        points: positions (..., 2) [m].
+        obstacles: points and circles.
+        margin: margin on every side, as a share of the larger side.
+
+    Returns:
+        (left, right, bottom, top) [m].
+    """
+    flat = np.asarray(points, dtype=float).reshape(-1, 2)
+    discs = list(obstacles)
+    low = np.min([*flat, *(disc.center - disc.radius for disc in discs)], axis=0)
+    high = np.max([*flat, *(disc.center + disc.radius for disc in discs)], axis=0)
+    border = margin * max(float((high - low).max()), 1e-6)
+    return (float(low[0] - border), float(high[0] + border), float(low[1] - border), float(high[1] + border))
+
+
+def points_per_metre(axes: Axes) -> float:
+    """The length of a metre on axes of equal scale [points, 1/72 inch]."""
+    axes.apply_aspect()
+    ends = axes.transData.transform([(0.0, 0.0), (1.0, 0.0)])
+    return float((ends[1, 0] - ends[0, 0]) * 72 / axes.figure.dpi)
+
+
+@cache
+def _picture(figure_class: Any, canvas_class: Any) -> Any:
+    """The class of all figures: matplotlib's, with a method by which notebooks show it without pyplot."""
+
+    class Picture(figure_class):  # type: ignore[misc]
+        """A figure that a notebook shows as PNG where it is the value of a cell."""
+
+        def __init__(self, *args: Any, **options: Any) -> None:
+            super().__init__(*args, **options)
+            canvas_class(self)
+
+        def _repr_png_(self) -> bytes:
+            file = BytesIO()
+            self.savefig(file, format="png", dpi=100)
+            return file.getvalue()
+
+    return Picture

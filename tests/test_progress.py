@@ -1,0 +1,41 @@
+"""Progress: the items come through unchanged, and after each it is reported."""
+
+from __future__ import annotations
+
+import builtins
+from typing import Any
+
+import pytest
+
+import jtik
+from jtik.progress import watched
+
+
+def test_without_progress_the_items_come_as_they_are() -> None:
+    assert list(watched(range(3), False, "numbers")) == [0, 1, 2]
+
+
+def test_a_function_is_called_with_done_and_total_after_each_item() -> None:
+    events: list[Any] = []
+    for item in watched("ab", lambda done, total: events.append((done, total)), "letters"):
+        events.append(item)
+    assert events == ["a", (1, 2), "b", (2, 2)]
+
+
+def test_a_bar_shows_its_label(capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("rich")
+    assert list(watched(range(3), True, "numbers")) == [0, 1, 2]
+    assert "numbers" in capsys.readouterr().out
+
+
+def test_a_bar_without_rich_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = builtins.__import__
+
+    def without_rich(name: str, *arguments: Any, **options: Any) -> Any:
+        if name.partition(".")[0] == "rich":
+            raise ImportError(name)
+        return real(name, *arguments, **options)
+
+    monkeypatch.setattr(builtins, "__import__", without_rich)
+    with pytest.raises(jtik.MissingExtraError, match=r"a progress bar needs rich; .*pip install 'jtik\[cli\]'"):
+        watched(range(3), True, "numbers")
