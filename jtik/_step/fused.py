@@ -22,8 +22,8 @@ from jtik._step.stopping import Code, Stop
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik._step.update import CheckedUpdate, checked_update, first_state
 from jtik.qp.backend import Backend
+from jtik.qp.fast_path import fast_or_qp_path
 from jtik.qp.recorder import QPRecorder
-from jtik.qp.second import near_or_far
 from jtik.qp.staged import Staged, staged
 from jtik.strategy import LocalModel, Shape, Strategy
 from jtik.strategy.feasibility_restoration import LONGEST
@@ -73,7 +73,7 @@ class FusedStep:
         if isinstance(self.function, Staged):
             return self.function.bind(arguments, results)
         if self.parts:
-            return near_or_far(self.function, self.parts, Code.UNSOLVED, arguments, results)
+            return fast_or_qp_path(self.function, self.parts, Code.UNSOLVED, arguments, results)
         return bind(self.function, arguments, results)
 
     def compiled(self, beside: str = "") -> FusedStep:
@@ -160,7 +160,7 @@ def fused_step(
     arguments, numbers = [q, *inputs, memory], np.concatenate(list(first.values()))
     if not (qps and backend):
         return FusedStep(function("jtik_step", arguments, outputs), numbers, layout, record, yielding=relaxation)
-    parts = staged(arguments, at.parts, at.at, qps, outputs, backend, crowded=bool(problem.clearances))
+    parts = staged(arguments, at.parts, at.at, qps, outputs, backend, fast_path=not problem.clearances)
     joined = parts.joined() if parts.fusible else parts
     return FusedStep(joined, numbers, layout, record, parts, yielding=relaxation)
 

@@ -182,7 +182,6 @@ def staged(
     backend: Backend,
     *,
     fast_path: bool = True,
-    crowded: bool = False,
 ) -> Staged:
     """Divide a step into stages at its QPs and computations.
 
@@ -195,9 +194,7 @@ def staged(
         backend: what solves the QPs.
         fast_path: whether to build the fast path. Without it a step is smaller; it is of little use where most steps
             need a solver. A step with preparations has none.
-        crowded: former option, the opposite of ``fast_path``.
     """
-    fast_path = fast_path and not crowded
     model = function("jtik_local", inputs, local)
     at = [*inputs, *cut]
     known: list[Sequence[Expression]] = [[*at, *[part for each in programs.preparations for part in each.answers]]]

@@ -59,7 +59,7 @@ class Call:
         except Exception as error:
             raise StrategyError(self.strategy, self.name, _raised(error), _TRACEABLE) from error
         if not isinstance(returned, expected):
-            raise self.error(f"returned {_what(returned)}", f"a {expected.__name__}")
+            raise self.error(f"returned {_what(returned)}", _article(expected.__name__))
         return returned
 
     def error(self, returned: str, expected: str) -> StrategyError:
@@ -112,3 +112,8 @@ def _raised(error: Exception) -> str:
     line = (own or frames)[-1]
     reason = (str(error).strip() or "no message").splitlines()[0]
     return f"raised {type(error).__name__}: {reason} in `{line.line}` (line {line.lineno} of {line.filename})"
+
+
+def _article(name: str) -> str:
+    """The name of a class with its article."""
+    return f"{'an' if name[0] in 'AEIOU' else 'a'} {name}"

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from jtik.registry import strategy_of
 from jtik.result.solution import Solution, Status
 from jtik.robot import Joint, JointType, Robot
 from jtik.solver import InverseKinematics
-from jtik.strategy import Strategy
+from jtik.strategy import LocalModel, Shape, State, Strategy, Update
 from jtik.task import FrameTask, Task
 from jtik.testing.common import moved, posture, require
 from jtik.types import Array
@@ -29,44 +31,46 @@ def check_strategy(
     tolerance: float = EASY_TOLERANCE,
     max_iterations: int = 5000,
 ) -> None:
-    """Check that a strategy is what the loop takes it for, on planar, spatial, mixed and limited robots.
+    """Check that a strategy keeps its contract, on planar, spatial, mixed and limited robots.
 
-    Its state keeps its names and sizes from one update to the next, its step and its figures have the right
-    shapes; it reaches near targets, with and without a criterion; no iterate is NaN or leaves the joint limits;
-    V never rises where it says so; a target out of reach and an exactly straight start end in a Solution; the
-    same question has the same answer; and nothing raises.
+    It reaches near targets, with and without a criterion; its displacement has the right sign; with a criterion H
+    falls; no iterate is NaN or leaves the joint limits; V never rises where the strategy says so; a target out of
+    reach and an exactly straight start end in a Solution; the same question has the same answer; and nothing raises.
 
     Args:
         strategy: a registered name or a Strategy.
-        samples: starts on each robot.
+        samples: number of starts on each robot.
         rng: a seed, or a generator.
         monotone: whether V may never rise in an accepted step without a criterion; by default what ``acceptance()``
-            of a Composition says, and no claim for any other strategy.
-        tolerance: error [m] and [rad] to which near targets must be reached.
-        max_iterations: in how many steps.
+            says, and no claim for a strategy without it.
+        tolerance: error to which near targets must be reached [m] and [rad].
+        max_iterations: number of steps in which they must be reached.
 
     Raises:
         AssertionError: when something does not hold; the message says what and where.
+        StrategyError: when a method returns what cannot be used.
         JtikError: when the solver refuses the strategy.
     """
-    law = strategy_of(strategy)
-    claims_monotone = _claims_monotone(law) if monotone is None else monotone
+    checked = strategy_of(strategy)
+    claims_monotone = _claims_monotone(checked) if monotone is None else monotone
     generator = np.random.default_rng(rng)
     for robot, task in _benches():
         for criteria in (None, posture):
-            ik = InverseKinematics(robot, task, criteria=criteria, strategy=law)
-            where = f"strategy {law!r} on {robot!r} {'with' if criteria else 'without'} a criterion"
+            ik = InverseKinematics(robot, task, criteria=criteria, strategy=checked)
+            where = f"strategy {checked!r} on {robot!r} {'with' if criteria else 'without'} a criterion"
             falls = claims_monotone and criteria is None
             for _ in range(samples):
                 start = moved(robot, robot.neutral, generator.uniform(-0.6, 0.6, robot.n))
                 aim = moved(robot, start, generator.uniform(-0.15, 0.15, robot.n))
                 _check_near(where, ik, start, robot.pose(aim), tolerance, max_iterations, falls=falls)
                 _check_far(where, ik, start, falls=falls)
+                if criteria and task.row_count(robot) < robot.n:
+                    _check_criterion_falls(where, ik, start)
             _check_straight(where, ik, falls=falls)
 
 
 def _benches() -> list[tuple[Robot, Task]]:
-    """Robots and tasks that between them have every property a law could stumble over."""
+    """Robots and tasks that together have every property that a strategy could fail on."""
     half = np.pi / 2
     spatial = [(0.1, half, 0.3), (0.4, 0.3, 0.0), (0.0, -half, 0.1), (0.3, half, 0.3), (0.0, -half, 0.2)]
     spatial += [(0.0, half, 0.0), (0.1, 0.0, 0.1)]
@@ -156,6 +160,8 @@ def _check_near(
     ]
     solution, again = answers
     _check_solution(where, ik.robot, solution, falls=falls)
+    if not solution.converged:
+        _check_sign(where, ik, start, target)
     require(
         solution.converged,
         f"{where} does not reach a target within 0.15 rad of q0 = {start.tolist()}: {solution.status.value}",
@@ -164,6 +170,53 @@ def _check_near(
     ik.reset()
     stepped = ik.step(start, target).q
     require(bool(np.isfinite(stepped).all()), f"a step of {where} arrives at {stepped}")
+
+
+def _check_sign(where: str, ik: InverseKinematics, start: Array, target: Array) -> None:
+    """A strategy that does not reach a target must not fail because its displacement has the wrong sign."""
+    reversed_ik = InverseKinematics(ik.robot, ik.tasks.tasks, strategy=_Reversed(ik.strategy), limits=False)
+    before, after = (reversed_ik.solve(target, q0=start, max_iterations=limit) for limit in (0, 1))
+    require(
+        not after.position_error + after.orientation_error < before.position_error + before.orientation_error,
+        f"{where} proposes a displacement of the wrong sign from q0 = {start.tolist()}: dq is added to q, and -dq is "
+        "what brings the target nearer",
+    )
+
+
+def _check_criterion_falls(where: str, ik: InverseKinematics, start: Array) -> None:
+    """From a start on its target a strategy must lower H."""
+    target = ik.robot.pose(start)
+    before = ik.solve(target, q0=start, max_iterations=0)
+    if before.second_order is not None or before.null_space_residual < 1e-3:
+        return
+    after = ik.solve(target, q0=start, max_iterations=200)
+    require(
+        after.cost < before.cost,
+        f"{where} does not lower H, {before.cost}, from a start on its target, q0 = {start.tolist()}: it ends at "
+        f"{after.cost}. The null-space displacement is added to q: its sign must be that of -(I - J+ J) grad H",
+    )
+
+
+class _Reversed(Strategy):
+    """A strategy whose displacements have the other sign, and are all taken."""
+
+    def __init__(self, strategy: Strategy) -> None:
+        self._strategy = strategy
+
+    def __repr__(self) -> str:
+        return repr(self._strategy)
+
+    def uses_qp(self, has_criterion: bool) -> bool:
+        """As the strategy."""
+        return self._strategy.uses_qp(has_criterion)
+
+    def initial_state(self, shape: Shape) -> Mapping[str, Array]:
+        """As the strategy."""
+        return self._strategy.initial_state(shape)
+
+    def update(self, model: LocalModel, state: State) -> Update:
+        """The displacement of the strategy, reversed."""
+        return Update(-self._strategy.update(model, state).dq)
 
 
 def _check_far(where: str, ik: InverseKinematics, start: Array, *, falls: bool) -> None:

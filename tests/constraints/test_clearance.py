@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -182,7 +183,7 @@ def test_what_starts_too_near_is_moved_out_and_comes_no_nearer_on_the_way(strate
 
 
 @pytest.mark.parametrize("strategy", RECOVERING)
-def test_recovery_at_the_target_does_not_lose_it(strategy):
+def test_restoration_at_the_target_does_not_lose_it(strategy):
     """On target, and too near: the body is moved out by what the task leaves free; until then it is not done."""
     arm, q = planar(6), np.array([0.4, 0.3, -0.5, -0.4, 0.3, 0.2])
     points = planar_points(q)
@@ -253,11 +254,17 @@ def test_nothing_gives_way_where_everything_can_be_had(problems):
     assert plain.relaxed == ()
 
 
-def test_without_recovery_it_only_comes_no_nearer(problems):
+def test_the_former_name_of_restore_warns():
+    with pytest.warns(DeprecationWarning, match=re.escape("Clearance(recover=) is now called restore=")):
+        kept = jtik.Clearance(ObstacleAvoidance([jtik.Circle((2, 2), 0.1)]), recover=False)
+    assert kept.restore is False
+
+
+def test_without_restoration_a_distance_only_becomes_no_smaller(problems):
     q, target = problems[0]
     near = jtik.Circle(planar_points(q)[2] + (0.0, 0.31), 0.3)
-    ik = solver(planar(5), field=[near], recover=False)
-    assert "recovery" not in [call.call.name for call in ik._runner.fused.parts.preparations]
+    ik = solver(planar(5), field=[near], restore=False)
+    assert "restoration" not in [call.call.name for call in ik._runner.fused.parts.preparations]
     least = [gaps(p, [near]).min() for p in ik.solve(target, q0=q, trace=True, max_iterations=200).trace.q]
     assert min(least) >= gaps(q, [near]).min() - 1e-6
 
@@ -316,7 +323,7 @@ def test_rows_name_what_they_are(problems):
     problem = ik.build(q, target)
     assert problem.P.shape == (6, 6)  # five joints, and the share of the task step, in a unit of its own
     assert (problem.lb[-1], problem.P[-1, -1]) == (0, 1)
-    room = ik.build(q, target, program="recovery")
+    room = ik.build(q, target, program="restoration")
     assert room.P.shape == (5, 5)
 
 
@@ -355,7 +362,7 @@ class TestRefusals:
             ({"gain": 0.0}, "gain"),
             ({"gain": 1.5}, "gain"),
             ({"margin": 0.0}, "margin"),
-            ({"recover": "soon"}, "recover"),
+            ({"restore": "soon"}, "restore"),
         ],
     )
     def test_values(self, options, named):

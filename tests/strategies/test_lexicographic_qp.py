@@ -31,20 +31,18 @@ SLACK = 1e-6
 where a level above is nearly indifferent to a limit."""
 
 
-class Answers:
-    """Solves programs of numbers."""
-
-    def solve(self, program):
-        data = [casadi.DM(part) for part in program.data()]
-        x, _, box = Conic().function(program.size, program.row_count)(*data)
-        return SimpleNamespace(x=casadi.SX(x), box_multipliers=casadi.SX(box))
+def solved(program):
+    """The solution of a quadratic program of numbers."""
+    data = [casadi.DM(part) for part in program.data()]
+    x, _, box = Conic().function(program.size, program.row_count)(*data)
+    return SimpleNamespace(x=casadi.SX(x), box_multipliers=casadi.SX(box))
 
 
 def answer(J, r, levels, low, high, **options):
     """The lexicographic step of numbers, (n,)."""
     box = casadi.SX(low), casadi.SX(high)
-    found = descend(casadi.SX(J), casadi.SX(r), levels, box, Answers(), **options)
-    return np.array(casadi.DM(found.step)).ravel()
+    found = descend(casadi.SX(J), casadi.SX(r), levels, box, solved, **options)
+    return np.array(casadi.DM(found.dq)).ravel()
 
 
 def least_after(J, r, above, fixed, low, high):

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import casadi
 import numpy as np
 import pytest
 
 import jtik
-from jtik.strategy import Update
+from jtik.strategy import Evaluation, StrategyError, TaskDisplacement
 from jtik.testing import check_criterion, check_strategy, example_criterion
+from jtik_formulations import Newton, ProjectedGradient
 
 from ..conftest import planar
 
@@ -115,19 +118,18 @@ class TestCriteria:
             example_criterion(Needs, planar(3))
 
 
-class Bent(jtik.Strategy):
-    """Hybrid's law with one thing bent."""
+class Changed(jtik.Strategy):
+    """Hybrid's update with one thing changed."""
 
-    def __init__(self, bend=lambda update: {}, first=lambda state: state):
-        self._bend, self._first = bend, first
+    def __init__(self, change=lambda update: {}, first=lambda state: state):
+        self._change, self._first = change, first
 
     def initial_state(self, shape):
         return self._first(dict(Hybrid().initial_state(shape)))
 
     def update(self, model, state):
         update = Hybrid().update(model, state)
-        fields = {name: getattr(update, name) for name in update.__dataclass_fields__}
-        return Update(**{**fields, **self._bend(update)})
+        return replace(update, **self._change(update))
 
 
 class TestStrategies:
@@ -138,64 +140,64 @@ class TestStrategies:
 
     def test_a_sound_one_passes_by_name_and_as_an_object(self):
         check_strategy("hybrid", samples=1)
-        check_strategy(Bent(), samples=1, monotone=True)
+        check_strategy(Changed(), samples=1, monotone=True)
 
     def test_an_unknown_name(self):
         with pytest.raises(jtik.UnknownNameError):
             check_strategy("hybird")
 
-    def test_a_state_that_changes_its_names(self):
-        def forget(update):
-            return {"state": {name: value for name, value in update.state.items() if name != "radius"}}
+    def test_a_field_of_the_wrong_shape_is_the_solvers_own_error(self):
+        text = self.complaint(Changed(lambda update: {"null_space": update.null_space[:2]}), StrategyError)
+        assert "Changed.update returned null_space of shape (2, 1)" in text
 
-        assert "the state begins with names" in self.complaint(Bent(forget))
+    def test_a_strategy_that_goes_nowhere(self):
+        assert "does not reach a target" in self.complaint(Changed(lambda update: {"accepted": 0 * update.accepted}))
 
-    def test_a_state_that_changes_its_sizes(self):
-        def grow(update):
-            return {"state": {**update.state, "radius": casadi.SX.zeros(2)}}
+    @pytest.mark.parametrize("kind", ["Composition", "Update"])
+    def test_a_displacement_of_the_wrong_sign(self, kind):
+        class Backwards(Newton):
+            def full_step(self, model, state):
+                return TaskDisplacement(-super().full_step(model, state).dq)
 
-        assert "the state begins with names" in self.complaint(Bent(grow))
+        def reverse(update):
+            return {"dq": -update.dq, "candidate": None, "accepted": 1}
 
-    @pytest.mark.parametrize("value", [np.nan, 1.0, np.zeros((1, 1))])
-    def test_a_first_state_that_is_no_finite_vector(self, value):
-        text = self.complaint(Bent(first=lambda state: {**state, "radius": np.array(value)}))
-        assert "state 'radius' must start as a finite one-dimensional array" in text
+        text = self.complaint(Backwards() if kind == "Composition" else Changed(reverse))
+        assert "proposes a displacement of the wrong sign" in text
+        assert "dq is added to q, and -dq is what brings the target nearer" in text
 
-    def test_a_term_of_another_size(self):
-        assert "null_term must have shape" in self.complaint(Bent(lambda update: {"null_term": update.null_term[:2]}))
+    def test_a_null_space_displacement_of_the_wrong_sign(self):
+        class Upwards(ProjectedGradient):
+            def propose(self, model, state, task_dq):
+                found = super().propose(model, state, task_dq)
+                return replace(found, dq=-found.dq, decrease=-found.decrease)
 
-    def test_what_is_no_update(self):
-        class Empty(Bent):
+        text = self.complaint(Newton(secondary=Upwards()))
+        assert "does not lower H" in text
+        assert "its sign must be that of -(I - J+ J) grad H" in text
+
+    def test_a_strategy_that_leaves_the_limits(self):
+        class Drifting(Changed):
+            """Newton's step and a drift in the null space, both without regard to limits."""
+
             def update(self, model, state):
-                return None
-
-        assert "must return an Update" in self.complaint(Empty())
-
-    def test_a_law_that_goes_nowhere(self):
-        assert "does not reach a target" in self.complaint(Bent(lambda update: {"accepted": 0 * update.accepted}))
-
-    def test_a_law_that_leaves_the_limits(self):
-        class Drifting(Bent):
-            """Newton's step and a drift in the null space, both deaf to limits."""
-
-            def update(self, model, state):
-                drift = model.rows.split(casadi.SX.ones(model.robot.n)).null
-                term = model.rows.least_squares(model.here.residual).vector - 0.5 * drift
-                q = model.robot.integrate(model.here.q, -term)
-                point = type(super().update(model, state).point)(q, model.residual(q), 0)
-                return Update(**{**vars(super().update(model, state)), "point": point, "accepted": 1})
+                rows = model.row_space
+                drift = rows.split(casadi.SX.ones(model.robot.n)).null
+                dq = rows.least_squares(-model.here.residual).vector + 0.5 * drift
+                q = model.robot.integrate(model.here.q, dq)
+                candidate = Evaluation(q, model.residual(q), 0, dq)
+                return replace(super().update(model, state), dq=dq, candidate=candidate, accepted=1)
 
         assert "leaves the joint limits" in self.complaint(Drifting())
 
-    def test_a_law_whose_steps_are_not_finite(self):
+    def test_a_strategy_whose_steps_are_not_finite(self):
         def poison(update):
-            q = update.point.q * np.nan
-            return {"point": type(update.point)(q, update.point.residual, update.point.H), "accepted": 1}
+            return {"candidate": replace(update.candidate, q=update.candidate.q * np.nan), "accepted": 1}
 
-        assert "not finite" in self.complaint(Bent(poison))
+        assert "not finite" in self.complaint(Changed(poison))
 
-    def test_a_law_that_claims_what_it_does_not_keep(self):
-        newton = jtik.strategies["newton"](q_limit=np.inf, backtracking=False)
+    def test_a_claim_that_is_not_kept(self):
+        newton = Newton(q_limit=np.inf, backtracking=False)
         with pytest.raises(AssertionError, match="lets V rise"):
             check_strategy(newton, samples=10, monotone=True)
-        check_strategy(jtik.strategies["newton"](), samples=1, monotone=True)
+        check_strategy(Newton(), samples=1, monotone=True)

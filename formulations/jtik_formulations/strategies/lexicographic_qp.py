@@ -1,4 +1,4 @@
-"""Strict priorities: a quadratic program for each level, below all those above it (formulations/lexicographic_qp.md)."""
+"""Strict priorities: a quadratic program for each level, the highest first (formulations/lexicographic_qp.md)."""
 
 from __future__ import annotations
 

@@ -1,10 +1,33 @@
-"""A strategy, composed of parts that jtik has: Newton's task step, a secondary term, acceptance by merit."""
+"""A strategy: Newton's task step with a shorter limit, any secondary term, acceptance by merit."""
 
 from dataclasses import dataclass, field
 
-from jtik.strategy import Acceptance, Composition, SecondaryTerm, TaskStep
+from jtik.strategy import (
+    Acceptance,
+    Backtracking,
+    Composition,
+    SecondaryTerm,
+    TaskDisplacement,
+    TaskStep,
+    within_step_limit,
+)
 from jtik_formulations import ProjectedGradient
-from jtik_formulations.strategies.newton import NewtonStep
+
+
+@dataclass(frozen=True, kw_only=True)
+class NewtonStep(TaskStep):
+    q_limit: float
+
+    def initial_state(self, shape):
+        return Backtracking().initial_state()
+
+    def propose(self, model, state):
+        full = model.row_space_free.least_squares(-model.here.residual).vector
+        scale = Backtracking().fraction(state) * within_step_limit(model, full, self.q_limit)
+        return TaskDisplacement(scale * full)
+
+    def adapt(self, model, state, task, outcome):
+        return Backtracking().adapt(state, outcome)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,7 +46,7 @@ class ExampleNewton(Composition):
     source = "an example"
 
     def task_step(self) -> TaskStep:
-        return NewtonStep(q_limit=self.q_limit, backtracking=True)
+        return NewtonStep(q_limit=self.q_limit)
 
     def secondary_term(self) -> SecondaryTerm:
         return self.secondary
