@@ -5,7 +5,7 @@ from jtik._loop.batch import SolutionBatch
 from jtik._step.relaxation import Relaxation
 from jtik.constraints.clearance import Clearance
 from jtik.constraints.limits import Limits
-from jtik.criterion.base import Criterion, CriterionError, CriterionSum, criterion
+from jtik.criterion import Criterion, CriterionError, CriterionSum, criterion
 from jtik.errors import ArgumentError, JtikError, MissingExtraError, RobotFileError, UnknownNameError
 from jtik.geometry import Box, Capsule, Circle, Cylinder, Point, Sphere
 from jtik.registry import (

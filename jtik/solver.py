@@ -30,7 +30,7 @@ from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.clearance import Clearance, clearances_of
 from jtik.constraints.limits import Limits, limits_of
 from jtik.constraints.step_box import StepBox, box_function
-from jtik.criterion.base import Criterion, CriterionSum, CriterionTerms, Parameters
+from jtik.criterion import Criterion, CriterionSum, CriterionTerms, Parameters
 from jtik.errors import ArgumentError, finite_array
 from jtik.progress import Progress, watched
 from jtik.qp import Backend, as_problem, backend_of

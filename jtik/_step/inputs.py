@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from jtik._step.stopping import Settings
-from jtik.criterion.base import Parameters
+from jtik.criterion import Parameters
 from jtik.types import Array
 
 

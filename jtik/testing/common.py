@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jtik.criterion.base import criterion
+from jtik.criterion import criterion
 from jtik.robot import Robot
 from jtik.symbolic import Expression, sumsqr
 from jtik.types import Array

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.criterion.base import Criterion, CriterionTerms
+from jtik.criterion import Criterion, CriterionTerms
 from jtik.errors import ArgumentError
 from jtik.geometry import Circle, Sphere
 from jtik.result.solution import Status
