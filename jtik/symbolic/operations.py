@@ -176,3 +176,23 @@ def no_silent_float() -> Iterator[None]:
         yield
     finally:
         SX.__float__ = original
+
+
+@contextmanager
+def smooth_numpy_norm() -> Iterator[None]:
+    """Within it ``numpy.linalg.norm(x)`` of an expression is `norm`: its derivative at zero is zero, not NaN."""
+    original = getattr(SX, "__array_function__", None)  # CasADi has it since 3.7
+    if original is None:
+        yield
+        return
+
+    def dispatched(expression: Expression, func: Any, types: Any, args: Any, kwargs: Any) -> Any:
+        if func is np.linalg.norm and len(args) == 1 and not kwargs and isinstance(args[0], SX):
+            return norm(args[0])
+        return original(expression, func, types, args, kwargs)
+
+    SX.__array_function__ = dispatched
+    try:
+        yield
+    finally:
+        SX.__array_function__ = original
