@@ -284,6 +284,5 @@ def _hint(given: Any) -> tuple[Any, str]:
         arguments = ", ".join(f"{name}=..." for name in _required(given))
         return f"the class {given.__name__}", f"an object of it, {given.__name__}({arguments}); or {accepted}"
     if inspect.isfunction(given):
-        decorated = f"the function decorated with @jtik.criterion, or jtik.criterion({given.__name__})"
-        return f"the function {given.__name__}", f"{decorated}; or {accepted}"
+        return f"the function {given.__name__}", f"the function with the decorator @jtik.criterion; or {accepted}"
     return given, accepted

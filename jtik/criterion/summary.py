@@ -27,6 +27,6 @@ def summarize(value: Any) -> str:
     return f"{ends} of shape {array.shape}"
 
 
-def call_text(name: str, *leading: str, **values: Any) -> str:
+def call_text(name: str, /, *leading: str, **values: Any) -> str:
     """``name(leading, key=value, ...)`` as text, with values in short."""
     return f"{name}({', '.join([*leading, *(f'{key}={summarize(value)}' for key, value in values.items())])})"
