@@ -21,7 +21,7 @@ from jtik.criterion import evaluation
 from jtik.criterion.tracing import CriterionError
 from jtik.errors import ArgumentError, UnknownNameError, finite_array
 from jtik.robot import Kinematics, Robot
-from jtik.symbolic import SX, Expression, is_symbolic, zeros
+from jtik.symbolic import Expression, is_symbolic
 
 __all__ = ["Criteria", "Criterion", "CriterionError", "CriterionSum"]
 
@@ -177,7 +177,7 @@ class CriterionSum(_Algebra):
             CriterionError: when a criterion cannot be traced.
         """
         at = evaluation.checked_configuration(q, evaluation.checked_robot(robot))
-        total = SX(0) if is_symbolic(q) else 0.0
+        total: Any = type(at)(0) if is_symbolic(at) else 0.0
         for weight, criterion, own in self._evaluable(robot, parameters):
             total = total + weight * criterion(at, robot, **own)
         return total
@@ -189,7 +189,7 @@ class CriterionSum(_Algebra):
             An array (n,); an expression (n, 1) where q or a parameter is an expression.
         """
         at = evaluation.checked_configuration(q, evaluation.checked_robot(robot))
-        total = zeros(robot.n) if is_symbolic(q) else np.zeros(robot.n)
+        total: Any = type(at).zeros(robot.n) if is_symbolic(at) else np.zeros(robot.n)
         for weight, criterion, own in self._evaluable(robot, parameters):
             total = total + weight * criterion.gradient(at, robot, **own)
         return total
