@@ -119,9 +119,8 @@ class TestParameters:
 
 
 class TestRefusals:
-    @pytest.mark.parametrize(
-        "evaluate", [lambda c: c, lambda c: c.gradient, lambda c: 2 * c, lambda c: (2 * c).gradient]
-    )
+    @pytest.mark.parametrize("gradient", [False, True])
+    @pytest.mark.parametrize("criterion", [JointCentering(), 2 * JointCentering()])
     @pytest.mark.parametrize(
         ("q", "message"),
         [
@@ -131,21 +130,19 @@ class TestRefusals:
             (casadi.SX.sym("q", 3), r"q: given an expression of shape \(3, 1\); accepted: shape \(4, 1\)"),
         ],
     )
-    def test_q(self, evaluate, q, message):
+    def test_q(self, criterion, gradient, q, message):
         with pytest.raises(jtik.ArgumentError, match=message):
-            evaluate(JointCentering())(q, planar(4))
+            (criterion.gradient if gradient else criterion)(q, planar(4))
 
     def test_the_robot(self):
-        message = r"robot: given 'arm'; accepted: a jtik.Robot, as in criterion\(q, robot\)"
+        message = r"robot: given arm; accepted: a jtik.Robot, as in criterion\(q, robot\)"
         for criterion in (JointCentering(), 2 * JointCentering(), link_height):
             for evaluate in (criterion, criterion.gradient):
-                with pytest.raises(jtik.ArgumentError, match=message.replace("'arm'", "arm")):
+                with pytest.raises(jtik.ArgumentError, match=message):
                     evaluate(Q, "arm")
 
     def test_a_function_criterion_without_robot_or_without_q(self):
-        accepted = (
-            r"accepted: link_height\(q, robot\) for the value, link_height\(parameter=...\) for other first values"
-        )
+        accepted = r"accepted: link_height\(q, robot\) for the value, link_height\(parameter=...\) for other first"
         with pytest.raises(jtik.ArgumentError, match=f"robot: given nothing; {accepted}"):
             link_height(Q)
         with pytest.raises(jtik.ArgumentError, match=f"q: given nothing; {accepted}"):
@@ -232,6 +229,7 @@ class TestCache:
         robot, criterion = jtik.Robot.planar(4), JointCentering()
         criterion(Q, robot), criterion.gradient(Q, robot)
         gone = weakref.ref(robot)
+        gc.collect()
         before = len(evaluation._cache)
         del robot
         gc.collect()
