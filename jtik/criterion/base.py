@@ -6,8 +6,6 @@ derived from it by CasADi. Parameters stay inputs of the compiled step, so chang
 
 from __future__ import annotations
 
-import importlib
-import inspect
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -18,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik.criterion import evaluation
+from jtik.criterion.accepted import hint, registered
 from jtik.criterion.tracing import CriterionError
 from jtik.errors import ArgumentError, UnknownNameError, finite_array
 from jtik.robot import Kinematics, Robot
@@ -154,10 +153,10 @@ class CriterionSum(_Algebra):
         if isinstance(criteria, Criterion):
             return cls(((1.0, criteria),))
         if isinstance(criteria, str):
-            return cls(((1.0, _registered(criteria)),))
+            return cls(((1.0, registered(criteria)),))
         if isinstance(criteria, (list, tuple)):
             return cls(tuple(term for each in criteria for term in cls.of(each).terms))
-        raise ArgumentError("criteria", *_hint(criteria))
+        raise ArgumentError("criteria", *hint(criteria, Criterion))
 
     def __call__(self, q: Any, robot: Robot, **parameters: Any) -> Any:
         """The weighted sum at q.
@@ -253,36 +252,3 @@ def _terms(summand: Any) -> tuple[tuple[float, Criterion], ...]:
 def _weighted(terms: Any) -> CriterionSum:
     """The sum of these (weight, criterion). Raises ArgumentError for a weight that is not finite."""
     return CriterionSum(tuple((float(finite_array("weight", weight, ())), criterion) for weight, criterion in terms))
-
-
-def _registered(name: str) -> Criterion:
-    """A registered criterion with its default arguments."""
-    # by name at run time, since the registry imports this module
-    plugin: type[Criterion] = importlib.import_module("jtik.registry").criteria[name]
-    missing = _required(plugin)
-    if missing:
-        call = f"{', '.join(f'{argument}=...' for argument in missing)})"
-        accepted = f"an object: jtik.criteria[{name!r}]({call}, that is {plugin.__name__}({call}"
-        raise ArgumentError("criteria", f"{name!r}, whose class needs {' and '.join(missing)}", accepted)
-    return plugin()
-
-
-def _required(plugin: type[Criterion]) -> list[str]:
-    """Names of the arguments of a class that have no default."""
-    return [
-        name
-        for name, parameter in inspect.signature(plugin).parameters.items()
-        if parameter.default is parameter.empty
-        and parameter.kind not in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD)
-    ]
-
-
-def _hint(given: Any) -> tuple[Any, str]:
-    """What was given and what is accepted, for something that is no criterion."""
-    accepted = "a jtik.Criterion, a weighted sum, the name of a registered criterion, a list of these, or None"
-    if isinstance(given, type) and issubclass(given, Criterion):
-        arguments = ", ".join(f"{name}=..." for name in _required(given))
-        return f"the class {given.__name__}", f"an object of it, {given.__name__}({arguments}); or {accepted}"
-    if inspect.isfunction(given):
-        return f"the function {given.__name__}", f"the function with the decorator @jtik.criterion; or {accepted}"
-    return given, accepted

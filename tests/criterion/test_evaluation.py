@@ -55,8 +55,8 @@ class TestNumbers:
         total = 2 * A - B / 2 + link_height
         expected = 2 * A(Q, robot) - B(Q, robot) / 2 + link_height(Q, robot)
         assert total(Q, robot) == pytest.approx(expected, rel=EXACT)
-        slopes = 2 * A.gradient(Q, robot) - B.gradient(Q, robot) / 2 + link_height.gradient(Q, robot)
-        assert total.gradient(Q, robot) == pytest.approx(slopes, abs=1e-11)
+        expected_gradient = 2 * A.gradient(Q, robot) - B.gradient(Q, robot) / 2 + link_height.gradient(Q, robot)
+        assert total.gradient(Q, robot) == pytest.approx(expected_gradient, abs=1e-11)
 
     def test_the_value_is_the_cost_that_a_solver_reports(self):
         total = 2 * JointCentering() + 0.3 * ObstacleAvoidance([CIRCLE, jtik.Point((1.0, -2.0))], bodies="both")

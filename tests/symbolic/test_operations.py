@@ -23,10 +23,10 @@ def test_every_exported_name_exists_and_is_listed_in_the_docstring():
 
 def test_norm_and_its_gradient():
     v = sym.symbol("v", 3)
-    length, slope = sym.norm(v), sym.gradient(sym.norm(v), v)
+    length, derivative = sym.norm(v), sym.gradient(sym.norm(v), v)
     assert evaluate(length, (v, [3.0, 0.0, 4.0])) == 5.0
-    assert evaluate(slope, (v, [3.0, 0.0, 4.0]))[:, 0] == pytest.approx([0.6, 0.0, 0.8])
-    assert evaluate(slope, (v, [0.0, 0.0, 0.0]))[:, 0].tolist() == [0, 0, 0]
+    assert evaluate(derivative, (v, [3.0, 0.0, 4.0]))[:, 0] == pytest.approx([0.6, 0.0, 0.8])
+    assert evaluate(derivative, (v, [0.0, 0.0, 0.0]))[:, 0].tolist() == [0, 0, 0]
 
 
 def test_zero_divided_by_zero_is_zero():
@@ -77,5 +77,5 @@ def test_float_of_an_expression_raises_while_a_criterion_is_traced():
 def test_numpy_norm_is_smooth_while_a_criterion_is_traced():
     v = sym.symbol("v", 2)
     with sym.smooth_numpy_norm():
-        slope = sym.gradient(np.linalg.norm(v), v)
-    assert evaluate(slope, (v, [0.0, 0.0]))[:, 0].tolist() == [0, 0]
+        derivative = sym.gradient(np.linalg.norm(v), v)
+    assert evaluate(derivative, (v, [0.0, 0.0]))[:, 0].tolist() == [0, 0]
