@@ -206,7 +206,7 @@ def _criteria(given: Any, obstacles: list[Obstacle]) -> CriterionSum:
         name = _name("[[criteria]] name", table.get("name"), criteria)
         weight = table.get("weight", 1.0)
         if not isinstance(weight, (int, float)):
-            raise ArgumentError(f"weight of {name}", weight, "a number from 0")
+            raise ArgumentError(f"weight of {name}", weight, "a finite number")
         total = total + weight * _criterion(name, _table("options", table.get("options", {})), obstacles)
     return total
 

@@ -65,4 +65,4 @@ def _weighted(text: str) -> dict[str, Any]:
     try:
         return {"name": name, "weight": float(weight) if equals else 1.0}
     except ValueError:
-        raise InputError(f"--criterion {text}: accepted: NAME or NAME=WEIGHT, a number from 0") from None
+        raise InputError(f"--criterion {text}: accepted: NAME or NAME=WEIGHT, a finite number") from None

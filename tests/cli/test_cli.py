@@ -275,7 +275,7 @@ def test_trace_is_one_row_an_iteration(capsys: Capture, tmp_path: Path) -> None:
         ("solve --robot planar:3 --target 1 1 --strategy hybird", "did you mean 'hybrid'"),
         ("solve --robot planar:3 --target 1 1 --criterion joint_center=1", "did you mean 'joint_centering'"),
         ("solve --robot planar:3 --target 1 1 --criterion joint_centering=much", "NAME=WEIGHT"),
-        ("solve --robot planar:3 --target 1 1 --criterion joint_centering=-1", "from 0"),
+        ("solve --robot planar:3 --target 1 1 --criterion joint_centering=nan", "weight: given nan"),
         ("solve --robot planar:3 --target 1 1 --criterion obstacle_avoidance", "--circle"),
         ("solve --robot planar:3 --target 1 1 --circle 1 1 -1", "radius"),
         ("solve --robot planar:3 --target 1 1 --point 1", "center"),
