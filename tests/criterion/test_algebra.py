@@ -42,8 +42,8 @@ class TestSums:
         assert [float(ik.parameters[f"{name}.weight"]) for name in names] == [1, 1, 2, 3]
         assert list(at(ik, [0.1] * 4).criteria) == names
 
-    def test_a_name_that_looks_numbered_does_not_take_anothers_parameters(self):
-        """joint_centering twice and one that is called joint_centering_2 are three criteria."""
+    def test_a_name_with_a_number_does_not_share_parameters(self):
+        """joint_centering twice and one with the name joint_centering_2 are three criteria."""
         A = JointCentering(1.0)
         C = JointCentering(5.0, name="joint_centering_2")
         ik = solver(planar(2), A + A + C)
@@ -142,7 +142,7 @@ class TestSums:
             with pytest.raises(TypeError, match="unsupported operand|concatenate"):
                 wrong()
 
-    def test_none_and_weight_zero_have_no_pull(self):
+    def test_none_and_weight_zero_have_no_gradient(self):
         robot, q0, target = planar(4), np.array([0.4, 0.3, 0.2, 0.1]), (2.0, 2.0)
         bare = solver(robot, None).solve(target, q0=q0)
         assert bare.cost == 0

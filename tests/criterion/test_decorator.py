@@ -51,7 +51,7 @@ class TestDecorator:
         expected = np.sin(q[0]) ** 2 + np.exp(-q[1]) + abs(q[2]) / 2 + np.sum(robot.pose(q)[:3, 3] ** 2)
         assert look(solver(robot, wavy), q, robot.position(q)).cost == pytest.approx(expected, rel=1e-11)
 
-    def test_a_constant_is_a_criterion_without_a_pull(self):
+    def test_a_constant_is_a_criterion_with_zero_gradient(self):
         @jtik.criterion
         def indifferent(q, robot):
             return 3.0

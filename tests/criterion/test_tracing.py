@@ -93,7 +93,7 @@ class TestMessages:
         self.refused(blown, "wind", "not its own")
 
     def test_a_foreign_symbol_with_a_familiar_name(self):
-        """A q of one's own is not the q that was handed in, whatever it is called."""
+        """Another symbol with the name of q is not q."""
         impostor = casadi.SX.sym("q", 3)
 
         def confused(q, robot):

@@ -20,7 +20,7 @@ class JointCentering(Criterion):
     """H = 1/2 (q - q_preferred)' K (q - q_preferred) over the revolute and prismatic joints.
 
     The unit of H is that of K times [rad^2] or [m^2]. The defaults, zero angles and K = I, are the shaping of the
-    paper's Figure 2.2. Prefer it to keep an arm close to a posture, or beside a criterion that has no minimum of its own.
+    paper's Figure 2.2. Prefer it to keep an arm close to a posture, or beside a criterion without a minimum.
 
     Live parameters: ``joint_centering.stiffness`` (nq,) and ``joint_centering.preferred`` (nq,).
 
