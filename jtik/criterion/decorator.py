@@ -78,6 +78,10 @@ class FunctionCriterion(Criterion):
 def criterion(function: Callable[..., Any]) -> FunctionCriterion:
     """Make ``def f(q, robot, *, parameter=first_value): ...`` a criterion to be minimised.
 
+    The function is called once, with symbols. It may use the operators, CasADi, `jtik.symbolic`, other criteria
+    (``other(q, robot)``) and the functions of NumPy that have a symbolic form, such as ``numpy.sin`` and
+    ``numpy.linalg.norm``. The error for another function names its replacement.
+
     Args:
         function: a function of q, the symbolic configuration (nq, 1), and of the robot, whose ``robot.position(q,
             frame)``, ``robot.pose`` and ``robot.jacobian`` give expressions. It returns one scalar expression.

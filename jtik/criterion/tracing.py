@@ -117,7 +117,7 @@ def _advice(line: str, reason: str) -> str:
     """What to use in place of the NumPy functions that the reason, or else the line, names."""
     general = _OBJECTS if "ufunc" in reason else _GENERAL
     for text, rest in ((reason, ""), (line, f". {general}")):
-        found = [name for name in REPLACEMENTS if re.search(rf"(?<=\.){name}\b", text)]
+        found = [name for name in REPLACEMENTS if re.search(rf"\b(np|numpy|linalg)\.{name}\b", text)]
         if found:
             return "; ".join(f"In place of NumPy's {name} use {REPLACEMENTS[name]}" for name in found) + rest
     return general

@@ -62,6 +62,15 @@ class TestMessages:
 
         self.refused(branching, "if q[0] > 0", "if_else")
 
+    def test_a_function_of_ones_own_with_the_name_of_a_numpy_function(self):
+        class Tools:
+            norm = staticmethod(abs)
+
+        def lookalike(q, robot):
+            return Tools.norm(math.sin(q[0]))
+
+        assert "In place of" not in str(self.refused(lookalike, "Tools.norm", "in place of math functions"))
+
     def test_an_array_of_objects(self):
         def objects(q, robot):
             return np.linalg.det(np.array([[q[0], q[1]], [q[1], q[2]]]))
