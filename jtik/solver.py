@@ -30,7 +30,7 @@ from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.clearance import Clearance, clearances_of
 from jtik.constraints.limits import Limits, limits_of
 from jtik.constraints.step_box import StepBox, box_function
-from jtik.criterion.base import Criterion, CriterionSum, CriterionTerms, Parameters
+from jtik.criterion import Criteria, CriterionTerms, Parameters
 from jtik.errors import ArgumentError, finite_array
 from jtik.progress import Progress, watched
 from jtik.qp import Backend, as_problem, backend_of
@@ -59,7 +59,8 @@ class InverseKinematics:
     Args:
         robot: the robot.
         task: a Task, or several, each with a name of its own.
-        criteria: what to minimise with the freedom left: a Criterion or a weighted sum of them.
+        criteria: what to minimise with the freedom left: a criterion, a weighted sum such as ``A - 0.3 * B``, the name
+            of a registered criterion, a list of these, or None.
         strategy: name of a registered strategy, perhaps with a secondary term as in "newton+qp", or a Strategy object.
         solver: what solves the programs of a strategy that has any: a name of `jtik.qp.available`, or a
             `jtik.qp.Backend`; DAQP by default.
@@ -86,7 +87,7 @@ class InverseKinematics:
         robot: Robot,
         task: Task | Iterable[Task],
         *,
-        criteria: Criterion | CriterionSum | None = None,
+        criteria: Criteria = None,
         strategy: str | Strategy = "hybrid",
         solver: str | Backend | None = None,
         limits: bool | Limits = True,

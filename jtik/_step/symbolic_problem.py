@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from jtik.constraints.clearance import Clearance, names_of
-from jtik.criterion.base import CriterionTerms
+from jtik.criterion import CriterionTerms
 from jtik.robot import Kinematics, Robot
 from jtik.strategy.curvature import lagrangian_hessian
 from jtik.symbolic import (

@@ -67,4 +67,4 @@ def _weighted(text: str) -> dict[str, Any]:
     try:
         return {"name": name, "weight": float(weight) if equals else 1.0}
     except ValueError:
-        raise InputError(f"--criterion {text}: accepted: NAME or NAME=WEIGHT, a non-negative number") from None
+        raise InputError(f"--criterion {text}: accepted: NAME or NAME=WEIGHT, a finite number") from None

@@ -102,7 +102,7 @@ def read_criteria(given: Any, obstacles: list[Obstacle]) -> CriterionSum:
         name = checked_name("[[criteria]] name", table.get("name"), criteria.names())
         weight = table.get("weight", 1.0)
         if not isinstance(weight, (int, float)):
-            raise ArgumentError(f"weight of {name}", weight, "a non-negative number")
+            raise ArgumentError(f"weight of {name}", weight, "a finite number")
         total = total + weight * _criterion(name, checked_table("options", table.get("options", {})), obstacles)
     return total
 

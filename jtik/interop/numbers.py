@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from jtik.criterion.base import Criterion, CriterionSum, CriterionTerms, Parameters
+from jtik.criterion import Criterion, CriterionSum, CriterionTerms, Parameters
 from jtik.errors import ArgumentError
 from jtik.robot import Robot
 from jtik.symbolic import Expression, function, gradient, jacobian, substitute, symbol, zeros

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.clearance import Clearance, Measure
-from jtik.criterion.base import Criterion, CriterionSum, CriterionTerms, Parameters
+from jtik.criterion import Criterion, CriterionSum, CriterionTerms, Parameters
 from jtik.robot import Robot
 from jtik.symbolic import dot, function, mmin, vertcat
 from jtik.symbolic.compile import CompiledFunction

@@ -1,4 +1,22 @@
-"""CasADi mathematics and compilation: operations, factorisation, SVD, rotations, generated C."""
+"""CasADi mathematics and compilation: operations, factorisation, SVD, rotations, generated C.
+
+The operations are those that a criterion, a strategy or a task is made of:
+
+- expressions: `Expression`, `SX`, `MX`, `symbol`, `zeros`, `identity`, `numbers`, `is_symbolic`
+- elementwise: `sin`, `cos`, `atan2`, `sqrt`, `log`, `fabs`, `fmax`, `fmin`
+- conditions: `if_else`, `logic_and`, `logic_or`, `logic_not`, `is_finite`
+- vectors and matrices: `vertcat`, `horzcat`, `stack`, `reshape`, `vec`, `densify`, `diag`, `trace`, `skew`, `dot`,
+  `cross`, `sum1`, `sumsqr`, `norm`, `norm_inf`, `mmax`, `mmin`, `ratio`, `solve_ldl`
+- derivatives: `gradient`, `jacobian`, `hessian`
+- inspection: `symvar`, `substitute`, `is_equal`
+- functions: `Function`, `function`, `either`, `conic`, `has_conic`, `external`, `c_source`, and the codes of a
+  function's instructions `OP_CONST`, `OP_INPUT`, `OP_OUTPUT`
+- constants: `LARGEST`, `TINY`
+- while a criterion is traced: `no_silent_float`, `smooth_numpy_norm`
+
+`jtik.symbolic.svd` has `SingularValues`. `jtik.symbolic.factorization` has `RowSpace`: pseudo-inverse, null space.
+`jtik.symbolic.rotation` has the logarithm of a rotation matrix, `jtik.symbolic.compile` compiled functions.
+"""
 
 from jtik.symbolic.operations import (
     LARGEST,
@@ -48,6 +66,7 @@ from jtik.symbolic.operations import (
     reshape,
     sin,
     skew,
+    smooth_numpy_norm,
     solve_ldl,
     sqrt,
     stack,
@@ -110,6 +129,7 @@ __all__ = [
     "reshape",
     "sin",
     "skew",
+    "smooth_numpy_norm",
     "solve_ldl",
     "sqrt",
     "stack",

@@ -1,8 +1,8 @@
-"""From a CasADi function to a call that costs what the arithmetic costs.
+"""Compilation of CasADi functions: calls through their buffers, and shared libraries of generated C.
 
-An ordinary CasADi call converts its arguments and allocates its results, 20 to 40 microseconds a time. Through
-the *buffer* interface memory is bound once and a call is the evaluation alone. Where there is a C compiler the
-evaluation itself can be generated C instead of CasADi's virtual machine.
+An ordinary CasADi call converts its arguments and allocates its results, which takes 20 to 40 microseconds. Through the
+*buffer* interface memory is bound once and a call only evaluates the function. With a C compiler the function can be
+evaluated as generated C instead of on CasADi's virtual machine.
 """
 
 from __future__ import annotations
@@ -41,9 +41,9 @@ def bind(function: Function, arguments: list[Array], results: list[Array]) -> Ca
 
 
 class CompiledFunction:
-    """A function with memory of its own: arrays in, arrays out, at about a microsecond over the arithmetic.
+    """A function with memory of its own, called through its buffer: about a microsecond more than the arithmetic.
 
-    Calling it with one array an input returns one new array (rows, columns) an output.
+    It is called with one array for each input and returns one new array (rows, columns) for each output.
     """
 
     def __init__(self, function: Function) -> None:
@@ -54,7 +54,7 @@ class CompiledFunction:
         self._evaluate = bind(function, self._arguments, self._results)
 
     def __call__(self, *arguments: Any) -> tuple[Array, ...]:
-        """One new array an output."""
+        """One new array (rows, columns) for each output."""
         for memory, argument in zip(self._arguments, arguments, strict=True):
             memory[:] = np.asarray(argument, dtype=float).ravel(order="F")
         self._evaluate()
@@ -64,7 +64,12 @@ class CompiledFunction:
 
 
 class CompilerError(JtikError):
-    """No C compiler was found, or it refused the generated code. Attributes: command, output."""
+    """No C compiler was found, or it could not compile the generated code.
+
+    Attributes:
+        command: the command that was run, or the option that needs a compiler.
+        output: what the compiler printed, or what to install.
+    """
 
     def __init__(self, command: str, output: str) -> None:
         super().__init__(command, output)
@@ -76,7 +81,13 @@ class CompilerError(JtikError):
 
 
 class Library(NamedTuple):
-    """A function in generated C: as CasADi calls it, its name there, and the shared library's path."""
+    """A function in generated C.
+
+    Attributes:
+        function: the function as CasADi calls it.
+        name: its name in the library.
+        path: path of the shared library.
+    """
 
     function: Function
     name: str
@@ -86,20 +97,24 @@ class Library(NamedTuple):
 def to_c(function: Function) -> Function:
     """The same function as a shared library of generated C, three to five times faster than the virtual machine.
 
-    See `library`, which tells where it is.
+    See `library`, which also returns the path.
     """
     return library(function).function
 
 
 def library(function: Function, beside: str = "") -> Library:
-    """The function as a shared library of generated C, with more C ``beside`` it that calls it JTIK_NAME.
+    """The function as a shared library of generated C.
 
-    Compiling takes about a second; libraries are kept in the user's cache folder (``$XDG_CACHE_HOME/jtik``) under
+    Compiling takes about a second. Libraries are kept in the user's cache folder (``$XDG_CACHE_HOME/jtik``) under
     the hash of their code, so that an unchanged function is compiled once. The compiler is ``$CC``, ``cc``, ``gcc``,
     ``clang`` or the package ``ziglang``.
 
+    Args:
+        function: the function.
+        beside: more C source for the same library; it calls the function JTIK_NAME.
+
     Raises:
-        CompilerError: when there is no compiler, or it fails; with its output.
+        CompilerError: when there is no compiler, or it fails.
     """
     command = [*_compiler(), "-O2"]
     source = c_source(function) + beside

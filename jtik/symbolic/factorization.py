@@ -2,12 +2,13 @@
 
 ``J = L Q``: the rows of Q are an orthogonal basis of the row space of J (modified Gram-Schmidt), L is lower
 trapezoidal with ones where a row is independent. One rank decision is made per row: a row whose part outside the
-span of the rows before it is shorter than ``RANK_THRESHOLD`` times the Frobenius norm of J is dependent and spans
-nothing. With all rows independent L is triangular and everything is a substitution; with dependent rows the columns
-of L are orthogonalised too, and the least-squares solution of least norm results, as an SVD truncated at the same
-threshold would give it.
+span of the rows before it is shorter than ``RANK_THRESHOLD`` times the Frobenius norm of J is dependent and left out.
+With all rows independent L is triangular and solved by substitution. With dependent rows the columns of L are
+orthogonalised too, and the result is the least-squares solution of minimum norm, as from an SVD truncated at the same
+threshold.
 
-No Gram matrix is formed, so a condition number of 1e8 is as harmless as 1e4 is to a Cholesky factor of ``J J'``.
+No Gram matrix is formed: a condition number of 1e8 does no more harm here than 1e4 does to a Cholesky factor of
+``J J'``.
 
 Source: Golub and Van Loan, *Matrix Computations*, section 5.4 (complete orthogonal decomposition).
 """
@@ -46,7 +47,10 @@ def squared_length(J: Expression) -> Expression:
 class RowVector:
     """A vector of the row space by its coordinates in the basis: lengths and products cost m operations instead of n.
 
-    ``vector`` (n, 1) is written out where it is asked for; ``image`` is J times it (m, 1).
+    Attributes:
+        coordinates: m coordinates in the basis.
+        vector: the vector itself (n, 1), built when it is first read.
+        image: J times the vector (m, 1), built when it is first read.
     """
 
     def __init__(self, space: RowSpace, coordinates: Sequence[Expression]) -> None:
@@ -80,11 +84,11 @@ class RowVector:
 
 
 DAMPING_FLOOR = 1e-16
-"""Least lambda, relative to |J|^2: below it the damped normal equations of a singular J have no factor."""
+"""Smallest lambda, relative to |J|^2: below it the damped normal equations of a singular J have no factor."""
 
 
 def damped_multipliers(J: Expression, damping: Expression, r: Expression) -> Expression:
-    """``(J J' + lambda I)^-1 r`` (m, 1) by L D L'; lambda is ``damping`` and a little more."""
+    """``(J J' + lambda I)^-1 r`` (m, 1) by L D L'; lambda is ``damping`` plus `DAMPING_FLOOR` times |J|^2."""
     gram = J @ J.T
     floor = DAMPING_FLOOR * trace(gram) + TINY
     return solve_ldl(gram + (damping + floor) * identity(J.shape[0]), r)
@@ -92,7 +96,13 @@ def damped_multipliers(J: Expression, damping: Expression, r: Expression) -> Exp
 
 @dataclass(frozen=True)
 class Split:
-    """``null = (I - J+ J) g`` (n, 1), ``rest = J+ J g``, and ``multipliers = (J')+ g`` (m, 1)."""
+    """A gradient g split by the row space of J.
+
+    Attributes:
+        null: (I - J+ J) g, (n, 1), the part in the null space.
+        rest: J+ J g, the part in the row space.
+        multipliers: (J')+ g, (m, 1).
+    """
 
     null: Expression
     rest: RowVector
@@ -100,10 +110,16 @@ class Split:
 
 
 class RowSpace:
-    """Row space of a symbolic ``J`` (m, n), and what is asked of it, from one factorisation.
+    """Row space of a symbolic ``J`` (m, n): pseudo-inverse, null-space projection and rank from one factorisation.
 
-    The rank is decided relative to the Frobenius norm of J, or to the root of ``squared_scale``: a J that is itself
-    what a projection has left of larger rows may be rounding from end to end.
+    Args:
+        J: the matrix (m, n).
+        threshold: relative length below which a row counts as dependent on the rows before it.
+        squared_scale: the square of the length that the threshold is relative to; by default the squared Frobenius
+            norm of J. Give it for a J that remains of larger rows after a projection: all of it may be rounding.
+
+    Attributes:
+        squared_length: the squared Frobenius norm of J.
     """
 
     def __init__(
@@ -143,7 +159,7 @@ class RowSpace:
 
     @cached_property
     def volume(self) -> Expression:
-        """Of the box that the rows span, sqrt(det J J') where m <= n: the product of the rows' orthogonal parts."""
+        """sqrt(det J J') where m <= n, the manipulability: the product of the lengths of the rows' orthogonal parts."""
         volume: Expression = 1
         for squared in self._squared:
             volume = volume * sqrt(squared + TINY)
@@ -189,12 +205,12 @@ class RowSpace:
         return sum(a * length * b for a, b, length in zip(first, second, self._squared, strict=True))
 
     def transposed(self, r: Expression) -> RowVector:
-        """``J' r``; what dependent rows would add is below the rank threshold and left out."""
+        """``J' r``, without the share of dependent rows, which is below the rank threshold."""
         m = self._m
         return RowVector(self, [sum(self._lower[k][i] * r[k] for k in range(i, m)) for i in range(m)])
 
     def least_squares(self, r: Expression) -> RowVector:
-        """``J+ r``: of all x that minimise ``|J x - r|`` the shortest."""
+        """``J+ r``: the shortest x that minimises ``|J x - r|``."""
         U, R = self._column_space
         y: list[Expression] = [0] * self._m
         for i in reversed(range(self._m)):
@@ -205,13 +221,14 @@ class RowSpace:
         return RowVector(self, [component * inverse for component, inverse in zip(y, self._inverse, strict=True)])
 
     def split(self, g: Expression) -> Split:
-        """g as the part that moves nothing to first order and the part in the row space."""
+        """g as the sum of its part in the null space and its part in the row space."""
         coefficients = []
         for basis, inverse in zip(self._basis, self._inverse, strict=True):
             coefficient = dot(basis, g) * inverse
             g = g - coefficient * basis
             coefficients.append(coefficient)
-        # once more: near a constrained optimum g lies nearly in the row space, and what rounding left of it would leak
+        # a second pass: near a constrained optimum g lies almost in the row space, and the rounding left by the first
+        # pass would move the end effector
         for basis, inverse in zip(self._basis, self._inverse, strict=True):
             g = g - (dot(basis, g) * inverse) * basis
         U, R = self._column_space

@@ -1,7 +1,7 @@
-"""The one thin door to CasADi: expression types and the small operations jtik builds on.
+"""CasADi's expression types and operations, under typed names, and small operations built on them.
 
-CasADi carries no types a checker could use, so every ``Any`` of the project lives here under a name. All
-helpers are safe to differentiate: no branch that is not taken may produce a NaN.
+Every use of CasADi in jtik goes through this module. CasADi has no type annotations, so each name is annotated here as
+``Any`` once. All helpers can be differentiated: a branch that is not taken produces no NaN.
 """
 
 from __future__ import annotations
@@ -20,51 +20,62 @@ Expression: TypeAlias = Any
 Function: TypeAlias = Any
 """A ``casadi.Function``."""
 
+# Types of expressions: SX of scalars, which the step is made of, and MX of matrices and calls.
 SX: Any = casadi.SX
-vertcat: Any = casadi.vertcat
-horzcat: Any = casadi.horzcat
+MX: Any = casadi.MX
+
+# Elementwise functions.
 cos: Any = casadi.cos
 sin: Any = casadi.sin
 atan2: Any = casadi.atan2
 sqrt: Any = casadi.sqrt
 log: Any = casadi.log
+fabs: Any = casadi.fabs
 fmax: Any = casadi.fmax
 fmin: Any = casadi.fmin
-fabs: Any = casadi.fabs
-dot: Any = casadi.dot
-cross: Any = casadi.cross
-sumsqr: Any = casadi.sumsqr
+
+# Conditions: numbers 0 and 1. Both branches of if_else are evaluated.
 if_else: Any = casadi.if_else
-jacobian: Any = casadi.jacobian
-gradient: Any = casadi.gradient
 logic_and: Any = casadi.logic_and
 logic_or: Any = casadi.logic_or
 logic_not: Any = casadi.logic_not
-external: Any = casadi.external
+
+# Vectors and matrices.
+vertcat: Any = casadi.vertcat
+horzcat: Any = casadi.horzcat
+reshape: Any = casadi.reshape
+vec: Any = casadi.vec
+densify: Any = casadi.densify
+diag: Any = casadi.diag
+trace: Any = casadi.trace
+skew: Any = casadi.skew
+dot: Any = casadi.dot
+cross: Any = casadi.cross
+sum1: Any = casadi.sum1
+sumsqr: Any = casadi.sumsqr
+norm_inf: Any = casadi.norm_inf
+mmax: Any = casadi.mmax
+mmin: Any = casadi.mmin
+
+# Derivatives, and what an expression is made of.
+jacobian: Any = casadi.jacobian
+gradient: Any = casadi.gradient
 symvar: Any = casadi.symvar
 substitute: Any = casadi.substitute
 is_equal: Any = casadi.is_equal
-trace: Any = casadi.trace
-diag: Any = casadi.diag
-mmax: Any = casadi.mmax
-mmin: Any = casadi.mmin
-sum1: Any = casadi.sum1
-norm_inf: Any = casadi.norm_inf
+
+# Functions from elsewhere, and the instructions of a function.
+external: Any = casadi.external
 has_conic: Any = casadi.has_conic
-MX: Any = casadi.MX
-skew: Any = casadi.skew
-reshape: Any = casadi.reshape
-densify: Any = casadi.densify
 OP_INPUT: int = casadi.OP_INPUT
 OP_OUTPUT: int = casadi.OP_OUTPUT
 OP_CONST: int = casadi.OP_CONST
-vec: Any = casadi.vec
 
 LARGEST = 1.7e308
 """Just below the largest double: NaN and infinity compare false with ``<= LARGEST``."""
 
 TINY = 1e-300
-"""Added under a square root or a division where zero is a legal value; below every figure that matters."""
+"""Added under a square root or to a denominator that may be zero; below every value that matters."""
 
 
 def symbol(name: str, rows: int, columns: int = 1) -> Expression:
@@ -112,7 +123,7 @@ def conic(name: str, plugin: str, n: int, rows: int, options: Mapping[str, Any])
 
 
 def either(when: Function, otherwise: Function) -> Function:
-    """(condition, arguments) -> ``when(arguments)`` if the condition is not 0, else ``otherwise``; one is evaluated."""
+    """(condition, arguments) -> ``when(arguments)`` if the condition is not 0, else ``otherwise``. One is evaluated."""
     return casadi.Function.if_else("either", when, otherwise)
 
 
@@ -147,7 +158,7 @@ def norm(vector: Expression) -> Expression:
 
 
 def ratio(numerator: Expression, denominator: Expression) -> Expression:
-    """``numerator / denominator`` for a denominator from 0: 0 / 0 is 0."""
+    """``numerator / denominator`` for a non-negative denominator: 0 / 0 is 0."""
     return numerator / (denominator + TINY)
 
 
@@ -163,12 +174,12 @@ def stack(rows: Sequence[Sequence[Expression | float]]) -> Expression:
 
 @contextmanager
 def no_silent_float() -> Iterator[None]:
-    """Within it ``float`` of an expression with symbols raises TypeError; CasADi itself gives NaN without a word."""
+    """Within it ``float`` of an expression with symbols raises TypeError; CasADi itself gives NaN silently."""
     original = SX.__float__
 
     def guarded(expression: Expression) -> float:
         if not expression.is_constant():
-            raise TypeError("a number is wanted where the value is an expression")
+            raise TypeError("a number is needed, and the value is an expression")
         return float(original(expression))
 
     SX.__float__ = guarded
@@ -176,3 +187,23 @@ def no_silent_float() -> Iterator[None]:
         yield
     finally:
         SX.__float__ = original
+
+
+@contextmanager
+def smooth_numpy_norm() -> Iterator[None]:
+    """Within it ``numpy.linalg.norm(x)`` of an expression is `norm`: its derivative at zero is zero, not NaN."""
+    original = getattr(SX, "__array_function__", None)  # CasADi has it since 3.7
+    if original is None:
+        yield
+        return
+
+    def dispatched(expression: Expression, func: Any, types: Any, args: Any, kwargs: Any) -> Any:
+        if func is np.linalg.norm and len(args) == 1 and not kwargs and isinstance(args[0], SX):
+            return norm(args[0])
+        return original(expression, func, types, args, kwargs)
+
+    SX.__array_function__ = dispatched
+    try:
+        yield
+    finally:
+        SX.__array_function__ = original

@@ -1,8 +1,8 @@
-"""The logarithm of SO(3) as a CasADi expression: the orientation error of every task.
+"""The logarithm of SO(3) as a CasADi expression, the orientation error of every task.
 
 Source: the quaternion of a rotation matrix taken from the largest diagonal entry of the 4x4 matrix ``4 q q'``
 (Shepperd 1978), and ``log R = 2 atan2(|v|, w) v / |v|``. Exact and differentiable from angle zero to just below
-pi. At pi both axes +u and -u are right; the one whose largest component is positive is returned.
+pi. At pi both axes +u and -u are solutions; the one whose largest component is positive is returned.
 """
 
 from __future__ import annotations
@@ -32,18 +32,18 @@ def _largest_column(R: Expression) -> Expression:
     return column / (2 * sqrt(best))
 
 
-def log_rate(turn: Expression) -> Expression:
-    """G (3, 3) with ``d/dt log R = G w`` for ``dR/dt = [w] R`` and ``turn`` = log R: I - [turn] / 2 + c [turn]^2.
+def log_rate(vector: Expression) -> Expression:
+    """G (3, 3) with ``d/dt log R = G w`` for ``dR/dt = [w] R`` and ``vector`` = log R: I - [vector] / 2 + c [vector]^2.
 
     c = (1 - h cot h) / (2 h)^2 with h half the angle; 1/12 at zero and 1/pi^2 at pi (Bullo and Murray 1995).
     """
-    squared = sumsqr(turn)
+    squared = sumsqr(vector)
     small = squared < _SMALL
     angle = sqrt(if_else(small, 1, squared))
     half = angle / 2
     c = if_else(small, 1 / 12, (1 - half * cos(half) / sin(half)) / angle**2)
-    cross = skew(turn)
-    return identity(3) - cross / 2 + c * (turn @ turn.T - squared * identity(3))
+    cross = skew(vector)
+    return identity(3) - cross / 2 + c * (vector @ vector.T - squared * identity(3))
 
 
 def log(R: Expression) -> Expression:

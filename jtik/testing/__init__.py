@@ -1,7 +1,7 @@
-"""The contract every criterion and every strategy must meet, ours and those of third parties.
+"""Contract tests for criteria and strategies, jtik's own and those of third parties.
 
-Call `check_criterion` and `check_strategy` in the tests of a plugin; what does not hold raises an AssertionError that
-says what was expected, or the JtikError that a user would have met.
+Call `check_criterion` and `check_strategy` in the tests of a plugin. A violation raises an AssertionError that says
+what was expected, or the JtikError that a solver would raise.
 """
 
 from jtik.testing.criteria import check_criterion, example_criterion

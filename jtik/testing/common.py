@@ -1,10 +1,10 @@
-"""What both contracts use."""
+"""Helpers shared by the contracts of criteria and strategies."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from jtik.criterion.base import criterion
+from jtik.criterion import criterion
 from jtik.robot import Robot
 from jtik.symbolic import Expression, sumsqr
 from jtik.types import Array
@@ -18,11 +18,11 @@ def require(condition: bool | np.bool_, message: str) -> None:
 
 @criterion
 def posture(q: Expression, robot: Robot, *, preferred: float = 0.2) -> Expression:
-    """1/2 |q - preferred|^2 over the hinges and slides."""
+    """1/2 |q - preferred|^2 over the revolute and prismatic joints."""
     return sumsqr(q[[int(i) for i in robot.scalar_q]] - preferred) / 2
 
 
 def moved(robot: Robot, q: Array, dq: Array) -> Array:
-    """q after the step dq, inside the limits."""
+    """q after the step dq, clamped to the limits."""
     moved: Array = np.clip(robot.integrate(q, dq), robot.lower, robot.upper)
     return moved

@@ -1,4 +1,4 @@
-"""The contract of a criterion: scalar, finite, its gradient right, its parameters live."""
+"""The contract of a criterion: scalar, finite, with a correct gradient and live parameters."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.criterion.base import Criterion, CriterionTerms
+from jtik.criterion import Criterion, CriterionTerms
 from jtik.errors import ArgumentError
 from jtik.geometry import Circle, Sphere
 from jtik.result.solution import Status
@@ -22,7 +22,7 @@ from jtik.testing.common import require
 from jtik.types import Array
 
 DIFFERENCE_STEPS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-"""Steps of the central differences [rad] or [m]: a right gradient agrees at one of them, however stiff H is."""
+"""Steps of the central differences [rad] or [m]; a correct gradient agrees at one of them for every scale of H."""
 
 DIFFERENCE_TOLERANCE = 1e-4
 """Relative disagreement allowed between a gradient and its best central difference."""
@@ -35,20 +35,22 @@ def check_criterion(
     samples: int | Iterable[ArrayLike] = 20,
     rng: np.random.Generator | int = 0,
 ) -> None:
-    """Check that a criterion is what a solver takes it for, on one robot.
+    """Check that a criterion fulfils what a solver assumes, on one robot.
 
-    It has a name and parameters that are the same whenever asked for; it is one scalar expression of q and of
-    these parameters, each of which it really reads, so that changing one acts at once; it and its gradient are
-    finite at every sample; the gradient agrees with central differences; and a solve with it ends.
+    - It has a name, and parameters that are the same at every call.
+    - It is one scalar expression of q and of these parameters, and it depends on each of them.
+    - It and its gradient are finite at every sample, and the same at every evaluation.
+    - The gradient agrees with central differences.
+    - A solve with it ends, does not raise H on a target already reached, and doubles H with the weight.
 
     Args:
         criterion: the criterion.
         robot: a robot it is meant for.
-        samples: how many random configurations to look at besides the neutral one, or these configurations (nq,).
+        samples: number of random configurations besides the neutral one, or the configurations (nq,) themselves.
         rng: a seed, or a generator.
 
     Raises:
-        AssertionError: when something does not hold; the message says what and where.
+        AssertionError: when the criterion violates the contract; the message says how, and at which q.
         JtikError: when the solver refuses the criterion.
     """
     who = f"criterion {getattr(criterion, 'name', criterion)!r}"
@@ -64,10 +66,10 @@ def check_criterion(
         own = {variable.name() for variable in symvar(terms.parameters.take(parameters, name))}
         require(
             not own or bool(own & read),
-            f"{who} never reads its parameter {name!r}; use the expression it is given, not the number it began with",
+            f"{who} never reads its parameter {name!r}; use the expression in `parameters`, not its first value",
         )
-    slope = robot.tangent(q).T @ gradient(H, q)
-    evaluate = CompiledFunction(function("criterion", [q, parameters], [H, slope]))
+    along = robot.tangent(q).T @ gradient(H, q)
+    evaluate = CompiledFunction(function("criterion", [q, parameters], [H, along]))
     memory = terms.parameters.memory
     for sample in _samples(robot, samples, generator):
         value, analytic = (result[:, 0] for result in evaluate(sample, memory))
@@ -75,20 +77,24 @@ def check_criterion(
         require(bool(np.isfinite(analytic).all()), f"the gradient of {who} is {analytic} at q = {sample.tolist()}")
         require(
             evaluate(sample, memory)[0][0, 0] == value[0],
-            f"{who} is not the same twice at q = {sample.tolist()}",
+            f"{who} has different values in two evaluations at q = {sample.tolist()}",
         )
         _check_gradient(who, robot, sample, analytic, lambda at: float(evaluate(at, memory)[0][0, 0]))
     _check_use(who, criterion, robot, generator)
 
 
 def example_criterion(plugin: type[Criterion], robot: Robot) -> Criterion:
-    """An object of a criterion class, to put a registered class to the test on ``robot``.
+    """An object of a criterion class, to test a registered class on ``robot``.
 
-    A class whose arguments have no defaults offers a classmethod ``example(robot)``; the argument ``obstacles``
-    is known.
+    A class whose arguments have no defaults needs a classmethod ``example(robot)``. The argument ``obstacles`` alone
+    needs none: it gets two circles or spheres.
+
+    Args:
+        plugin: the class.
+        robot: the robot that the object is for.
 
     Raises:
-        ArgumentError: when nothing says how to make one.
+        ArgumentError: when an argument has no default and the class has no ``example``.
     """
     offered = getattr(plugin, "example", None)
     if offered is not None:
@@ -125,7 +131,10 @@ def _check_parameters(who: str, criterion: Criterion, robot: Robot) -> None:
         f"the parameters of {who} change their names: {list(first)}, {list(second)}",
     )
     for name, value in first.items():
-        require(isinstance(name, str) and name != "weight", f"{who} may not call a parameter {name!r}")
+        require(
+            isinstance(name, str) and name != "weight",
+            f"{who} must not name a parameter {name!r}; accepted: any text but 'weight'",
+        )
         array, again = np.asarray(value, dtype=float), np.asarray(second[name], dtype=float)
         require(
             array.ndim <= 2,
@@ -157,12 +166,12 @@ def _check_gradient(who: str, robot: Robot, q: Array, analytic: Array, value: An
 
 
 def _check_use(who: str, criterion: Criterion, robot: Robot, generator: np.random.Generator) -> None:
-    """A solve with it ends, does not raise H on a target already reached, and sees its parameters change."""
+    """A solve with it ends, does not raise H on a target already reached, and doubles H with the weight."""
     start = robot.random_configuration(generator)
     ik = InverseKinematics(robot, FrameTask(robot.tip), criteria=criterion)
     solution = ik.solve(robot.pose(start), q0=start, max_iterations=200)
     require(bool(np.isfinite(solution.q).all()), f"a solve with {who} ends at q = {solution.q}")
-    require(solution.status is not Status.NOT_FINITE, f"a solve with {who} met a value that is not finite")
+    require(solution.status is not Status.NOT_FINITE, f"a solve with {who} ended at a value that is not finite")
     before = ik.solve(robot.pose(start), q0=start, max_iterations=0).cost
     require(
         solution.cost <= before + 1e-6 * max(1.0, abs(before)),

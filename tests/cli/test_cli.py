@@ -299,7 +299,7 @@ def test_trace_is_one_row_an_iteration(capsys: Capture, tmp_path: Path) -> None:
             "solve --robot planar:3 --target 1 1 --criterion joint_centering=much",
             "NAME=WEIGHT, a non-negative number",
         ),
-        ("solve --robot planar:3 --target 1 1 --criterion joint_centering=-1", "given -1.0; accepted: "),
+        ("solve --robot planar:3 --target 1 1 --criterion joint_centering=nan", "weight: given nan"),
         ("solve --robot planar:3 --target 1 1 --criterion obstacle_avoidance", "--circle"),
         ("solve --robot planar:3 --target 1 1 --circle 1 1 -1", "radius"),
         ("solve --robot planar:3 --target 1 1 --point 1", "center"),

@@ -77,7 +77,7 @@ def segment_distance(start, end, center):
 
 
 @pytest.mark.parametrize("bodies", ["joints", "links", "both"])
-def test_bodies_choose_what_is_kept_away(bodies, rng):
+def test_bodies_select_joints_links_or_both(bodies, rng):
     robot, center = planar(4), np.array([1.7, 2.6])
     ik = solver(robot, jtik.Circle(center, 0.1), bodies=bodies)
     for _ in range(10):
@@ -98,17 +98,17 @@ def nearest(robot, q, center):
 
 
 @pytest.mark.parametrize("name", ["planar", "dh", "ball"])
-def test_a_step_against_the_gradient_goes_away_from_the_obstacle(name, rng):
+def test_a_step_against_the_gradient_increases_the_distance(name, rng):
     robot = {"planar": planar(4), "dh": dh_arm(6, 2), "ball": ball_arm()}[name]
     for _ in range(5):
         q = robot.random_configuration(rng)
         beside = robot.position(q, robot.moving_frames[-2]) + 0.02 * rng.standard_normal(robot.dimension)
-        slope = at(solver(robot, jtik.Point(beside)), q).gradient
-        there = robot.integrate(q, -1e-4 * slope / np.linalg.norm(slope))
+        gradient = at(solver(robot, jtik.Point(beside)), q).gradient
+        there = robot.integrate(q, -1e-4 * gradient / np.linalg.norm(gradient))
         assert nearest(robot, there, beside) > nearest(robot, q, beside)
 
 
-def test_a_force_pulls_nothing_towards_a_single_obstacle(rng):
+def test_against_the_gradient_the_product_of_distances_grows(rng):
     """Along -grad H the product of all distances grows, which is what H measures."""
     robot, center = planar(5), np.array([2.0, 1.0])
     ik = solver(robot, jtik.Point(center))
@@ -204,7 +204,7 @@ def test_shapes_are_kept_away_by_their_surfaces(rng):
         assert at(ik, q).gradient == pytest.approx(numeric, abs=10 * DIFFERENCES)
 
 
-def test_shapes_want_a_robot_that_has_some():
+def test_shapes_need_a_robot_with_solids():
     with pytest.raises(jtik.ArgumentError, match="bodies.*no solids that move"):
         solver(dh_arm(3, 2), [jtik.Sphere((1, 0, 0), 0.1)], bodies="shapes")
 
@@ -238,7 +238,7 @@ def test_below_the_floor_the_logarithm_goes_on_as_its_second_order_expansion(flo
 
 @pytest.mark.parametrize("edge", [0.01, 0.0])
 def test_the_potential_is_smooth_across_the_floor_and_the_surface(edge):
-    """Value and force are continuous: no jump for a step to stumble over."""
+    """Value and force are continuous."""
     ik = solver(planar(2), jtik.Circle((0.0, 0.0), 0.5))
     samples = []
     for side in (-1e-7, 1e-7):
@@ -250,16 +250,16 @@ def test_the_potential_is_smooth_across_the_floor_and_the_surface(edge):
     assert samples[0][2] > 50
 
 
-def test_the_solution_keeps_more_clearance_than_without():
+def test_a_solution_has_larger_distances_than_without():
     robot, q0, target = planar(10), np.full(10, 0.1), (6.0, 3.0)
     centering = jtik.criteria["joint_centering"]()
     plain = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=centering).solve(target, q0=q0)
     center = planar_points(plain.q)[4] + (0.05, 0.3)  # beside the elbow of that answer
     avoiding = centering + ObstacleAvoidance(jtik.Circle(center, 0.25), bodies="both")
-    wary = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=avoiding).solve(target, q0=q0)
+    avoided = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=avoiding).solve(target, q0=q0)
     assert plain.converged
-    assert wary.converged
-    clearances = [np.linalg.norm(planar_points(s.q) - center, axis=1).min() - 0.25 for s in (plain, wary)]
+    assert avoided.converged
+    clearances = [np.linalg.norm(planar_points(s.q) - center, axis=1).min() - 0.25 for s in (plain, avoided)]
     assert clearances[1] > clearances[0] + 0.1
 
 

@@ -1,4 +1,4 @@
-"""RowSpace: pseudo-inverse and null space at any rank, judged by numpy's singular values."""
+"""RowSpace: pseudo-inverse and null space at any rank, against numpy's singular values."""
 
 from __future__ import annotations
 
@@ -152,7 +152,7 @@ def test_integer_matrices_of_every_rank(data):
 
 @settings(deadline=None, max_examples=100)
 @given(st.integers(0, 2**32 - 1), st.integers(0, 12))
-def test_the_null_part_moves_nothing_and_is_a_projection(seed, digits):
+def test_the_null_space_part_is_a_projection_and_J_maps_it_to_zero(seed, digits):
     """Moore-Penrose conditions at condition numbers up to 1e6 and at exact rank loss beyond."""
     rng = np.random.default_rng(seed)
     U, _ = np.linalg.qr(rng.standard_normal((3, 3)))

@@ -1,4 +1,4 @@
-"""log: the rotation vector of a rotation matrix, right and differentiable from angle zero to pi."""
+"""log: the rotation vector of a rotation matrix, correct and differentiable from angle zero to pi."""
 
 from __future__ import annotations
 
@@ -53,8 +53,8 @@ def random_axis(rng):
 
 
 def test_agrees_with_scipy_at_random_rotations(rng):
-    for turn in Turn.random(300, random_state=3):
-        assert log(turn.as_matrix()) == pytest.approx(turn.as_rotvec(), abs=EXACT)
+    for rotation_of in Turn.random(300, random_state=3):
+        assert log(rotation_of.as_matrix()) == pytest.approx(rotation_of.as_rotvec(), abs=EXACT)
 
 
 @pytest.mark.parametrize("angle", [1e-2, 1e-4, 1e-6, 1e-8, 1e-12, 1e-15])
@@ -70,13 +70,13 @@ def test_the_identity_has_no_rotation():
 
 
 @pytest.mark.parametrize("gap", [1e-1, 1e-3, 1e-6])
-def test_close_to_a_half_turn(gap, rng):
+def test_close_to_an_angle_of_pi(gap, rng):
     for _ in range(50):
         vector = (np.pi - gap) * random_axis(rng)
         assert log(Turn.from_rotvec(vector).as_matrix()) == pytest.approx(vector, abs=NEAR_PI)
 
 
-def test_a_half_turn_is_about_the_axis_whose_largest_component_is_positive(rng):
+def test_at_pi_it_is_about_the_axis_whose_largest_component_is_positive(rng):
     for _ in range(100):
         axis = random_axis(rng)
         axis *= np.sign(axis[np.argmax(np.abs(axis))])
@@ -84,12 +84,12 @@ def test_a_half_turn_is_about_the_axis_whose_largest_component_is_positive(rng):
 
 
 @pytest.mark.parametrize("axis", np.eye(3))
-def test_a_half_turn_about_a_coordinate_axis(axis):
+def test_at_pi_about_a_coordinate_axis(axis):
     assert log(2 * np.outer(axis, axis) - np.eye(3)) == pytest.approx(np.pi * axis, abs=EXACT)
 
 
 @pytest.mark.parametrize("axis", [(1, 1, 0), (1, 0, -1), (1, 1, 1), (-1, 1, 1)])
-def test_a_half_turn_about_a_diagonal_is_right_up_to_its_sign(axis):
+def test_at_pi_about_a_diagonal_is_correct_up_to_its_sign(axis):
     unit = np.array(axis) / np.linalg.norm(axis)
     found = log(2 * np.outer(unit, unit) - np.eye(3))
     assert np.linalg.norm(found) == pytest.approx(np.pi, abs=EXACT)
@@ -97,7 +97,7 @@ def test_a_half_turn_about_a_diagonal_is_right_up_to_its_sign(axis):
 
 
 @given(st.lists(st.floats(-1, 1), min_size=3, max_size=3), st.floats(0, np.pi - 1e-3))
-def test_log_undoes_the_exponential(direction, angle):
+def test_log_is_the_inverse_of_the_exponential(direction, angle):
     length = np.linalg.norm(direction)
     if length < 1e-3:
         return
@@ -116,7 +116,7 @@ def closed_form_derivative(phi):
 def test_derivative_is_the_inverse_right_jacobian(angle, rng):
     for _ in range(20):
         phi = angle * random_axis(rng)
-        # what the rounded matrix does to the axis near a half turn, NEAR_PI, it does to the derivative
+        # what the rounded matrix does to the axis at angles close to pi, NEAR_PI, it does to the derivative
         assert derivative(Turn.from_rotvec(phi).as_matrix()) == pytest.approx(closed_form_derivative(phi), abs=1e-8)
 
 
@@ -155,10 +155,10 @@ class TestLogRate:
             R = Turn.from_rotvec(vector).as_matrix()
             assert self.rate(vector).full() == pytest.approx(derivative(R) @ R.T, abs=1e-7)
 
-    def test_of_no_turn_is_the_identity(self):
+    def test_at_the_identity_is_the_identity(self):
         assert np.array_equal(self.rate([0, 0, 0]).full(), np.eye(3))
 
-    def test_undoes_the_left_jacobian(self, rng):
+    def test_is_the_inverse_of_the_left_jacobian(self, rng):
         """Closed form: I + (1 - cos a) / a [u] + (1 - sin a / a) [u]^2."""
         for _ in range(100):
             u, a = random_axis(rng), rng.uniform(0.0, np.pi)

@@ -1,4 +1,4 @@
-"""SingularValues: judged by numpy at any rank, and by extended precision where numpy is not accurate enough."""
+"""SingularValues: against numpy at any rank, and against extended precision where numpy is not accurate enough."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def test_components_and_images_need_no_U(shape, kind, rng):
 
 
 def by_extended_precision(J):
-    """sigma by the same turns in long double, turned until nothing changes."""
+    """sigma by the same rotations in long double, repeated until nothing changes."""
     A, tiny = J.astype(np.longdouble), np.finfo(np.longdouble).tiny
     for _ in range(14):
         for p in range(len(A) - 1):
@@ -126,8 +126,8 @@ def by_extended_precision(J):
 @pytest.mark.skipif(np.finfo(np.longdouble).eps > 1e-18, reason="long double is no longer than double here")
 @pytest.mark.parametrize("shape", [(2, 10), (3, 7), (6, 7), (6, 6), (8, 12)])
 @pytest.mark.parametrize("order", [1, -1])
-def test_small_values_of_rows_of_unlike_length_are_relatively_accurate(shape, order, rng):
-    """Metres beside micrometres: twelve orders of magnitude, where numpy's smallest value has three digits or none."""
+def test_small_values_of_graded_rows_are_relatively_accurate(shape, order, rng):
+    """Rows over twelve orders of magnitude, where numpy's smallest value has three digits or none."""
     for _ in range(5):
         J = matrix(rng, shape, "graded")[::order]
         assert svd(J)[1] == pytest.approx(by_extended_precision(J), rel=1e-11)
@@ -157,7 +157,7 @@ def cosines(m, sweeps, rng):
 
 @pytest.mark.parametrize("m", [3, 4, 5, 6])
 def test_the_sweeps_are_as_many_as_needed(m, rng):
-    """For singular vectors orthogonal to working precision however small their singular values; not many more."""
+    """Enough for singular vectors orthogonal to working precision at any singular value, and not many more."""
     assert cosines(m, SWEEPS[m], rng) < ROUNDING
     assert cosines(m, SWEEPS[m] - 2, rng) > ROUNDING
 

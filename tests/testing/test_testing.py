@@ -34,11 +34,11 @@ class TestCriteria:
             check_criterion(criterion, planar(3), samples=5)
         return str(caught.value)
 
-    def test_a_sound_one_passes(self):
+    def test_a_correct_criterion_passes(self):
         check_criterion(Fine(), planar(3))
         check_criterion(jtik.criterion(lambda q, robot: q[0] ** 2), planar(3), samples=3, rng=np.random.default_rng(1))
 
-    def test_what_is_no_criterion(self):
+    def test_an_object_that_is_no_criterion(self):
         assert "must be a jtik.Criterion" in self.complaint("fine")
 
     def test_no_name(self):
@@ -52,7 +52,8 @@ class TestCriteria:
             def value(self, kinematics, parameters):
                 return (kinematics.q[0] - 0.3) ** 2
 
-        assert "never reads its parameter 'frozen.aim'" in self.complaint(Frozen())
+        text = self.complaint(Frozen())
+        assert "never reads its parameter 'frozen.aim'; use the expression in `parameters`, not its first value" in text
 
     def test_parameters_that_change_from_call_to_call(self):
         class Restless(Fine):
@@ -69,7 +70,8 @@ class TestCriteria:
             def parameters(self, robot):
                 return {"weight": 1.0}
 
-        assert "'weight'" in self.complaint(Heavy())
+        expected = "must not name a parameter 'weight'; accepted: any text but 'weight'"
+        assert expected in self.complaint(Heavy())
 
     def test_a_value_that_is_not_finite_somewhere(self):
         class Rooted(Fine):
@@ -87,7 +89,7 @@ class TestCriteria:
             check_criterion(Cusp(), planar(3), samples=[np.zeros(3)])
 
     def test_a_gradient_that_is_not_that_of_the_value(self):
-        """A value that jumps has a gradient that knows nothing of the jumps."""
+        """The derivative of a discontinuous value does not contain its steps."""
 
         class Stairs(Fine):
             def value(self, kinematics, parameters):

@@ -1,1 +1,1 @@
-"""Criteria, one module each."""
+"""The registered criteria, one module each."""

@@ -1,4 +1,4 @@
-"""Joint centering: springs that pull the joints to preferred angles (formulations/joint_centering.md)."""
+"""Joint centering: springs that pull the joints to preferred positions (formulations/joint_centering.md)."""
 
 from __future__ import annotations
 
@@ -8,25 +8,32 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik import Criterion, register_criterion
-from jtik.errors import ArgumentError
-from jtik.robot import Kinematics, Robot
+from jtik.criterion.summary import call_text
+from jtik.errors import ArgumentError, UnknownNameError, finite_array
+from jtik.robot import JointType, Kinematics, Robot
 from jtik.symbolic import Expression, dot
 from jtik.types import Array
 
 
 @register_criterion("joint_centering")
 class JointCentering(Criterion):
-    """H = 1/2 (q - q_preferred)' K (q - q_preferred) over the hinge and slide joints; unit: that of K times [rad^2]
-    or [m^2].
+    """H = 1/2 (q - q_preferred)' K (q - q_preferred) over the revolute and prismatic joints.
 
-    The shaping of the paper's Figure 2.2 is the default: zero angles, K = I. Live parameters:
-    ``joint_centering.stiffness`` (nq,) and ``joint_centering.preferred`` (nq,).
+    The unit of H is that of K times [rad^2] or [m^2]. The defaults, zero angles and K = I, are the shaping of the
+    paper's Figure 2.2. Prefer it to keep an arm close to a posture, or beside a criterion without a minimum.
+
+    Live parameters: ``joint_centering.stiffness`` (nq,) and ``joint_centering.preferred`` (nq,).
 
     Args:
-        stiffness: diagonal of K, a scalar or one value a joint, from 0.
-        preferred: preferred joint values [rad] or [m]; the robot's neutral configuration (zeros within limits) by
-        default.
-        name: how its parameters are addressed.
+        stiffness: non-negative diagonal of K: a scalar, one value for each entry of q (nq,), or a dict by joint name;
+            joints that the dict does not name keep 1.0, the default.
+        preferred: preferred joint positions [rad] or [m], as ``robot.configuration`` accepts a configuration; by
+            default the robot's neutral configuration (zeros within the limits).
+        name: the first part of the names of its parameters.
+
+    Raises:
+        ArgumentError: when a stiffness is negative or not finite, or a size does not fit the robot.
+        UnknownNameError: when the dict of stiffnesses names no revolute or prismatic joint of the robot.
 
     Source: Das, Slotine and Sheridan (1988), (2.2), the term K q~.
     """
@@ -36,25 +43,32 @@ class JointCentering(Criterion):
 
     def __init__(
         self,
-        stiffness: ArrayLike = 1.0,
-        preferred: ArrayLike | None = None,
+        stiffness: ArrayLike | Mapping[str, float] = 1.0,
+        preferred: ArrayLike | Mapping[str, ArrayLike] | None = None,
         *,
         name: str = "joint_centering",
     ) -> None:
-        self._stiffness = _array("stiffness", stiffness)
-        self._preferred = None if preferred is None else _array("preferred", preferred)
+        self._stiffness = _stiffness(stiffness)
+        self._preferred = dict(preferred) if isinstance(preferred, Mapping) else _copied("preferred", preferred)
         self.name = name
-        if not np.all(self._stiffness >= 0):
-            raise ArgumentError("stiffness", stiffness, "values from 0")
+
+    def __repr__(self) -> str:
+        shown = {"stiffness": self._stiffness, "preferred": self._preferred, "name": self.name}
+        if isinstance(self._stiffness, np.ndarray) and np.all(self._stiffness == 1.0):
+            del shown["stiffness"]
+        if self._preferred is None:
+            del shown["preferred"]
+        if self.name == "joint_centering":
+            del shown["name"]
+        return call_text(type(self).__name__, **shown)
 
     def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
-        """Stiffness and preferred configuration, one entry a configuration entry."""
-        preferred = robot.neutral if self._preferred is None else self._preferred
-        if preferred.shape != (robot.nq,):
-            raise ArgumentError("preferred", preferred, f"shape ({robot.nq},), one value a configuration entry")
-        if self._stiffness.shape not in ((), (robot.nq,)):
-            raise ArgumentError("stiffness", self._stiffness, f"a scalar or shape ({robot.nq},)")
-        return {"stiffness": np.broadcast_to(self._stiffness, robot.nq), "preferred": preferred}
+        """Stiffness and preferred configuration, one value for each entry of q."""
+        if self._preferred is None:
+            preferred = robot.neutral
+        else:
+            preferred = robot.configuration(self._preferred, argument="preferred")
+        return {"stiffness": self._stiffness_on(robot), "preferred": preferred}
 
     def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
         """1/2 sum of k_i (q_i - preferred_i)^2."""
@@ -62,10 +76,42 @@ class JointCentering(Criterion):
         away = (kinematics.q - parameters["preferred"])[scalar]
         return 0.5 * dot(parameters["stiffness"][scalar], away**2)
 
+    def _stiffness_on(self, robot: Robot) -> Array:
+        """The stiffness of each entry of q, (nq,)."""
+        if isinstance(self._stiffness, np.ndarray):
+            if self._stiffness.shape not in ((), (robot.nq,)):
+                accepted = f"a scalar, shape ({robot.nq},), or a dict by joint name"
+                raise ArgumentError("stiffness", f"shape {self._stiffness.shape}", accepted)
+            return np.broadcast_to(self._stiffness, robot.nq)
+        scalar_types = (JointType.REVOLUTE, JointType.PRISMATIC)
+        known = [joint.name for joint in robot.independent_joints if joint.type in scalar_types]
+        stiffness = np.ones(robot.nq)
+        for joint, value in self._stiffness.items():
+            if joint not in known:
+                raise UnknownNameError("revolute or prismatic joint", joint, known)
+            stiffness[robot.q_slice(joint)] = value
+        return stiffness
 
-def _array(argument: str, given: ArrayLike) -> Array:
-    """The numbers given. Raises ArgumentError for what is none."""
+
+def _stiffness(given: ArrayLike | Mapping[str, float]) -> Array | dict[str, float]:
+    """A copy of the stiffnesses. Raises ArgumentError where one is negative or not finite."""
+    if isinstance(given, Mapping):
+        named = {str(joint): float(finite_array(f"stiffness[{joint!r}]", each, ())) for joint, each in given.items()}
+        for joint, value in named.items():
+            if value < 0:
+                raise ArgumentError(f"stiffness[{joint!r}]", value, "a non-negative number")
+        return named
+    stiffness = _copied("stiffness", given)
+    if stiffness is None or not np.all((stiffness >= 0) & np.isfinite(stiffness)):
+        raise ArgumentError("stiffness", given, "non-negative numbers")
+    return stiffness
+
+
+def _copied(argument: str, given: ArrayLike | None) -> Array | None:
+    """A copy of the numbers given, or None. Raises ArgumentError for what is not numeric."""
+    if given is None:
+        return None
     try:
         return np.array(given, dtype=float)
     except (TypeError, ValueError):
-        raise ArgumentError(argument, given, "numbers, one for each configuration entry") from None
+        raise ArgumentError(argument, given, "numbers, one for each entry of q, or a dict by joint name") from None

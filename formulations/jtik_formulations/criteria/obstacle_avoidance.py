@@ -1,4 +1,4 @@
-"""Obstacle avoidance: the paper's potential, with the sign that repels (formulations/obstacle_avoidance.md)."""
+"""Obstacle avoidance: the paper's log potential, with the sign that repels (formulations/obstacle_avoidance.md)."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Literal
 from numpy.typing import ArrayLike
 
 from jtik import Criterion, register_criterion
+from jtik.criterion.summary import call_text
 from jtik.errors import ArgumentError, finite_array
 from jtik.geometry import (
     Obstacle,
@@ -21,26 +22,35 @@ from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, fmax, log
 
 _FACTORS = 8
-"""Distances whose product is taken before its logarithm: logarithms are dear, and eight lengths cannot overflow."""
+"""Distances multiplied before one logarithm is taken: logarithms are slow, and a product of eight cannot overflow."""
+
+
+_DEFAULTS = {"gain": 1.0, "bodies": "joints", "floor": 0.01, "name": "obstacle_avoidance"}
+"""What the repr does not show."""
 
 
 @register_criterion("obstacle_avoidance")
 class ObstacleAvoidance(Criterion):
-    """H = -gain * sum of ln d over all joints and all obstacles, d the distance [m] to the obstacle's surface.
+    """H = -gain * sum of ln d over all bodies and all obstacles, d the distance [m] to the obstacle's surface.
 
-    Each joint is pushed away by the force gain / d. Nearer than ``floor``, and inside, the logarithm goes on as its
-    own second-order expansion, so that value and force stay finite and the force still points outwards. Joints alone
-    let links sweep through an obstacle: ``bodies="links"`` takes the closest point of each link, ``"both"`` takes both,
-    and ``"shapes"`` the robot's own solids, as capsules, where it was built with any.
+    The force on each body is gain / d, away from the obstacle. Below ``floor``, and inside an obstacle, the logarithm
+    is continued by its second-order expansion: value and force stay finite, and the force still points outwards.
+    With ``bodies="joints"`` a link can pass through an obstacle that is smaller than the link; prefer ``"links"`` or
+    ``"both"`` there. To guarantee a distance use `jtik.Clearance`.
 
     Live parameters: ``obstacle_avoidance.gain``, ``.centers`` (k, 2 or 3) [m] and ``.radii`` (k,) [m].
 
     Args:
         obstacles: points, circles (planar robots) or spheres.
-        gain: the paper's K_obs; the unit of H.
-        bodies: "joints", "links", "both" or "shapes".
-        floor: distance [m] below which the logarithm is continued.
-        name: how its parameters are addressed.
+        gain: the paper's K_obs, non-negative; the unit of H.
+        bodies: "joints", the frames' origins; "links", the closest point of each link; "both"; or "shapes", the
+            robot's own solids as capsules, for a robot that was built with solids.
+        floor: positive distance [m] below which the logarithm is continued.
+        name: the first part of the names of its parameters.
+
+    Raises:
+        ArgumentError: when there is no obstacle, an argument is out of range, the obstacles do not have the robot's
+            dimension, or the robot has no solids that move.
 
     Source: Das, Slotine and Sheridan (1988), (2.2), the term K_obs, whose printed sign attracts.
     """
@@ -67,12 +77,18 @@ class ObstacleAvoidance(Criterion):
         if bodies not in ("joints", "links", "both", "shapes"):
             raise ArgumentError("bodies", bodies, "'joints', 'links', 'both' or 'shapes'")
         if not self._gain >= 0:
-            raise ArgumentError("gain", gain, "a number from 0")
+            raise ArgumentError("gain", gain, "a non-negative number")
         if not self._floor > 0:
             raise ArgumentError("floor", floor, "a positive length [m]")
 
+    def __repr__(self) -> str:
+        count = len(self._obstacles)
+        values = {"gain": self._gain, "bodies": self._bodies, "floor": self._floor, "name": self.name}
+        changed = {name: value for name, value in values.items() if value != _DEFAULTS[name]}
+        return call_text(type(self).__name__, f"{count} obstacle{'s' * (count != 1)}", **changed)
+
     def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
-        """Gain, centres and radii."""
+        """Gain, centres and radii of the obstacles."""
         centers, radii = centers_and_radii(self._obstacles, robot.dimension)
         return {"gain": self._gain, "centers": centers, "radii": radii}
 
@@ -98,7 +114,7 @@ class ObstacleAvoidance(Criterion):
         return bodies
 
     def body_names(self, robot: Robot) -> list[str]:
-        """What the bodies of `distances` are called, in their order: by their frames."""
+        """Names of the bodies of `distances`, in their order, made of the names of their frames."""
         names = []
         if self._bodies in ("joints", "both"):
             names += list(robot.moving_frames)
@@ -109,7 +125,7 @@ class ObstacleAvoidance(Criterion):
         return names
 
     def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
-        """-gain * sum of ln d, continued below the floor."""
+        """-gain * sum of ln d, continued below the floor by its second-order expansion."""
         logarithms: Expression = 0
         first: Expression = 0
         second: Expression = 0
@@ -126,7 +142,7 @@ class ObstacleAvoidance(Criterion):
 
 
 def _moving_solids(robot: Robot) -> list[tuple[str, Solid]]:
-    """The solids that some joint moves, with their frames. Raises ArgumentError where there is none."""
+    """The solids that a joint moves, with their frames. Raises ArgumentError where there is none."""
     found = []
     for frame, solids in robot.shapes.items():
         if any(joint.is_moving for joint in robot.path(frame)):

@@ -1,0 +1,123 @@
+"""Live parameters of criteria: values by name in the memory that the compiled step reads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, MutableMapping
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from jtik.errors import ArgumentError, UnknownNameError
+from jtik.robot import Robot
+from jtik.symbolic import Expression, reshape, symbol
+from jtik.types import Array
+
+
+class Parametric(Protocol):
+    """An object with a name and live parameters.
+
+    Attributes:
+        name: the first part of the names of its parameters.
+    """
+
+    name: str
+
+    def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
+        """Names and first values of the live parameters on this robot."""
+
+
+class Parameters(MutableMapping[str, Array]):
+    """Live parameters by name. Assigning one changes the compiled step at once; nothing is compiled again.
+
+    A value that is read is a read-only copy: ``parameters["a.b"][0] = 1`` raises ValueError. To change one entry
+    assign the whole value::
+
+        radii = parameters["obstacle_avoidance.radii"].copy()
+        radii[0] = 0.2
+        parameters["obstacle_avoidance.radii"] = radii
+
+    A scalar is accepted for every parameter and fills its whole shape: ``parameters["joint_centering.stiffness"] = 2``.
+
+    Args:
+        values: first values by name: finite scalars, vectors or matrices.
+
+    Attributes:
+        memory: all values in one vector, matrices columns first; the compiled functions read it.
+
+    Raises:
+        ArgumentError: when a value is not finite, not numeric, or has more than two axes.
+        UnknownNameError: when a name is read or assigned that does not exist.
+    """
+
+    def __init__(self, values: Mapping[str, ArrayLike]) -> None:
+        self._shapes: dict[str, tuple[int, ...]] = {}
+        self._slices: dict[str, slice] = {}
+        flat: list[Array] = []
+        start = 0
+        for name, value in values.items():
+            array = _finite(value)
+            if array is None or array.ndim > 2:
+                raise ArgumentError(name, value, "a finite scalar, vector or matrix")
+            self._shapes[name] = array.shape
+            self._slices[name] = slice(start, start + array.size)
+            flat.append(array.ravel(order="F"))
+            start += array.size
+        self.memory: Array = np.concatenate([*flat, np.zeros(0)])
+
+    def __getitem__(self, name: str) -> Array:
+        self._check(name)
+        value = self.memory[self._slices[name]].reshape(self._shapes[name], order="F").copy()
+        value.flags.writeable = False
+        return value
+
+    def __setitem__(self, name: str, value: ArrayLike) -> None:
+        self._check(name)
+        shape = self._shapes[name]
+        array = _finite(value)
+        if array is None or array.shape not in ((), shape):
+            accepted = f"finite numbers of shape {shape}, or one finite number for all of them" if shape else ""
+            raise ArgumentError(name, value, accepted or "one finite number, shape ()")
+        self.memory[self._slices[name]] = array.ravel(order="F")
+
+    def __delitem__(self, name: str) -> None:
+        raise TypeError("parameters can be changed, not removed")
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._slices)
+
+    def __len__(self) -> int:
+        return len(self._slices)
+
+    def __repr__(self) -> str:
+        return "\n".join(f"{name} = {self[name].tolist()}" for name in self) or "no parameters"
+
+    @property
+    def shapes(self) -> Mapping[str, tuple[int, ...]]:
+        """The shape of each parameter by name."""
+        return dict(self._shapes)
+
+    def symbols(self) -> Expression:
+        """One column of symbols for all parameters."""
+        return symbol("parameters", self.memory.size)
+
+    def take(self, column: Expression, name: str) -> Expression:
+        """The expression of one parameter within that column, in its own shape."""
+        shape = (*self._shapes[name], 1, 1)[:2]
+        return reshape(column[self._slices[name]], *shape)
+
+    def _check(self, name: str) -> None:
+        if name not in self._slices:
+            raise UnknownNameError("parameter", name, self._slices)
+
+
+def _finite(value: Any) -> Array | None:
+    """The numbers given as an array of float64; None where they are not numeric or not finite."""
+    try:
+        raw = np.asarray(value)
+    except ValueError:  # a ragged sequence
+        return None
+    if raw.dtype.kind not in "fiub":
+        return None
+    array = np.array(raw, dtype=float)
+    return array if np.isfinite(array).all() else None

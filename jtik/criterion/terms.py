@@ -1,0 +1,67 @@
+"""The criteria of one solver: their weights and parameters in one mapping, their values as expressions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from jtik.criterion.base import Criteria, Criterion, CriterionSum
+from jtik.criterion.parameters import Parameters, Parametric
+from jtik.criterion.tracing import traced
+from jtik.errors import ArgumentError
+from jtik.robot import Kinematics, Robot
+from jtik.symbolic import Expression
+
+
+@dataclass(frozen=True)
+class CriterionTerms:
+    """The criteria of one solver: weights and parameters in one mapping, values as expressions.
+
+    Attributes:
+        robot: the robot.
+        named: (name, weight, criterion) of each criterion.
+        parameters: live parameters, ``"name.weight"`` and ``"name.parameter"``.
+    """
+
+    robot: Robot
+    named: tuple[tuple[str, float, Criterion], ...]
+    parameters: Parameters
+
+    @classmethod
+    def of(cls, robot: Robot, criteria: Criteria, others: Iterable[Parametric] = ()) -> CriterionTerms:
+        """Reads the first value of every parameter, of the criteria and of ``others`` that share the mapping."""
+        named = CriterionSum.of(criteria).named()
+        values: dict[str, ArrayLike] = {}
+        for name, weight, criterion in named:
+            values[f"{name}.weight"] = weight
+            for parameter, value in criterion.parameters(robot).items():
+                values[f"{name}.{parameter}"] = value
+        for other in others:
+            for parameter, value in other.parameters(robot).items():
+                if f"{other.name}.{parameter}" in values:
+                    raise ArgumentError("name", other.name, "a name that no criterion has")
+                values[f"{other.name}.{parameter}"] = value
+        return cls(robot, tuple(named), Parameters(values))
+
+    def own(self, of: Parametric, column: Expression) -> dict[str, Expression]:
+        """The parameters of one of ``others`` within the column of all, in their own shapes."""
+        return {name: self.parameters.take(column, f"{of.name}.{name}") for name in of.parameters(self.robot)}
+
+    def values(self, kinematics: Kinematics, column: Expression) -> list[Expression]:
+        """Weighted value of each criterion.
+
+        Raises:
+            CriterionError: when a criterion cannot be traced, is not scalar, or depends on foreign symbols.
+        """
+        result = []
+        for name, _, criterion in self.named:
+            own = {
+                parameter: self.parameters.take(column, f"{name}.{parameter}")
+                for parameter in criterion.parameters(self.robot)
+            }
+            call = lambda c=criterion, p=own: c.value(kinematics, p)  # noqa: E731
+            H = traced(name, call, (kinematics.q, column))
+            result.append(self.parameters.take(column, f"{name}.weight") * H)
+        return result

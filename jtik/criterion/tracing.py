@@ -1,0 +1,136 @@
+"""Tracing of a criterion: its symbolic value H, and error messages for what CasADi cannot trace."""
+
+from __future__ import annotations
+
+import re
+import traceback
+import warnings
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from jtik.errors import JtikError
+from jtik.symbolic import SX, Expression, is_symbolic, no_silent_float, smooth_numpy_norm, symvar
+
+_LIBRARIES = ("casadi", "numpy", "scipy", "jtik/symbolic")
+"""Parts of file names whose lines an error message does not show: the user's own line is wanted."""
+
+_SVD = "(from jtik.symbolic.svd import SingularValues)"
+_ROWS = "(from jtik.symbolic.factorization import RowSpace)"
+_LINEAR = (
+    "casadi.solve(A, b); solve_ldl(A, b) for a symmetric positive definite A (from jtik.symbolic import solve_ldl)"
+)
+_EIGENVALUES = f"SingularValues(J).squared, the eigenvalues of J J' {_SVD}"
+_LEAST_SQUARES = f"RowSpace(A).least_squares(b).vector {_ROWS}"
+
+_GENERAL = (
+    "Use operations that accept expressions, such as numpy.sin, casadi.norm_2, casadi.fmax and casadi.if_else, "
+    "in place of math functions and of comparisons in `if`"
+)
+_OBJECTS = (
+    "Make matrices of expressions with stack(rows) (from jtik.symbolic import stack); "
+    "numpy.array makes an array of objects, which numpy.linalg does not accept"
+)
+
+REPLACEMENTS = {
+    "svd": f"SingularValues(J).values {_SVD}",
+    "svdvals": f"SingularValues(J).values {_SVD}",
+    "eigvalsh": _EIGENVALUES,
+    "eigh": _EIGENVALUES,
+    "eigvals": _EIGENVALUES,
+    "eig": _EIGENVALUES,
+    "cond": f"the first of SingularValues(J).values divided by the last {_SVD}",
+    "matrix_rank": f"RowSpace(J).rank {_ROWS}",
+    "lstsq": _LEAST_SQUARES,
+    "pinv": _LEAST_SQUARES,
+    "inv": _LINEAR,
+    "solve": _LINEAR,
+    "norm": "norm(v) (from jtik.symbolic import norm)",
+    "det": f"casadi.det(A), or RowSpace(J).volume, which is sqrt(det J J') {_ROWS}",
+    "slogdet": f"casadi.log(casadi.det(A)), or the logarithm of RowSpace(J).volume, which is sqrt(det J J') {_ROWS}",
+    "einsum": "the operators @ and * of expressions",
+    "sort": "casadi.fmin and casadi.fmax",
+    "argmin": "casadi.mmin for the smallest entry",
+    "argmax": "casadi.mmax for the largest entry",
+}
+"""NumPy functions that may fail on expressions, by name, and what to use in their place."""
+
+
+class CriterionError(JtikError):
+    """A criterion that cannot be used: not scalar, not traceable, or made of foreign symbols.
+
+    Attributes:
+        criterion: name of the criterion.
+        reason: what is wrong, and what to do about it.
+    """
+
+    def __init__(self, criterion: str, reason: str) -> None:
+        super().__init__(criterion, reason)
+        self.criterion = criterion
+        self.reason = reason
+
+    def __str__(self) -> str:
+        return f"criterion {self.criterion!r}: {self.reason}"
+
+
+def traced(name: str, call: Callable[[], Any], symbols: Iterable[Expression]) -> Expression:
+    """The scalar expression that ``call`` returns.
+
+    Args:
+        name: name of the criterion, for the error message.
+        call: evaluates the criterion on symbols.
+        symbols: the expressions whose symbols H may depend on.
+
+    Raises:
+        CriterionError: when an operation cannot be traced, H is not scalar, or H depends on other symbols.
+    """
+    H = _scalar(name, _called(name, call))
+    known = {symbol.element_hash() for expression in symbols for symbol in symvar(expression)}
+    foreign = [str(symbol) for symbol in symvar(H) if symbol.element_hash() not in known]
+    if foreign:
+        raise CriterionError(name, f"depends on symbols that are not its own: {', '.join(foreign)}")
+    return H
+
+
+def _called(name: str, call: Callable[[], Any]) -> Any:
+    """What ``call`` returns. An error of a foreign library becomes a CriterionError with the user's line."""
+    try:
+        with warnings.catch_warnings():
+            # numpy.sin(q) is accepted here; CasADi's notice about numpy functions would repeat at every use
+            warnings.filterwarnings("ignore", r"\s*casadi: a numpy function", FutureWarning)
+            with no_silent_float(), smooth_numpy_norm():
+                return call()
+    except JtikError:
+        raise
+    except Exception as error:
+        frames = traceback.extract_tb(error.__traceback__)
+        own = [frame for frame in frames if not any(library in frame.filename for library in _LIBRARIES)]
+        line = (own or frames)[-1]
+        reason = (str(error).strip() or type(error).__name__).splitlines()[0]
+        raise CriterionError(
+            name,
+            f"CasADi cannot trace the operation `{line.line}` (line {line.lineno} of {line.filename}): {reason}. "
+            f"{_advice(line.line or '', reason)}",
+        ) from error
+
+
+def _advice(line: str, reason: str) -> str:
+    """What to use in place of the NumPy functions that the reason, or else the line, names."""
+    general = _OBJECTS if "ufunc" in reason else _GENERAL
+    for text, rest in ((reason, ""), (line, f". {general}")):
+        found = [name for name in REPLACEMENTS if re.search(rf"\b(np|numpy|linalg)\.{name}\b", text)]
+        if found:
+            return "; ".join(f"In place of NumPy's {name} use {REPLACEMENTS[name]}" for name in found) + rest
+    return general
+
+
+def _scalar(name: str, H: Any) -> Expression:
+    """H as an expression of shape (1, 1). Raises CriterionError for anything else."""
+    if not is_symbolic(H):
+        try:
+            H = SX(float(H))
+        except (TypeError, ValueError):
+            raise CriterionError(name, f"must return one scalar expression, not {type(H).__name__}") from None
+    if H.shape != (1, 1):
+        rows, columns = H.shape
+        raise CriterionError(name, f"must return a scalar, not shape ({rows}, {columns}); sum it, or take its norm")
+    return H

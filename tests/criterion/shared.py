@@ -1,0 +1,23 @@
+"""What several tests of criteria use."""
+
+from __future__ import annotations
+
+import jtik
+
+from ..conftest import look
+
+STRATEGIES = sorted(jtik.strategies)
+
+
+@jtik.criterion
+def link_height(q, robot, *, height=0.5):
+    """Squared distance of the third joint's y from a height [m]."""
+    return (robot.position(q, "link3")[1] - height) ** 2
+
+
+def solver(robot, criteria, strategy="hybrid", **options):
+    return jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=criteria, strategy=strategy, **options)
+
+
+def at(ik, q):
+    return look(ik, q, ik.robot.position(q))

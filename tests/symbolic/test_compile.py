@@ -1,0 +1,57 @@
+"""Compiled functions: bound memory, and shared libraries of generated C."""
+
+from __future__ import annotations
+
+import casadi
+import numpy as np
+import pytest
+
+from jtik.symbolic import function, symbol
+from jtik.symbolic.compile import CompiledFunction, CompilerError, bind, library, to_c
+
+
+def example():
+    x, A = symbol("x", 2), symbol("A", 2, 3)
+    return function("example", [x, A], [A.T @ x, casadi.sumsqr(x)])
+
+
+def test_bind_reads_and_writes_the_given_memory():
+    x, A, product, squared = np.array([1.0, 2.0]), np.arange(6.0), np.zeros(3), np.zeros(1)
+    call = bind(example(), [x, A], [product, squared])
+    call()
+    assert product.tolist() == [2, 8, 14]  # the columns of A are (0, 1), (2, 3) and (4, 5)
+    assert squared.tolist() == [5]
+    x[:] = [0.0, 1.0]
+    call()
+    assert product.tolist() == [1, 3, 5]
+
+
+def test_a_compiled_function_returns_new_arrays():
+    call = CompiledFunction(example())
+    A = np.array([[0.0, 2.0, 4.0], [1.0, 3.0, 5.0]])
+    product, squared = call([1.0, 2.0], A)
+    assert product[:, 0].tolist() == [2, 8, 14]
+    call([0.0, 0.0], A)
+    assert squared.tolist() == [[5]]
+
+
+def test_generated_c_gives_the_same_numbers(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    compiled = to_c(example())
+    arguments = ([0.3, -0.7], np.arange(6.0).reshape(2, 3))
+    for ours, theirs in zip(compiled(*arguments), example()(*arguments), strict=True):
+        assert ours.full() == pytest.approx(theirs.full(), rel=1e-15)
+    made = library(example())
+    assert made.path == str(tmp_path / "jtik" / f"{made.name}.so")
+    assert [each.suffix for each in (tmp_path / "jtik").iterdir()] == [".so"]  # compiled once
+
+
+def test_a_compiler_that_fails_is_named_with_its_output(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setenv("CC", "no-such-compiler")
+    with pytest.raises(CompilerError, match="^no-such-compiler -O2: .*No such file") as caught:
+        to_c(example())
+    assert caught.value.command.startswith("no-such-compiler")
+    monkeypatch.setenv("CC", "false")
+    with pytest.raises(CompilerError, match="^false -O2"):
+        to_c(example())
