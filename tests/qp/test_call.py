@@ -28,12 +28,11 @@ class NumpyNewton(Strategy):
 
     def update(self, model, state):
         n = model.robot.n
-        (dq,) = model.compute("inverse", self.inverse, [model.full_J, model.here.residual], [(n, 1)])
+        (dq,) = model.compute("inverse", self.inverse, [model.J, model.here.residual], [(n, 1)])
         if self.program:
             low, high = model.box
             dq = model.solve(QuadraticProgram(P=np.eye(n) + zeros(n, n), q=-dq, lower=low, upper=high, name="same")).x
-        point = model.moved(-dq)
-        return Update(point=point, accepted=1, state={}, term=-dq, wanted=-dq, null_term=zeros(n))
+        return Update(dq)
 
 
 def pinv(arguments):

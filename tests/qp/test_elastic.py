@@ -237,7 +237,7 @@ class Conflicting(Strategy):
         rows = [Rows.equal("soft", casadi.vertcat(*[casadi.SX.eye(n)] * 2), both, elastic)]
         box = casadi.SX([-0.4] * n), casadi.SX([0.4] * n)
         answer = model.solve(QuadraticProgram(1e-6 * casadi.SX.eye(n), casadi.SX(n, 1), *box, rows, name="conflicting"))
-        return Update(model.moved(-answer.x), 1, {}, -answer.x, -answer.x, casadi.SX(n, 1))
+        return Update(answer.x)
 
 
 @pytest.mark.parametrize("solver", ["daqp", QPSolversBackend("daqp"), PersistentOSQP()], ids=str)

@@ -13,7 +13,7 @@ import qpsolvers
 import jtik
 from jtik.qp import BackendError, Conic, PersistentOSQP, QPSolversBackend, QuadraticProgram, Rows, available, backend_of
 from jtik.strategy import Strategy, Update
-from jtik.symbolic import fmax, fmin, has_conic, identity, zeros
+from jtik.symbolic import fmax, fmin, has_conic, identity
 from jtik_formulations import JointCentering, Mink, Newton, ObstacleAvoidance, QPSecondary, SecondOrder, WeightedQP
 
 from ..conftest import planar
@@ -98,7 +98,7 @@ class Faulty(Strategy):
         return True
 
     def update(self, model, state):
-        n, J, r = model.robot.n, model.full_J, model.here.residual
+        n, J, r = model.robot.n, model.J, model.here.residual
         P, (low, high), rows = J.T @ J + 1e-3 * identity(n), model.box, []
         low, high, nan = fmax(low, -0.2), fmin(high, 0.2), casadi.sqrt(-1 - r[0] ** 2)
         if self.mistake == "not convex":
@@ -116,9 +116,8 @@ class Faulty(Strategy):
         if self.mistake == "nan in the box":
             low = low + nan
         dq = model.solve(QuadraticProgram(P=P, q=J.T @ r, lower=low, upper=high, rows=rows, name="mine")).x
-        point = model.moved(-dq)
-        accepted = point.V < model.here.V
-        return Update(point=point, accepted=accepted, state={}, term=-dq, wanted=-dq, null_term=zeros(n))
+        candidate = model.candidate(dq)
+        return Update(dq, accepted=candidate.V < model.here.V, candidate=candidate)
 
 
 MISTAKES = [
