@@ -233,7 +233,7 @@ def test_the_order_of_arguments_differs_between_the_two():
 class TestWrongInput:
     def test_another_robot(self):
         _, model = fixed()
-        with pytest.raises(jtik.ArgumentError, match="hinge joint 'joint1'"):
+        with pytest.raises(jtik.ArgumentError, match="a revolute joint 'joint1'"):
             Correspondence(jtik.Robot.planar(2), model)
 
     def test_no_task_no_limit(self):

@@ -18,7 +18,7 @@ STEP_TOLERANCE = 1e-12
 
 def mjcf(robot):
     """The same tree as MJCF, written from the joints alone; a site marks every frame."""
-    kinds = {"hinge": "hinge", "slide": "slide", "ball": "ball"}
+    kinds = {"revolute": "hinge", "prismatic": "slide", "ball": "ball"}
 
     def numbers(values):
         return " ".join(repr(float(value)) for value in values)
