@@ -29,7 +29,6 @@ from jtik.robot import quaternion
 from jtik.symbolic import SX, Expression, vertcat
 from jtik.types import Array
 
-
 _OLD_MEMBERS = {"HINGE": "REVOLUTE", "SLIDE": "PRISMATIC"}
 _MUJOCO_VALUES = {"hinge": "revolute", "slide": "prismatic"}
 

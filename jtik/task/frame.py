@@ -52,7 +52,7 @@ class FrameTask(PlacementTask):
 
     def geometric_jacobian(self, kinematics: Kinematics) -> Expression:
         """The frame's own."""
-        return kinematics.jacobian(self.frame)
+        return kinematics.plain_jacobian(self.frame)
 
     def placed(self, kinematics: Kinematics) -> tuple[Expression, Expression]:
         """In the base frame."""

@@ -49,4 +49,4 @@ class LookAtTask(PointingTask):
 
     def swing(self, kinematics: Kinematics) -> Expression:
         """Against the motion of the frame's origin."""
-        return -kinematics.jacobian(self.frame)[:3, :]
+        return -kinematics.plain_jacobian(self.frame)[:3, :]

@@ -113,7 +113,7 @@ class PointingTask(WeightedTask):
         u = symbol("u", 3)
         error = turn_onto(self.axis, u)
         rate = substitute(jacobian(error, u), u, seen)
-        turning, swinging = R.T @ kinematics.jacobian(self.frame)[3:, :], R.T @ self.swing(kinematics) / length
+        turning, swinging = R.T @ kinematics.plain_jacobian(self.frame)[3:, :], R.T @ self.swing(kinematics) / length
         J = rate @ (skew(seen) @ turning + swinging - seen @ (seen.T @ swinging))
         return TaskRows(substitute(error, u, seen), (False, False), if_else(none, 0, J))
 

@@ -1,4 +1,4 @@
-"""Kinematics of any robot: Jacobians against differences and automatic derivatives, twins, sharing, cost."""
+"""Kinematics of any robot: Jacobians against differences and automatic derivatives, numbers and symbols, sharing."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation as Turn
 
 from jtik.errors import ArgumentError, JtikError, UnknownNameError
 from jtik.robot import Joint, JointType, Robot
-from jtik.symbolic import function, symbol
+from jtik.symbolic import function, is_equal, symbol
 
 from .conftest import make_arm, pose, poses_of_interest, unit
 
@@ -121,7 +121,8 @@ def test_the_same_symbol_shares_one_kinematics_and_another_does_not():
     assert arm.at(q) is first
     assert arm.at(casadi.SX(q)) is first
     assert arm.at(other) is not first
-    assert first.jacobian() is first.jacobian("tip")
+    assert first.plain_jacobian() is first.plain_jacobian("tip")
+    assert is_equal(first.jacobian(), first.plain_jacobian(), 0)
     assert first.robot is arm
 
 
