@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation as Turn
 
 import jtik
-from jtik.task.pointing import NARROW, across, turn_onto
+from jtik.task.pointing import NARROW, across, rotation_onto
 
 from ..conftest import DIFFERENCES, EXACT, differences, look
 from .conftest import ROBOTS, ball_arm, built, dh_arm, floating_arm, planar, solver
@@ -33,7 +33,7 @@ def away(axis, angle, spin):
 @functools.cache
 def compiled(axis):
     u = casadi.SX.sym("u", 3)
-    error = turn_onto(np.array(axis), u)
+    error = rotation_onto(np.array(axis), u)
     return casadi.Function("turn", [u], [error, casadi.jacobian(error, u)])
 
 
