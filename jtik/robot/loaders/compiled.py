@@ -12,8 +12,8 @@ import numpy as np
 from jtik.errors import RobotFileError
 from jtik.robot.body import Mass
 from jtik.robot.joints import JointType
-from jtik.robot.loaders.description import Description, Follow, Names
 from jtik.robot.loaders.meshes import MeshFile
+from jtik.robot.loaders.robot_description import Follow, Names, RobotDescription
 from jtik.robot.loaders.shapes import solids
 from jtik.robot.loaders.transforms import moved_by, placed, turned_by
 from jtik.robot.tree import Joint
@@ -72,8 +72,8 @@ class ModelReader:
         given = [self._given(kind.mjOBJ_SITE, site) for site in range(model.nsite)]
         self._sites = [self._frames.unique(name or f"site{site}", "site") for site, name in enumerate(given)]
 
-    def read(self) -> Description:
-        """The robot; see `Description`.
+    def read(self) -> RobotDescription:
+        """The robot; see `RobotDescription`.
 
         Raises:
             RobotFileError: when a joint has limits that cannot be used.
@@ -83,7 +83,7 @@ class ModelReader:
             joints += self._chain(body)
             joints += self._marks(body)
         joints[:0] = self._marks(self._root)
-        return Description(
+        return RobotDescription(
             label=self._label,
             name=self._model_name(),
             base=self._bodies[self._root],

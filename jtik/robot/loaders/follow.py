@@ -7,13 +7,13 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from jtik.robot.joints import JointType
-from jtik.robot.loaders.description import Description, Follow
+from jtik.robot.loaders.robot_description import Follow, RobotDescription
 from jtik.robot.loaders.transforms import moved_by, turned_by
 from jtik.robot.tree import Joint, Mimic
 from jtik.types import Array
 
 
-def folded(description: Description) -> Description:
+def folded(description: RobotDescription) -> RobotDescription:
     """The same robot with every `Follow` worked into the joints.
 
     A joint that follows one that follows another follows that other; one that is held, or follows a held one,

@@ -1,4 +1,4 @@
-"""The way from a file, text or a compiled model to a `Description`."""
+"""The way from a file, text or a compiled model to a `RobotDescription`."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ import mujoco
 from jtik.errors import ArgumentError, RobotFileError
 from jtik.robot.joints import JointType
 from jtik.robot.loaders.compiled import ModelReader
-from jtik.robot.loaders.description import Description, Names
 from jtik.robot.loaders.follow import folded
+from jtik.robot.loaders.robot_description import Names, RobotDescription
 from jtik.robot.loaders.source import PathOrText, Source, open_source
 from jtik.robot.loaders.spec import LEAST_MASS, compile_source
 from jtik.robot.loaders.urdf import UrdfTree, read_tree
 from jtik.robot.tree import Joint
 
 
-def load_urdf(path_or_xml: PathOrText, *, free_base: bool) -> Description:
+def load_urdf(path_or_xml: PathOrText, *, free_base: bool) -> RobotDescription:
     """A URDF; see `Robot.from_urdf`."""
     source = open_source(path_or_xml, kind="URDF", root="robot")
     tree = read_tree(source)
@@ -39,7 +39,7 @@ def load_urdf(path_or_xml: PathOrText, *, free_base: bool) -> Description:
     return folded(_on_free_base(description) if free_base else description)
 
 
-def load_mjcf(path_or_xml: PathOrText) -> Description:
+def load_mjcf(path_or_xml: PathOrText) -> RobotDescription:
     """An MJCF; see `Robot.from_mjcf`."""
     source = open_source(path_or_xml, kind="MJCF", root="mujoco")
     compiled = compile_source(source)
@@ -49,7 +49,7 @@ def load_mjcf(path_or_xml: PathOrText) -> Description:
     return folded(replace(read, name=_name(source)))
 
 
-def load_mujoco(model: Any) -> Description:
+def load_mujoco(model: Any) -> RobotDescription:
     """A compiled model; see `Robot.from_mujoco`."""
     if not isinstance(model, mujoco.MjModel):
         raise ArgumentError("model", model, "a mujoco.MjModel")
@@ -67,7 +67,7 @@ def _named(label: str) -> Iterator[None]:
         raise RobotFileError(label, "", str(error)) from error
 
 
-def _some_body(description: Description) -> Description:
+def _some_body(description: RobotDescription) -> RobotDescription:
     if not description.joints:
         raise RobotFileError(description.label, "", "not a robot: it has no body, where at least one is wanted")
     return description
@@ -104,7 +104,7 @@ def _as_stated(joint: Joint, tree: UrdfTree) -> Joint:
     return replace(joint, lower=stated.lower, upper=stated.upper, velocity_limit=stated.velocity_limit)
 
 
-def _on_free_base(description: Description) -> Description:
+def _on_free_base(description: RobotDescription) -> RobotDescription:
     """The same robot with its root on a free joint in a frame "world"."""
     frames, names = Names(), Names()
     frames.reserve([description.base, *(joint.child for joint in description.joints)])

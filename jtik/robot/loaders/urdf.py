@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from xml.etree.ElementTree import Element
 
 from jtik.errors import RobotFileError
-from jtik.robot.loaders.description import Follow
+from jtik.robot.loaders.robot_description import Follow
 from jtik.robot.loaders.source import Source
 
 TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")

@@ -31,7 +31,7 @@ class Follow:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Description:
+class RobotDescription:
     """A robot as read, before the joints that follow others are folded into them.
 
     Attributes:
