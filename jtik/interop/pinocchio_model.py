@@ -9,7 +9,7 @@ import numpy as np
 
 from jtik.errors import ArgumentError
 from jtik.robot import JointType, Robot
-from jtik.robot.loaders.transforms import placed
+from jtik.robot.loaders.transforms import pose_of
 from jtik.types import Array
 
 ROOT = "root_joint"
@@ -80,7 +80,7 @@ class Correspondence:
         for kind, mine, own, _, dof in self._joints:
             block = np.eye(kind.nv)
             if kind is JointType.FREE:
-                block[:3, :3] = placed(np.zeros(3), q[mine][3:])[:3, :3].T
+                block[:3, :3] = pose_of(np.zeros(3), q[mine][3:])[:3, :3].T
             matrix[dof, own] = block
         return matrix
 
