@@ -46,17 +46,17 @@ def _from_names(space: ConfigurationSpace, named: Mapping[str, Any], argument: s
         if name not in known:
             raise UnknownNameError(f"joint in {argument}", name, known)
         if name in own:
-            place = space.q_slice(name)
-            size = place.stop - place.start
+            indices = space.q_slice(name)
+            size = indices.stop - indices.start
             shape = () if size == 1 and np.ndim(value) == 0 else (size,)
-            q[place] = finite_array(f"{argument}[{name!r}]", value, shape)
+            q[indices] = finite_array(f"{argument}[{name!r}]", value, shape)
     _check_quaternions(space, argument, q)
     return q
 
 
 def _check_quaternions(space: ConfigurationSpace, argument: str, q: Array) -> None:
-    for name, place in space.quaternions.items():
-        if not q[place].any():
+    for name, indices in space.quaternions.items():
+        if not q[indices].any():
             given = f"a zero quaternion for joint {name!r}"
             raise ArgumentError(argument, given, "quaternions (w, x, y, z) other than zero")
 

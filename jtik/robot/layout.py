@@ -119,9 +119,9 @@ class Layout:
         high = np.where(np.isfinite(self.upper), self.upper, low + 2 * width)
         low = np.where(np.isfinite(self.lower) | np.isinf(self.upper), low, high - 2 * width)
         q = generator.uniform(low, high)
-        for place in self.quaternions.values():
+        for indices in self.quaternions.values():
             direction = generator.standard_normal(4)
-            q[place] = direction / np.linalg.norm(direction)
+            q[indices] = direction / np.linalg.norm(direction)
         return q
 
 

@@ -233,7 +233,7 @@ class Robot(ConfigurationSpace, Builders):
         for seen, kinematics in self._latest:
             if is_equal(seen, q, 0):
                 return kinematics
-        own = SX(q)  # a copy: an SX can be changed in place
+        own = SX(q)  # a copy, since an SX can be changed in place
         kinematics = Kinematics(self, own)
         self._latest[:] = [(own, kinematics)]
         return kinematics

@@ -69,10 +69,10 @@ def exponential(omega: Expression) -> Expression:
     """The quaternion of a rotation vector ``omega`` [rad], shape (3, 1) -> (4, 1)."""
     square = sumsqr(omega) / 4
     small = square < SERIES_HALF_ANGLE_SQUARED
-    near = if_else(small, square, 0)
+    bounded = if_else(small, square, 0)
     half = sqrt(if_else(small, 1, square))
-    real = if_else(small, _series(_COSINE, near), cos(half))
-    sinc = if_else(small, _series(_SINC, near), sin(half) / half)
+    real = if_else(small, _series(_COSINE, bounded), cos(half))
+    sinc = if_else(small, _series(_SINC, bounded), sin(half) / half)
     return vertcat(real, sinc / 2 * omega)
 
 
@@ -84,8 +84,8 @@ def logarithm(q: Expression) -> Expression:
     small = square < SERIES_TANGENT_SQUARED * w * w
     real = if_else(small, w, 1)
     norm = sqrt(if_else(small, 1, square))
-    near = _series(_ARCTAN, if_else(small, square, 0) / (real * real)) / real
-    return 2 * if_else(small, near, atan2(norm, w) / norm) * v
+    series = _series(_ARCTAN, if_else(small, square, 0) / (real * real)) / real
+    return 2 * if_else(small, series, atan2(norm, w) / norm) * v
 
 
 def integrate(q: Expression, omega: Expression) -> Expression:

@@ -19,19 +19,19 @@ class _RowIndexing:
     """Reads ``A[:3]``, ``A[0]`` and ``A[[0, 2]]`` as rows; ``A[i, j]`` and all operations are CasADi's own."""
 
     def __getitem__(self, index: Any) -> Expression:
-        whole = slice(None)
+        everything = slice(None)
         if isinstance(index, tuple) and len(index) == 2:
             found = super().__getitem__(index)  # type: ignore[misc]
             return found if any(_is_integer(each) for each in index) else by_rows(found)
         if _is_integer(index):
-            return super().__getitem__((int(index), whole))  # type: ignore[misc]
+            return super().__getitem__((int(index), everything))  # type: ignore[misc]
         if isinstance(index, slice):
-            return by_rows(super().__getitem__((index, whole)))  # type: ignore[misc]
+            return by_rows(super().__getitem__((index, everything)))  # type: ignore[misc]
         rows = _integers(index)
         if rows is None:
             accepted = "rows such as J[:3], J[0] or J[[0, 2]], or rows and columns such as J[:3, 0]"
             raise ArgumentError("index", index, accepted)
-        return by_rows(super().__getitem__((rows, whole)))  # type: ignore[misc]
+        return by_rows(super().__getitem__((rows, everything)))  # type: ignore[misc]
 
     @property
     def T(self) -> Expression:

@@ -92,7 +92,7 @@ def test_mimic_joints_follow_the_first_leader_within_its_limits():
 
 def test_a_mimic_joint_whose_leader_does_not_exist_stays_independent_with_a_warning():
     text = urdf(ONE, joint("two", "revolute", "a", "b", LIMIT + '<mimic joint="won"/>'))
-    with pytest.warns(UserWarning, match="joint 'two' stays independent: it mimics 'won', which is no revolute"):
+    with pytest.warns(UserWarning, match="joint 'two' stays independent: it mimics 'won', which is not a revolute"):
         robot = Robot.from_urdf(text)
     assert robot.joint_names == ("one", "two")
 
@@ -210,16 +210,16 @@ def test_files_with_undeclared_prefixes_and_loose_comments_are_read(tmp_path):
         ("<robot/>", "not a robot: it has no link"),
         ("no_such_file.urdf", r"no_such_file\.urdf: No such file or directory; accepted"),
         (urdf(joint("j", "helical", "base", "a")), "joint 'j': unknown type 'helical'; accepted: revolute, continuous"),
-        (urdf(joint("j", "revolute", "base", "z")), "joint 'j': its child 'z' is no link of the file"),
-        (urdf('<joint name="j" type="fixed"><child link="a"/></joint>'), "joint 'j': its parent '' is no link"),
+        (urdf(joint("j", "revolute", "base", "z")), "joint 'j': its child 'z' is not a link of the file"),
+        (urdf('<joint name="j" type="fixed"><child link="a"/></joint>'), "joint 'j': its parent '' is not a link"),
         (urdf(ONE, joint("one", "fixed", "a", "b")), "joint 'one': the name of two joints"),
         (urdf(ONE, joint("", "fixed", "a", "b")), "a <joint>: it has no name"),
         (urdf(ONE, links='<link name="a"/><link name="a"/>'), "link 'a': the name of two links"),
         (urdf(ONE, joint("two", "fixed", "base", "a")), "link 'a': moved by the joints 'one' and 'two'"),
-        (urdf(ONE, links='<link name="x"/>'), "not a tree: the links 'base', 'x' hang on no joint"),
-        ('<robot><link name="a"/>' + joint("j", "fixed", "a", "a") + "</robot>", "not a tree: every link hangs"),
-        (urdf(ONE, joint("two", "fixed", "a", "base")), "link 'a': not a tree: it hangs on itself"),
-        (urdf(ONE, joint("x", "fixed", "b", "c"), joint("y", "fixed", "c", "b")), "not a tree: it hangs on itself"),
+        (urdf(ONE, links='<link name="x"/>'), "not a tree: the links 'base', 'x' have no parent"),
+        ('<robot><link name="a"/>' + joint("j", "fixed", "a", "a") + "</robot>", "not a tree: every link is a child"),
+        (urdf(ONE, joint("two", "fixed", "a", "base")), "link 'a': not a tree: it is its own ancestor"),
+        (urdf(ONE, joint("x", "fixed", "b", "c"), joint("y", "fixed", "c", "b")), "not a tree: it is its own ancestor"),
         (urdf(joint("j", "fixed", "base", "world"), links='<link name="world"/>').replace('<link name="a"/>', ""),
          "link 'world': only the root"),
         (urdf(joint("j", "revolute", "base", "a", '<limit lower="2" upper="1"/>')),

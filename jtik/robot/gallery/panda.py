@@ -7,7 +7,7 @@ import math
 from jtik.robot.gallery.gallery_robot import QUARTER, Fixture, GalleryRobot, Revolute, capsule, chain
 
 # Joints: Franka Control Interface documentation, "Control parameters specifications", table of the
-# Denavit-Hartenberg parameters (Craig's convention, so that every frame sits on its joint) and table of the joint
+# Denavit-Hartenberg parameters (Craig's convention, so that every frame is on its joint) and table of the joint
 # space limits.
 _JOINTS = (
     Revolute("panda_joint1", "panda_link1", (0.0, 0.0, 0.333), (0.0, 0.0, 0.0), -2.8973, 2.8973, 2.1750),

@@ -12,7 +12,7 @@ _SPEED = math.pi
 _RANGES = ((-360, 360), (-118, 120), (-360, 360), (-11, 225), (-360, 360), (-97, 180), (-360, 360))
 
 # UFACTORY, "Kinematic and Dynamic Parameters of UFACTORY xArm Series", table of the modified (Craig's)
-# Denavit-Hartenberg parameters: every frame sits on its joint.
+# Denavit-Hartenberg parameters: every frame is on its joint.
 _ORIGINS = (
     ((0.0, 0.0, 0.267), (0.0, 0.0, 0.0)),
     ((0.0, 0.0, 0.0), (-QUARTER, 0.0, 0.0)),

@@ -1,4 +1,4 @@
-"""Joint couplings of a description, turned into mimic joints and fixed joints."""
+"""Converts the joint couplings of a description to mimic joints and fixed joints."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ def with_mimic_joints(description: RobotDescription) -> RobotDescription:
 
 def motion(joint: Joint, position: float) -> Array:
     """The motion (4, 4) of a revolute or prismatic joint at ``position`` [rad] or [m]."""
-    return (
-        rotation_about(joint.axis, position) if joint.type is JointType.REVOLUTE else translation(position * joint.axis)
-    )
+    if joint.type is JointType.REVOLUTE:
+        return rotation_about(joint.axis, position)
+    return translation(position * joint.axis)
 
 
 def _by_follower(couplings: Iterable[JointCoupling]) -> tuple[dict[str, JointCoupling], list[str]]:

@@ -86,9 +86,8 @@ def _leave_to_xml(spec: Any, tree: UrdfTree) -> None:
         joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
         joint.range = (0.0, 0.0)
         if joint.type == mujoco.mjtJoint.mjJNT_FREE:
-            joint.type = (
-                mujoco.mjtJoint.mjJNT_BALL
-            )  # MuJoCo allows free joints in the world only; `_as_stated` restores it
+            # MuJoCo allows free joints in the world only; `_as_stated` restores the type
+            joint.type = mujoco.mjtJoint.mjJNT_BALL
     for body in spec.bodies:
         if not body.explicitinertial:
             body.explicitinertial, body.mass = True, 0.0

@@ -82,15 +82,15 @@ def read_tree(source: Source) -> UrdfTree:
             problem = f"moved by the joints {joints[joint.child].name!r} and {joint.name!r}, where one is accepted"
             raise RobotFileError(source.label, f"link {joint.child!r}", problem)
         if joint.coupling is not None and joint.coupling.leader not in scalar:
-            leader = f"{joint.coupling.leader!r}, which is no revolute, continuous or prismatic joint"
+            leader = f"{joint.coupling.leader!r}, which is not a revolute, continuous or prismatic joint"
             notes.append(f"joint {joint.name!r} stays independent: it mimics {leader}")
             joint = replace(joint, coupling=None)
         joints[joint.child] = joint
     roots = [link for link in links if link not in joints]
     if not roots:
-        raise RobotFileError(source.label, "", "not a tree: every link hangs on a joint, where one root is wanted")
+        raise RobotFileError(source.label, "", "not a tree: every link is a child; accepted: one root link")
     if len(roots) > 1:
-        problem = f"not a tree: the links {', '.join(map(repr, roots))} hang on no joint, where one root is wanted"
+        problem = f"not a tree: the links {', '.join(map(repr, roots))} have no parent; accepted: one root link"
         raise RobotFileError(source.label, "", problem)
     _check_connected(source, roots[0], joints)
     if "world" in joints:
@@ -109,7 +109,7 @@ def _read_joint(source: Source, element: Element, links: list[str]) -> UrdfJoint
         found = element.find(end)
         link = "" if found is None else found.get("link", "")
         if link not in links:
-            raise RobotFileError(source.label, where, f"its {end} {link!r} is no link of the file")
+            raise RobotFileError(source.label, where, f"its {end} {link!r} is not a link of the file")
         ends.append(link)
     _check_triples(source, where, element)
     lower, upper, speed = _read_limits(source, where, kind, element.find("limit"))
@@ -177,7 +177,7 @@ def _number(
     try:
         value = float(text)
     except ValueError as error:
-        problem = f"{attribute}={text!r} in <{element.tag}> is no number"
+        problem = f"{attribute}={text!r} in <{element.tag}> is not a number"
         raise RobotFileError(source.label, where, problem) from error
     if math.isnan(value) or (finite and math.isinf(value)):
         raise RobotFileError(source.label, where, f"{attribute}={text!r} in <{element.tag}>; accepted: a number")
@@ -189,7 +189,7 @@ def _unique_names(source: Source, tag: str) -> list[str]:
     for element in source.root.findall(tag):
         name = element.get("name", "")
         if not name:
-            raise RobotFileError(source.label, f"a <{tag}>", "it has no name, where every one needs its own")
+            raise RobotFileError(source.label, f"a <{tag}>", "it has no name; accepted: a name of its own")
         if name in names:
             raise RobotFileError(source.label, f"{tag} {name!r}", f"the name of two {tag}s, where each needs its own")
         names[name] = None
@@ -204,7 +204,7 @@ def _check_connected(source: Source, root: str, joints: dict[str, UrdfJoint]) ->
             if above in connected:
                 break
             if above in path:
-                raise RobotFileError(source.label, f"link {above!r}", "not a tree: it hangs on itself")
+                raise RobotFileError(source.label, f"link {above!r}", "not a tree: it is its own ancestor")
             path[above] = None
         connected.update(path)
 
