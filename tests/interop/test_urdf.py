@@ -107,10 +107,10 @@ def test_pinocchio_reads_the_same_robot(name, rng):
 
     robot = jtik.Robot.builtin(name)
     model = pinocchio.buildModelFromXML(to_urdf(robot))
-    places, data = Correspondence(robot, model), model.createData()
+    correspondence, data = Correspondence(robot, model), model.createData()
     for _ in range(3):
         q = robot.random_configuration(rng)
-        pinocchio.framesForwardKinematics(model, data, places.theirs(q))
+        pinocchio.framesForwardKinematics(model, data, correspondence.theirs(q))
         for frame in robot.frame_names:
             # by its name alone, as pink does: a fixed joint must not have the name of a frame
             pose = data.oMf[model.getFrameId(frame)].homogeneous

@@ -1,4 +1,4 @@
-"""URDF descriptions: what the file says is what the robot has. The kinematics of whole robots is in tests/cross."""
+"""URDF descriptions: the robot has what the file states. The kinematics of full robots is tested in tests/cross."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation as Turn
+from scipy.spatial.transform import Rotation
 
 import jtik
 from jtik import JointType, Robot
@@ -32,9 +32,11 @@ SKEW = '<origin xyz="0.1 0.2 0.3" rpy="0.4 0.5 0.6"/><axis xyz="1 2 2"/>'
 ONE = joint("one", "revolute", "base", "a", SKEW + LIMIT)
 
 
-def skew(turn):
+def skew(angle):
     T = np.eye(4)
-    T[:3, :3] = (Turn.from_euler("xyz", [0.4, 0.5, 0.6]) * Turn.from_rotvec(turn * np.array([1, 2, 2]) / 3)).as_matrix()
+    T[:3, :3] = (
+        Rotation.from_euler("xyz", [0.4, 0.5, 0.6]) * Rotation.from_rotvec(angle * np.array([1, 2, 2]) / 3)
+    ).as_matrix()
     T[:3, 3] = 0.1, 0.2, 0.3
     return T
 
@@ -108,16 +110,16 @@ def test_floating_joints_are_free_from_their_origin_anywhere_in_the_tree():
     assert (robot.nq, robot.n) == (8, 7)
     q = np.array([0.2, 0.1, -0.2, 0.3, 0.5, 0.5, -0.5, 0.5])
     moved = np.eye(4)
-    moved[:3, :3], moved[:3, 3] = Turn.from_quat([0.5, -0.5, 0.5, 0.5]).as_matrix(), q[1:4]
+    moved[:3, :3], moved[:3, 3] = Rotation.from_quat([0.5, -0.5, 0.5, 0.5]).as_matrix(), q[1:4]
     assert robot.pose(q, "b") == pytest.approx(skew(0.2) @ skew(0.0) @ moved, abs=EXACT)
 
 
-def test_a_planar_joint_is_two_slides_and_a_hinge():
+def test_a_planar_joint_is_two_prismatic_joints_and_a_revolute_one():
     robot = Robot.from_urdf(urdf(joint("plane", "planar", "base", "a", '<axis xyz="0 0 1"/>')))
     assert robot.joint_names == ("plane_TX", "plane_TY", "plane_RZ")
     T = robot.pose([1.0, 2.0, 0.3], "a")
     assert T[:3, 3] == pytest.approx([1.0, 2.0, 0.0], abs=EXACT)
-    assert T[:3, :3] == pytest.approx(Turn.from_rotvec([0, 0, 0.3]).as_matrix(), abs=EXACT)
+    assert T[:3, :3] == pytest.approx(Rotation.from_rotvec([0, 0, 0.3]).as_matrix(), abs=EXACT)
 
 
 def test_a_free_base_carries_the_root_link():
@@ -160,7 +162,7 @@ def test_masses_are_kept_whatever_the_inertia(moments):
     assert robot.masses["a"].center == pytest.approx([0.1, 0.2, 0.3], abs=EXACT)
 
 
-def test_links_without_inertia_weigh_nothing_even_with_geometry():
+def test_links_without_inertia_have_no_mass_even_with_geometry():
     links = '<link name="a"><collision><geometry><sphere radius="1"/></geometry></collision></link>'
     assert not Robot.from_urdf(urdf(ONE, links=links)).masses
 
@@ -174,13 +176,13 @@ def test_links_without_inertia_weigh_nothing_even_with_geometry():
         (["arm", "stool", "committee"], "committee"),
     ],
 )
-def test_the_tip_is_what_is_called_like_a_tool_else_the_end_of_the_longest_chain(names, tip):
+def test_the_tip_has_the_name_of_a_tool_else_it_ends_the_longest_chain(names, tip):
     joints = [joint(f"j{k}", "revolute", ["base", *names][k], name, LIMIT) for k, name in enumerate(names)]
     links = "".join(f'<link name="{name}"/>' for name in ["base", *names])
     assert Robot.from_urdf(f'<robot name="r">{links}{"".join(joints)}</robot>').tip == tip
 
 
-def test_fingers_that_follow_each_other_are_not_the_tip():
+def test_coupled_fingers_are_not_the_tip():
     arm = [
         ONE,
         joint("flange", "fixed", "a", "b"),
@@ -234,7 +236,7 @@ def test_files_with_undeclared_prefixes_and_loose_comments_are_read(tmp_path):
         (urdf(joint("j", "fixed", "base", "a", '<origin rpy="0 1"/>')), "joint 'j': rpy='0 1' in <origin>; accepted"),
     ],
 )  # fmt: skip
-def test_what_is_no_robot_says_where(text, complaint):
+def test_a_file_that_is_not_a_robot_is_refused_with_the_element(text, complaint):
     with pytest.raises(jtik.RobotFileError, match=complaint):
         Robot.from_urdf(text)
 

@@ -1,4 +1,4 @@
-"""The robot as a value: what it says about itself, that it cannot change, and what it refuses."""
+"""The robot as a value: its properties, its immutability, and the input that it refuses."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def revolute(name, parent, child, **options):
     return Joint(name, JointType.REVOLUTE, parent, child, **options)
 
 
-def test_sizes_names_and_places_of_a_mixed_tree(mixed):
+def test_sizes_names_and_indices_of_a_mixed_tree(mixed):
     assert (mixed.nq, mixed.n) == (7 + 1 + 1 + 4 + 1 + 1 + 1, 6 + 1 + 1 + 3 + 1 + 1 + 1)
     assert mixed.joint_names == ("float", "turret", "boom", "shoulder", "side", "elbow", "wrist")
     assert mixed.frame_names[0] == mixed.base == "world"
@@ -78,12 +78,17 @@ def test_copies_answer_alike_and_stay_frozen(name, again):
     robot = ROBOTS[name]()
     q = robot.random_configuration(3)
     before = robot.jacobian(q)
-    twin = again(robot)
-    assert np.array_equal(twin.jacobian(q), before)
-    assert (twin.name, twin.dimension, twin.base, twin.tip) == (robot.name, robot.dimension, robot.base, robot.tip)
-    assert not twin.joints[0].origin.flags.writeable
-    assert not twin.lower.flags.writeable
-    assert twin.moving_frames == robot.moving_frames
+    copied = again(robot)
+    assert np.array_equal(copied.jacobian(q), before)
+    assert (copied.name, copied.dimension, copied.base, copied.tip) == (
+        robot.name,
+        robot.dimension,
+        robot.base,
+        robot.tip,
+    )
+    assert not copied.joints[0].origin.flags.writeable
+    assert not copied.lower.flags.writeable
+    assert copied.moving_frames == robot.moving_frames
 
 
 def test_robots_compare_by_identity():
@@ -277,7 +282,7 @@ def test_a_subset_locks_the_other_joints_where_they_are(robot):
             assert part.jacobian(own, frame) == pytest.approx(columns, abs=1e-13)
 
 
-def test_a_subset_is_locked_at_neutral_unless_told_and_keeps_the_limits(mixed):
+def test_a_subset_is_locked_at_neutral_by_default_and_keeps_the_limits(mixed):
     part = mixed.subset(["turret", "boom"])
     assert part.lower.tolist() == [-1.0, 0.1]
     assert part.pose(part.neutral) == pytest.approx(mixed.pose(mixed.neutral), abs=1e-14)
@@ -308,9 +313,9 @@ def test_a_missing_extra_says_how_to_get_it():
     ],
 )
 def test_errors_survive_a_process_boundary(error):
-    twin = pickle.loads(pickle.dumps(error))
-    assert str(twin) == str(error)
-    assert vars(twin) == vars(error)
+    copied = pickle.loads(pickle.dumps(error))
+    assert str(copied) == str(error)
+    assert vars(copied) == vars(error)
 
 
 def test_errors_have_one_base():

@@ -99,12 +99,12 @@ class TestTargets:
             for target in targets:
                 assert look(ik, q, target).error == pytest.approx(expected_error(robot, kind, q, pose), abs=1e-11)
 
-    @pytest.mark.parametrize("turns", [-3, -1, 0, 1, 2])
+    @pytest.mark.parametrize("revolutions", [-3, -1, 0, 1, 2])
     @pytest.mark.parametrize(("angle", "target"), [(3.1, -3.1), (-3.1, 3.1), (0.1, -0.1), (1.0, 4.0)])
-    def test_a_planar_angle_has_the_smallest_error(self, angle, target, turns):
+    def test_a_planar_angle_has_the_smallest_error(self, angle, target, revolutions):
         ik = built(planar(2), jtik.FrameTask, "tip", "orientation")
         wanted = (angle - target + np.pi) % (2 * np.pi) - np.pi
-        found = look(ik, [angle + 2 * np.pi * turns, 0.0], target).error[0]
+        found = look(ik, [angle + 2 * np.pi * revolutions, 0.0], target).error[0]
         assert found == pytest.approx(wanted, abs=1e-11)
         assert abs(found) <= np.pi
 

@@ -36,9 +36,9 @@ class TestStiffness:
     @pytest.mark.parametrize(("stiffness", "Kp"), CASES)
     def test_the_transpose_step_goes_along_the_weighted_gradient(self, stiffness, Kp, rng):
         robot = dh_arm(6, 5)
-        law = jtik.strategies["transpose"](q_limit=np.inf, backtracking=False)
+        strategy = jtik.strategies["transpose"](q_limit=np.inf, backtracking=False)
         ik = jtik.InverseKinematics(
-            robot, jtik.FrameTask("tip", "position", stiffness=stiffness), strategy=law, limits=False
+            robot, jtik.FrameTask("tip", "position", stiffness=stiffness), strategy=strategy, limits=False
         )
         q, target = robot.random_configuration(rng), robot.position(robot.random_configuration(rng))
         J = robot.jacobian(q)[:3]
