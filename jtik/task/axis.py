@@ -51,6 +51,6 @@ class AxisTask(PointingTask):
             raise ArgumentError("target", target, accepted)
         return direction / length
 
-    def wanted(self, kinematics: Kinematics, target: Expression) -> Expression:
+    def direction(self, kinematics: Kinematics, target: Expression) -> Expression:
         """The target direction."""
         return target

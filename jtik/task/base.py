@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import warnings
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, symbol
@@ -37,6 +39,17 @@ class Task(ABC):
 
     name: str
     priority: int
+
+    _renamed: ClassVar[Mapping[str, str]] = {}
+    """Old name of a method that subclasses define, to its present name."""
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        for old, new in cls._renamed.items():
+            if old in vars(cls):
+                text = f"{cls.__name__}.{old} is now {cls.__name__}.{new}"
+                warnings.warn(text, DeprecationWarning, stacklevel=2)
+                setattr(cls, new, vars(cls)[old])
 
     @abstractmethod
     def target_size(self, robot: Robot) -> int:

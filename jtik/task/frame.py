@@ -66,6 +66,6 @@ class FrameTask(PlacementTask):
         """The geometric Jacobian of the frame."""
         return kinematics.plain_jacobian(self.frame)
 
-    def placed(self, kinematics: Kinematics) -> tuple[Expression, Expression]:
+    def placement(self, kinematics: Kinematics) -> tuple[Expression, Expression]:
         """The rotation and the position of the frame in the base frame."""
         return kinematics.rotation(self.frame), kinematics.position(self.frame)

@@ -55,10 +55,10 @@ class LookAtTask(PointingTask):
         """The orientation of a pose."""
         return unused_part(target, "position")
 
-    def wanted(self, kinematics: Kinematics, target: Expression) -> Expression:
+    def direction(self, kinematics: Kinematics, target: Expression) -> Expression:
         """The line of sight [m]."""
         return target - kinematics.position(self.frame)
 
-    def swing(self, kinematics: Kinematics) -> Expression:
+    def direction_jacobian(self, kinematics: Kinematics) -> Expression:
         """The negative linear rows of the Jacobian of the frame's origin."""
         return -kinematics.plain_jacobian(self.frame)[:3, :]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from types import MappingProxyType
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -32,9 +33,11 @@ _ACCEPTED_IN_THE_PLANE = {
 class PlacementTask(WeightedTask):
     """Base of tasks on the position p [m] and the rotation R of a frame, in the base or in another frame.
 
-    Error: ``p(q) - p_target`` [m] and the logarithm of ``R_target' R(q)`` [rad]. A subclass defines (R, p) by `placed`.
-    On a planar robot a position is (x, y) and an orientation is one angle, with an error in (-pi, pi].
+    Error: ``p(q) - p_target`` [m] and the logarithm of ``R_target' R(q)`` [rad]. On a planar robot a position is (x, y)
+    and an orientation is one angle, with an error in (-pi, pi]. A subclass defines (R, p) by `placement`.
     """
+
+    _renamed = MappingProxyType({"placed": "placement"})
 
     def __init__(
         self, frame: str, kind: Kind, *, axes: Axes, stiffness: ArrayLike, priority: int, name: str | None
@@ -51,7 +54,7 @@ class PlacementTask(WeightedTask):
         return None
 
     @abstractmethod
-    def placed(self, kinematics: Kinematics) -> tuple[Expression, Expression]:
+    def placement(self, kinematics: Kinematics) -> tuple[Expression, Expression]:
         """The rotation R (3, 3) and the position p [m], (3, 1), or (2, 1) on a planar robot, that the target is for."""
 
     def frames(self, robot: Robot) -> tuple[str, ...]:
@@ -88,7 +91,7 @@ class PlacementTask(WeightedTask):
         """Position rows in the axes of the target's frame of reference, orientation rows in the axes of the target."""
         robot = kinematics.robot
         rows = self._kept(robot)
-        R, p = self.placed(kinematics)
+        R, p = self.placement(kinematics)
         split = 0 if self.kind == "orientation" else robot.dimension
         parts = []
         if self.kind != "orientation":

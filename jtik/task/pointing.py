@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -46,7 +47,7 @@ NARROW = 1e-6
 class PointingTask(WeightedTask):
     """Base of tasks that rotate an axis of a frame to a direction: 2 rows [rad] in space, 1 in the plane.
 
-    A subclass defines the direction by `wanted`.
+    A subclass defines the direction by `direction`.
 
     Args:
         frame: name of the frame.
@@ -58,6 +59,8 @@ class PointingTask(WeightedTask):
     Raises:
         ArgumentError: when the axis is zero or not a direction, or the priority or the stiffness cannot be used.
     """
+
+    _renamed = MappingProxyType({"wanted": "direction", "swing": "direction_jacobian"})
 
     def __init__(
         self,
@@ -81,11 +84,11 @@ class PointingTask(WeightedTask):
         return f"{type(self).__name__}({self.frame!r}, axis={self.axis.tolist()})"
 
     @abstractmethod
-    def wanted(self, kinematics: Kinematics, target: Expression) -> Expression:
+    def direction(self, kinematics: Kinematics, target: Expression) -> Expression:
         """The desired direction in base axes, of any length, (3, 1), or (2, 1) on a planar robot."""
 
-    def swing(self, kinematics: Kinematics) -> Expression:
-        """Derivative of `wanted` with respect to the velocity, (3, n), on a robot in space; zero by default."""
+    def direction_jacobian(self, kinematics: Kinematics) -> Expression:
+        """Derivative of `direction` with respect to the velocity, (3, n), on a robot in space; zero by default."""
         return zeros(3, kinematics.robot.n)
 
     def frames(self, robot: Robot) -> tuple[str, ...]:
@@ -101,7 +104,7 @@ class PointingTask(WeightedTask):
         size = kinematics.robot.dimension
         if size == 2 and self.axis[2] != 0:
             raise ArgumentError("axis", self.axis.tolist(), "an axis in the plane of this planar robot, such as (1, 0)")
-        direction = self.wanted(kinematics, target)
+        direction = self.direction(kinematics, target)
         squared = sumsqr(direction)
         none = squared < MET**2
         length = sqrt(if_else(none, 1, squared))
@@ -113,7 +116,8 @@ class PointingTask(WeightedTask):
         u = symbol("u", 3)
         error = rotation_onto(self.axis, u)
         rate = substitute(jacobian(error, u), u, seen)
-        angular, moving = R.T @ kinematics.plain_jacobian(self.frame)[3:, :], R.T @ self.swing(kinematics) / length
+        angular = R.T @ kinematics.plain_jacobian(self.frame)[3:, :]
+        moving = R.T @ self.direction_jacobian(kinematics) / length
         J = rate @ (skew(seen) @ angular + moving - seen @ (seen.T @ moving))
         return TaskRows(substitute(error, u, seen), (False, False), if_else(none, 0, J))
 

@@ -58,7 +58,7 @@ class RelativeFrameTask(PlacementTask):
         """Empty: the paths of both frames hold joints that carry both, and only the error tells them apart."""
         return ()
 
-    def placed(self, kinematics: Kinematics) -> tuple[Expression, Expression]:
+    def placement(self, kinematics: Kinematics) -> tuple[Expression, Expression]:
         """The rotation and the position of the frame in the reference."""
         R, p = kinematics.relative(self.frame, self.reference)
         return R, p[: kinematics.robot.dimension]

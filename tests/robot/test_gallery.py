@@ -141,3 +141,15 @@ def test_planar_robots_are_those_of_the_builders(name, built):
     assert robot.joint_names == built.joint_names
     q = robot.random_configuration(2)
     assert np.array_equal(robot.pose(q), built.pose(q))
+
+
+def test_old_names_are_aliases():
+    from jtik.robot import loaders
+
+    with pytest.warns(DeprecationWarning, match=r"Description is now jtik.robot.gallery.GalleryRobot$"):
+        assert gallery.Description is gallery.GalleryRobot
+    with pytest.warns(DeprecationWarning, match=r"Description is now jtik.robot.loaders.RobotDescription$"):
+        assert loaders.Description is loaders.RobotDescription
+    for module in (gallery, loaders):
+        with pytest.raises(AttributeError, match="has no attribute 'Table'"):
+            module.Table  # noqa: B018
