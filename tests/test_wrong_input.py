@@ -47,7 +47,7 @@ class TestFiles:
     def test_macros_that_were_not_expanded_are_called_so(self):
         with pytest.raises(jtik.RobotFileError, match="no link.*xacro elements have to be expanded first"):
             jtik.Robot.from_urdf("<robot name='arm'><xacro:arm/></robot>")
-        with pytest.raises(jtik.RobotFileError, match="no link, where at least one is wanted$"):
+        with pytest.raises(jtik.RobotFileError, match="no link; accepted: at least one link$"):
             jtik.Robot.from_urdf("<robot name='arm'/>")
 
     @pytest.mark.parametrize("kind", ["Revolute", "", "screw"])

@@ -69,7 +69,7 @@ def _named(label: str) -> Iterator[None]:
 
 def _some_body(description: RobotDescription) -> RobotDescription:
     if not description.joints:
-        raise RobotFileError(description.label, "", "not a robot: it has no body; accepted: at least one")
+        raise RobotFileError(description.label, "", "not a robot: it has no body; accepted: at least one body")
     return description
 
 

@@ -73,7 +73,7 @@ def read_tree(source: Source) -> UrdfTree:
     if not links:
         macros = any(element.tag.startswith("xacro:") for element in source.root.iter())
         expand = "; its xacro elements have to be expanded first" if macros else ""
-        raise RobotFileError(source.label, "", f"not a robot: it has no link; accepted: at least one{expand}")
+        raise RobotFileError(source.label, "", f"not a robot: it has no link; accepted: at least one link{expand}")
     joints: dict[str, UrdfJoint] = {}
     notes = []
     for element in source.root.findall("joint"):
