@@ -27,7 +27,7 @@ def arm_joints(parent: str, lengths: Array, bounds: Bounds) -> list[Joint]:
     """A planar arm on the frame ``parent``: a revolute joint for each of ``lengths`` (n,) [m], and the tip."""
     limits = _spread(("lower", "upper", "velocity_limit"), bounds, len(lengths))
     joints = []
-    reach = 0.0
+    offset = 0.0
     for index, length in enumerate(lengths, start=1):
         child = f"link{index}"
         low, high, speed = limits[index - 1]
@@ -37,14 +37,14 @@ def arm_joints(parent: str, lengths: Array, bounds: Bounds) -> list[Joint]:
                 JointType.REVOLUTE,
                 parent,
                 child,
-                origin=translation(reach, 0, 0),
+                origin=translation(offset, 0, 0),
                 lower=low,
                 upper=high,
                 velocity_limit=speed,
             )
         )
-        parent, reach = child, float(length)
-    return [*joints, Joint("tip", JointType.FIXED, parent, "tip", origin=translation(reach, 0, 0))]
+        parent, offset = child, float(length)
+    return [*joints, Joint("tip", JointType.FIXED, parent, "tip", origin=translation(offset, 0, 0))]
 
 
 def vehicle_joints(links: object, heading: bool, arm: Bounds, carriage: Bounds) -> list[Joint]:

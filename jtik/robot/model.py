@@ -230,8 +230,8 @@ class Robot(ConfigurationSpace, Builders):
         if not isinstance(q, SX) or q.shape != (self.nq, 1):
             given = f"{type(q).__name__} of shape {getattr(q, 'shape', '?')}"
             raise ArgumentError("q", given, f"a casadi.SX of shape ({self.nq}, 1)")
-        for seen, kinematics in self._latest:
-            if is_equal(seen, q, 0):
+        for latest, kinematics in self._latest:
+            if is_equal(latest, q, 0):
                 return kinematics
         own = SX(q)  # a copy, since an SX can be changed in place
         kinematics = Kinematics(self, own)

@@ -86,15 +86,15 @@ class Rotation:
 
     def then_rotation(self, axis: Array, angle: Expression) -> Rotation:
         """This rotation followed by ``angle`` [rad] about the numeric unit vector ``axis`` (3,)."""
-        seen = snapped(axis if self.constant is None else self.constant @ axis)
+        own = snapped(axis if self.constant is None else self.constant @ axis)
         if self.about is not None:
-            side = float(self.about.axis @ seen)
-            if float(np.linalg.norm(np.cross(self.about.axis, seen))) <= ROUNDING:
+            side = float(self.about.axis @ own)
+            if float(np.linalg.norm(np.cross(self.about.axis, own))) <= ROUNDING:
                 total = self.about.angle + angle if side > 0 else self.about.angle - angle
                 return replace(self, about=AxisRotation.about(self.about.axis, total))
-        if np.count_nonzero(seen) == 1:
+        if np.count_nonzero(own) == 1:
             ahead = replace(self, constant=None)
-            return Rotation(ahead._matrix_or_none(), AxisRotation.about(seen, angle), self.constant)
+            return Rotation(ahead._matrix_or_none(), AxisRotation.about(own, angle), self.constant)
         return Rotation(self._matrix_or_none(), AxisRotation.about(snapped(axis), angle))
 
     def then_matrix(self, matrix: Expression) -> Rotation:

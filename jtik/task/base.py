@@ -76,7 +76,7 @@ class Task(ABC):
         return None
 
     def frames(self, robot: Robot) -> tuple[str, ...]:
-        """The frames that the error depends on; empty where only the error can tell."""
+        """The frames on which the error depends; empty where the joints are read from the error itself."""
         return ()
 
     def plain(self, robot: Robot) -> bool:

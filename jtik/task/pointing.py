@@ -109,17 +109,17 @@ class PointingTask(WeightedTask):
         none = squared < MET**2
         length = sqrt(if_else(none, 1, squared))
         R = kinematics.rotation(self.frame)[:size, :size]
-        seen = if_else(none, vertcat(*self.axis[:size]), R.T @ direction / length)
+        in_frame = if_else(none, vertcat(*self.axis[:size]), R.T @ direction / length)
         if size == 2:
             x, y = self.axis[:2]
-            return TaskRows(atan2(seen[0] * y - seen[1] * x, seen[0] * x + seen[1] * y), (False,))
+            return TaskRows(atan2(in_frame[0] * y - in_frame[1] * x, in_frame[0] * x + in_frame[1] * y), (False,))
         u = symbol("u", 3)
         error = rotation_onto(self.axis, u)
-        rate = substitute(jacobian(error, u), u, seen)
+        rate = substitute(jacobian(error, u), u, in_frame)
         angular = R.T @ kinematics.plain_jacobian(self.frame)[3:, :]
         moving = R.T @ self.direction_jacobian(kinematics) / length
-        J = rate @ (skew(seen) @ angular + moving - seen @ (seen.T @ moving))
-        return TaskRows(substitute(error, u, seen), (False, False), if_else(none, 0, J))
+        J = rate @ (skew(in_frame) @ angular + moving - in_frame @ (in_frame.T @ moving))
+        return TaskRows(substitute(error, u, in_frame), (False, False), if_else(none, 0, J))
 
     def row_count(self, robot: Robot) -> int:
         """1 on a planar robot, else 2."""

@@ -34,7 +34,7 @@ def reduced(
     named = (joints,) if isinstance(joints, str) else joints
     chosen = moving if named is None else robot.joint_names if joints == "all" else tuple(named)
     if not set(chosen) & set(moving):
-        raise ArgumentError("joints", list(chosen), f"at least one that moves what the tasks are about: {list(moving)}")
+        raise ArgumentError("joints", list(chosen), f"at least one on which the tasks depend: {list(moving)}")
     if set(chosen) == set(robot.joint_names):
         return robot, stack
     part = robot.subset(chosen, at=at)

@@ -55,7 +55,7 @@ class RelativeFrameTask(PlacementTask):
         return f"RelativeFrameTask({self.frame!r}, {self.reference!r}, kind={self.kind!r})"
 
     def frames(self, robot: Robot) -> tuple[str, ...]:
-        """Empty: the paths of both frames hold joints that carry both, and only the error tells them apart."""
+        """Empty: joints that carry both frames do not count, so the joints are read from the error itself."""
         return ()
 
     def placement(self, kinematics: Kinematics) -> tuple[Expression, Expression]:

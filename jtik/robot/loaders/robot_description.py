@@ -86,12 +86,12 @@ class Names:
         """Reserve the names of a file, so that no generated name equals one of them."""
         self._taken.update(name for name in names if name)
 
-    def unique(self, wanted: str, suffix: str = "") -> str:
-        """``wanted`` when it is free, else with " (suffix)" or a number appended."""
-        candidates = [wanted, f"{wanted} ({suffix})"] if suffix else [wanted]
+    def unique(self, preferred: str, suffix: str = "") -> str:
+        """``preferred`` when it is free, else with " (suffix)" or a number appended."""
+        candidates = [preferred, f"{preferred} ({suffix})"] if suffix else [preferred]
         number = 2
         while candidates[0] in self._taken:
-            candidates = candidates[1:] or [f"{wanted} ({suffix} {number})" if suffix else f"{wanted} ({number})"]
+            candidates = candidates[1:] or [f"{preferred} ({suffix} {number})" if suffix else f"{preferred} ({number})"]
             number += 1
         self._taken.add(candidates[0])
         return candidates[0]

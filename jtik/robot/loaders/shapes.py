@@ -51,8 +51,8 @@ def _solid(model: Any, geom: int, meshes: Mapping[int, MeshFile]) -> Solid | Non
 
 def _along(pose: Array, axis: int, half: float) -> tuple[Array, Array]:
     """Ends (3,) [m] of the segment of length 2 ``half`` on an axis of ``pose``, about its origin."""
-    reach = half * pose[:3, axis]
-    return pose[:3, 3] - reach, pose[:3, 3] + reach
+    vector = half * pose[:3, axis]
+    return pose[:3, 3] - vector, pose[:3, 3] + vector
 
 
 def _sphere(pose: Array, size: Array) -> Solid:

@@ -58,8 +58,8 @@ def open_source(path_or_xml: PathOrText, *, kind: str, root: str) -> Source:
     try:
         content = path.read_bytes()
     except OSError as error:
-        wanted = f"the path of a file that can be read, or {kind} text, which starts with '<'"
-        raise RobotFileError(label, "", f"{error.strerror or error}; accepted: {wanted}") from error
+        accepted = f"the path of a file that can be read, or {kind} text, which starts with '<'"
+        raise RobotFileError(label, "", f"{error.strerror or error}; accepted: {accepted}") from error
     return _checked(Source(label, path, None, _parsed(label, content)), kind, root)
 
 
