@@ -95,7 +95,9 @@ class TestSubsets:
             jtik.InverseKinematics(wrist, jtik.FrameTask("panda_link3"))
         with pytest.raises(jtik.ArgumentError, match=r"joints: given \['panda_joint6'\]; accepted: .*'panda_joint3'\]"):
             jtik.InverseKinematics(PANDA, jtik.FrameTask("panda_link3"), joints=["panda_joint6"])
-        with pytest.raises(jtik.ArgumentError, match=r"joints: given \[\]; accepted: at least one on which the tasks depend"):
+        with pytest.raises(
+            jtik.ArgumentError, match=r"joints: given \[\]; accepted: at least one on which the tasks depend"
+        ):
             jtik.InverseKinematics(PANDA, jtik.FrameTask("tip"), joints=[])
 
     def test_one_joint_may_come_without_a_list(self):
