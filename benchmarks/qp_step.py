@@ -89,7 +89,6 @@ def _joint(joint: jtik.Joint) -> str:
     rpy = (np.arctan2(R[2, 1], R[2, 2]), np.arcsin(np.clip(-R[2, 0], -1, 1)), np.arctan2(R[1, 0], R[0, 0]))
     xyz, turn, axis = (" ".join(repr(float(x)) for x in values) for values in (p, rpy, joint.axis))
     name = joint.name if joint.is_moving else f"{joint.name} mount"  # a frame of pink's must not be called like a joint
-    kind = {"hinge": "revolute", "slide": "prismatic", "fixed": "fixed"}[joint.type.value]
     limit = ""
     if joint.is_moving:
         limit = (
@@ -97,7 +96,7 @@ def _joint(joint: jtik.Joint) -> str:
         )
     ends = f'<parent link="{joint.parent}"/><child link="{joint.child}"/>'
     return (
-        f'<joint name="{name}" type="{kind}">{ends}<origin xyz="{xyz}" rpy="{turn}"/>'
+        f'<joint name="{name}" type="{joint.type.value}">{ends}<origin xyz="{xyz}" rpy="{turn}"/>'
         f'<axis xyz="{axis}"/>{limit}</joint>'
     )
 

@@ -1,4 +1,4 @@
-"""Shapes in the workspace and signed distances to them, as CasADi expressions."""
+"""Solids in the workspace and on the links of a robot, and signed distances to them as CasADi expressions."""
 
 from __future__ import annotations
 
@@ -16,12 +16,17 @@ from jtik.types import Array
 
 
 class Solid:
-    """A body in the workspace, or on a link of a robot in the coordinates of its frame."""
+    """Base of the solids: in the workspace, or on a link of a robot in the coordinates of its frame."""
 
 
 @dataclass(frozen=True, init=False, eq=False)
 class Ball(Solid):
-    """All points within ``radius`` [m] of ``center`` [m]; radius 0 is a point. Circle in the plane, Sphere in space."""
+    """Base of `Point`, `Circle` and `Sphere`: all points within a radius of a centre.
+
+    Attributes:
+        center: centre (2,) in the plane or (3,) in space [m].
+        radius: non-negative radius [m]; 0 is a point.
+    """
 
     center: Array
     radius: float
@@ -35,7 +40,7 @@ class Ball(Solid):
             raise ArgumentError("center", center, f"finite coordinates [m] of shape {sizes}")
         length = float(finite_array("radius", radius, ()))
         if length < 0:
-            raise ArgumentError("radius", radius, "a finite length [m] from 0")
+            raise ArgumentError("radius", radius, "a non-negative finite length [m]")
         array.setflags(write=False)
         object.__setattr__(self, "center", array)
         object.__setattr__(self, "radius", length)
@@ -45,27 +50,58 @@ class Ball(Solid):
 
 
 class Point(Ball):
-    """A point obstacle, as in the paper, in the plane or in space."""
+    """A point obstacle, in the plane or in space.
+
+    Args:
+        center: position (2,) or (3,) [m].
+
+    Raises:
+        ArgumentError: when the position is not finite or has another shape.
+
+    Source: Das, Slotine and Sheridan 1988.
+    """
 
     def __init__(self, center: ArrayLike) -> None:
         super().__init__(center, 0.0)
 
 
 class Circle(Ball):
-    """A disc in the plane of a planar robot: center (2,) [m] and radius [m]."""
+    """A disc in the plane of a planar robot.
+
+    Args:
+        center: centre (2,) [m].
+        radius: non-negative radius [m].
+
+    Raises:
+        ArgumentError: when a number is not finite, the radius is negative, or the centre has another shape.
+    """
 
     dimensions = (2,)
 
 
 class Sphere(Ball):
-    """A ball in space: center (3,) [m] and radius [m]."""
+    """A ball in space.
+
+    Args:
+        center: centre (3,) [m].
+        radius: non-negative radius [m].
+
+    Raises:
+        ArgumentError: when a number is not finite, the radius is negative, or the centre has another shape.
+    """
 
     dimensions = (3,)
 
 
 @dataclass(frozen=True, eq=False)
 class _Rounded(Solid):
-    """A segment with a radius: ends (3,) [m] and radius [m]."""
+    """Base of the solids around a segment.
+
+    Attributes:
+        start: start of the segment, (3,) [m].
+        end: end of the segment, (3,) [m].
+        radius: positive radius [m].
+    """
 
     start: Array
     end: Array
@@ -81,16 +117,42 @@ class _Rounded(Solid):
 
 
 class Capsule(_Rounded):
-    """All points within ``radius`` [m] of the segment from ``start`` to ``end``, (3,) [m] each."""
+    """All points within a radius of a segment.
+
+    Args:
+        start: start of the segment, (3,) [m].
+        end: end of the segment, (3,) [m].
+        radius: positive radius [m].
+
+    Raises:
+        ArgumentError: when a number is not finite, the radius is not positive, or an end has another shape.
+    """
 
 
 class Cylinder(_Rounded):
-    """A cylinder with flat ends: the ends of its axis ``start`` and ``end``, (3,) [m], and its ``radius`` [m]."""
+    """A cylinder with flat ends.
+
+    Args:
+        start: start of its axis, (3,) [m].
+        end: end of its axis, (3,) [m].
+        radius: positive radius [m].
+
+    Raises:
+        ArgumentError: when a number is not finite, the radius is not positive, or an end has another shape.
+    """
 
 
 @dataclass(frozen=True, eq=False)
 class Box(Solid):
-    """A box: the pose (4, 4) [m] of its centre, axes along its edges, and half of each edge's length, (3,) [m]."""
+    """A box.
+
+    Attributes:
+        pose: pose (4, 4) [m] of its centre, with axes along its edges.
+        half: half of the length of each edge, (3,) [m].
+
+    Raises:
+        ArgumentError: when a number is not finite, a length is not positive, or an argument has another shape.
+    """
 
     pose: Array
     half: Array
@@ -107,7 +169,14 @@ class Box(Solid):
 
 
 def enclosing_segment(solid: Solid) -> tuple[Array, Array, float]:
-    """Ends (3,) [m] and radius [m] of a capsule that holds the solid: the tightest one about its longest axis."""
+    """The smallest capsule around a solid about its longest axis.
+
+    Returns:
+        The ends of its axis, (3,) [m] each, and its radius [m].
+
+    Raises:
+        ArgumentError: when ``solid`` is not a Sphere, Capsule, Cylinder or Box.
+    """
     if isinstance(solid, _Rounded):
         return solid.start, solid.end, solid.radius
     if isinstance(solid, Ball):
@@ -115,9 +184,9 @@ def enclosing_segment(solid: Solid) -> tuple[Array, Array, float]:
         return center, center, solid.radius
     if isinstance(solid, Box):
         longest = int(np.argmax(solid.half))
-        reach = solid.half[longest] * solid.pose[:3, longest]
-        across = float(np.linalg.norm(np.delete(solid.half, longest)))
-        return solid.pose[:3, 3] - reach, solid.pose[:3, 3] + reach, across
+        axis = solid.half[longest] * solid.pose[:3, longest]
+        radius = float(np.linalg.norm(np.delete(solid.half, longest)))
+        return solid.pose[:3, 3] - axis, solid.pose[:3, 3] + axis, radius
     raise ArgumentError("solid", solid, "a jtik.Sphere, Capsule, Cylinder or Box")
 
 
@@ -137,23 +206,27 @@ Obstacle: TypeAlias = Ball
 
 
 def centers_and_radii(obstacles: Iterable[Obstacle], dimension: int) -> tuple[Array, Array]:
-    """Centres (k, dimension) and radii (k,) of obstacles. Raises ArgumentError for shapes of another dimension."""
+    """Centres (k, dimension) [m] and radii (k,) [m] of obstacles.
+
+    Raises:
+        ArgumentError: when one is not a point, circle or sphere of that dimension.
+    """
     chosen = list(obstacles)
     for obstacle in chosen:
         if not isinstance(obstacle, Ball) or obstacle.center.shape != (dimension,):
-            wanted = "jtik.Point or jtik.Circle with center (2,)" if dimension == 2 else "jtik.Point or jtik.Sphere"
-            raise ArgumentError("obstacles", obstacle, f"{wanted} on this {dimension}-dimensional robot")
+            accepted = "jtik.Point or jtik.Circle with center (2,)" if dimension == 2 else "jtik.Point or jtik.Sphere"
+            raise ArgumentError("obstacles", obstacle, f"{accepted} on this {dimension}-dimensional robot")
     centers = np.array([obstacle.center for obstacle in chosen]).reshape(-1, dimension)
     return centers, np.array([obstacle.radius for obstacle in chosen])
 
 
 def point_to_ball(point: Expression, center: Expression, radius: Expression) -> Expression:
-    """Signed distance [m] from a point to a ball's surface; negative inside."""
+    """Signed distance [m] from a point to the surface of a ball; negative inside."""
     return norm(point - center) - radius
 
 
 def segment_to_ball(start: Expression, end: Expression, center: Expression, radius: Expression) -> Expression:
-    """Signed distance [m] from the closest point of a segment to a ball's surface; negative inside."""
+    """Signed distance [m] from the closest point of a segment to the surface of a ball; negative inside."""
     along = end - start
     parameter = fmin(fmax(dot(center - start, along) / (sumsqr(along) + TINY), 0), 1)
     return point_to_ball(start + parameter * along, center, radius)

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation as Turn
+from scipy.spatial.transform import Rotation
 
 import jtik
 from jtik.robot import JointType
@@ -19,12 +19,12 @@ DIFFERENCES = 1e-6
 """Central differences with step 1e-5: truncation 1e-10 and rounding 2e-11, times third derivatives up to 1e4."""
 
 ACCEPTED_RISE = 1e-13
-"""Relative rise of V that is rounding of its evaluation, not a rise."""
+"""Relative rise of V that is a rounding error of its evaluation."""
 
 
 @functools.cache
 def planar(n, **options):
-    """The same arm again for the same arguments: a robot compiles its kinematics once."""
+    """A planar arm, cached by its arguments: a robot compiles its kinematics once."""
     return jtik.Robot.planar(n, **options)
 
 
@@ -48,14 +48,14 @@ def dh_arm(n=7, seed=0, limit=math.inf):
 
 def _pose(translation, rotvec=(0.0, 0.0, 0.0)):
     pose = np.eye(4)
-    pose[:3, :3] = Turn.from_rotvec(rotvec).as_matrix()
+    pose[:3, :3] = Rotation.from_rotvec(rotvec).as_matrix()
     pose[:3, 3] = translation
     return pose
 
 
 @functools.cache
 def ball_arm():
-    """Shoulder and wrist are ball joints, between them an elbow and a limited slide: nq = 10, n = 8."""
+    """Shoulder and wrist are ball joints, between them an elbow and a limited prismatic joint: nq = 10, n = 8."""
     y = np.array([0.0, 1.0, 0.0])
     return jtik.Robot(
         [
@@ -86,7 +86,7 @@ def floating_arm():
 
 
 def look(ik, q, target):
-    """What the solver says of the configuration ``q``: a Solution without a single step."""
+    """The solver's report on the configuration ``q``: a Solution of no iterations."""
     return ik.solve(target, q0=q, max_iterations=0)
 
 

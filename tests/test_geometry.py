@@ -21,24 +21,24 @@ def evaluate(distance, *arguments):
     value = distance(*symbols)
     everything = casadi.vertcat(*symbols[:-1])
     function = casadi.Function("distance", symbols, [value, casadi.gradient(value, everything)])
-    value, slope = function(*arguments)
-    return float(value), slope.full()[:, 0]
+    value, gradient = function(*arguments)
+    return float(value), gradient.full()[:, 0]
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_point_to_ball(dimension, rng):
     for _ in range(20):
         point, center = rng.standard_normal((2, dimension))
-        value, slope = evaluate(point_to_ball, point, center, 0.3)
+        value, gradient = evaluate(point_to_ball, point, center, 0.3)
         away = point - center
         assert value == pytest.approx(np.linalg.norm(away) - 0.3, abs=EXACT)
-        assert slope[:dimension] == pytest.approx(away / np.linalg.norm(away), abs=EXACT)
+        assert gradient[:dimension] == pytest.approx(away / np.linalg.norm(away), abs=EXACT)
 
 
-def test_at_its_centre_a_ball_is_entered_by_its_radius_and_pushes_nowhere():
-    value, slope = evaluate(point_to_ball, [1.0, 2.0], [1.0, 2.0], 0.5)
+def test_at_its_centre_a_ball_has_minus_its_radius_and_no_gradient():
+    value, gradient = evaluate(point_to_ball, [1.0, 2.0], [1.0, 2.0], 0.5)
     assert value == pytest.approx(-0.5, abs=EXACT)
-    assert np.isfinite(slope).all()
+    assert np.isfinite(gradient).all()
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -59,9 +59,9 @@ def test_segment_to_ball_finds_the_closest_point(dimension, rng):
 @pytest.mark.parametrize("center", [(0.5, 0.0), (0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (-1.0, 0.0), (0.5, 1.0)])
 def test_segment_to_ball_and_its_derivative_are_finite_everywhere(center):
     for end in ((1.0, 0.0), (0.0, 0.0)):
-        value, slope = evaluate(segment_to_ball, (0.0, 0.0), end, center, 0.1)
+        value, gradient = evaluate(segment_to_ball, (0.0, 0.0), end, center, 0.1)
         assert np.isfinite(value)
-        assert np.isfinite(slope).all()
+        assert np.isfinite(gradient).all()
 
 
 def test_a_segment_of_length_zero_is_a_point():
@@ -174,7 +174,7 @@ def test_solids_are_checked(build, argument):
         jtik.Box(np.eye(4), (1, 1, 1)),
     ],
 )
-def test_solids_travel(solid):
+def test_solids_survive_pickling(solid):
     again = pickle.loads(pickle.dumps(solid))
     assert type(again) is type(solid)
     assert repr(again) == repr(solid)

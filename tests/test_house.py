@@ -165,9 +165,7 @@ def test_formulations_use_what_a_third_party_could_use() -> None:
     assert private >= PRIVATE, "remove from PRIVATE what is done"
 
 
-@pytest.mark.parametrize(
-    "module", ["symbolic", "strategy", "qp", "robot", "task", "testing", "interop"]
-)
+@pytest.mark.parametrize("module", ["symbolic", "strategy", "qp", "robot", "task", "testing", "interop"])
 def test_what_third_parties_import_still_imports(module: str) -> None:
     assert importlib.import_module(f"jtik.{module}").__doc__
 

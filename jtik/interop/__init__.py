@@ -1,1 +1,1 @@
-"""Bridges to other libraries, in both directions: `jtik.interop.mink` and `jtik.interop.pink`."""
+"""Conversion to and from other libraries: `jtik.interop.mink`, `jtik.interop.pink` and `jtik.interop.urdf`."""

@@ -1,7 +1,7 @@
-"""jtik and mink, both ways: a criterion as a task of mink's, a task or limit of mink's for jtik, robots as its models.
+"""Conversion between jtik and mink: criteria as mink tasks, mink tasks and limits for jtik, robots as MuJoCo models.
 
-mink minimises over the displacement dq of a step; what it calls a limit is ``G dq <= h``. Pass its functions their
-arguments by keyword: ``limits`` stands where pink has ``barriers``, and None means "position limits only", not none.
+mink minimises over the displacement dq of a step; its limits are ``G dq <= h``. Pass arguments to its functions by
+keyword: ``limits`` has the position of pink's ``barriers``, and None means "position limits only".
 """
 
 from __future__ import annotations
@@ -34,13 +34,16 @@ __all__ = [
 
 
 class CriterionTask(BaseTask):
-    """A jtik criterion as a task of mink's: beside other tasks a weighted one, below ``constraints`` a strict second.
+    """A jtik criterion as a mink task, made by `criterion_task`.
 
-    Its objective is 1/2 dq' P dq + gain dH' dq with P the identity, which makes the strict form Newton's step with
-    the null-space projection, or with P the convex part of gain times the Hessian.
+    Next to other tasks it is weighted against them; with the tasks as ``constraints`` it has strictly lower priority.
+    Its objective is 1/2 dq' P dq + gain dH' dq. With P the identity the strict form is Newton's step with the
+    null-space projection; alternatively P is the convex part of gain times the Hessian.
 
     Attributes:
         parameters: live parameters of the criterion by name.
+        gain: beta, the factor of the gradient.
+        curvature: "identity" or "convex", the choice of P.
     """
 
     def __init__(
@@ -49,17 +52,17 @@ class CriterionTask(BaseTask):
         checked(gain, curvature)
         self.gain, self.curvature = float(gain), curvature
         self._numbers = CriterionNumbers(criterion, robot)
-        self._places = Correspondence(robot, model)
+        self._correspondence = Correspondence(robot, model)
         self.parameters = self._numbers.parameters
 
     def value(self, configuration: mink.Configuration) -> float:
-        """H at mink's configuration; ``Objective.value`` of mink 1.3 omits the half of its quadratic part."""
-        return self._numbers.value(self._places.q(configuration.q))
+        """H at a mink configuration; ``Objective.value`` of mink 1.3 omits the factor 1/2 of the quadratic part."""
+        return self._numbers.value(self._correspondence.q(configuration.q))
 
     def compute_qp_objective(self, configuration: mink.Configuration) -> Objective:
-        """(P, gain dH) in the model's velocities; joints the robot lacks are not touched."""
-        P, c = self._numbers.objective(self._places.q(configuration.q), self.gain, self.curvature)
-        leads = self._places.leads
+        """(P, gain dH) in the velocities of the model; entries of joints that the robot does not have are zero."""
+        P, c = self._numbers.objective(self._correspondence.q(configuration.q), self.gain, self.curvature)
+        leads = self._correspondence.leads
         return Objective(leads @ P @ leads.T, leads @ c)
 
 
@@ -75,29 +78,29 @@ def criterion_task(
 
     Args:
         criterion: a criterion or a weighted sum.
-        robot: the robot it is about, with the joints of the model or some of them.
+        robot: the robot of the criterion, with all or some of the joints of the model.
         model: the ``mujoco.MjModel``: the one the robot was read from, or `to_mujoco` of it.
-        gain: beta, how far down H a step goes.
+        gain: beta, the factor of the gradient of H.
         curvature: "identity", or "convex" for the Hessian of H without its negative part.
 
     Raises:
-        ArgumentError: when the gain is not positive, or the model lacks a joint of the robot.
+        ArgumentError: when the gain is not positive, or the model does not have a joint of the robot.
     """
     return CriterionTask(criterion, robot, model, gain=gain, curvature=curvature)
 
 
 class TaskCriterion:
-    """H = 1/2 e' W^2 e of a task of mink's, as numbers on a jtik robot; see `as_criterion`."""
+    """H = 1/2 e' W^2 e of a mink task, evaluated on a jtik robot; made by `as_criterion`."""
 
     def __init__(self, task: BaseTask, robot: Robot, model: Any) -> None:
         if not isinstance(task, BaseTask):
             raise ArgumentError("task", task, "a mink task")
         self._task, self._robot = task, robot
-        self._places = Correspondence(robot, model)
+        self._correspondence = Correspondence(robot, model)
         self._configuration = mink.Configuration(model)
 
     def value(self, q: Any) -> float:
-        """H at q (nq,); of a task that has no error, only an objective, 0."""
+        """H at q (nq,); 0 for a task without an error, which has an objective only."""
         self._at(q)
         if not isinstance(self._task, mink.Task):
             return 0.0
@@ -105,21 +108,21 @@ class TaskCriterion:
         return float(weighted @ weighted) / 2
 
     def gradient(self, q: Any) -> Array:
-        """dH/dv = J' W^2 e, (n,); of a task without an error the linear part of its objective."""
+        """dH/dv = J' W^2 e, (n,); without an error the linear part of the objective."""
         return self._objective(q)[1]
 
     def hessian(self, q: Any) -> Array:
-        """Its Gauss-Newton part J' W^2 J, (n, n); of a task without an error the quadratic part of its objective."""
+        """The Gauss-Newton Hessian J' W^2 J, (n, n); without an error the quadratic part of the objective."""
         return self._objective(q)[0]
 
     def _at(self, q: Any) -> None:
-        # always: a target may have moved while q stood still
-        self._configuration.update(self._places.qpos(self._robot.configuration(q)))
+        # at every call: the target may have changed at the same q
+        self._configuration.update(self._correspondence.qpos(self._robot.configuration(q)))
 
     def _objective(self, q: Any) -> tuple[Array, Array]:
         self._at(q)
-        moves = self._places.moves
-        if isinstance(self._task, mink.Task):  # without gain and damping, which are of the step, not of H
+        moves = self._correspondence.moves
+        if isinstance(self._task, mink.Task):  # without gain and damping, which belong to the step, not to H
             J = self._task.cost[:, None] * (self._task.compute_jacobian(self._configuration) @ moves)
             e = self._task.cost * self._task.compute_error(self._configuration)
             return J.T @ J, J.T @ e
@@ -128,24 +131,24 @@ class TaskCriterion:
 
 
 def as_criterion(task: BaseTask, robot: Robot, model: Any) -> TaskCriterion:
-    """What a task of mink's minimises, as a function of the robot's q with gradient and Gauss-Newton Hessian.
+    """The function of q that a mink task minimises, with its gradient and Gauss-Newton Hessian.
 
-    It is Python, not an expression: for comparisons and checks. To solve with it give the task itself to
-    ``strategy=Mink(tasks=[task])``; a criterion of jtik's own is traced.
+    It is evaluated in Python and is not an expression; use it for comparisons and checks. To solve with a mink task
+    pass it to ``strategy=Mink(tasks=[task])``.
 
     Args:
-        task: the task, with its target set; changing that is seen at once.
+        task: the task, with its target set; a later change of the target has effect at once.
         robot: the robot.
-        model: the ``mujoco.MjModel`` the task is about.
+        model: the ``mujoco.MjModel`` of the task.
 
     Raises:
-        ArgumentError: when it is no task of mink's, or the model lacks a joint of the robot.
+        ArgumentError: when it is not a mink task, or the model does not have a joint of the robot.
     """
     return TaskCriterion(task, robot, model)
 
 
 class MinkRows(LimitRows):
-    """A limit of mink's on the displacement dq of a jtik robot; see `limit_rows`."""
+    """A mink limit on the displacement dq of a jtik robot; made by `limit_rows`."""
 
     library = "mink"
 
@@ -154,39 +157,39 @@ class MinkRows(LimitRows):
             raise ArgumentError("limit", limit, "a mink.Limit")
         super().__init__(robot, dt)
         self._limit = limit
-        # h of this one is a speed where a displacement belongs; at 1 s the two are the same number
+        # h of this limit is a speed in place of a displacement; at 1 s both are the same number
         self._dt = 1.0 if isinstance(limit, mink.CollisionAvoidanceLimit) else float(dt)
-        self._places = Correspondence(robot, model)
+        self._correspondence = Correspondence(robot, model)
         self._configuration = mink.Configuration(model)
 
     def _all(self, q: Array) -> Inequality:
-        self._configuration.update(self._places.qpos(q))
+        self._configuration.update(self._correspondence.qpos(q))
         found = self._limit.compute_qp_inequalities(self._configuration, self._dt)
         if found.inactive:
             return Inequality(np.zeros((0, self._robot.n)), np.zeros(0))
-        return Inequality(cast(Array, found.G) @ self._places.moves, np.array(found.h, dtype=float))
+        return Inequality(cast(Array, found.G) @ self._correspondence.moves, np.array(found.h, dtype=float))
 
 
 def limit_rows(limit: mink.Limit, robot: Robot, model: Any, *, dt: float = 1.0) -> LimitRows:
-    """A limit of mink's as ``G dq <= h`` on displacements of the robot.
+    """A mink limit as ``G dq <= h`` on displacements of the robot.
 
-    `mink.CollisionAvoidanceLimit` bounds a displacement by gain (d - d_min) / dt, too much by 1 / dt; here it is
-    gain (d - d_min), whatever dt.
+    `mink.CollisionAvoidanceLimit` bounds a displacement by gain (d - d_min) / dt, which is too large by 1 / dt; here
+    the bound is gain (d - d_min) for every dt.
 
     Args:
         limit: the limit.
         robot: the robot.
-        model: the ``mujoco.MjModel`` the limit was made for.
-        dt: how long a step takes [s], for velocity limits.
+        model: the ``mujoco.MjModel`` of the limit.
+        dt: duration of a step [s], for velocity limits.
 
     Raises:
-        ArgumentError: when it is no limit of mink's, dt is not positive, or the model lacks a joint of the robot.
+        ArgumentError: when it is not a mink limit, dt is not positive, or the model does not have a joint of the robot.
     """
     return MinkRows(limit, robot, model, dt)
 
 
 def velocity_limit(robot: Robot, model: Any) -> mink.VelocityLimit:
-    """The robot's velocity limits, those there are, as mink's: a MuJoCo model has none."""
+    """The finite velocity limits of the robot as a mink limit; a MuJoCo model has no velocity limits."""
     finite = {
         joint.name: np.full(joint.type.nv, joint.velocity_limit)
         for joint in robot.independent_joints

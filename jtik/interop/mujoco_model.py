@@ -1,4 +1,4 @@
-"""A robot as a MuJoCo model, and where the numbers of one are among those of the other."""
+"""A robot as a MuJoCo model, and the correspondence of their configurations and velocities."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from jtik.robot.loaders.compiled import ModelReader
 from jtik.types import Array
 
 WORLD = "world"
-"""MuJoCo's name for the frame that everything hangs on."""
+"""MuJoCo's name of the root frame."""
 
 NEGLIGIBLE = 1e-9
-"""Mass [kg] and inertia [kg m^2] of a frame that has none: MuJoCo wants some where a joint moves it."""
+"""Mass [kg] and inertia [kg m^2] of a frame that has none: MuJoCo needs them for moving bodies."""
 
 _TYPES = {
     JointType.REVOLUTE: mujoco.mjtJoint.mjJNT_HINGE,
@@ -29,18 +29,18 @@ _TYPES = {
 
 
 def to_mujoco(robot: Robot, *, obstacles: Iterable[Solid] = ()) -> Any:
-    """The robot as a ``mujoco.MjModel``: every frame a body of its name, every joint a joint of its name.
+    """The robot as a ``mujoco.MjModel``; every frame becomes a body, and every joint a joint, with the same name.
 
-    Limits, masses, the frames' solids (as geoms "FRAME solid0" ...) and joints that follow others (as equalities of
-    joints) come along. qpos is in MuJoCo's order, see `Correspondence`.
+    Limits, masses, the solids of the frames (as geoms "FRAME solid0" ...) and mimic joints (as equalities of joints)
+    are kept. qpos is in MuJoCo's order, see `Correspondence`.
 
     Args:
         robot: the robot.
-        obstacles: solids in the base frame, a circle as a sphere. Each is the geom of a mocap body "obstacle0" ... of
-            its own: mink drops geoms of the world itself as obstacles for the links that are mounted on it.
+        obstacles: solids in the base frame; a circle becomes a sphere. Each is the geom of its own mocap body
+            "obstacle0" ...: mink ignores geoms of the world body as obstacles for links that are mounted on it.
 
     Raises:
-        ArgumentError: for a free joint that is not on the base, or a frame called "world" that is not the base.
+        ArgumentError: for a free joint that is not on the base, or a frame "world" that is not the base.
     """
     spec = mujoco.MjSpec()
     spec.modelname = robot.name
@@ -72,28 +72,27 @@ def to_mujoco(robot: Robot, *, obstacles: Iterable[Solid] = ()) -> Any:
 
 
 class Correspondence:
-    """Where the joints of a robot are among the numbers of a MuJoCo model, matched by their names.
+    """The correspondence of a robot's joints with those of a MuJoCo model, by their names.
 
-    The robot may be one read from the model, one the model was made of, or a subset of either: joints of the model
-    that the robot lacks stay where ``rest`` has them.
+    The robot may be read from the model, or the model may be made of the robot, or of a robot of which it is a subset.
+    Joints of the model that the robot does not have keep the positions ``rest``.
 
     Args:
         robot: the robot.
         model: the ``mujoco.MjModel``.
-        rest: qpos (model.nq,) that the model's other joints keep; the model's own neutral one by default.
+        rest: qpos (model.nq,) of the model's other joints; ``model.qpos0`` by default.
 
     Attributes:
-        leads: the matrix (model.nv, n) that takes a velocity of the robot to its own joints' velocities in the model;
-            those of joints that follow stay zero.
-        moves: the same with the joints that follow: all of the model's velocity.
-        follows: rows (k, model.nv) that are zero on velocities in which the followers follow.
+        leads: the matrix (model.nv, n) from a velocity of the robot to that of the model, zero for mimic joints.
+        moves: the matrix (model.nv, n) from a velocity of the robot to that of the model, mimic joints included.
+        follows: rows (k, model.nv) that are zero for velocities at which mimic joints follow their leaders.
 
     Raises:
-        ArgumentError: when the model has no such joint, or one of another kind.
+        ArgumentError: when the model does not have a joint of the robot, or one of another type.
     """
 
     def __init__(self, robot: Robot, model: Any, *, rest: Any = None) -> None:
-        places = _joints_of(model)
+        numbers = _joints_of(model)
         self._robot, self._rest = robot, np.array(model.qpos0 if rest is None else rest, dtype=float)
         self._q = np.zeros(robot.nq, dtype=np.intp)
         self._followers: list[tuple[int, int, float, float]] = []
@@ -102,7 +101,7 @@ class Correspondence:
         for joint in robot.joints:
             if not joint.is_moving:
                 continue
-            number = places.get(joint.name, -1)
+            number = numbers.get(joint.name, -1)
             if number < 0 or model.jnt_type[number] != _TYPES[joint.type]:
                 kind = f"a {joint.type.value} joint {joint.name!r}"
                 raise ArgumentError("model", f"one without {kind}", f"a model with the joints of {robot!r}")
@@ -138,7 +137,7 @@ class Correspondence:
 
 
 def _joints_of(model: Any) -> dict[str, int]:
-    """Name to number; joints without a name have the one that reading the model gives them."""
+    """The number of each joint by its name; joints without a name have the one that `ModelReader` gives them."""
     joints = [joint for joint in ModelReader(model, "model").read().joints if joint.is_moving]
     return {joint.name: number for number, joint in enumerate(joints)}
 
@@ -157,14 +156,14 @@ def _add_joint(body: Any, joint: Joint, robot: Robot) -> None:
     if np.isfinite(joint.lower) or np.isfinite(joint.upper):
         made.limited = True
         low, high = np.clip([joint.lower, joint.upper], -UNLIMITED, UNLIMITED)
-        made.range = low, max(high, low + NO_ROOM)
+        made.range = low, max(high, low + MINIMUM_RANGE)
 
 
-NO_ROOM = 1e-9
-"""Range [rad] or [m] of a joint that cannot move: MuJoCo wants some."""
+MINIMUM_RANGE = 1e-9
+"""Range [rad] or [m] of a joint whose limits are equal: MuJoCo needs a positive range."""
 
 UNLIMITED = 1e6
-"""Limit [rad] or [m] on the side where a joint has none and on the other side one: MuJoCo has both or neither."""
+"""Limit [rad] or [m] on the unlimited side of a joint with one limit: MuJoCo has both limits or none."""
 
 
 def _add_mass(body: Any, frame: str, robot: Robot) -> None:

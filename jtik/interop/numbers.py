@@ -1,4 +1,4 @@
-"""A criterion as numbers: H, its gradient and its Hessian at a configuration, for libraries that want arrays."""
+"""Numeric evaluation of a criterion: H, its gradient and its Hessian as arrays, for other libraries."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jtik.symbolic.compile import CompiledFunction
 from jtik.types import Array
 
 Curvature = Literal["identity", "convex"]
-"""The quadratic part of an objective made of a criterion: the identity, or the Hessian without its negative part."""
+"""The quadratic part of the objective of a criterion: the identity, or the Hessian without its negative part."""
 
 
 class CriterionNumbers:
@@ -26,6 +26,7 @@ class CriterionNumbers:
         robot: the robot.
 
     Attributes:
+        robot: the robot.
         parameters: live parameters by name, as those of `jtik.InverseKinematics`.
     """
 
@@ -35,35 +36,35 @@ class CriterionNumbers:
         self.parameters: Parameters = self._terms.parameters
         q, parameters = self._symbols()
         H = self._value(q, parameters)
-        slope = robot.tangent(q).T @ gradient(H, q)
-        self._evaluate = CompiledFunction(function("criterion", [q, parameters], [H, slope]))
+        dH = robot.tangent(q).T @ gradient(H, q)
+        self._evaluate = CompiledFunction(function("criterion", [q, parameters], [H, dH]))
 
     def value(self, q: Array) -> float:
-        """H."""
+        """H at q (nq,)."""
         return float(self._evaluate(q, self.parameters.memory)[0][0, 0])
 
     def gradient(self, q: Array) -> Array:
-        """dH/dv, (n,)."""
-        slope: Array = self._evaluate(q, self.parameters.memory)[1][:, 0]
-        return slope
+        """dH/dv at q (nq,), (n,)."""
+        dH: Array = self._evaluate(q, self.parameters.memory)[1][:, 0]
+        return dH
 
     def hessian(self, q: Array) -> Array:
-        """d2H/dv2 along ``robot.integrate``, (n, n)."""
-        bend: Array = self._bend(q, self.parameters.memory)[0]
-        return bend
+        """d2H/dv2 along ``robot.integrate`` at q (nq,), (n, n)."""
+        hessian: Array = self._hessian(q, self.parameters.memory)[0]
+        return hessian
 
     def objective(self, q: Array, gain: float, curvature: Curvature) -> tuple[Array, Array]:
-        """(P, c) of the step 1/2 dq'P dq + c'dq that goes down H: (I, gain dH) or gain (Hessian made convex, dH)."""
+        """(P, c) of the objective 1/2 dq'P dq + c'dq that lowers H: (I, gain dH) or gain (convex Hessian, dH)."""
         c = gain * self.gradient(q)
         return (np.eye(len(c)) if curvature == "identity" else gain * convex(self.hessian(q))), c
 
     @cached_property
-    def _bend(self) -> CompiledFunction:
+    def _hessian(self) -> CompiledFunction:
         q, parameters = self._symbols()
         v = symbol("v", self.robot.n)
         moved = self._value(self.robot.integrate(q, v), parameters)
-        bend = jacobian(gradient(moved, v), v)
-        return CompiledFunction(function("hessian", [q, parameters], [substitute(bend, v, zeros(self.robot.n))]))
+        hessian = jacobian(gradient(moved, v), v)
+        return CompiledFunction(function("hessian", [q, parameters], [substitute(hessian, v, zeros(self.robot.n))]))
 
     def _symbols(self) -> tuple[Expression, Expression]:
         return symbol("q", self.robot.nq), self.parameters.symbols()
@@ -75,14 +76,14 @@ class CriterionNumbers:
 
 
 def convex(hessian: Array) -> Array:
-    """The nearest positive semidefinite matrix: negative eigenvalues become zero."""
+    """The closest positive semidefinite matrix: negative eigenvalues become zero."""
     values, vectors = np.linalg.eigh((hessian + hessian.T) / 2)
-    nearest: Array = (vectors * np.maximum(values, 0.0)) @ vectors.T
-    return nearest
+    closest: Array = (vectors * np.maximum(values, 0.0)) @ vectors.T
+    return closest
 
 
 def checked(gain: float, curvature: str) -> None:
-    """Raise ArgumentError for a gain that is not positive, or a curvature there is not."""
+    """Check the options of an objective; raises ArgumentError for a gain that is not positive or another curvature."""
     if not 0 < gain < np.inf:
         raise ArgumentError("gain", gain, "a positive number")
     if curvature not in ("identity", "convex"):

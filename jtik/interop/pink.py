@@ -1,7 +1,8 @@
-"""jtik and pink, both ways: a criterion as a task of pink's, a task, limit or barrier of pink's for jtik.
+"""Conversion between jtik and pink: criteria as pink tasks, pink tasks, limits and barriers for jtik.
 
-pink's functions take their arguments in another order than mink's and stop at a start outside the limits unless told
-``safety_break=False``: pass everything by keyword. What a task needs of pink is its looks, so pink is imported late.
+pink's functions take their arguments in another order than mink's: pass them by keyword. They raise an error at a start
+outside the limits unless they get ``safety_break=False``. A pink task is recognised by its methods, so this module
+imports pink only where it makes a configuration.
 """
 
 from __future__ import annotations
@@ -32,10 +33,12 @@ __all__ = [
 
 
 class CriterionTask:
-    """A jtik criterion where pink wants a task: pink asks a task only for its objective.
+    """A jtik criterion as a pink task, made by `criterion_task`: pink uses only the objective of a task.
 
     Attributes:
         parameters: live parameters of the criterion by name.
+        gain: beta, the factor of the gradient.
+        curvature: "identity" or "convex", the quadratic part of the objective.
     """
 
     def __init__(
@@ -44,21 +47,21 @@ class CriterionTask:
         checked(gain, curvature)
         self.gain, self.curvature = float(gain), curvature
         self._numbers = CriterionNumbers(criterion, robot)
-        self._places = Correspondence(robot, model)
+        self._correspondence = Correspondence(robot, model)
         self.parameters = self._numbers.parameters
 
     def __repr__(self) -> str:
         return f"CriterionTask({', '.join(self.parameters)}, gain={self.gain:g})"
 
     def value(self, configuration: Any) -> float:
-        """H at pink's configuration."""
-        return self._numbers.value(self._places.q(configuration.q))
+        """H at a pink configuration."""
+        return self._numbers.value(self._correspondence.q(configuration.q))
 
     def compute_qp_objective(self, configuration: Any) -> tuple[Array, Array]:
-        """(P, gain dH) in Pinocchio's velocities; joints the robot lacks are not touched."""
-        q = self._places.q(configuration.q)
+        """(P, gain dH) in the velocities of Pinocchio; entries of joints that the robot does not have are zero."""
+        q = self._correspondence.q(configuration.q)
         P, c = self._numbers.objective(q, self.gain, self.curvature)
-        moves = self._places.moves(q)  # orthogonal columns of length 1: its transpose takes velocities back
+        moves = self._correspondence.moves(q)  # orthonormal columns: its transpose is its inverse
         return moves @ P @ moves.T, moves @ c
 
 
@@ -74,26 +77,26 @@ def criterion_task(
 
     Args:
         criterion: a criterion or a weighted sum.
-        robot: the robot it is about, with the joints of the model or some of them.
+        robot: the robot of the criterion, with all or some of the joints of the model.
         model: the ``pinocchio.Model``.
-        gain: beta, how far down H a step goes.
+        gain: beta, the factor of the gradient of H.
         curvature: "identity", or "convex" for the Hessian of H without its negative part.
 
     Raises:
-        ArgumentError: when the gain is not positive, or the model lacks a joint of the robot.
+        ArgumentError: when the gain is not positive, or the model does not have a joint of the robot.
     """
     return CriterionTask(criterion, robot, model, gain=gain, curvature=curvature)
 
 
 class TaskCriterion:
-    """H = 1/2 e' W^2 e of a task of pink's, as numbers on a jtik robot; see `as_criterion`."""
+    """H = 1/2 e' W^2 e of a pink task, evaluated on a jtik robot; made by `as_criterion`."""
 
     def __init__(self, task: Any, robot: Robot, model: Any) -> None:
         if not (hasattr(task, "compute_error") and hasattr(task, "compute_jacobian")):
             raise ArgumentError("task", task, "a pink task, with an error and a Jacobian")
         self._task, self._robot = task, robot
-        self._places = Correspondence(robot, model)
-        self._configuration = _configuration(model, self._places.theirs(robot.neutral))
+        self._correspondence = Correspondence(robot, model)
+        self._configuration = _configuration(model, self._correspondence.theirs(robot.neutral))
 
     def value(self, q: Any) -> float:
         """H at q (nq,)."""
@@ -106,38 +109,38 @@ class TaskCriterion:
         return J.T @ e
 
     def hessian(self, q: Any) -> Array:
-        """Its Gauss-Newton part J' W^2 J, (n, n)."""
+        """The Gauss-Newton Hessian J' W^2 J, (n, n)."""
         _, J = self._weighted(q)
         return J.T @ J
 
     def _weighted(self, q: Any) -> tuple[Array, Array]:
         at = self._robot.configuration(q)
-        self._configuration.update(self._places.theirs(at))
+        self._configuration.update(self._correspondence.theirs(at))
         e = np.asarray(self._task.compute_error(self._configuration), dtype=float)
-        J = np.asarray(self._task.compute_jacobian(self._configuration), dtype=float) @ self._places.moves(at)
+        J = np.asarray(self._task.compute_jacobian(self._configuration), dtype=float) @ self._correspondence.moves(at)
         cost = np.ones(len(e)) if self._task.cost is None else np.broadcast_to(self._task.cost, len(e))
         return cost * e, cost[:, None] * J
 
 
 def as_criterion(task: Any, robot: Robot, model: Any) -> TaskCriterion:
-    """What a task of pink's minimises, as a function of the robot's q with gradient and Gauss-Newton Hessian.
+    """The function of q that a pink task minimises, with its gradient and Gauss-Newton Hessian.
 
-    It is Python, not an expression: for comparisons and checks.
+    It is evaluated in Python and is not an expression; use it for comparisons and checks.
 
     Args:
-        task: the task, with its target set; changing that is seen at once.
+        task: the task, with its target set; a later change of the target has effect at once.
         robot: the robot.
         model: the ``pinocchio.Model``.
 
     Raises:
-        ArgumentError: when it is no task of pink's, or the model lacks a joint of the robot.
+        ArgumentError: when it is not a pink task, or the model does not have a joint of the robot.
         MissingExtraError: when pink is not installed.
     """
     return TaskCriterion(task, robot, model)
 
 
 class FreshBarrier:
-    """A barrier of pink's without its memory; see `fresh`."""
+    """A pink barrier that is evaluated at every call; made by `fresh`."""
 
     def __init__(self, barrier: Any) -> None:
         if not (hasattr(barrier, "compute_barrier") and hasattr(barrier, "compute_jacobian")):
@@ -148,7 +151,7 @@ class FreshBarrier:
         return f"FreshBarrier({self.barrier!r})"
 
     def compute_qp_objective(self, configuration: Any) -> tuple[Array, Array]:
-        """Its pull towards the safe displacement: (P, c) in Pinocchio's velocities."""
+        """The cost of the distance to the safe displacement: (P, c) in the velocities of Pinocchio."""
         barrier, nv = self.barrier, configuration.model.nv
         if not barrier.safe_displacement_gain > 1e-6:
             return np.zeros((nv, nv)), np.zeros(nv)
@@ -157,9 +160,9 @@ class FreshBarrier:
         return weight * np.eye(nv), -weight * np.asarray(barrier.compute_safe_displacement(configuration))
 
     def compute_qp_inequalities(self, configuration: Any, dt: float = 1e-3) -> tuple[Array, Array]:
-        """-J dq / dt <= gain g(h), evaluated now."""
+        """The inequality -J dq / dt <= gain g(h)."""
         barrier = self.barrier
-        # the Jacobian first, as pink does: some barriers keep for one what they found for the other
+        # the Jacobian first, as in pink: some barriers cache what both need
         J = np.asarray(barrier.compute_jacobian(configuration), dtype=float)
         h = np.asarray(barrier.compute_barrier(configuration), dtype=float)
         shaped = np.array([barrier.gain_function(value) for value in h])
@@ -167,19 +170,19 @@ class FreshBarrier:
 
 
 def fresh(barrier: Any) -> FreshBarrier:
-    """A barrier of pink's that is evaluated at every call, for ``pink.solve_ik(barriers=[...])``.
+    """A pink barrier that is evaluated at every call, for ``pink.solve_ik(barriers=[...])``.
 
-    pink 4 keeps value and Jacobian of a barrier for as long as q stays nearly the same, so an obstacle or a bound that
-    moves while the robot stands is not noticed.
+    pink 4 keeps the value and the Jacobian of a barrier while q is nearly constant, so a change of an obstacle or of a
+    bound has no effect while the robot does not move.
 
     Raises:
-        ArgumentError: when it is no barrier.
+        ArgumentError: when it is not a pink barrier.
     """
     return FreshBarrier(barrier)
 
 
 class PinkRows(LimitRows):
-    """A limit or barrier of pink's on the displacement dq of a jtik robot; see `limit_rows`."""
+    """A pink limit or barrier on the displacement dq of a jtik robot; made by `limit_rows`."""
 
     library = "pink"
 
@@ -190,30 +193,30 @@ class PinkRows(LimitRows):
             raise ArgumentError("limit", limit, "a pink limit or barrier")
         super().__init__(robot, dt)
         self._limit, self._dt = limit, float(dt)
-        self._places = Correspondence(robot, model)
-        self._configuration = _configuration(model, self._places.theirs(robot.neutral))
+        self._correspondence = Correspondence(robot, model)
+        self._configuration = _configuration(model, self._correspondence.theirs(robot.neutral))
 
     def _all(self, q: Array) -> Inequality:
-        self._configuration.update(self._places.theirs(q))
+        self._configuration.update(self._correspondence.theirs(q))
         found = self._limit.compute_qp_inequalities(self._configuration, self._dt)
         if found is None:
             return Inequality(np.zeros((0, self._robot.n)), np.zeros(0))
         G, h = np.asarray(found[0], dtype=float), np.asarray(found[1], dtype=float)
-        scale = self._dt if isinstance(self._limit, FreshBarrier) else 1.0  # a barrier's rows are on dq / dt
-        return Inequality(scale * (G @ self._places.moves(q)), scale * h)
+        scale = self._dt if isinstance(self._limit, FreshBarrier) else 1.0  # the rows of a barrier are on dq / dt
+        return Inequality(scale * (G @ self._correspondence.moves(q)), scale * h)
 
 
 def limit_rows(limit: Any, robot: Robot, model: Any, *, dt: float = 1.0) -> LimitRows:
-    """A limit or a barrier of pink's as ``G dq <= h`` on displacements of the robot.
+    """A pink limit or barrier as ``G dq <= h`` on displacements of the robot.
 
     Args:
-        limit: the limit or the barrier; a barrier is evaluated afresh at every call, see `fresh`.
+        limit: the limit or the barrier; a barrier is evaluated at every call, see `fresh`.
         robot: the robot.
         model: the ``pinocchio.Model``.
-        dt: how long a step takes [s].
+        dt: duration of a step [s].
 
     Raises:
-        ArgumentError: when it is neither, dt is not positive, or the model lacks a joint of the robot.
+        ArgumentError: when it is neither, dt is not positive, or the model does not have a joint of the robot.
         MissingExtraError: when pink is not installed.
     """
     return PinkRows(limit, robot, model, dt)
@@ -223,5 +226,5 @@ def _configuration(model: Any, q: Array) -> Any:
     try:
         import pink
     except ImportError as error:
-        raise MissingExtraError("pink", "pink", "a task or limit of pink's") from error
+        raise MissingExtraError("pink", "pink", "a pink task or limit") from error
     return pink.Configuration(model, model.createData(), q)

@@ -1,4 +1,4 @@
-"""Where the numbers of a jtik robot are among those of a Pinocchio model, which pink works on."""
+"""The correspondence of a robot with a Pinocchio model, as pink uses it."""
 
 from __future__ import annotations
 
@@ -9,30 +9,30 @@ import numpy as np
 
 from jtik.errors import ArgumentError
 from jtik.robot import JointType, Robot
-from jtik.robot.loaders.transforms import placed
+from jtik.robot.loaders.transforms import pose_of
 from jtik.types import Array
 
 ROOT = "root_joint"
-"""Pinocchio's name for the free joint it puts under a robot."""
+"""Pinocchio's name of the free joint that it adds below a robot."""
 
 _TO_XYZW = [1, 2, 3, 0]
 _TO_WXYZ = [3, 0, 1, 2]
 
 
 class Correspondence:
-    """Matches the joints of a robot with those of a Pinocchio model by name; a free joint also with the model's root.
+    """The correspondence of a robot's joints with those of a Pinocchio model, by name; a free joint also with its root.
 
-    Pinocchio has an unlimited hinge as (cos, sin), a quaternion as (x, y, z, w), and a free joint's linear velocity in
-    the body's axes where jtik has it in the joint's own.
+    In Pinocchio an unlimited revolute joint is (cos, sin), a quaternion is (x, y, z, w), and the linear velocity of a
+    free joint is in the axes of the body; in jtik it is in the axes of the joint.
 
     Args:
         robot: the robot.
         model: the ``pinocchio.Model``.
-        rest: q (model.nq,) that the model's other joints keep, those that follow in the robot among them; Pinocchio's
-            neutral one by default.
+        rest: q (model.nq,) of the model's other joints, and of joints that are mimic joints of the robot; Pinocchio's
+            neutral configuration by default.
 
     Raises:
-        ArgumentError: when the model has no such joint, or one of another size.
+        ArgumentError: when the model does not have a joint of the robot, or one of another size.
     """
 
     def __init__(self, robot: Robot, model: Any, *, rest: Any = None) -> None:
@@ -44,12 +44,12 @@ class Correspondence:
             if joint.type is JointType.FREE and not model.existJointName(name):
                 name = ROOT
             number = model.getJointId(name) if model.existJointName(name) else 0
-            place = model.joints[number] if number else None
-            if place is None or place.nv != joint.type.nv:
+            found = model.joints[number] if number else None
+            if found is None or found.nv != joint.type.nv:
                 kind = f"a {joint.type.value} joint {joint.name!r}"
                 raise ArgumentError("model", f"one without {kind}", f"a model with the joints of {robot!r}")
             mine, own = robot.q_slice(joint.name), robot.v_slice(joint.name)
-            theirs, dof = slice(place.idx_q, place.idx_q + place.nq), slice(place.idx_v, place.idx_v + place.nv)
+            theirs, dof = slice(found.idx_q, found.idx_q + found.nq), slice(found.idx_v, found.idx_v + found.nv)
             self._joints.append((joint.type, mine, own, theirs, dof))
 
     def q(self, q: Array) -> Array:
@@ -80,7 +80,7 @@ class Correspondence:
         for kind, mine, own, _, dof in self._joints:
             block = np.eye(kind.nv)
             if kind is JointType.FREE:
-                block[:3, :3] = placed(np.zeros(3), q[mine][3:])[:3, :3].T
+                block[:3, :3] = pose_of(np.zeros(3), q[mine][3:])[:3, :3].T
             matrix[dof, own] = block
         return matrix
 

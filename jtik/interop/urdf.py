@@ -1,8 +1,9 @@
-"""A robot as URDF text, for libraries that read nothing else: joints, limits and masses; no solids, no meshes."""
+"""A robot as URDF text, for libraries that read URDF only: joints, limits and masses, without solids and meshes."""
 
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Iterable
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
@@ -15,47 +16,54 @@ from jtik.robot.body import Mass
 from jtik.types import Array
 
 UNLIMITED = 1e6
-"""Limit [rad] or [m], and speed [rad/s] or [m/s], where a joint has none but URDF wants a number."""
+"""Limit [rad] or [m], and speed [rad/s] or [m/s], of a joint without one where URDF needs a number."""
 
-NO_ROOM = 1e-9
-"""Range [rad] or [m] of a joint that cannot move: readers take limits that are both zero for none."""
+MINIMUM_RANGE = 1e-9
+"""Range [rad] or [m] of a joint whose limits are equal: readers ignore limits that are both zero."""
 
 
-def to_urdf(robot: Robot, *, turn: float | None = None, frame: str | None = None) -> str:
-    """The robot as URDF: every frame a link of its name, every joint a joint of its name.
+def to_urdf(
+    robot: Robot, *, revolute_limit: float | None = None, frame: str | None = None, turn: float | None = None
+) -> str:
+    """The robot as URDF; every frame becomes a link, and every joint a joint, with the same name.
 
-    A fixed joint that is called like a frame gets " (fixed)" added, since Pinocchio has both in one list. Limits that
-    are infinite become "continuous" where both are and the joint is a hinge, else `UNLIMITED`. A planar robot lies in
-    the x-y plane of space.
+    A fixed joint with the name of a frame gets the suffix " (fixed)", since Pinocchio has both in one list. A revolute
+    joint without limits becomes "continuous"; other infinite limits become `UNLIMITED`. A planar robot lies in the x-y
+    plane of space.
 
     Args:
-        robot: the robot, of hinges, slides and fixed joints.
-        turn: limits -turn and turn [rad] for hinges that have none, for libraries that want some.
-        frame: write only the chain from the base to this frame; all of the robot by default.
+        robot: the robot, with revolute, prismatic and fixed joints.
+        revolute_limit: limits of revolute joints that have none, -revolute_limit and revolute_limit [rad], for
+            libraries that need limits; None leaves such joints without limits.
+        frame: write only the chain from the base to this frame; None for the full robot.
+        turn: deprecated name of ``revolute_limit``.
 
     Raises:
-        ArgumentError: for a joint that URDF has no numbers for, a ball or a free one, or a turn that is not positive.
+        ArgumentError: for a ball or free joint, which URDF cannot describe, or a limit that is not positive.
         UnknownNameError: when there is no such frame.
     """
-    if turn is not None and not 0 < turn < math.inf:
-        raise ArgumentError("turn", turn, "a positive angle [rad], or None")
+    if turn is not None:
+        warnings.warn("to_urdf(turn=) is now to_urdf(revolute_limit=)", DeprecationWarning, stacklevel=2)
+        revolute_limit = turn
+    if revolute_limit is not None and not 0 < revolute_limit < math.inf:
+        raise ArgumentError("revolute_limit", revolute_limit, "a positive angle [rad], or None")
     joints = robot.joints if frame is None else _chain(robot, frame)
     frames = [robot.base, *(joint.child for joint in joints)]
     root = Element("robot", name=robot.name)
-    # MuJoCo would merge links that do not move into one
+    # otherwise MuJoCo merges links that are fixed to each other
     SubElement(SubElement(root, "mujoco"), "compiler", fusestatic="false")
     for link in frames:
         element = SubElement(root, "link", name=link)
         if link in robot.masses:
             _add_mass(element, robot.masses[link])
     for joint in joints:
-        _add_joint(root, joint, turn, frames)
+        _add_joint(root, joint, revolute_limit, frames)
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode")
 
 
 def _chain(robot: Robot, frame: str) -> Iterable[Joint]:
-    """The joints before a frame. Raises ArgumentError when one of them follows a joint that is not among them."""
+    """The joints before a frame; raises ArgumentError when one of them follows a joint that is not among them."""
     joints = robot.path(frame)
     names = {joint.name for joint in joints}
     for joint in joints:
@@ -65,13 +73,14 @@ def _chain(robot: Robot, frame: str) -> Iterable[Joint]:
     return joints
 
 
-def _add_joint(root: Element, joint: Joint, turn: float | None, frames: list[str]) -> None:
-    free = math.isinf(joint.lower) and math.isinf(joint.upper)
+def _add_joint(root: Element, joint: Joint, limit: float | None, frames: list[str]) -> None:
+    unlimited = math.isinf(joint.lower) and math.isinf(joint.upper)
     kinds = {JointType.FIXED: "fixed", JointType.PRISMATIC: "prismatic", JointType.REVOLUTE: "revolute"}
     if joint.type not in kinds:
-        raise ArgumentError("robot", f"a {joint.type.value} joint {joint.name!r}", "hinges, slides and fixed joints")
+        given = f"a {joint.type.value} joint {joint.name!r}"
+        raise ArgumentError("robot", given, "revolute, prismatic and fixed joints")
     kind = kinds[joint.type]
-    if joint.type is JointType.REVOLUTE and free and turn is None:
+    if joint.type is JointType.REVOLUTE and unlimited and limit is None:
         kind = "continuous"
     name = f"{joint.name} (fixed)" if not joint.is_moving and joint.name in frames else joint.name
     element = SubElement(root, "joint", name=name, type=kind)
@@ -85,9 +94,9 @@ def _add_joint(root: Element, joint: Joint, turn: float | None, frames: list[str
     if kind == "continuous":
         SubElement(element, "limit", effort="0", velocity=speed)
     else:
-        reach = turn if free and turn is not None and joint.type is JointType.REVOLUTE else UNLIMITED
-        low, high = max(joint.lower, -reach), min(joint.upper, reach)
-        bounds = {"lower": _word(low), "upper": _word(max(high, low + NO_ROOM))}
+        bound = limit if unlimited and limit is not None and joint.type is JointType.REVOLUTE else UNLIMITED
+        low, high = max(joint.lower, -bound), min(joint.upper, bound)
+        bounds = {"lower": _word(low), "upper": _word(max(high, low + MINIMUM_RANGE))}
         SubElement(element, "limit", bounds, effort="0", velocity=speed)
     if joint.mimic is not None:
         follow = joint.mimic
@@ -96,7 +105,7 @@ def _add_joint(root: Element, joint: Joint, turn: float | None, frames: list[str
 
 
 def _add_mass(link: Element, mass: Mass) -> None:
-    """The mass as a point: jtik has no inertias."""
+    """The mass as a point mass: jtik has no inertias."""
     inertial = SubElement(link, "inertial")
     SubElement(inertial, "origin", xyz=_words(np.asarray(mass.center, dtype=float)), rpy="0 0 0")
     SubElement(inertial, "mass", value=_word(mass.mass))
@@ -108,7 +117,7 @@ def _angles(R: Array) -> Array:
     yaw = math.atan2(R[1, 0], R[0, 0])
     c, s = math.cos(yaw), math.sin(yaw)
     pitch = math.atan2(-R[2, 0], c * R[0, 0] + s * R[1, 0])
-    # out of what the yaw leaves: where the pitch is near a right angle, yaw is rounding and roll has to match it
+    # from the rotation after the yaw: at a pitch near a right angle the yaw is a rounding error, which the roll matches
     roll = math.atan2(s * R[0, 2] - c * R[1, 2], c * R[1, 1] - s * R[0, 1])
     return np.array([roll, pitch, yaw])
 

@@ -1,4 +1,4 @@
-"""What hangs on the frames besides kinematics: masses for the centre of mass, shapes for clearances."""
+"""Masses on the frames, for the centre of mass, and shapes on the frames, for clearances."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from jtik.types import Array
 
 @dataclass(frozen=True, eq=False)
 class Mass:
-    """A point mass on a frame: enough for the centre of mass.
+    """A point mass on a frame, for the centre of mass.
 
     Attributes:
-        mass: [kg], from 0.
-        center: where it sits in its frame, (3,) [m].
+        mass: non-negative mass [kg].
+        center: position in its frame, (3,) [m].
     """
 
     mass: float
@@ -30,7 +30,7 @@ class Mass:
     def __post_init__(self) -> None:
         mass = float(finite_array("Mass.mass", self.mass, ()))
         if mass < 0:
-            raise ArgumentError("Mass.mass", mass, "a mass [kg] from 0")
+            raise ArgumentError("Mass.mass", mass, "a non-negative mass [kg]")
         object.__setattr__(self, "mass", mass)
         object.__setattr__(self, "center", frozen(finite_array("Mass.center", self.center, (3,))))
 
@@ -39,24 +39,24 @@ class Mass:
 
 
 def masses_on(frames: Sequence[str], masses: Mapping[str, Mass] | None) -> dict[str, Mass]:
-    """The masses, each on a frame there is; none that weigh nothing."""
-    found = dict(masses or {})
-    for frame, mass in found.items():
+    """The masses by frame, without those that are zero; raises UnknownNameError for a frame that does not exist."""
+    given = dict(masses or {})
+    for frame, mass in given.items():
         _check_frame("mass", frame, frames)
         if not isinstance(mass, Mass):
             raise ArgumentError(f"masses[{frame!r}]", mass, "a jtik.robot.Mass")
-    return {frame: mass for frame, mass in found.items() if mass.mass > 0}
+    return {frame: mass for frame, mass in given.items() if mass.mass > 0}
 
 
 def shapes_on(frames: Sequence[str], shapes: Mapping[str, Sequence[Solid]] | None) -> dict[str, tuple[Solid, ...]]:
-    """The shapes, each on a frame there is."""
-    found = {frame: tuple(solids) for frame, solids in (shapes or {}).items()}
-    for frame, solids in found.items():
+    """The shapes by frame; raises UnknownNameError for a frame that does not exist."""
+    given = {frame: tuple(solids) for frame, solids in (shapes or {}).items()}
+    for frame, solids in given.items():
         _check_frame("shape", frame, frames)
         for solid in solids:
             if not isinstance(solid, Solid):
                 raise ArgumentError(f"shapes[{frame!r}]", solid, "a jtik.Sphere, Capsule, Cylinder or Box")
-    return {frame: solids for frame, solids in found.items() if solids}
+    return {frame: solids for frame, solids in given.items() if solids}
 
 
 def _check_frame(what: str, frame: str, frames: Sequence[str]) -> None:

@@ -1,4 +1,4 @@
-"""Where robots come from: arms by their lengths or parameters, files, MuJoCo's models, the gallery."""
+"""The class methods that build a `Robot`: from lengths, DH parameters, files, MuJoCo models and the gallery."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jtik.robot.dh import Convention, Row
 from jtik.robot.tree import check_moves
 
 if TYPE_CHECKING:
-    from jtik.robot.loaders.description import Description
+    from jtik.robot.loaders.robot_description import RobotDescription
     from jtik.robot.loaders.source import PathOrText
 
 
@@ -36,16 +36,16 @@ class Builders:
         velocity_limit: object = np.inf,
         name: str | None = None,
     ) -> Self:
-        """A planar arm of hinges "joint1" ... at frames "link1" ..., ending in the frame "tip".
+        """A planar arm of revolute joints "joint1" ... at frames "link1" ..., with the end effector "tip".
 
-        At q = 0 it lies stretched along x. Positions are (x, y).
+        At q = 0 it is stretched along x. Positions are (x, y).
 
         Args:
             links: number of unit links, or their lengths [m].
-            lower: lower limits [rad], one for all joints or one each.
+            lower: lower limits [rad], one for all joints or one for each.
             upper: upper limits [rad].
-            velocity_limit: greatest speeds [rad/s].
-            name: what to call the robot.
+            velocity_limit: maximum speeds [rad/s].
+            name: name of the robot.
 
         Raises:
             ArgumentError: when a length is not positive or limits are crossed.
@@ -65,16 +65,16 @@ class Builders:
     ) -> Self:
         """A serial chain from Denavit-Hartenberg parameters.
 
-        Row K becomes "jointK", which moves the frame "linkK": attached to link K with its z axis on the axis
-        of joint K. In the modified convention that is the textbook's frame K. The frame "tip" is the
-        textbook's last frame, then the tool, in both conventions.
+        Row K becomes "jointK", which moves the frame "linkK". This frame is attached to link K, with its z axis on the
+        axis of joint K; in the modified convention it is the frame K of the textbooks. In both conventions the frame
+        "tip" is the last frame of the textbooks, followed by the tool.
 
         Args:
-            rows: for each joint a `DHRow`, a mapping with its fields, or (a, alpha, d, theta) if revolute.
+            rows: for each joint a `DHRow`, a mapping with its fields, or (a, alpha, d, theta) of a revolute joint.
             convention: "standard" (Rz Tz Tx Rx) or "modified" (Craig: Rx Tx Rz Tz).
             base: pose (4, 4) [m] of the first frame in "base"; the identity when None.
             tool: pose (4, 4) [m] of the tip in the last frame; the identity when None.
-            name: what to call the robot.
+            name: name of the robot.
 
         Raises:
             ArgumentError: when a row, the convention or a transform cannot be used.
@@ -97,21 +97,22 @@ class Builders:
         vehicle_velocity_limit: object = np.inf,
         name: str | None = None,
     ) -> Self:
-        """A planar arm on a vehicle: slides "x" and "y", perhaps the hinge "heading", then "joint1" ...
+        """A planar arm on a vehicle.
 
-        The frame "vehicle" is the vehicle's; "link1" ... sit at the arm's joints, the first of them on the
-        vehicle's origin, and "tip" at the end.
+        The joints are the prismatic "x" and "y", the revolute "heading" if there is one, then the revolute "joint1" ...
+        The frame "vehicle" belongs to the vehicle. The frames "link1" ... are at the joints of the arm, the first of
+        them at the origin of the vehicle, and "tip" is at the end.
 
         Args:
             links: number of unit links, or their lengths [m].
-            heading: whether the vehicle turns.
-            lower: lower limits of the arm's joints [rad], one for all or one each.
+            heading: whether the vehicle rotates.
+            lower: lower limits of the arm's joints [rad], one for all joints or one for each.
             upper: upper limits of the arm's joints [rad].
-            velocity_limit: greatest speeds of the arm's joints [rad/s].
-            vehicle_lower: lower limits of x, y [m] and heading [rad], one for all or one each.
+            velocity_limit: maximum speeds of the arm's joints [rad/s].
+            vehicle_lower: lower limits of x, y [m] and heading [rad], one for all or one for each.
             vehicle_upper: upper limits of x, y [m] and heading [rad].
-            vehicle_velocity_limit: greatest speeds of x, y [m/s] and heading [rad/s].
-            name: what to call the robot.
+            vehicle_velocity_limit: maximum speeds of x, y [m/s] and heading [rad/s].
+            name: name of the robot.
 
         Raises:
             ArgumentError: when a length is not positive or limits are crossed.
@@ -132,25 +133,25 @@ class Builders:
     ) -> Self:
         """The robot of a URDF file or text.
 
-        Frames are the links, by their names; the root link is the base. Joints keep their names, limits and speeds;
-        ``mimic`` joints follow their leaders, floating joints are free, planar ones become the slides "NAME_TX" and
-        "NAME_TY" and the hinge "NAME_RZ". Limits that are all zero, and speeds of zero, count as none. Masses are
-        kept, and the primitives that collide become shapes; so do capsules around meshes whose STL or OBJ files are
-        found: no file needs to be there.
+        Frames are the links, with their names; the root link is the base. Joints keep their names, limits and speeds.
+        ``mimic`` joints follow their leaders, floating joints become free joints, and a planar joint becomes the
+        prismatic joints "NAME_TX" and "NAME_TY" and the revolute joint "NAME_RZ". Limits that are all zero, and speeds
+        of zero, count as none. Masses are kept. Collision primitives become shapes, and so do capsules around meshes
+        whose STL or OBJ files are found; mesh files are optional.
 
         Args:
             path_or_xml: the path of a file, or text that starts with "<".
-            tip: the frame that works; when None the first moving frame called like a tool ("tool0", "tcp", "ee" ...),
-                else the end of the longest chain of joints, fingers not counted.
-            name: what to call the robot; what the file says when None.
+            tip: the frame of the end effector; when None the first moving frame with the name of a tool ("tool0",
+                "tcp", "ee" ...), else the end of the longest chain of joints, without fingers.
+            name: name of the robot; that of the file when None.
             free_base: whether the root link moves freely, by the joint "free_base", in a frame "world".
 
         Raises:
-            RobotFileError: when there is no such file, or it is no URDF, or an element cannot be used.
-            UnknownNameError: when ``tip`` is no frame.
+            RobotFileError: when there is no such file, it is not a URDF, or an element cannot be used.
+            UnknownNameError: when ``tip`` is not a frame.
 
         Warns:
-            UserWarning: when a joint mimics one that it cannot follow, and stays independent.
+            UserWarning: when a joint mimics one that it cannot follow; it is then independent.
         """
         from jtik.robot.loaders import load_urdf
 
@@ -160,24 +161,24 @@ class Builders:
     def from_mjcf(cls, path_or_xml: PathOrText, *, tip: str | None = None, name: str | None = None) -> Self:
         """The robot of a MuJoCo (MJCF) file or text.
 
-        Frames are the bodies and the sites, by their names, and "world" is the base; a site called like a body is
-        "NAME (site)". Several joints on a body are a chain whose inner frames have the joints' names. q is MuJoCo's
-        ``qpos`` without the joints that follow others: linear equalities of joints are folded into the joint that
-        leads. Limits of ball joints and loops that constraints close are left out. Masses and keyframes are kept, and
-        geoms become shapes: those that collide, or all where none does. Mesh files need not be there; a mesh weighs
-        what the file says, else nothing.
+        Frames are the bodies and the sites, with their names, and "world" is the base. A site with the name of a body
+        becomes "NAME (site)". Several joints on a body become a chain whose inner frames have the names of the joints.
+        q is MuJoCo's ``qpos`` without the joints that follow others: a linear equality of joints makes one of them a
+        mimic joint. Limits of ball joints, and closed loops, are left out. Masses and keyframes are kept. Geoms become
+        shapes: those that collide, or all of them where none does. Mesh files are optional; the mass of a mesh is that
+        of the file, or zero.
 
         Args:
             path_or_xml: the path of a file, or text that starts with "<".
-            tip: the frame that works; chosen as in `from_urdf` when None.
-            name: what to call the robot; what the file says when None.
+            tip: the frame of the end effector; chosen as in `from_urdf` when None.
+            name: name of the robot; that of the file when None.
 
         Raises:
-            RobotFileError: when there is no such file, or it is no MJCF, or an element cannot be used.
-            UnknownNameError: when ``tip`` is no frame.
+            RobotFileError: when there is no such file, it is not an MJCF, or an element cannot be used.
+            UnknownNameError: when ``tip`` is not a frame.
 
         Warns:
-            UserWarning: when a joint follows another by a polynomial of higher order, and stays independent.
+            UserWarning: when a joint follows another by a polynomial of higher order; it is then independent.
         """
         from jtik.robot.loaders import load_mjcf
 
@@ -188,21 +189,21 @@ class Builders:
         """The robot of a compiled ``mujoco.MjModel``; see `from_mjcf`.
 
         Args:
-            model: the model. Bodies that its compiler fused into others are gone.
-            tip: the frame that works; chosen as in `from_urdf` when None.
-            name: what to call the robot; the model's name when None.
+            model: the model. Bodies that MuJoCo's compiler fused into others do not exist in it.
+            tip: the frame of the end effector; chosen as in `from_urdf` when None.
+            name: name of the robot; that of the model when None.
 
         Raises:
-            ArgumentError: when it is no ``mujoco.MjModel``.
+            ArgumentError: when it is not a ``mujoco.MjModel``.
             RobotFileError: when it has no body, or a limit that is NaN.
-            UnknownNameError: when ``tip`` is no frame.
+            UnknownNameError: when ``tip`` is not a frame.
         """
         from jtik.robot.loaders import load_mujoco
 
         return cls._described(load_mujoco(model), tip, name)
 
     @classmethod
-    def _described(cls, description: Description, tip: str | None, name: str | None) -> Self:
+    def _described(cls, description: RobotDescription, tip: str | None, name: str | None) -> Self:
         if description.notes:
             warnings.warn(f"{description.label}: {'; '.join(description.notes)}", stacklevel=3)
         arguments = description.arguments()
@@ -217,12 +218,12 @@ class Builders:
 
         "panda" (Franka Emika Panda with its hand), "ur5e" and "ur5" (Universal Robots), "iiwa14" (KUKA LBR iiwa 14
         R820), "xarm7" (UFACTORY), "gen3" (Kinova, 7 joints), "jaco2" (Kinova, 6 joints), "vehicle_panda" (a Panda on an
-        omnidirectional vehicle), "vehicle3" (planar vehicle with three links) and "planar10" (ten unit links). Figures
-        are the makers': see `jtik.robot.gallery`, whose ``names()`` lists them. All have the frame "tip" and the
-        keyframe "home"; the real ones carry the solids of their links.
+        omnidirectional vehicle), "vehicle3" (planar vehicle with three links) and "planar10" (ten unit links). The
+        figures are those of the makers: see `jtik.robot.gallery`, whose ``names()`` lists the names. Every robot has
+        the frame "tip" and the keyframe "home"; the real ones have the solids of their links.
 
         Args:
-            name: one of those names.
+            name: one of these names.
 
         Raises:
             UnknownNameError: when there is no such robot; it suggests the closest name.

@@ -1,4 +1,4 @@
-"""Builders of common robots: planar arms, Denavit-Hartenberg chains, planar vehicles with an arm."""
+"""Joints of common robots: planar arms, Denavit-Hartenberg chains, planar vehicles with an arm."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from typing import TypeAlias, get_args
 import numpy as np
 
 from jtik.errors import ArgumentError, finite_array
-from jtik.robot.dh import JOINT_TYPES, Convention, Row, as_row, shift
+from jtik.robot.dh import JOINT_TYPES, Convention, Row, as_row, translation
 from jtik.robot.joints import JointType
 from jtik.robot.tree import Joint
 from jtik.types import Array
 
 Bounds: TypeAlias = tuple[object, object, object]
-"""Lower limits, upper limits and speed limits, each one number for all joints or one for each."""
+"""Lower limits, upper limits and speed limits: each is one number for all joints, or one number for each joint."""
 
 
 def planar_joints(links: object, bounds: Bounds) -> list[Joint]:
@@ -24,10 +24,10 @@ def planar_joints(links: object, bounds: Bounds) -> list[Joint]:
 
 
 def arm_joints(parent: str, lengths: Array, bounds: Bounds) -> list[Joint]:
-    """A planar arm on the frame ``parent``: a hinge for each of ``lengths`` (n,) [m], and the tip."""
+    """A planar arm on the frame ``parent``: a revolute joint for each of ``lengths`` (n,) [m], and the tip."""
     limits = _spread(("lower", "upper", "velocity_limit"), bounds, len(lengths))
     joints = []
-    reach = 0.0
+    offset = 0.0
     for index, length in enumerate(lengths, start=1):
         child = f"link{index}"
         low, high, speed = limits[index - 1]
@@ -37,14 +37,14 @@ def arm_joints(parent: str, lengths: Array, bounds: Bounds) -> list[Joint]:
                 JointType.REVOLUTE,
                 parent,
                 child,
-                origin=shift(reach, 0, 0),
+                origin=translation(offset, 0, 0),
                 lower=low,
                 upper=high,
                 velocity_limit=speed,
             )
         )
-        parent, reach = child, float(length)
-    return [*joints, Joint("tip", JointType.FIXED, parent, "tip", origin=shift(reach, 0, 0))]
+        parent, offset = child, float(length)
+    return [*joints, Joint("tip", JointType.FIXED, parent, "tip", origin=translation(offset, 0, 0))]
 
 
 def vehicle_joints(links: object, heading: bool, arm: Bounds, carriage: Bounds) -> list[Joint]:
@@ -76,7 +76,7 @@ def dh_joints(rows: Iterable[Row], convention: Convention, base: object, tool: o
     """The joints of a Denavit-Hartenberg chain; see `Robot.from_dh`."""
     if convention not in get_args(Convention):
         raise ArgumentError("convention", convention, " or ".join(repr(c) for c in get_args(Convention)))
-    ahead = np.eye(4) if base is None else finite_array("base", base, (4, 4))
+    before = np.eye(4) if base is None else finite_array("base", base, (4, 4))
     joints = []
     parent = "base"
     for index, given in enumerate(rows, start=1):
@@ -88,14 +88,14 @@ def dh_joints(rows: Iterable[Row], convention: Convention, base: object, tool: o
                 JOINT_TYPES[row.joint],
                 parent,
                 child,
-                origin=ahead @ row.before_joint(convention),
+                origin=before @ row.before_joint(convention),
                 lower=row.lower,
                 upper=row.upper,
                 velocity_limit=row.velocity_limit,
             )
         )
-        parent, ahead = child, row.after_joint(convention)
-    end = ahead if tool is None else ahead @ finite_array("tool", tool, (4, 4))
+        parent, before = child, row.after_joint(convention)
+    end = before if tool is None else before @ finite_array("tool", tool, (4, 4))
     return [*joints, Joint("tip", JointType.FIXED, parent, "tip", origin=end)]
 
 

@@ -27,7 +27,7 @@ JOINT_TYPES: dict[str, JointType] = {
 class DHRow:
     """One row of a Denavit-Hartenberg table.
 
-    In the standard convention ``a`` and ``alpha`` are link i's; in the modified one (Craig), link i-1's.
+    ``a`` and ``alpha`` belong to link i in the standard convention, and to link i-1 in the modified one (Craig).
 
     Attributes:
         a: link length [m].
@@ -37,10 +37,10 @@ class DHRow:
         joint: "revolute", "prismatic" or "fixed".
         lower: lower limit of q [rad] or [m].
         upper: upper limit of q [rad] or [m].
-        velocity_limit: greatest speed [rad/s] or [m/s].
+        velocity_limit: maximum speed [rad/s] or [m/s].
 
     Raises:
-        ArgumentError: when a parameter is not finite or the joint is of another kind.
+        ArgumentError: when a parameter is not finite or the joint has another type.
     """
 
     a: float
@@ -59,16 +59,16 @@ class DHRow:
             raise ArgumentError("DHRow.joint", self.joint, ", ".join(get_args(DHJoint)))
 
     def before_joint(self, convention: Convention) -> Array:
-        """The constant part of the row's transform ahead of the joint's motion, shape (4, 4)."""
-        offset = turn_z(self.theta) @ shift(0, 0, self.d)
+        """The constant part of the row's transform before the motion of the joint, shape (4, 4)."""
+        offset = rotation_z(self.theta) @ translation(0, 0, self.d)
         if convention == "modified":
-            return turn_x(self.alpha) @ shift(self.a, 0, 0) @ offset
-        # Rz(theta) and Tz(d) commute, so all of the offset may stand ahead of either motion.
+            return rotation_x(self.alpha) @ translation(self.a, 0, 0) @ offset
+        # Rz(theta) and Tz(d) commute, so the full offset may be applied before either motion.
         return offset
 
     def after_joint(self, convention: Convention) -> Array:
-        """The constant part after the joint's motion, shape (4, 4)."""
-        return np.eye(4) if convention == "modified" else shift(self.a, 0, 0) @ turn_x(self.alpha)
+        """The constant part of the row's transform after the motion of the joint, shape (4, 4)."""
+        return np.eye(4) if convention == "modified" else translation(self.a, 0, 0) @ rotation_x(self.alpha)
 
 
 Row: TypeAlias = DHRow | Mapping[str, Any] | Sequence[float]
@@ -78,7 +78,7 @@ def as_row(index: int, row: Row) -> DHRow:
     """Row number ``index`` (from 1) as a `DHRow`.
 
     Raises:
-        ArgumentError: when it is none of the forms accepted.
+        ArgumentError: when it has none of the accepted forms.
     """
     if isinstance(row, DHRow):
         return row
@@ -91,7 +91,7 @@ def as_row(index: int, row: Row) -> DHRow:
     return DHRow(a, alpha, d, theta)
 
 
-def _turn(angle: float, first: int, second: int) -> Array:
+def _rotation(angle: float, first: int, second: int) -> Array:
     pose = np.eye(4)
     pose[first, first] = pose[second, second] = math.cos(angle)
     pose[second, first] = math.sin(angle)
@@ -99,18 +99,18 @@ def _turn(angle: float, first: int, second: int) -> Array:
     return pose
 
 
-def turn_x(angle: float) -> Array:
-    """A turn by ``angle`` [rad] about x, shape (4, 4)."""
-    return _turn(angle, 1, 2)
+def rotation_x(angle: float) -> Array:
+    """The rotation by ``angle`` [rad] about x, shape (4, 4)."""
+    return _rotation(angle, 1, 2)
 
 
-def turn_z(angle: float) -> Array:
-    """A turn by ``angle`` [rad] about z, shape (4, 4)."""
-    return _turn(angle, 0, 1)
+def rotation_z(angle: float) -> Array:
+    """The rotation by ``angle`` [rad] about z, shape (4, 4)."""
+    return _rotation(angle, 0, 1)
 
 
-def shift(x: float, y: float, z: float) -> Array:
-    """A translation [m], shape (4, 4)."""
+def translation(x: float, y: float, z: float) -> Array:
+    """The translation by x, y and z [m], shape (4, 4)."""
     pose = np.eye(4)
     pose[:3, 3] = x, y, z
     return pose

@@ -1,26 +1,27 @@
-"""The kinds of joints: how many numbers each takes and how its position changes.
+"""Joint types: the sizes of position and velocity, and how a displacement changes the position.
 
-A joint has nq numbers of position and nv of velocity. They differ where a quaternion is involved:
+A joint has nq numbers of position and nv numbers of velocity. The two differ for joints with a quaternion:
 
-======  ==  ==  ==========================================
-type    nq  nv  position
-======  ==  ==  ==========================================
-FIXED   0   0
+=========  ==  ==  ======================================
+type       nq  nv  position
+=========  ==  ==  ======================================
+FIXED      0   0   none
 REVOLUTE   1   1   angle [rad] about the axis
-PRISMATIC   1   1   distance [m] along the axis
-BALL    4   3   unit quaternion (w, x, y, z)
-FREE    7   6   position [m], then the unit quaternion
-======  ==  ==  ==========================================
+PRISMATIC  1   1   distance [m] along the axis
+BALL       4   3   unit quaternion (w, x, y, z)
+FREE       7   6   position [m], then the unit quaternion
+=========  ==  ==  ======================================
 
-The velocity of a hinge or slide is the rate of its position. A quaternion's is the angular velocity [rad/s]
-in the moving frame; a free joint's linear velocity [m/s], which comes first, is in the joint's own fixed
-axes.
-This is MuJoCo's convention.
+The velocity of a revolute or prismatic joint is the rate of its position. The velocity of a quaternion is the angular
+velocity [rad/s] in the moving frame. The linear velocity [m/s] of a free joint comes first and is in the fixed axes of
+the joint. This is MuJoCo's convention.
 """
 
 from __future__ import annotations
 
-from enum import Enum
+import warnings
+from enum import Enum, EnumMeta
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,44 +29,85 @@ from jtik.robot import quaternion
 from jtik.symbolic import SX, Expression, vertcat
 from jtik.types import Array
 
+_OLD_MEMBERS = {"HINGE": "REVOLUTE", "SLIDE": "PRISMATIC"}
+_MUJOCO_VALUES = {"hinge": "revolute", "slide": "prismatic"}
 
-class JointType(Enum):
-    """What a joint lets its child frame do; see the module's table for nq, nv and conventions."""
+
+class _JointTypeMeta(EnumMeta):
+    """Resolves the old member names `HINGE` and `SLIDE`, with a `DeprecationWarning`."""
+
+    def __getitem__(cls, name: str) -> Any:
+        return super().__getitem__(_renamed(name))
+
+    if not TYPE_CHECKING:  # a type checker must still refuse names that do not exist
+
+        def __getattr__(cls, name: str) -> Any:
+            if name in _OLD_MEMBERS:
+                return cls.__members__[_renamed(name)]
+            raise AttributeError(f"{cls.__name__} has no member {name!r}; members: {', '.join(cls.__members__)}")
+
+
+def _renamed(name: str) -> str:
+    """The present name of a member."""
+    if name not in _OLD_MEMBERS:
+        return name
+    text = f"JointType.{name} is now JointType.{_OLD_MEMBERS[name]}"
+    warnings.warn(text, DeprecationWarning, stacklevel=3)
+    return _OLD_MEMBERS[name]
+
+
+class JointType(Enum, metaclass=_JointTypeMeta):
+    """The motion that a joint allows its child frame.
+
+    ``JointType("hinge")`` and ``JointType("slide")`` are read as "revolute" and "prismatic": MuJoCo has these words,
+    and so have files that were saved by earlier versions.
+
+    Attributes:
+        FIXED: no motion.
+        REVOLUTE: a rotation about one axis.
+        PRISMATIC: a translation along one axis.
+        BALL: any rotation.
+        FREE: any rotation and any translation.
+    """
 
     FIXED = "fixed"
-    REVOLUTE = "hinge"
-    PRISMATIC = "slide"
+    REVOLUTE = "revolute"
+    PRISMATIC = "prismatic"
     BALL = "ball"
     FREE = "free"
 
+    @classmethod
+    def _missing_(cls, value: object) -> JointType | None:
+        return cls(_MUJOCO_VALUES[value]) if isinstance(value, str) and value in _MUJOCO_VALUES else None
+
     @property
     def nq(self) -> int:
-        """How many numbers its position takes."""
+        """Length of its position."""
         return _SIZES[self][0]
 
     @property
     def nv(self) -> int:
-        """How many numbers its velocity takes."""
+        """Length of its velocity."""
         return _SIZES[self][1]
 
     @property
     def is_scalar(self) -> bool:
-        """Whether one number is its position, so that it can have limits and can be mimicked."""
+        """Whether its position is one number. Only such joints can have limits, mimic and be mimicked."""
         return self in (JointType.REVOLUTE, JointType.PRISMATIC)
 
     @property
     def rotational(self) -> tuple[bool, ...]:
-        """For each velocity entry whether it is a rotation [rad], else a translation [m]; nv entries."""
+        """For each velocity entry: True for a rotation [rad], False for a translation [m]; nv entries."""
         return (False,) * _LINEAR[self] + (True,) * (self.nv - _LINEAR[self])
 
     @property
     def quaternion_start(self) -> int | None:
-        """Where in its position the quaternion starts, or None when it has none."""
+        """Index in its position at which the quaternion starts; None for a joint without one."""
         return self.nq - 4 if self in (JointType.BALL, JointType.FREE) else None
 
     @property
     def neutral(self) -> Array:
-        """The position in which the joint moves nothing, shape (nq,)."""
+        """The position at which the joint's motion is the identity, shape (nq,)."""
         position = np.zeros(self.nq)
         if self.quaternion_start is not None:
             position[self.quaternion_start] = 1.0
@@ -92,8 +134,8 @@ class JointType(Enum):
         if self.quaternion_start is None:
             return end - start
         linear = self.nv - 3
-        turn = quaternion.difference(start[linear:], end[linear:])
-        return vertcat(end[:linear] - start[:linear], turn)
+        rotation = quaternion.difference(start[linear:], end[linear:])
+        return vertcat(end[:linear] - start[:linear], rotation)
 
 
 _SIZES = {

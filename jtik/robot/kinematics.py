@@ -1,15 +1,16 @@
-"""Poses, positions and Jacobians of any frame, as expressions of one q that are built once and shared."""
+"""Poses, positions and Jacobians of any frame, as expressions of one q, each built once and shared."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from jtik.errors import ArgumentError
 from jtik.robot import quaternion
 from jtik.robot.joints import JointType
 from jtik.robot.rotation import Rotation
+from jtik.robot.row_indexing import by_rows
 from jtik.robot.tree import Joint
 from jtik.symbolic import SX, Expression, cross, horzcat, vertcat
 from jtik.types import Array
@@ -18,23 +19,46 @@ if TYPE_CHECKING:
     from jtik.robot.model import Robot
 
 
+Rows: TypeAlias = Literal["linear", "angular"] | None
+"""Rows of a geometric Jacobian: those of the linear velocity, those of the angular velocity, or None for all six."""
+
+
+def jacobian_rows(rows: Rows, dimension: int) -> slice | None:
+    """The indices of ``rows`` in a geometric Jacobian (6, n); None for all. Raises ArgumentError for anything else."""
+    if rows is None:
+        return None
+    if rows == "linear":
+        return slice(0, dimension)
+    if rows == "angular":
+        return slice(3 if dimension == 3 else 5, 6)
+    raise ArgumentError("rows", rows, "'linear', 'angular', or None for all six")
+
+
 @dataclass(frozen=True)
-class _Placement:
+class _FramePose:
+    """Where a frame is, in the base frame.
+
+    Attributes:
+        rotation: its orientation.
+        origin: its origin (3, 1) [m].
+    """
+
     rotation: Rotation
     origin: Expression
 
 
 class Kinematics:
-    """The kinematics of a robot at one symbolic configuration.
+    """The kinematics of a robot at one symbolic configuration, made by `Robot.at`.
 
-    Made by `Robot.at`. A task and ten criteria that take it share every expression: asking for the same frame
-    twice gives the same one.
+    Each expression is built once, so all tasks and criteria share it. `pose`, `rotation` and `jacobian` return
+    matrices that a single index reads by rows, as NumPy does: ``J[:3]`` has shape (3, n). Results of operations on
+    them are plain CasADi matrices.
     """
 
     def __init__(self, robot: Robot, q: Expression) -> None:
         self._robot = robot
         self._q = q
-        self._placements = {robot.base: _Placement(Rotation(), SX.zeros(3))}
+        self._poses = {robot.base: _FramePose(Rotation(), SX.zeros(3))}
         self._rotations: dict[str, Expression] = {}
         self._jacobians: dict[str, Expression] = {}
 
@@ -54,8 +78,8 @@ class Kinematics:
         Raises:
             UnknownNameError: when there is no such frame.
         """
-        upper = horzcat(self.rotation(frame), self._place(self._robot.frame(frame)).origin)
-        return vertcat(upper, SX([[0, 0, 0, 1]]))
+        upper = horzcat(self._rotation(frame), self._pose_of(self._robot.frame(frame)).origin)
+        return by_rows(vertcat(upper, SX([[0, 0, 0, 1]])))
 
     def rotation(self, frame: str | None = None) -> Expression:
         """R_base_frame, shape (3, 3); ``frame`` is the tip when None.
@@ -63,9 +87,12 @@ class Kinematics:
         Raises:
             UnknownNameError: when there is no such frame.
         """
+        return by_rows(self._rotation(frame))
+
+    def _rotation(self, frame: str | None) -> Expression:
         frame = self._robot.frame(frame)
         if frame not in self._rotations:
-            self._rotations[frame] = self._place(frame).rotation.matrix()
+            self._rotations[frame] = self._pose_of(frame).rotation.matrix()
         return self._rotations[frame]
 
     def position(self, frame: str | None = None) -> Expression:
@@ -74,7 +101,7 @@ class Kinematics:
         Raises:
             UnknownNameError: when there is no such frame.
         """
-        origin = self._place(self._robot.frame(frame)).origin
+        origin = self._pose_of(self._robot.frame(frame)).origin
         return origin[:2] if self._robot.dimension == 2 else origin
 
     def point(self, frame: str, offset: Array) -> Expression:
@@ -83,8 +110,8 @@ class Kinematics:
         Raises:
             UnknownNameError: when there is no such frame.
         """
-        placed = self._place(self._robot.frame(frame))
-        point = placed.origin + placed.rotation.apply(offset)
+        pose = self._pose_of(self._robot.frame(frame))
+        point = pose.origin + pose.rotation.apply(offset)
         return point[:2] if self._robot.dimension == 2 else point
 
     def center_of_mass(self, _: str | None = None) -> Expression:
@@ -100,33 +127,53 @@ class Kinematics:
         return sum(body.mass / total * self.point(frame, body.center) for frame, body in masses.items())
 
     def relative(self, frame: str, reference: str) -> tuple[Expression, Expression]:
-        """Rotation (3, 3) and origin (3, 1) [m] of ``frame`` in ``reference``; joints that carry both do not appear.
+        """Rotation (3, 3) and origin (3, 1) [m] of ``frame`` in ``reference``.
+
+        They do not depend on joints that carry both frames.
 
         Raises:
             UnknownNameError: when there is no such frame.
         """
         shared = 0
-        there, here = self._robot.path(frame), self._robot.path(reference)
-        while shared < min(len(there), len(here)) and there[shared] is here[shared]:
+        path, other = self._robot.path(frame), self._robot.path(reference)
+        while shared < min(len(path), len(other)) and path[shared] is other[shared]:
             shared += 1
-        root = there[shared - 1].child if shared else self._robot.base
-        seen, base = self._from(root, frame), self._from(root, reference)
-        turn = base.rotation.matrix().T
-        return turn @ seen.rotation.matrix(), turn @ (seen.origin - base.origin)
+        root = path[shared - 1].child if shared else self._robot.base
+        moved, base = self._pose_in(root, frame), self._pose_in(root, reference)
+        inverse = base.rotation.matrix().T
+        return inverse @ moved.rotation.matrix(), inverse @ (moved.origin - base.origin)
 
-    def _from(self, root: str, frame: str) -> _Placement:
-        """The frame placed in ``root``, a frame that carries it."""
-        placed = _Placement(Rotation(), SX.zeros(3))
+    def _pose_in(self, root: str, frame: str) -> _FramePose:
+        """The frame in ``root``, a frame that carries it."""
+        pose = _FramePose(Rotation(), SX.zeros(3))
         path = self._robot.path(frame)
         for joint in path[len(self._robot.path(root)) :]:
-            placed = self._moved(placed, joint)
-        return placed
+            pose = self._after(pose, joint)
+        return pose
 
-    def jacobian(self, frame: str | None = None) -> Expression:
-        """The geometric Jacobian, shape (6, n): velocity of the frame's origin, then angular velocity.
+    def jacobian(self, frame: str | None = None, *, rows: Rows = None) -> Expression:
+        """The geometric Jacobian: velocity of the frame's origin, then angular velocity.
 
-        Both in base axes, of velocities v = dq/dt in the tangent space: [m/rad] or [m/m], then [rad/rad] or
-        [rad/m]. The columns are the joints' axes and their moments, which is (dx/dq) T(q) written out.
+        Both are in base axes, for velocities v = dq/dt in the tangent space: [m/rad] or [m/m], then [rad/rad] or
+        [rad/m]. The columns are the joints' axes and their moments, which equals (dx/dq) T(q).
+
+        Args:
+            frame: name of the frame; the tip when None.
+            rows: "linear" for the derivative of `position`, shape (3, n), or (2, n) of a planar robot; "angular" for
+                the angular velocity, shape (3, n), or (1, n), about z, of a planar robot; None for all six, (6, n).
+
+        Raises:
+            ArgumentError: when ``rows`` is something else.
+            UnknownNameError: when there is no such frame.
+        """
+        selected = jacobian_rows(rows, self._robot.dimension)
+        J = self.plain_jacobian(frame)
+        return by_rows(J if selected is None else J[selected, :])
+
+    def plain_jacobian(self, frame: str | None = None) -> Expression:
+        """The geometric Jacobian (6, n) as a plain ``casadi.SX``, without a copy: for the engine.
+
+        CasADi reads ``J[:3]`` of it as three numbers; write ``J[:3, :]``.
 
         Raises:
             UnknownNameError: when there is no such frame.
@@ -138,7 +185,7 @@ class Kinematics:
 
     def _build_jacobian(self, frame: str) -> Expression:
         columns = [SX.zeros(6) for _ in range(self._robot.n)]
-        end = self._place(frame).origin
+        end = self._pose_of(frame).origin
         for joint in self._robot.path(frame):
             if not joint.is_moving:
                 continue
@@ -146,43 +193,43 @@ class Kinematics:
             first = self._robot.v_slice(joint.name).start
             for offset, column in enumerate(self._columns(joint, end)):
                 columns[first + offset] += gain * column
-        return horzcat(SX(6, 0), *columns)  # still six rows where nothing moves
+        return horzcat(SX(6, 0), *columns)  # SX(6, 0) keeps six rows when no joint moves
 
     def _columns(self, joint: Joint, end: Expression) -> Iterator[Expression]:
-        placed = self._place(joint.child)
-        arm = end - placed.origin
+        pose = self._pose_of(joint.child)
+        arm = end - pose.origin
         none = SX.zeros(3)
         if joint.type is JointType.PRISMATIC:
-            yield vertcat(placed.rotation.apply(joint.axis), none)
+            yield vertcat(pose.rotation.apply(joint.axis), none)
         elif joint.type is JointType.REVOLUTE:
-            axis = placed.rotation.apply(joint.axis)
+            axis = pose.rotation.apply(joint.axis)
             yield vertcat(cross(axis, arm), axis)
         else:
             if joint.type is JointType.FREE:
-                fixed = self._place(joint.parent).rotation.then_constant(joint.origin[:3, :3]).matrix()
+                fixed = self._pose_of(joint.parent).rotation.then_constant(joint.origin[:3, :3]).matrix()
                 yield from (vertcat(fixed[:, k], none) for k in range(3))
-            axes = self.rotation(joint.child)
+            axes = self._rotation(joint.child)
             yield from (vertcat(cross(axes[:, k], arm), axes[:, k]) for k in range(3))
 
-    def _place(self, frame: str) -> _Placement:
+    def _pose_of(self, frame: str) -> _FramePose:
         for joint in self._robot.path(frame):
-            if joint.child not in self._placements:
-                self._placements[joint.child] = self._moved(self._placements[joint.parent], joint)
-        return self._placements[frame]
+            if joint.child not in self._poses:
+                self._poses[joint.child] = self._after(self._poses[joint.parent], joint)
+        return self._poses[frame]
 
-    def _moved(self, parent: _Placement, joint: Joint) -> _Placement:
+    def _after(self, parent: _FramePose, joint: Joint) -> _FramePose:
         rotation = parent.rotation.then_constant(joint.origin[:3, :3])
         origin = parent.origin + parent.rotation.apply(joint.origin[:3, 3])
         if joint.type is JointType.FIXED:
-            return _Placement(rotation, origin)
+            return _FramePose(rotation, origin)
         q = self._q[self._robot.q_slice(joint.name)]
         if joint.mimic is not None:
             q = joint.mimic.multiplier * q + joint.mimic.offset
         if joint.type is JointType.REVOLUTE:
-            return _Placement(rotation.then_turn(joint.axis, q), origin)
+            return _FramePose(rotation.then_rotation(joint.axis, q), origin)
         if joint.type is JointType.PRISMATIC:
-            return _Placement(rotation, origin + rotation.apply(joint.axis) * q)
+            return _FramePose(rotation, origin + rotation.apply(joint.axis) * q)
         if joint.type is JointType.BALL:
-            return _Placement(rotation.then_matrix(quaternion.rotation_matrix(q)), origin)
+            return _FramePose(rotation.then_matrix(quaternion.rotation_matrix(q)), origin)
         shifted = origin + rotation.matrix() @ q[:3]
-        return _Placement(rotation.then_matrix(quaternion.rotation_matrix(q[3:])), shifted)
+        return _FramePose(rotation.then_matrix(quaternion.rotation_matrix(q[3:])), shifted)

@@ -1,4 +1,4 @@
-"""Where each joint's numbers sit in q and in v, and the vectors of limits that follow."""
+"""The indices of each joint in q and in v, and the vectors of limits."""
 
 from __future__ import annotations
 
@@ -17,21 +17,22 @@ from jtik.types import Array
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """The index arithmetic of a robot, worked out once.
+    """The indices and limits of a robot's joints, computed once.
 
     Attributes:
         nq: length of q.
         nv: length of v.
         independent: the joints with a position of their own, in the order of q.
-        q_slices: joint name to its place in q; a mimic joint has its leader's.
-        v_slices: joint name to its place in v; a mimic joint has its leader's.
+        q_slices: joint name to its indices in q; a mimic joint has those of its leader.
+        v_slices: joint name to its indices in v; a mimic joint has those of its leader.
         lower: lower limits (nq,) [rad] or [m].
         upper: upper limits (nq,) [rad] or [m].
-        velocity_limit: greatest speeds (nv,) [rad/s] or [m/s].
-        neutral: zero led into the limits, identity quaternions, (nq,).
-        rotational: which velocity entries are rotations, (nv,).
-        scalar_q: places in q of the hinges and slides.
-        scalar_v: their places in v, in the same order.
+        velocity_limit: maximum speeds (nv,) [rad/s] or [m/s].
+        neutral: zero clamped to the limits, and identity quaternions, (nq,).
+        rotational: True for velocity entries that are rotations, (nv,).
+        scalar_q: indices in q of the revolute and prismatic joints.
+        scalar_v: their indices in v, in the same order.
+        quaternions: name of each ball or free joint to the indices of its quaternion in q.
     """
 
     nq: int
@@ -46,13 +47,14 @@ class Layout:
     rotational: NDArray[np.bool_]
     scalar_q: NDArray[np.intp]
     scalar_v: NDArray[np.intp]
+    quaternions: dict[str, slice]
 
     @classmethod
     def of(cls, joints: Sequence[Joint]) -> Layout:
         """The layout of ``joints``; q follows their order.
 
         Raises:
-            ArgumentError: when a mimic joint's limits leave its leader no room.
+            ArgumentError: when the limits of a mimic joint and of its leader exclude each other.
         """
         independent = tuple(joint for joint in joints if joint.is_independent)
         q_slices, v_slices = {}, {}
@@ -75,11 +77,16 @@ class Layout:
             _tighten(joint, q_slices[leader].start, v_slices[leader].start, lower, upper, speed)
         neutral = np.concatenate([np.zeros(0), *(joint.type.neutral for joint in independent)])
         scalar = [joint for joint in independent if joint.type.is_scalar]
-        rotational = np.array([turns for joint in independent for turns in joint.type.rotational], dtype=bool)
-        indices = [
+        rotational = np.array([entry for joint in independent for entry in joint.type.rotational], dtype=bool)
+        quaternions = {
+            joint.name: slice(q_slices[joint.name].start + start, q_slices[joint.name].stop)
+            for joint in independent
+            if (start := joint.type.quaternion_start) is not None
+        }
+        scalar_q, scalar_v = (
             np.array([slices[joint.name].start for joint in scalar], dtype=np.intp) for slices in (q_slices, v_slices)
-        ]
-        for index in (rotational, *indices):
+        )
+        for index in (rotational, scalar_q, scalar_v):
             index.flags.writeable = False
         return cls(
             nq,
@@ -92,14 +99,17 @@ class Layout:
             frozen(speed),
             frozen(np.clip(neutral, lower, upper)),
             rotational,
-            *indices,
+            scalar_q,
+            scalar_v,
+            quaternions,
         )
 
     def random(self, generator: np.random.Generator) -> Array:
-        """A configuration drawn uniformly, shape (nq,).
+        """A configuration drawn uniformly within the limits, shape (nq,).
 
-        Within the limits; without any, a hinge within a turn around zero and a length within 1 m of zero;
-        with one, within a turn, or 2 m, of it. Quaternions are uniform on the sphere.
+        A revolute joint without limits is drawn from (-pi, pi), a prismatic joint from (-1, 1) [m]. A joint with one
+        limit is drawn from an interval of that length, 2 pi or 2 m, which starts at the limit. Quaternions are uniform
+        on the sphere.
         """
         width = np.ones(self.nq)
         for joint in self.independent:
@@ -109,16 +119,14 @@ class Layout:
         high = np.where(np.isfinite(self.upper), self.upper, low + 2 * width)
         low = np.where(np.isfinite(self.lower) | np.isinf(self.upper), low, high - 2 * width)
         q = generator.uniform(low, high)
-        for joint in self.independent:
-            if joint.type.quaternion_start is not None:
-                start = self.q_slices[joint.name].start + joint.type.quaternion_start
-                direction = generator.standard_normal(4)
-                q[start : start + 4] = direction / np.linalg.norm(direction)
+        for indices in self.quaternions.values():
+            direction = generator.standard_normal(4)
+            q[indices] = direction / np.linalg.norm(direction)
         return q
 
 
 def _tighten(joint: Joint, q: int, v: int, lower: Array, upper: Array, speed: Array) -> None:
-    """Narrow the leader's limits so that its mimic ``joint`` keeps its own, too."""
+    """Reduce the limits of the leader to those that keep its mimic ``joint`` within its own limits, too."""
     assert joint.mimic is not None
     ratio, offset = joint.mimic.multiplier, joint.mimic.offset
     ends = sorted(((joint.lower - offset) / ratio, (joint.upper - offset) / ratio))

@@ -2,47 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property, partial
 from types import MappingProxyType
 from typing import Any
-
-import numpy as np
 
 from jtik.errors import ArgumentError, ImmutableError, UnknownNameError
 from jtik.geometry import Solid
 from jtik.robot import skeleton
 from jtik.robot.body import Mass, masses_on, shapes_on
 from jtik.robot.builders import Builders
-from jtik.robot.kinematics import Kinematics
+from jtik.robot.evaluator import Evaluator
+from jtik.robot.kinematics import Kinematics, Rows, jacobian_rows
 from jtik.robot.layout import Layout
 from jtik.robot.space import ConfigurationSpace
-from jtik.robot.subset import locked_joints
+from jtik.robot.subset import Reduction, locked_joints
 from jtik.robot.tree import Joint, check_moves, check_planar, check_tree, frozen
-from jtik.robot.twins import Twins
 from jtik.symbolic import SX, Expression, is_equal
 from jtik.types import Array
 
 
 class Robot(ConfigurationSpace, Builders):
-    """A robot as its kinematics: joints, the frames they carry, and limits.
+    """A kinematic model: a tree of joints, the frames they carry, and limits.
 
-    A configuration q has nq numbers and a velocity n; they differ where there are ball or free joints.
-    Methods that take q accept numbers and give NumPy arrays, or a CasADi expression and give expressions.
-    Frames that are None mean the tip. Robots cannot change, compare by identity and can be pickled.
+    A configuration q has nq numbers and a velocity n numbers; the two differ for ball and free joints. Methods that
+    take q return NumPy arrays for numbers, in any form that `configuration` accepts, and CasADi expressions for an
+    expression (nq, 1). A frame that is None means the tip. Robots are immutable, compare by identity and can be
+    pickled.
 
     Args:
-        joints: the tree; q follows the order given. Fixed joints keep fixed frames. Where none moves q is empty.
-        name: what to call the robot.
+        joints: the tree; q follows the order given. Fixed joints add fixed frames; without moving joints q is empty.
+        name: name of the robot.
         planar: whether the workspace is the x-y plane, so that positions are (x, y).
         base: name of the root frame.
-        tip: the frame that works; the last joint's child when None.
+        tip: name of the end effector's frame; the last joint's child when None.
         masses: the mass on each frame that has one, for the centre of mass.
-        shapes: solids on the frames, in the frames' coordinates, for clearances.
-        keyframes: named configurations (nq,).
+        shapes: solids on the frames, in the coordinates of the frames, for clearances.
+        keyframes: named configurations, in any form that `configuration` accepts.
 
     Raises:
-        ArgumentError: when the joints are no tree, or leave the plane of a planar robot.
+        ArgumentError: when the joints do not form a tree, or leave the plane of a planar robot.
         UnknownNameError: when a parent frame, a mimicked joint, the tip or the frame of a mass or shape does not exist.
     """
 
@@ -73,7 +72,7 @@ class Robot(ConfigurationSpace, Builders):
             raise UnknownNameError("tip frame", self._tip, self._carrier)
         self._masses = masses_on(self.frame_names, masses)
         self._shapes = shapes_on(self.frame_names, shapes)
-        self._twins = Twins(self)
+        self._evaluator = Evaluator(self)
         self._keyframes = {
             key: frozen(self.configuration(q, argument=f"keyframes[{key!r}]")) for key, q in (keyframes or {}).items()
         }
@@ -98,42 +97,51 @@ class Robot(ConfigurationSpace, Builders):
             "shapes": self._shapes,
             "keyframes": self._keyframes,
         }
-        return partial(type(self), self._joints, **options), ()
+        build = partial(type(self), self._joints, **options)
+        if self._reduction is None:
+            return build, ()
+        return partial(_reduced_robot, build, self._reduction.full, self._reduction.locked), ()
 
     def __repr__(self) -> str:
         return f"Robot({self.name!r}, n={self.n}, nq={self.nq}, tip={self.tip!r})"
 
     def subset(self, joints: Iterable[str], *, at: object = None) -> Robot:
-        """This robot with only ``joints`` free and every other one locked; all frames remain.
+        """This robot with only ``joints`` free and every other joint locked; all frames remain.
+
+        The result keeps this robot as `full`. `full_configuration` and `reduced` convert configurations.
 
         Args:
             joints: names of the joints that stay free.
-            at: the configuration (nq,) at which the others are locked; `neutral` when None.
+            at: the configuration at which the others are locked, in any form that `configuration` accepts; `neutral`
+                when None.
 
         Raises:
             ArgumentError: when ``at`` is not a configuration, or no joint stays free.
             UnknownNameError: when there is no such joint.
         """
-        kept = locked_joints(self, joints, at)
+        q = self.neutral if at is None else self.configuration(at, argument="at")
+        kept = locked_joints(self, joints, q)
         check_moves(kept)
-        part = type(self)(
-            kept,
-            name=self.name,
-            planar=self._planar,
-            base=self.base,
-            tip=self.tip,
-            masses=self._masses,
-            shapes=self._shapes,
+        part = _reduced_robot(
+            partial(
+                type(self),
+                kept,
+                name=self.name,
+                planar=self._planar,
+                base=self.base,
+                tip=self.tip,
+                masses=self._masses,
+                shapes=self._shapes,
+            ),
+            self,
+            q,
         )
-        places = [self.q_slice(joint) for joint in part.joint_names]
-        part._keyframes.update(
-            {key: frozen(np.concatenate([q[place] for place in places])) for key, q in self._keyframes.items()}
-        )
+        part._keyframes.update({key: frozen(part.reduced(q)) for key, q in self._keyframes.items()})
         return part
 
     @property
     def name(self) -> str:
-        """What the robot is called."""
+        """The name of the robot."""
         return self._name
 
     @property
@@ -148,17 +156,17 @@ class Robot(ConfigurationSpace, Builders):
 
     @property
     def frame_names(self) -> tuple[str, ...]:
-        """All frames, the base first."""
+        """The names of all frames, the base first."""
         return (self._base, *self._carrier)
 
     @property
     def base(self) -> str:
-        """The root frame."""
+        """The name of the root frame."""
         return self._base
 
     @property
     def tip(self) -> str:
-        """The frame meant where none is named."""
+        """The frame of the end effector, which is meant where no frame is named."""
         return self._tip
 
     @property
@@ -173,12 +181,12 @@ class Robot(ConfigurationSpace, Builders):
 
     @property
     def keyframes(self) -> Mapping[str, Array]:
-        """Named configurations (nq,), read-only; those of a subset are of its own joints."""
+        """Named configurations (nq,), read-only; on a robot made by `subset`, of its free joints."""
         return MappingProxyType(self._keyframes)
 
     @cached_property
     def moving_frames(self) -> tuple[str, ...]:
-        """Frames at the joints, and the tip, whose origins move: the points to keep away from obstacles."""
+        """Frames at the joints, and the tip, whose origins move: the points that obstacle avoidance considers."""
         return skeleton.moving_frames(self)
 
     @cached_property
@@ -213,15 +221,6 @@ class Robot(ConfigurationSpace, Builders):
             self._paths[frame] = (*self._paths[above], *reversed(chain))
         return self._paths[frame]
 
-    def configuration(self, q: object, *, argument: str = "q") -> Array:
-        """A checked copy of a configuration given as numbers, (nq,).
-
-        Raises:
-            ArgumentError: when it has another shape, is not finite, or has a zero quaternion; it names ``argument``.
-        """
-        array: Array = self._twins.checked(argument, np.asarray(q))
-        return array
-
     def at(self, q: Expression) -> Kinematics:
         """The kinematics at the symbolic configuration ``q`` (nq, 1); the same one again for the same ``q``.
 
@@ -231,10 +230,10 @@ class Robot(ConfigurationSpace, Builders):
         if not isinstance(q, SX) or q.shape != (self.nq, 1):
             given = f"{type(q).__name__} of shape {getattr(q, 'shape', '?')}"
             raise ArgumentError("q", given, f"a casadi.SX of shape ({self.nq}, 1)")
-        for seen, kinematics in self._latest:
-            if is_equal(seen, q, 0):
+        for latest, kinematics in self._latest:
+            if is_equal(latest, q, 0):
                 return kinematics
-        own = SX(q)  # a copy: an SX can be changed in place
+        own = SX(q)  # a copy, since an SX can be changed in place
         kinematics = Kinematics(self, own)
         self._latest[:] = [(own, kinematics)]
         return kinematics
@@ -246,7 +245,7 @@ class Robot(ConfigurationSpace, Builders):
             ArgumentError: when ``q`` has another shape than (nq,) or is not finite.
             UnknownNameError: when there is no such frame.
         """
-        return self._twins.of_frame("pose", q, frame)
+        return self._evaluator.of_frame("pose", q, frame)
 
     def position(self, q: Expression, frame: str | None = None) -> Any:
         """The frame's origin in the base frame [m], shape (3,), or (2,) of a planar robot.
@@ -255,16 +254,27 @@ class Robot(ConfigurationSpace, Builders):
             ArgumentError: when ``q`` has another shape than (nq,) or is not finite.
             UnknownNameError: when there is no such frame.
         """
-        return self._twins.of_frame("position", q, frame)
+        return self._evaluator.of_frame("position", q, frame)
 
-    def jacobian(self, q: Expression, frame: str | None = None) -> Any:
-        """The geometric Jacobian at the frame's origin in base axes, linear rows first, shape (6, n).
+    def jacobian(self, q: Expression, frame: str | None = None, *, rows: Rows = None) -> Any:
+        """The geometric Jacobian of the frame's origin, in base axes.
+
+        Symbolic results are indexed by rows, as NumPy arrays are: ``J[:3]`` has shape (3, n).
+
+        Args:
+            q: a configuration, in any form that `configuration` accepts, or an expression (nq, 1).
+            frame: name of the frame; the tip when None.
+            rows: "linear" for the derivative of `position` [m/rad] or [m/m], shape (3, n), or (2, n) of a planar robot;
+                "angular" for the angular velocity [rad/rad] or [rad/m], shape (3, n), or (1, n), about z, of a planar
+                robot; None for all six, shape (6, n), linear rows first.
 
         Raises:
-            ArgumentError: when ``q`` has another shape than (nq,) or is not finite.
+            ArgumentError: when ``q`` has another shape or is not finite, or ``rows`` is something else.
             UnknownNameError: when there is no such frame.
         """
-        return self._twins.of_frame("jacobian", q, frame)
+        selected = jacobian_rows(rows, self.dimension)
+        J = self._evaluator.of_frame("jacobian", q, frame)
+        return J if selected is None else J[selected]
 
     def center_of_mass(self, q: Expression) -> Any:
         """The centre of mass in the base frame [m], shape (3,), or (2,) of a planar robot.
@@ -272,7 +282,7 @@ class Robot(ConfigurationSpace, Builders):
         Raises:
             ArgumentError: when the robot has no masses, or ``q`` has another shape than (nq,) or is not finite.
         """
-        return self._twins.of_frame("center_of_mass", q, None)
+        return self._evaluator.of_frame("center_of_mass", q, None)
 
     def tangent(self, q: Expression) -> Any:
         """The tangent map T(q) with dq/dt = T(q) v, shape (nq, n).
@@ -280,7 +290,7 @@ class Robot(ConfigurationSpace, Builders):
         Raises:
             ArgumentError: when ``q`` has another shape than (nq,) or is not finite.
         """
-        return self._twins.of_layout("tangent", q)
+        return self._evaluator.of_layout("tangent", q)
 
     def integrate(self, q: Expression, dq: Expression) -> Any:
         """The configuration after the displacement ``dq`` (n,) [rad] or [m] from ``q``, shape (nq,).
@@ -290,7 +300,7 @@ class Robot(ConfigurationSpace, Builders):
         Raises:
             ArgumentError: when an argument has another shape or is not finite.
         """
-        return self._twins.of_layout("integrate", q, dq)
+        return self._evaluator.of_layout("integrate", q, dq)
 
     def difference(self, start: Expression, end: Expression) -> Any:
         """The shortest displacement (n,) [rad] or [m] with ``integrate(start, displacement) == end``.
@@ -298,4 +308,17 @@ class Robot(ConfigurationSpace, Builders):
         Raises:
             ArgumentError: when an argument has another shape than (nq,) or is not finite.
         """
-        return self._twins.of_layout("difference", start, end)
+        return self._evaluator.of_layout("difference", start, end)
+
+
+def _reduced_robot(build: Callable[[], Robot], full: Robot, locked: Array) -> Robot:
+    """A robot made by `Robot.subset`, or restored from a pickle of one.
+
+    Args:
+        build: makes the robot.
+        full: the robot it was made from.
+        locked: configuration (full.nq,) at which the joints of ``full`` are locked.
+    """
+    robot = build()
+    object.__setattr__(robot, "_reduction", Reduction.of(full, locked, robot.joint_names))
+    return robot

@@ -1,7 +1,7 @@
 """Unit quaternions (w, x, y, z) as CasADi expressions.
 
-Every formula is smooth at the identity, to any order of derivative: near zero a power series in the squared
-angle takes over, since the functions involved are even in the angle.
+Every formula is smooth at the identity, to any order of derivative. Near zero it is a power series in the squared
+angle: the functions involved are even in the angle.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ _SINC = [(-1.0) ** k / factorial(2 * k + 1) for k in range(8)]
 _ARCTAN = [(-1.0) ** k / (2 * k + 1) for k in range(9)]
 
 SERIES_HALF_ANGLE_SQUARED = 1.0 / 16.0
-"""Below it the exponential uses its series; the first term left out is under 1e-23."""
+"""Below it the exponential is its power series; the first omitted term is below 1e-23."""
 
 SERIES_TANGENT_SQUARED = 0.01
-"""Below it the logarithm uses its series; the first term left out is under 1e-19."""
+"""Below it the logarithm is its power series; the first omitted term is below 1e-19."""
 
 
 def _series(coefficients: Sequence[float], square: Expression) -> Expression:
@@ -30,7 +30,7 @@ def _series(coefficients: Sequence[float], square: Expression) -> Expression:
 
 
 def rotation_matrix(q: Expression) -> Expression:
-    """The rotation of a quaternion, shape (3, 3); any non-zero multiple of it gives the same one."""
+    """The rotation of a quaternion, shape (3, 3); every non-zero multiple of it gives the same rotation."""
     w, x, y, z = (q[i] for i in range(4))
     s = 2 / sumsqr(q)
     return stack(
@@ -69,10 +69,10 @@ def exponential(omega: Expression) -> Expression:
     """The quaternion of a rotation vector ``omega`` [rad], shape (3, 1) -> (4, 1)."""
     square = sumsqr(omega) / 4
     small = square < SERIES_HALF_ANGLE_SQUARED
-    near = if_else(small, square, 0)
+    bounded = if_else(small, square, 0)
     half = sqrt(if_else(small, 1, square))
-    real = if_else(small, _series(_COSINE, near), cos(half))
-    sinc = if_else(small, _series(_SINC, near), sin(half) / half)
+    real = if_else(small, _series(_COSINE, bounded), cos(half))
+    sinc = if_else(small, _series(_SINC, bounded), sin(half) / half)
     return vertcat(real, sinc / 2 * omega)
 
 
@@ -84,16 +84,16 @@ def logarithm(q: Expression) -> Expression:
     small = square < SERIES_TANGENT_SQUARED * w * w
     real = if_else(small, w, 1)
     norm = sqrt(if_else(small, 1, square))
-    near = _series(_ARCTAN, if_else(small, square, 0) / (real * real)) / real
-    return 2 * if_else(small, near, atan2(norm, w) / norm) * v
+    series = _series(_ARCTAN, if_else(small, square, 0) / (real * real)) / real
+    return 2 * if_else(small, series, atan2(norm, w) / norm) * v
 
 
 def integrate(q: Expression, omega: Expression) -> Expression:
-    """``q`` turned by the body rotation vector ``omega`` [rad], of unit norm, shape (4, 1)."""
-    turned = product(q, exponential(omega))
-    return turned / sqrt(sumsqr(turned))
+    """``q`` rotated by the rotation vector ``omega`` [rad] in the body frame, of unit norm, shape (4, 1)."""
+    rotated = product(q, exponential(omega))
+    return rotated / sqrt(sumsqr(rotated))
 
 
 def difference(start: Expression, end: Expression) -> Expression:
-    """The body rotation vector [rad] that leads from ``start`` to ``end``, shape (3, 1)."""
+    """The rotation vector [rad] in the body frame from ``start`` to ``end``, shape (3, 1)."""
     return logarithm(product(conjugate(start), end))

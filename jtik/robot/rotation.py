@@ -1,13 +1,13 @@
-"""Rotations of a chain as cheap expressions.
+"""Rotations of a chain of joints as expressions with few operations.
 
-Every hinge of a chain multiplies one more rotation on. Written as plain 3 x 3 products that is 45 operations
-a joint; here most of them never arise. A rotation is kept in the form
+Each revolute joint of a chain multiplies the rotation by one more. Plain 3 x 3 products need 45 operations a joint;
+this form avoids most of them. A rotation is kept as
 
     R = base . Rot(axis, angle) . constant
 
-with ``axis`` and ``constant`` numeric. A further hinge whose axis is parallel to ``axis`` only adds its
-angle, so a planar chain of n links needs n sines, n cosines and no products of rotations at all; entries that
-are 0 or 1 by construction are numbers, and CasADi drops them.
+with ``axis`` and ``constant`` numeric. A further revolute joint whose axis is parallel to ``axis`` only adds its angle,
+so a planar chain of n links needs n sines, n cosines and no product of rotations. Entries that are 0 or 1 by
+construction are numbers, which CasADi drops.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from jtik.symbolic import SX, Expression, cos, horzcat, sin
 from jtik.types import Array
 
 ROUNDING = 4 * float(np.finfo(np.float64).eps)
-"""Entries of unit vectors this close to -1, 0 or 1 are those numbers, blurred by rounding."""
+"""Entries of unit vectors this close to -1, 0 or 1 count as these numbers with a rounding error."""
 
 _IDENTITY = np.eye(3)
 
@@ -32,8 +32,15 @@ def snapped(unit: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Turn:
-    """A rotation by ``angle`` [rad] about the numeric unit vector ``axis`` (3,), with its sine and cosine."""
+class AxisRotation:
+    """A rotation about a numeric axis.
+
+    Attributes:
+        axis: numeric unit vector (3,).
+        angle: angle [rad].
+        cosine: cosine of the angle.
+        sine: sine of the angle.
+    """
 
     axis: Array
     angle: Expression
@@ -41,12 +48,12 @@ class Turn:
     sine: Expression
 
     @classmethod
-    def about(cls, axis: Array, angle: Expression) -> Turn:
-        """The turn by ``angle`` [rad] about ``axis`` (3,)."""
+    def about(cls, axis: Array, angle: Expression) -> AxisRotation:
+        """The rotation by ``angle`` [rad] about ``axis`` (3,)."""
         return cls(axis, angle, cos(angle), sin(angle))
 
     def apply(self, vector: Array) -> Expression:
-        """The numeric ``vector`` (3,) after the turn (Rodrigues), shape (3, 1)."""
+        """The numeric ``vector`` (3,), rotated (Rodrigues), shape (3, 1)."""
         scale = float(np.linalg.norm(vector))
         along = _clean(self.axis * float(self.axis @ vector), scale)
         across = _clean(vector - along, scale)
@@ -60,10 +67,16 @@ def _clean(vector: Array, scale: float) -> Array:
 
 @dataclass(frozen=True)
 class Rotation:
-    """The rotation base . turn . constant; None stands for the identity."""
+    """The rotation base . about . constant; None stands for the identity.
+
+    Attributes:
+        base: symbolic rotation (3, 3).
+        about: rotation about a numeric axis.
+        constant: numeric rotation (3, 3).
+    """
 
     base: Expression | None = None
-    turn: Turn | None = None
+    about: AxisRotation | None = None
     constant: Array | None = None
 
     def then_constant(self, matrix: Array) -> Rotation:
@@ -71,18 +84,18 @@ class Rotation:
         total = snapped(matrix if self.constant is None else self.constant @ matrix)
         return replace(self, constant=None if np.array_equal(total, _IDENTITY) else total)
 
-    def then_turn(self, axis: Array, angle: Expression) -> Rotation:
+    def then_rotation(self, axis: Array, angle: Expression) -> Rotation:
         """This rotation followed by ``angle`` [rad] about the numeric unit vector ``axis`` (3,)."""
-        seen = snapped(axis if self.constant is None else self.constant @ axis)
-        if self.turn is not None:
-            side = float(self.turn.axis @ seen)
-            if float(np.linalg.norm(np.cross(self.turn.axis, seen))) <= ROUNDING:
-                total = self.turn.angle + angle if side > 0 else self.turn.angle - angle
-                return replace(self, turn=Turn.about(self.turn.axis, total))
-        if np.count_nonzero(seen) == 1:
+        own = snapped(axis if self.constant is None else self.constant @ axis)
+        if self.about is not None:
+            side = float(self.about.axis @ own)
+            if float(np.linalg.norm(np.cross(self.about.axis, own))) <= ROUNDING:
+                total = self.about.angle + angle if side > 0 else self.about.angle - angle
+                return replace(self, about=AxisRotation.about(self.about.axis, total))
+        if np.count_nonzero(own) == 1:
             ahead = replace(self, constant=None)
-            return Rotation(ahead._matrix_or_none(), Turn.about(seen, angle), self.constant)
-        return Rotation(self._matrix_or_none(), Turn.about(snapped(axis), angle))
+            return Rotation(ahead._matrix_or_none(), AxisRotation.about(own, angle), self.constant)
+        return Rotation(self._matrix_or_none(), AxisRotation.about(snapped(axis), angle))
 
     def then_matrix(self, matrix: Expression) -> Rotation:
         """This rotation followed by the symbolic ``matrix`` (3, 3)."""
@@ -90,16 +103,16 @@ class Rotation:
         return Rotation(matrix if ahead is None else ahead @ matrix)
 
     def apply(self, vector: Array) -> Expression:
-        """The numeric ``vector`` (3,) after the rotation, shape (3, 1)."""
+        """The numeric ``vector`` (3,), rotated, shape (3, 1)."""
         inner = vector if self.constant is None else self.constant @ vector
-        turned = SX(inner) if self.turn is None else self.turn.apply(inner)
-        return turned if self.base is None else self.base @ turned
+        rotated = SX(inner) if self.about is None else self.about.apply(inner)
+        return rotated if self.base is None else self.base @ rotated
 
     def matrix(self) -> Expression:
         """The rotation written out, shape (3, 3)."""
         return horzcat(*[self.apply(column) for column in _IDENTITY])
 
     def _matrix_or_none(self) -> Expression | None:
-        if self.turn is None and self.constant is None:
+        if self.about is None and self.constant is None:
             return self.base
         return self.matrix()

@@ -1,4 +1,4 @@
-"""Which frames stand for the robot's body: the points an obstacle must not touch, and the links to draw."""
+"""The frames that represent the body of a robot: the points for obstacle avoidance, and the links to draw."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from jtik.symbolic import function, symbol, vertcat
 if TYPE_CHECKING:
     from jtik.robot.model import Robot
 
-STILL = 1e-9
-"""Lengths and movements up to this [m] are rounding."""
+NEGLIGIBLE = 1e-9
+"""Lengths and displacements up to this [m] count as rounding errors."""
 
 _SAMPLES = 4
 _CARRYING = (JointType.PRISMATIC, JointType.FREE)
@@ -24,8 +24,8 @@ _CARRYING = (JointType.PRISMATIC, JointType.FREE)
 def moving_frames(robot: Robot) -> tuple[str, ...]:
     """The frames that carry a joint or the tip and whose origins move under q, in the robot's order.
 
-    Of frames that always coincide only the last is kept. The inner frames of a stack of slides on the ground
-    are left out: they are places on a drawing, not parts of a robot.
+    Of frames that always coincide only the last is kept. The inner frames of prismatic joints in series on the ground
+    are left out: no part of the robot is there.
     """
     nodes = [frame for frame in _nodes(robot) if frame != robot.base]
     if not nodes:
@@ -36,57 +36,58 @@ def moving_frames(robot: Robot) -> tuple[str, ...]:
     generator = np.random.default_rng(0)
     samples = [points(robot.random_configuration(generator)).full() for _ in range(_SAMPLES)]
     spread = np.ptp(np.stack(samples), axis=0).reshape(len(nodes), -1).max(axis=1)
-    return tuple(frame for frame, moved in zip(nodes, spread, strict=True) if moved > STILL)
+    return tuple(frame for frame, moved in zip(nodes, spread, strict=True) if moved > NEGLIGIBLE)
 
 
 def segments(robot: Robot) -> tuple[tuple[str, str], ...]:
     """The links of the skeleton as pairs of frames (inner, outer), none of them always of length zero.
 
-    What a vehicle's slides or a free joint put between the ground and the body is not a link.
+    The prismatic joints of a vehicle, or a free joint, between the ground and the body are not links.
     """
-    spot = _spots(robot)
+    origin = _shared_origins(robot)
     nodes = _nodes(robot)
-    kept = {spot[frame]: frame for frame in nodes}
-    found = []
+    kept = {origin[frame]: frame for frame in nodes}
+    pairs = []
     for outer in nodes:
         path = robot.path(outer)
-        spots_inward = [spot[joint.parent] for joint in reversed(path)]
-        inner = [at for at in spots_inward if at in kept and at != spot[outer]]
+        inward = [origin[joint.parent] for joint in reversed(path)]
+        inner = [each for each in inward if each in kept and each != origin[outer]]
         if inner and not _is_carried(path):
-            found.append((kept[inner[0]], outer))
-    return tuple(found)
+            pairs.append((kept[inner[0]], outer))
+    return tuple(pairs)
 
 
 def _nodes(robot: Robot) -> tuple[str, ...]:
-    """The base, the frames that joints move, and the tip; one a spot, in the robot's order."""
-    spot = _spots(robot)
+    """The base, the frames that joints move, and the tip; one for each shared origin, in the order of the robot."""
+    origin = _shared_origins(robot)
     carriers = {j.parent for j in robot.joints if j.type is JointType.PRISMATIC and _is_short(j)}
-    wanted = [robot.base]
+    candidates = [robot.base]
     for joint in robot.joints:
         hidden = joint.child in carriers and _is_carried(robot.path(joint.child)) and joint.child != robot.tip
         if (joint.is_moving and not hidden) or joint.child == robot.tip:
-            wanted.append(joint.child)
-    last = {spot[frame]: frame for frame in wanted}
-    last[spot[robot.tip]] = robot.tip
-    return tuple(frame for frame in wanted if last[spot[frame]] == frame)
+            candidates.append(joint.child)
+    last = {origin[frame]: frame for frame in candidates}
+    last[origin[robot.tip]] = robot.tip
+    return tuple(frame for frame in candidates if last[origin[frame]] == frame)
 
 
-def _spots(robot: Robot) -> dict[str, str]:
+def _shared_origins(robot: Robot) -> dict[str, str]:
     """For every frame the innermost frame whose origin always coincides with its own."""
-    spot = {robot.base: robot.base}
+    origin = {robot.base: robot.base}
     for frame in robot.frame_names:
         for joint in robot.path(frame):
-            together = _is_short(joint) and joint.type not in _CARRYING
-            spot.setdefault(joint.child, spot[joint.parent] if together else joint.child)
-    return spot
+            coincides = _is_short(joint) and joint.type not in _CARRYING
+            origin.setdefault(joint.child, origin[joint.parent] if coincides else joint.child)
+    return origin
 
 
 def _is_short(joint: Joint) -> bool:
-    return float(np.linalg.norm(joint.origin[:3, 3])) <= STILL
+    """Whether the origin of the joint coincides with that of its parent."""
+    return float(np.linalg.norm(joint.origin[:3, 3])) <= NEGLIGIBLE
 
 
 def _is_carried(path: Sequence[Joint]) -> bool:
-    """Whether slides or a free joint alone, on fixed mounts, carry the end of ``path``."""
+    """Whether only prismatic joints, a free joint and fixed joints carry the end of ``path``."""
     body = list(path)
     while body and body[-1].type not in _CARRYING and _is_short(body[-1]):
         body.pop()

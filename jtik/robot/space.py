@@ -1,20 +1,27 @@
-"""The configuration space of a robot: sizes, limits, and where each joint's numbers are."""
+"""The configuration space of a robot: sizes, limits, the indices of each joint, and configurations as input."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jtik.errors import UnknownNameError
+from jtik.robot.configuration import read_configuration
 from jtik.robot.layout import Layout
+from jtik.robot.subset import Reduction
 from jtik.robot.tree import Joint
 from jtik.types import Array
 
 
 class ConfigurationSpace:
-    """What a robot says about its q (nq,) and v (n,), without its geometry. `Robot` is one."""
+    """The configurations q (nq,) and velocities v (n,) of a robot, without its geometry; the base of `Robot`."""
 
     _layout: Layout
+    _reduction: Reduction | None = None
 
     @property
     def n(self) -> int:
@@ -48,31 +55,36 @@ class ConfigurationSpace:
 
     @property
     def velocity_limit(self) -> Array:
-        """Greatest speeds (n,) [rad/s] or [m/s]; inf where there is none. Read-only."""
+        """Maximum speeds (n,) [rad/s] or [m/s]; inf where there is none. Read-only."""
         return self._layout.velocity_limit
 
     @property
     def neutral(self) -> Array:
-        """Zero, led into the limits, and identity quaternions, (nq,). Read-only."""
+        """Zero clamped to the limits, and identity quaternions, (nq,). Read-only."""
         return self._layout.neutral
 
     @property
     def rotational(self) -> NDArray[np.bool_]:
-        """Which velocity entries are rotations [rad/s]; the others are lengths [m/s]; (n,). Read-only."""
+        """True for velocity entries that are rotations [rad/s], False for translations [m/s], (n,). Read-only."""
         return self._layout.rotational
 
     @property
     def scalar_q(self) -> NDArray[np.intp]:
-        """Places in q of the hinges and slides, which are the entries that can have limits. Read-only."""
+        """Indices in q of the revolute and prismatic joints: the entries that can have limits. Read-only."""
         return self._layout.scalar_q
 
     @property
     def scalar_v(self) -> NDArray[np.intp]:
-        """Places in v of the same joints, in the order of `scalar_q`. Read-only."""
+        """Indices in v of the same joints, in the order of `scalar_q`. Read-only."""
         return self._layout.scalar_v
 
+    @property
+    def quaternions(self) -> Mapping[str, slice]:
+        """The indices in q of each quaternion (w, x, y, z), by the name of its ball or free joint."""
+        return MappingProxyType(self._layout.quaternions)
+
     def q_slice(self, joint: str) -> slice:
-        """The place of a joint in q; of a mimic joint, its leader's.
+        """The indices of a joint in q; those of its leader for a mimic joint.
 
         Raises:
             UnknownNameError: when no moving joint has that name.
@@ -80,7 +92,7 @@ class ConfigurationSpace:
         return _found(joint, self._layout.q_slices)
 
     def v_slice(self, joint: str) -> slice:
-        """The place of a joint in v; of a mimic joint, its leader's.
+        """The indices of a joint in v; those of its leader for a mimic joint.
 
         Raises:
             UnknownNameError: when no moving joint has that name.
@@ -88,11 +100,62 @@ class ConfigurationSpace:
         return _found(joint, self._layout.v_slices)
 
     def random_configuration(self, rng: np.random.Generator | int) -> Array:
-        """A configuration drawn uniformly from the limits, shape (nq,).
+        """A configuration drawn uniformly within the limits, shape (nq,).
 
-        Without limits a hinge lies within (-pi, pi) and a length within (-1, 1); quaternions are uniform.
+        Without limits a revolute joint is drawn from (-pi, pi) [rad] and a prismatic one from (-1, 1) [m]. Quaternions
+        are uniform over all rotations.
+
+        Args:
+            rng: a random generator, or a seed.
         """
         return self._layout.random(np.random.default_rng(rng))
+
+    def configuration(self, q: Any, *, argument: str = "q") -> Array:
+        """A checked copy of a configuration, (nq,). Every method that takes numbers for q accepts the same forms.
+
+        Args:
+            q: one of three forms. Numbers (nq,). On a robot made by `Robot.subset` also numbers (full.nq,) of the robot
+                it was made from; the values of the locked joints are ignored. A dict from joint name to position: a
+                number for a revolute or prismatic joint, 4 numbers for a ball joint, 7 for a free joint; joints that
+                are not named are at `neutral`, and locked joints of `full` are accepted and ignored.
+            argument: name of the argument in error messages.
+
+        Raises:
+            ArgumentError: when ``q`` has another shape, is not finite, or has a zero quaternion.
+            UnknownNameError: when a dict names a joint that does not exist or has no position of its own.
+        """
+        return read_configuration(self, q, argument)
+
+    @property
+    def full(self) -> Self:
+        """The robot from which `Robot.subset` made this one; the robot itself when it was not made so."""
+        return self if self._reduction is None else self._reduction.full
+
+    def full_configuration(self, q: Any) -> Array:
+        """The configuration of `full`, (full.nq,): these positions, and the locked joints where they are locked.
+
+        Args:
+            q: a configuration, in any form that `configuration` accepts.
+
+        Raises:
+            ArgumentError: when ``q`` has another shape, is not finite, or has a zero quaternion.
+            UnknownNameError: when a dict names a joint that does not exist.
+        """
+        own = self.configuration(q)
+        return own if self._reduction is None else self._reduction.expanded(own)
+
+    def reduced(self, q: Any) -> Array:
+        """The part (nq,) of a configuration of `full`; the inverse of `full_configuration` for the joints kept.
+
+        Args:
+            q: a configuration of `full`, in any form that its `configuration` accepts.
+
+        Raises:
+            ArgumentError: when ``q`` has another shape than (full.nq,), is not finite, or has a zero quaternion.
+            UnknownNameError: when a dict names a joint that does not exist.
+        """
+        given = self.full.configuration(q)
+        return given if self._reduction is None else given[self._reduction.indices]
 
 
 def _found(joint: str, slices: dict[str, slice]) -> slice:

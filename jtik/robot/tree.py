@@ -1,4 +1,4 @@
-"""Joints as data, and the checks that make a list of them a tree."""
+"""Joints as data, and the checks that a list of joints is a tree."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from jtik.robot.joints import JointType
 from jtik.types import Array
 
 UNIT_TOLERANCE = 1e-9
-"""How far an axis may be from unit length and a rotation from orthonormal: rounding, not mistakes."""
+"""Tolerance on the length of an axis and on the orthonormality of a rotation: it admits rounding errors only."""
 
 
 def frozen(array: Array) -> Array:
@@ -30,7 +30,7 @@ class Mimic:
     """A joint that follows another one: its position is ``multiplier * position(joint) + offset``.
 
     Attributes:
-        joint: name of the joint that is followed; a hinge or a slide that does not follow another itself.
+        joint: name of the joint that is followed; a revolute or prismatic joint that does not follow another itself.
         multiplier: ratio of the positions; not zero.
         offset: position [rad] or [m] when the other joint is at zero.
     """
@@ -52,14 +52,14 @@ class Joint:
     Attributes:
         name: unique among the joints.
         type: see `JointType`.
-        parent: name of the frame it hangs on.
+        parent: name of the frame that carries the joint.
         child: name of the frame it moves; unique among the frames.
         origin: pose of the joint in the parent frame, (4, 4) [m]; the identity by default.
-        axis: unit vector (3,) in the joint's frame, of a hinge or a slide; z by default.
-        lower: lower limit [rad] or [m] of a hinge or a slide; -inf when there is none.
-        upper: upper limit [rad] or [m]; inf when there is none.
-        velocity_limit: greatest speed of each velocity entry [rad/s] or [m/s]; inf when there is none.
-        mimic: the joint that it follows, for a hinge or a slide without a position of its own.
+        axis: unit vector (3,) in the joint's frame, of a revolute or prismatic joint; z by default.
+        lower: lower limit [rad] or [m] of a revolute or prismatic joint; -inf when there is none.
+        upper: upper limit [rad] or [m] of a revolute or prismatic joint; inf when there is none.
+        velocity_limit: maximum speed of each velocity entry [rad/s] or [m/s]; inf when there is none.
+        mimic: the joint that it follows, for a revolute or prismatic joint without a position of its own.
 
     Raises:
         ArgumentError: when a value cannot be used; the message names the joint.
@@ -92,9 +92,9 @@ class Joint:
         if not self.type.is_scalar:
             if math.isfinite(lower) or math.isfinite(upper):
                 given = f"lower {lower:g}, upper {upper:g} on a {self.type.value} joint"
-                raise ArgumentError(f"{who} limits", given, "limits on hinge and slide joints only")
+                raise ArgumentError(f"{who} limits", given, "limits on revolute and prismatic joints only")
             if self.mimic is not None:
-                raise ArgumentError(f"{who} mimic", f"a {self.type.value} joint", "a hinge or slide joint")
+                raise ArgumentError(f"{who} mimic", f"a {self.type.value} joint", "a revolute or prismatic joint")
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Rebuilt through the constructor: a plain copy of the state would thaw the arrays.
@@ -102,7 +102,7 @@ class Joint:
 
     @property
     def is_moving(self) -> bool:
-        """Whether it can move: everything but a fixed joint."""
+        """Whether it can move: True for every type but a fixed joint."""
         return self.type is not JointType.FIXED
 
     @property
@@ -136,7 +136,7 @@ def _unit(argument: str, value: object) -> Array:
 
 
 def check_tree(joints: Sequence[Joint], base: str) -> None:
-    """Refuse joints that are no tree on the frame ``base``.
+    """Check that the joints form a tree on the frame ``base``.
 
     Raises:
         ArgumentError: on duplicate names or a cycle.
@@ -148,15 +148,15 @@ def check_tree(joints: Sequence[Joint], base: str) -> None:
     for joint in joints:
         if joint.parent != base and joint.parent not in parent_of:
             raise UnknownNameError(f"parent frame of joint {joint.name!r}", joint.parent, [base, *parent_of])
-    held = {base}
+    connected = {base}
     for frame in parent_of:
-        way = [frame]
-        while way[-1] not in held:
-            above = parent_of[way[-1]]
-            if above in way:
-                raise ArgumentError("joints", f"a cycle {' -> '.join([*way, above])}", f"a tree on {base!r}")
-            way.append(above)
-        held.update(way)
+        path = [frame]
+        while path[-1] not in connected:
+            above = parent_of[path[-1]]
+            if above in path:
+                raise ArgumentError("joints", f"a cycle {' -> '.join([*path, above])}", f"a tree on {base!r}")
+            path.append(above)
+        connected.update(path)
     leaders = {joint.name: joint for joint in joints if joint.is_independent and joint.type.is_scalar}
     for joint in joints:
         if joint.mimic is not None and joint.mimic.joint not in leaders:
@@ -164,20 +164,20 @@ def check_tree(joints: Sequence[Joint], base: str) -> None:
 
 
 def check_moves(joints: Sequence[Joint]) -> None:
-    """Refuse joints of which none moves.
+    """Check that at least one joint moves.
 
     Raises:
-        ArgumentError: when there is none that moves by itself.
+        ArgumentError: when no joint moves by itself.
     """
     if not any(joint.is_independent for joint in joints):
         raise ArgumentError("joints", f"{len(joints)} joints, none of which moves", "at least one moving joint")
 
 
 def check_planar(joints: Sequence[Joint]) -> None:
-    """Refuse joints that leave the x-y plane.
+    """Check that the joints keep every frame in the x-y plane.
 
     Raises:
-        ArgumentError: naming the first joint that does.
+        ArgumentError: naming the first joint that leaves the plane.
     """
     for joint in joints:
         along = abs(float(joint.axis[2]))
@@ -191,7 +191,7 @@ def check_planar(joints: Sequence[Joint]) -> None:
             raise ArgumentError(
                 "planar",
                 f"True, but joint {joint.name!r} leaves the x-y plane",
-                "hinges about z and slides in the plane, with origins in the plane",
+                "revolute joints about z and prismatic joints in the plane, with origins in the plane",
             )
 
 

@@ -1,4 +1,4 @@
-"""An axis of a frame turned into a direction of the world: an upright cup, a drill normal to a wall."""
+"""An axis of a frame brought to a direction in the base frame: an upright cup, a drill normal to a wall."""
 
 from __future__ import annotations
 
@@ -14,28 +14,34 @@ from jtik.types import Array
 
 
 class AxisTask(PointingTask):
-    """Turn an axis of a frame into a direction of the world, whatever the spin about it: 2 degrees of freedom.
+    """Rotate an axis of a frame to a direction in the base frame; the rotation about the axis stays free.
 
-    Error: the shortest rotation from the target direction to the axis [rad], in the frame's axes. Its length is the
-    angle between the two, from 0 to pi. With ``axis`` z the rows are turns about the frame's x and y. At pi, where
-    every way round is as short, the way about the first row's axis is taken. On a planar robot the axis is in the
-    plane, and the error is one angle in (-pi, pi].
+    Prefer `FrameTask` where the full orientation matters, and `LookAtTask` for a target point.
 
-    A target is a direction (3,) in the world, or (x, y) on a planar robot, of any length but zero.
+    Error: the shortest rotation from the target direction to the axis [rad], in the axes of the frame. Its length is
+    the angle between the two, in [0, pi]. With ``axis`` z the rows are rotations about the frame's x and y axes. At pi
+    every rotation is equally short, and the one about the first row's axis is taken. On a planar robot the axis is in
+    the plane, and the error is one angle in (-pi, pi].
+
+    A target is a direction (3,) in the base frame, or (x, y) on a planar robot, of any length but zero.
 
     Args:
         frame: name of the frame.
-        axis: the axis in coordinates of the frame, (3,), or (x, y); normalised.
-        stiffness: a positive scalar, one value a row, or an SPD matrix (2, 2).
-        priority: level for the strategies that know levels; 0 is the highest.
-        name: how a dict of targets refers to the task; the frame's name by default.
+        axis: the axis in coordinates of the frame, (3,), or (x, y); it is normalised.
+        stiffness: a positive scalar, one value for each row, or a symmetric positive definite matrix (2, 2).
+        priority: level for strategies with levels of priority; 0 is the highest.
+        name: name of the task in a dict of targets; the name of the frame by default.
 
     Raises:
-        ArgumentError: for an axis that is zero or no direction, and a priority or stiffness that cannot be used.
+        ArgumentError: when the axis is zero or not a direction, or the priority or the stiffness cannot be used.
     """
 
     def read_target(self, robot: Robot, target: Any) -> Array:
-        """The direction, normalised."""
+        """The direction, normalised.
+
+        Raises:
+            ArgumentError: for anything that is not a direction.
+        """
         accepted = f"a direction ({', '.join('xyz'[: robot.dimension])}), not zero"
         direction = as_numbers(target, target, accepted)
         if direction.shape != (robot.dimension,):
@@ -45,6 +51,6 @@ class AxisTask(PointingTask):
             raise ArgumentError("target", target, accepted)
         return direction / length
 
-    def wanted(self, kinematics: Kinematics, target: Expression) -> Expression:
-        """The target."""
+    def direction(self, kinematics: Kinematics, target: Expression) -> Expression:
+        """The target direction."""
         return target

@@ -1,10 +1,12 @@
-"""What a task is: an error e(q, target) whose every row is in [m] or [rad], and the numbers that make up a target."""
+"""The contract of a task: an error e(q, target) whose rows are in [m] or [rad], and the numbers of a target."""
 
 from __future__ import annotations
 
+import warnings
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, symbol
@@ -15,8 +17,11 @@ from jtik.types import Array
 class TaskRows:
     """The rows of a task on one robot.
 
-    Attributes: error (m, 1); for each row whether it is a length [m] or an angle [rad]; the error's derivative with
-    respect to the velocity (m, n), where the task has one that is cheaper than CasADi's own.
+    Attributes:
+        error: the error (m, 1) [m] and [rad].
+        linear: for each row, True for a length [m] and False for an angle [rad].
+        jacobian: derivative of the error with respect to the velocity, (m, n), for a task that has a cheaper one than
+            CasADi derives; None otherwise.
     """
 
     error: Expression
@@ -25,29 +30,57 @@ class TaskRows:
 
 
 class Task(ABC):
-    """Something the robot must do. Subclass it by an error and the numbers that make up a target.
+    """A task: an error that the robot must bring to zero. Subclass it with an error and the numbers of a target.
 
-    ``name`` identifies the task in a dict of targets; ``priority`` orders tasks for the strategies that know levels
-    (0 is the highest).
+    Attributes:
+        name: identifies the task in a dict of targets.
+        priority: level for strategies with levels of priority; 0 is the highest.
     """
 
     name: str
     priority: int
 
+    _renamed: ClassVar[Mapping[str, str]] = {}
+    """Old name of a method that subclasses define, to its present name."""
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        for old, new in cls._renamed.items():
+            if old in vars(cls):
+                text = f"{cls.__name__}.{old} is now {cls.__name__}.{new}"
+                warnings.warn(text, DeprecationWarning, stacklevel=2)
+                setattr(cls, new, vars(cls)[old])
+
     @abstractmethod
     def target_size(self, robot: Robot) -> int:
-        """How many numbers a target of this task is, on this robot."""
+        """How many numbers a target of this task has on this robot."""
 
     @abstractmethod
     def read_target(self, robot: Robot, target: Any) -> Array:
-        """The numbers of ``target``, shape (target_size,). Raises ArgumentError for what is not a target."""
+        """The numbers of ``target``, shape (target_size,).
+
+        Raises:
+            ArgumentError: for anything that is not a target of this task.
+        """
+
+    def unused(self, robot: Robot, target: Any) -> str | None:
+        """The part of a target that this task accepts but does not use, such as "orientation of the target".
+
+        Args:
+            robot: the robot.
+            target: a target that `read_target` accepts.
+
+        Returns:
+            Words for a report; None where all of the target is used.
+        """
+        return None
 
     def frames(self, robot: Robot) -> tuple[str, ...]:
-        """The frames it is about, or none where only its error can tell."""
+        """The frames on which the error depends; empty where the joints are read from the error itself."""
         return ()
 
     def plain(self, robot: Robot) -> bool:
-        """Whether a vector of ``target_size`` numbers is a target as it stands."""
+        """Whether a vector of ``target_size`` finite numbers is a target without any conversion."""
         return False
 
     @abstractmethod
@@ -55,10 +88,10 @@ class Task(ABC):
         """The error at ``kinematics.q`` for the symbolic ``target`` (target_size, 1)."""
 
     def row_count(self, robot: Robot) -> int:
-        """How many rows the task has on this robot. Override it where that is known without building them."""
+        """How many rows the task has on this robot. Override it where that is known without building the rows."""
         kinematics = robot.at(symbol("q", robot.nq))
         return len(self.rows(kinematics, symbol("target", self.target_size(robot))).linear)
 
     @abstractmethod
     def weight(self, rows: int) -> Array:
-        """Stiffness Kp (rows, rows), symmetric positive definite, of a task with that many rows."""
+        """The stiffness Kp (rows, rows) of a task with that many rows: symmetric positive definite."""

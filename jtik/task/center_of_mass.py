@@ -1,4 +1,4 @@
-"""The centre of mass brought to a point, or over one: balance."""
+"""The centre of mass brought to a point, or above one: balance."""
 
 from __future__ import annotations
 
@@ -17,22 +17,23 @@ from jtik.types import Array
 
 
 class CenterOfMassTask(WeightedTask):
-    """Bring the centre of mass of the whole robot to a target point.
+    """Bring the centre of mass of the full robot to a target point.
 
-    Error: ``c(q) - c_target`` [m] in world axes, of a robot with masses. ``axes="xy"`` keeps it above a point of the
-    floor and leaves its height alone.
+    With ``axes="xy"`` the centre of mass is kept above a point of the floor and its height stays free: balance.
 
-    A target is a point (3,) [m], of which only the chosen axes count, or, with fewer axes than a point has, their
-    coordinates alone, in the order of ``axes``. Planar: (x, y).
+    Error: ``c(q) - c_target`` [m] in base axes, of a robot with masses.
+
+    A target is a point (x, y, z) [m], of which only the chosen axes are used; or the coordinates of the chosen axes
+    alone, in the order of ``axes``. On a planar robot a point is (x, y).
 
     Args:
         axes: which of "x", "y", "z" to keep; None keeps all.
-        stiffness: a positive scalar, one value a row, or an SPD matrix (m, m).
-        priority: level for the strategies that know levels; 0 is the highest.
-        name: how a dict of targets refers to the task.
+        stiffness: a positive scalar, one value for each row, or a symmetric positive definite matrix (m, m).
+        priority: level for strategies with levels of priority; 0 is the highest.
+        name: name of the task in a dict of targets.
 
     Raises:
-        ArgumentError: for a priority or stiffness that cannot be used; later, for a robot without masses.
+        ArgumentError: when the priority or the stiffness cannot be used; later, for a robot without masses.
     """
 
     def __init__(
@@ -50,15 +51,19 @@ class CenterOfMassTask(WeightedTask):
         return f"CenterOfMassTask(axes={self.axes!r})"
 
     def target_size(self, robot: Robot) -> int:
-        """2 in the plane, else 3: those of axes not kept are not read."""
+        """2 on a planar robot, else 3; coordinates of axes that are not kept are not used."""
         return robot.dimension
 
     def plain(self, robot: Robot) -> bool:
-        """A point is."""
+        """True: a point is read as it is."""
         return True
 
     def read_target(self, robot: Robot, target: Any) -> Array:
-        """A point, or the coordinates of the axes kept."""
+        """A point, or the coordinates of the axes that are kept.
+
+        Raises:
+            ArgumentError: for anything else.
+        """
         rows = self._kept(robot)
         names = "xyz"[: robot.dimension]
         accepted = f"({', '.join(names)}) [m]"
@@ -74,13 +79,13 @@ class CenterOfMassTask(WeightedTask):
         return point
 
     def rows(self, kinematics: Kinematics, target: Expression) -> TaskRows:
-        """One row an axis kept."""
+        """One row for each axis that is kept."""
         rows = self._kept(kinematics.robot)
         error = kinematics.center_of_mass() - target
         return TaskRows(vertcat(*[error[row] for row in rows]), (True,) * len(rows))
 
     def row_count(self, robot: Robot) -> int:
-        """One for each axis kept."""
+        """One row for each axis that is kept."""
         return len(self._kept(robot))
 
     def _kept(self, robot: Robot) -> list[int]:

@@ -1,4 +1,4 @@
-"""A frame brought to a place in the world: the task most programs need."""
+"""A frame brought to a position, an orientation or a pose in the base frame: the most common task."""
 
 from __future__ import annotations
 
@@ -12,27 +12,39 @@ from jtik.task.weighted import Axes
 
 
 class FrameTask(PlacementTask):
-    """Bring a frame of the robot to a target: its position, its orientation, or both.
+    """Bring a frame of the robot to a target position, orientation or pose in the base frame.
 
-    Error: position in world axes, ``p(q) - p_target`` [m]; orientation in the *target's* axes, the logarithm of
-    ``R_target' R(q)`` [rad], so that dropping its z row frees the spin about the tool's z axis. On a planar robot a
-    position is (x, y) and an orientation is one angle, with an error in (-pi, pi].
+    Prefer `RelativeFrameTask` for a target in another frame of the robot, `AxisTask` where the rotation about one axis
+    does not matter, and `LookAtTask` for a frame that points at a target.
 
-    A target is a position (3,), a rotation (3, 3) or quaternion (w, x, y, z), or a pose: (4, 4), or a pair
-    (position, quaternion), or an object with ``as_matrix()``. A pose will also do where only its position or its
-    orientation is wanted. Planar: (x, y), an angle, (x, y, angle), or a pose.
+    Error: the position in base axes, ``p(q) - p_target`` [m]; the orientation in the axes of the *target*, the
+    logarithm of ``R_target' R(q)`` [rad], so that without the row "rz" the rotation about the tool's z axis is free. On
+    a planar robot a position is (x, y) and an orientation is one angle, with an error in (-pi, pi].
+
+    A target has one of these forms:
+
+    - a position (x, y, z) [m], for kind "position";
+    - a rotation, for kind "orientation": a matrix (3, 3), a quaternion (w, x, y, z), or an object whose ``as_matrix()``
+      gives a matrix (3, 3), such as a SciPy ``Rotation``;
+    - a pose, for every kind: a matrix (4, 4), seven numbers (x, y, z, qw, qx, qy, qz), a pair (position, rotation) with
+      a rotation in any of its forms, or an object whose ``as_matrix()`` gives a matrix (4, 4);
+    - on a planar robot also (x, y), an angle [rad], or (x, y, angle).
+
+    Of a pose (4, 4), or in another form, only the position is used by kind "position", and only the orientation by kind
+    "orientation"; `unused` says so.
 
     Args:
         frame: name of the frame.
         kind: "position", "orientation" or "pose".
-        axes: which rows to keep, of "x", "y", "z" (position) and "rx", "ry", "rz" (orientation); None keeps all.
-        stiffness: Kp of the paper: a scalar, one value a row, or an SPD matrix (m, m). A length of L metres counts as
-            much as one radian where orientation rows have stiffness L^2 times that of position rows.
-        priority: level for the strategies that know levels; 0 is the highest.
-        name: how a dict of targets refers to the task; the frame's name by default.
+        axes: names of the rows to keep: "x", "y", "z" (position), "rx", "ry", "rz" (orientation); None keeps all.
+        stiffness: Kp, a positive scalar, one value for each row, or a symmetric positive definite matrix (m, m). A
+            length of L metres counts as much as one radian where orientation rows have L^2 times the stiffness of
+            position rows.
+        priority: level for strategies with levels of priority; 0 is the highest.
+        name: name of the task in a dict of targets; the name of the frame by default.
 
     Raises:
-        ArgumentError: for a kind, priority or stiffness that cannot be used.
+        ArgumentError: when the kind, the priority or the stiffness cannot be used.
     """
 
     def __init__(
@@ -51,9 +63,9 @@ class FrameTask(PlacementTask):
         return f"FrameTask({self.frame!r}, kind={self.kind!r})"
 
     def geometric_jacobian(self, kinematics: Kinematics) -> Expression:
-        """The frame's own."""
-        return kinematics.jacobian(self.frame)
+        """The geometric Jacobian of the frame."""
+        return kinematics.plain_jacobian(self.frame)
 
-    def placed(self, kinematics: Kinematics) -> tuple[Expression, Expression]:
-        """In the base frame."""
+    def placement(self, kinematics: Kinematics) -> tuple[Expression, Expression]:
+        """The rotation and the position of the frame in the base frame."""
         return kinematics.rotation(self.frame), kinematics.position(self.frame)

@@ -1,8 +1,9 @@
-"""Tasks on where a frame is: its position, its orientation, or both, seen from the base or from another frame."""
+"""Base of the tasks on the position, the orientation or the pose of a frame, in the base or in another frame."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
+from types import MappingProxyType
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -11,28 +12,32 @@ from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, atan2, cos, reshape, rotation, sin, vertcat
 from jtik.task.base import TaskRows
-from jtik.task.targets import Kind, read_placement, usual
+from jtik.task.targets import Kind, read_fast, read_placement, unused_part
 from jtik.task.weighted import Axes, WeightedTask, kept, named
 from jtik.types import Array
 
-_PLAIN = {
-    "position": "(x, y, z) [m]",
-    "orientation": "a rotation matrix (3, 3), a quaternion (w, x, y, z)",
-    "pose": "a pair (position [m], quaternion (w, x, y, z))",
+_POSE = "(4, 4), seven numbers (x, y, z, qw, qx, qy, qz), a pair (position, rotation), or an object with as_matrix()"
+_ACCEPTED = {
+    "position": f"(x, y, z) [m], or a pose: {_POSE}; of a pose only the position is used",
+    "orientation": "a rotation: a matrix (3, 3), a quaternion (w, x, y, z), or an object with as_matrix(); "
+    f"or a pose: {_POSE}; of a pose only the orientation is used",
+    "pose": f"a pose: {_POSE}, where the rotation is a quaternion (w, x, y, z), a matrix (3, 3), or has as_matrix()",
 }
-_PLAIN_IN_THE_PLANE = {
-    "position": "(x, y) [m]",
-    "orientation": "an angle [rad]",
-    "pose": "(x, y, angle) [m, rad]",
+_ACCEPTED_IN_THE_PLANE = {
+    "position": f"(x, y) [m], or a pose: {_POSE}; of a pose only the position is used",
+    "orientation": f"an angle [rad], a rotation about z, or a pose: {_POSE}; of a pose only the orientation is used",
+    "pose": f"(x, y, angle) [m, rad], or a pose: {_POSE}",
 }
 
 
 class PlacementTask(WeightedTask):
-    """Error ``p(q) - p_target`` [m] and the logarithm of ``R_target' R(q)`` [rad] of a frame placed in some other.
+    """Base of tasks on the position p [m] and the rotation R of a frame, in the base or in another frame.
 
-    A subclass says by `placed` which placement (R, p) is meant. On a planar robot a position is (x, y) and an
-    orientation is one angle, with an error in (-pi, pi].
+    Error: ``p(q) - p_target`` [m] and the logarithm of ``R_target' R(q)`` [rad]. On a planar robot a position is (x, y)
+    and an orientation is one angle, with an error in (-pi, pi]. A subclass defines (R, p) by `placement`.
     """
+
+    _renamed = MappingProxyType({"placed": "placement"})
 
     def __init__(
         self, frame: str, kind: Kind, *, axes: Axes, stiffness: ArrayLike, priority: int, name: str | None
@@ -45,47 +50,54 @@ class PlacementTask(WeightedTask):
         self.axes = named(axes)
 
     def geometric_jacobian(self, kinematics: Kinematics) -> Expression | None:
-        """Of what `placed` gives, (6, n), in the axes the target is given in, linear rows first; if it is known."""
+        """The geometric Jacobian (6, n) of (R, p), in the axes of the target, linear rows first; None if not known."""
         return None
 
     @abstractmethod
-    def placed(self, kinematics: Kinematics) -> tuple[Expression, Expression]:
-        """Rotation (3, 3) and position (3, 1) or, on a planar robot, (2, 1) [m] that the target is for."""
+    def placement(self, kinematics: Kinematics) -> tuple[Expression, Expression]:
+        """The rotation R (3, 3) and the position p [m], (3, 1), or (2, 1) on a planar robot, that the target is for."""
 
     def frames(self, robot: Robot) -> tuple[str, ...]:
-        """The one."""
+        """The frame of the task."""
         return (self.frame,)
 
     def target_size(self, robot: Robot) -> int:
-        """Position: 2 or 3; orientation: 1 angle or 9 entries of R; pose: both."""
+        """2 or 3 numbers of a position, 1 angle or 9 entries of R of an orientation, both of a pose."""
         position, orientation = (2, 1) if robot.dimension == 2 else (3, 9)
         return {"position": position, "orientation": orientation, "pose": position + orientation}[self.kind]
 
     def plain(self, robot: Robot) -> bool:
-        """Positions are, and everything in the plane."""
+        """True for positions, and for every kind on a planar robot."""
         return self.kind == "position" or robot.dimension == 2
 
     def accepted(self, robot: Robot) -> str:
-        """What a target may be, in words."""
-        plain = (_PLAIN_IN_THE_PLANE if robot.dimension == 2 else _PLAIN)[self.kind]
-        return f"{plain}, a pose (4, 4), or an object with as_matrix()"
+        """What a target may be, for error messages."""
+        return (_ACCEPTED_IN_THE_PLANE if robot.dimension == 2 else _ACCEPTED)[self.kind]
 
     def read_target(self, robot: Robot, target: Any) -> Array:
-        """A position, angle, rotation or pose in any form `jtik.task.targets` knows, as the task's numbers."""
-        numbers = usual(target, self.kind) if robot.dimension == 3 else None
+        """The numbers of a target in any form that `jtik.task.targets` reads.
+
+        Raises:
+            ArgumentError: for anything else.
+        """
+        numbers = read_fast(target, self.kind) if robot.dimension == 3 else None
         return read_placement(target, self.kind, robot.dimension, self.accepted(robot)) if numbers is None else numbers
 
+    def unused(self, robot: Robot, target: Any) -> str | None:
+        """The orientation of a pose given to a position task, the position of a pose given to an orientation task."""
+        return unused_part(target, self.kind)
+
     def rows(self, kinematics: Kinematics, target: Expression) -> TaskRows:
-        """Position rows in the axes of the target's frame of reference, orientation rows in the target's axes."""
+        """Position rows in the axes of the target's frame of reference, orientation rows in the axes of the target."""
         robot = kinematics.robot
         rows = self._kept(robot)
-        R, p = self.placed(kinematics)
+        R, p = self.placement(kinematics)
         split = 0 if self.kind == "orientation" else robot.dimension
         parts = []
         if self.kind != "orientation":
             parts.append(p - target[:split])
         if self.kind != "position":
-            parts.append(_turn(R, target[split:], robot.dimension))
+            parts.append(_orientation_error(R, target[split:], robot.dimension))
         error = vertcat(*parts)
         J = self._jacobian(kinematics, target, error) if robot.dimension == 3 else None
         return TaskRows(
@@ -95,28 +107,28 @@ class PlacementTask(WeightedTask):
         )
 
     def _jacobian(self, kinematics: Kinematics, target: Expression, error: Expression) -> Expression | None:
-        """The derivative of all rows in space, through that of the logarithm; a tenth of what CasADi would generate."""
+        """The derivative of all rows in space, in closed form: a tenth of the operations of CasADi's derivative."""
         J = self.geometric_jacobian(kinematics)
         if J is None or self.kind == "position":
             return None if J is None else J[:3, :]
         R_target = reshape(target[-9:], 3, 3)
-        turning = rotation.log_rate(error[-3:]) @ R_target.T @ J[3:, :]
-        return turning if self.kind == "orientation" else vertcat(J[:3, :], turning)
+        angular = rotation.log_rate(error[-3:]) @ R_target.T @ J[3:, :]
+        return angular if self.kind == "orientation" else vertcat(J[:3, :], angular)
 
     def row_count(self, robot: Robot) -> int:
-        """One for each of ``axes``, or all that the kind has."""
+        """One row for each of ``axes``; all rows of the kind without ``axes``."""
         return len(self._kept(robot))
 
     def _kept(self, robot: Robot) -> list[int]:
-        """Places of the rows to keep among all that the kind has on this robot."""
+        """Indices of the rows to keep among all rows of the kind on this robot."""
         position = [*"xyz"[: robot.dimension]]
         orientation = ["rz"] if robot.dimension == 2 else ["rx", "ry", "rz"]
         names = {"position": position, "orientation": orientation, "pose": position + orientation}[self.kind]
         return kept(self.axes, names, f" for kind {self.kind!r}")
 
 
-def _turn(R: Expression, target: Expression, dimension: int) -> Expression:
-    """Rotation from the target to ``R``, in the target's axes: one angle in the plane, a rotation vector in space."""
+def _orientation_error(R: Expression, target: Expression, dimension: int) -> Expression:
+    """Rotation from the target to ``R`` in the target's axes: one angle in the plane, a rotation vector in space."""
     if dimension == 2:
         c, s = cos(target[0]), sin(target[0])
         return atan2(R[1, 0] * c - R[0, 0] * s, R[0, 0] * c + R[1, 0] * s)

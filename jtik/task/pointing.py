@@ -1,13 +1,14 @@
-"""Tasks on where an axis of a frame points.
+"""Base of the tasks on the direction of an axis of a frame.
 
-The error is the shortest rotation from the wanted direction to the axis, in coordinates of the frame. It is orthogonal
-to the axis, so two numbers are enough. Derivation: formulations/tasks.md, (T5) to (T9).
+The error is the shortest rotation from the desired direction to the axis, in coordinates of the frame. It is orthogonal
+to the axis, so it has two rows. Derivation: formulations/tasks.md, (T5) to (T9).
 """
 
 from __future__ import annotations
 
 import math
 from abc import abstractmethod
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,30 +35,32 @@ from jtik.task.weighted import WeightedTask
 from jtik.types import Array
 
 SHORTEST = 1e-12
-"""A direction given shorter than this is a rounded zero and points nowhere."""
+"""A given direction shorter than this counts as zero and is refused."""
 
 MET = 1e-9
-"""A wanted direction shorter than this [m] is none, and any axis meets it."""
+"""A desired direction shorter than this [m] counts as none: the error is zero for every axis."""
 
 NARROW = 1e-6
-"""Sine of the angle to the axis below which the error is a polynomial in it, at both ends."""
+"""Sine of the angle to the axis below which a polynomial replaces the error, at both 0 and pi."""
 
 
 class PointingTask(WeightedTask):
-    """Turn an axis of a frame into a direction: 2 rows [rad] in space, 1 in the plane.
+    """Base of tasks that rotate an axis of a frame to a direction: 2 rows [rad] in space, 1 in the plane.
 
-    A subclass says by `wanted` which direction that is.
+    A subclass defines the direction by `direction`.
 
     Args:
         frame: name of the frame.
-        axis: the axis in coordinates of the frame, (3,), or (x, y); normalised.
-        stiffness: a positive scalar, one value a row, or an SPD matrix (2, 2).
-        priority: level for the strategies that know levels; 0 is the highest.
-        name: how a dict of targets refers to the task; the frame's name by default.
+        axis: the axis in coordinates of the frame, (3,), or (x, y); it is normalised.
+        stiffness: a positive scalar, one value for each row, or a symmetric positive definite matrix (2, 2).
+        priority: level for strategies with levels of priority; 0 is the highest.
+        name: name of the task in a dict of targets; the name of the frame by default.
 
     Raises:
-        ArgumentError: for an axis that is zero or no direction, and a priority or stiffness that cannot be used.
+        ArgumentError: when the axis is zero or not a direction, or the priority or the stiffness cannot be used.
     """
+
+    _renamed = MappingProxyType({"wanted": "direction", "swing": "direction_jacobian"})
 
     def __init__(
         self,
@@ -81,52 +84,53 @@ class PointingTask(WeightedTask):
         return f"{type(self).__name__}({self.frame!r}, axis={self.axis.tolist()})"
 
     @abstractmethod
-    def wanted(self, kinematics: Kinematics, target: Expression) -> Expression:
-        """The wanted direction in base axes, of any length, (3, 1), or (2, 1) on a planar robot."""
+    def direction(self, kinematics: Kinematics, target: Expression) -> Expression:
+        """The desired direction in base axes, of any length, (3, 1), or (2, 1) on a planar robot."""
 
-    def swing(self, kinematics: Kinematics) -> Expression:
-        """Derivative of `wanted` with respect to the velocity, (3, n) in space: how it depends on the robot."""
+    def direction_jacobian(self, kinematics: Kinematics) -> Expression:
+        """Derivative of `direction` with respect to the velocity, (3, n), on a robot in space; zero by default."""
         return zeros(3, kinematics.robot.n)
 
     def frames(self, robot: Robot) -> tuple[str, ...]:
-        """The one whose axis points."""
+        """The frame of the axis."""
         return (self.frame,)
 
     def target_size(self, robot: Robot) -> int:
-        """2 in the plane, else 3."""
+        """2 on a planar robot, else 3."""
         return robot.dimension
 
     def rows(self, kinematics: Kinematics, target: Expression) -> TaskRows:
-        """The turn from the wanted direction to the axis, or nothing where no direction is wanted; (T5) to (T9)."""
+        """The rotation from the desired direction to the axis, zero where there is no direction; (T5) to (T9)."""
         size = kinematics.robot.dimension
         if size == 2 and self.axis[2] != 0:
             raise ArgumentError("axis", self.axis.tolist(), "an axis in the plane of this planar robot, such as (1, 0)")
-        direction = self.wanted(kinematics, target)
+        direction = self.direction(kinematics, target)
         squared = sumsqr(direction)
         none = squared < MET**2
         length = sqrt(if_else(none, 1, squared))
         R = kinematics.rotation(self.frame)[:size, :size]
-        seen = if_else(none, vertcat(*self.axis[:size]), R.T @ direction / length)
+        in_frame = if_else(none, vertcat(*self.axis[:size]), R.T @ direction / length)
         if size == 2:
             x, y = self.axis[:2]
-            return TaskRows(atan2(seen[0] * y - seen[1] * x, seen[0] * x + seen[1] * y), (False,))
+            return TaskRows(atan2(in_frame[0] * y - in_frame[1] * x, in_frame[0] * x + in_frame[1] * y), (False,))
         u = symbol("u", 3)
-        error = turn_onto(self.axis, u)
-        rate = substitute(jacobian(error, u), u, seen)
-        turning, swinging = R.T @ kinematics.jacobian(self.frame)[3:, :], R.T @ self.swing(kinematics) / length
-        J = rate @ (skew(seen) @ turning + swinging - seen @ (seen.T @ swinging))
-        return TaskRows(substitute(error, u, seen), (False, False), if_else(none, 0, J))
+        error = rotation_onto(self.axis, u)
+        rate = substitute(jacobian(error, u), u, in_frame)
+        angular = R.T @ kinematics.plain_jacobian(self.frame)[3:, :]
+        moving = R.T @ self.direction_jacobian(kinematics) / length
+        J = rate @ (skew(in_frame) @ angular + moving - in_frame @ (in_frame.T @ moving))
+        return TaskRows(substitute(error, u, in_frame), (False, False), if_else(none, 0, J))
 
     def row_count(self, robot: Robot) -> int:
-        """1 in the plane, else 2."""
+        """1 on a planar robot, else 2."""
         return robot.dimension - 1
 
 
-def turn_onto(axis: Array, direction: Expression) -> Expression:
+def rotation_onto(axis: Array, direction: Expression) -> Expression:
     """The shortest rotation vector from the unit vector ``direction`` (3, 1) to the numeric unit vector ``axis``.
 
-    Coordinates (2, 1) [rad] in the basis `across` of the plane orthogonal to the axis. From opposite directions every
-    way is as short, and the one about the first basis vector is taken.
+    Coordinates (2, 1) [rad] in the basis `across` of the plane orthogonal to the axis. For opposite directions every
+    rotation is equally short, and the one about the first basis vector is taken.
     """
     first, second = across(axis)
     s1, s2, c = dot(direction, first), dot(direction, second), dot(direction, axis)
@@ -135,12 +139,12 @@ def turn_onto(axis: Array, direction: Expression) -> Expression:
     sine = sqrt(if_else(narrow, 1, squared))
     factor = if_else(narrow, 1 + squared / 6, atan2(sine, c) / sine)
     opposite = logic_and(narrow, c < 0)
-    turned_back = vertcat(math.pi - s2 - s1**2, -s1)  # falls to first order one way, to second order the other
-    return if_else(opposite, turned_back, factor * vertcat(s2, -s1))
+    at_pi = vertcat(math.pi - s2 - s1**2, -s1)  # decreases to first order along s2, to second order along s1
+    return if_else(opposite, at_pi, factor * vertcat(s2, -s1))
 
 
 def across(axis: Array) -> tuple[Array, Array]:
-    """Two unit vectors that make a right-handed basis with the unit vector ``axis``: x and y for z, and so on round."""
+    """Two unit vectors that form a right-handed basis with the unit vector ``axis``: x and y for z, cyclically."""
     along = int(np.argmax(np.abs(axis)))
     start = np.eye(3)[(along + 1) % 3]
     first = start - axis * axis[(along + 1) % 3]

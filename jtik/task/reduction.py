@@ -1,4 +1,4 @@
-"""Which joints a solver moves: those its tasks feel, unless told otherwise; the others stay where they are."""
+"""The joints that a solver moves: by default those on which its tasks depend; all others are locked."""
 
 from __future__ import annotations
 
@@ -17,11 +17,12 @@ def reduced(
     Args:
         robot: the robot.
         task: a task or several.
-        joints: names of the joints to move, "all", or None for those that move what the tasks are about.
-        at: configuration (nq,) of the robot at which the others are locked; neutral when None.
+        joints: names of the joints to move, "all", or None for those on which the tasks depend.
+        at: the configuration at which the others are locked, in any form that `Robot.configuration` accepts; neutral
+            when None.
 
     Raises:
-        ArgumentError: when none of the joints moves what the tasks are about.
+        ArgumentError: when the tasks depend on none of the joints.
         UnknownNameError: when there is no such joint or frame.
     """
     if robot.n == 0:
@@ -33,7 +34,7 @@ def reduced(
     named = (joints,) if isinstance(joints, str) else joints
     chosen = moving if named is None else robot.joint_names if joints == "all" else tuple(named)
     if not set(chosen) & set(moving):
-        raise ArgumentError("joints", list(chosen), f"at least one that moves what the tasks are about: {list(moving)}")
+        raise ArgumentError("joints", list(chosen), f"at least one on which the tasks depend: {list(moving)}")
     if set(chosen) == set(robot.joint_names):
         return robot, stack
     part = robot.subset(chosen, at=at)

@@ -1,4 +1,4 @@
-"""A frame brought to a place in another frame of the same robot: two arms on one object, a hand over a foot."""
+"""A frame brought to a pose in another frame of the same robot: two hands on one object, a hand over a foot."""
 
 from __future__ import annotations
 
@@ -13,23 +13,26 @@ from jtik.task.weighted import Axes
 
 
 class RelativeFrameTask(PlacementTask):
-    """Bring a frame to a target in a reference frame, wherever the robot carries the two.
+    """Bring a frame to a target in a reference frame that the robot moves, too.
 
-    Error: position in the *reference's* axes, ``p(q) - p_target`` [m], with p the frame's origin in the reference;
-    orientation in the *target's* axes, the logarithm of ``R_target' R(q)`` [rad], with R the frame in the reference.
-    Joints that carry both frames do not appear in it. Targets and the plane are as for `FrameTask`.
+    Prefer `FrameTask` for a target in the base frame.
+
+    Error: the position in the axes of the *reference*, ``p(q) - p_target`` [m], with p the frame's origin in the
+    reference; the orientation in the axes of the *target*, the logarithm of ``R_target' R(q)`` [rad], with R the frame
+    in the reference. The error does not depend on joints that carry both frames. Targets and planar robots: see
+    `FrameTask`.
 
     Args:
         frame: name of the frame to bring to the target.
         reference: name of the frame in which the target is given.
         kind: "position", "orientation" or "pose".
-        axes: which rows to keep, of "x", "y", "z" (position) and "rx", "ry", "rz" (orientation); None keeps all.
-        stiffness: a positive scalar, one value a row, or an SPD matrix (m, m).
-        priority: level for the strategies that know levels; 0 is the highest.
-        name: how a dict of targets refers to the task; the name of ``frame`` by default.
+        axes: names of the rows to keep: "x", "y", "z" (position), "rx", "ry", "rz" (orientation); None keeps all.
+        stiffness: a positive scalar, one value for each row, or a symmetric positive definite matrix (m, m).
+        priority: level for strategies with levels of priority; 0 is the highest.
+        name: name of the task in a dict of targets; the name of ``frame`` by default.
 
     Raises:
-        ArgumentError: when both frames are the same, or for a kind, priority or stiffness that cannot be used.
+        ArgumentError: when both frames are the same, or the kind, the priority or the stiffness cannot be used.
     """
 
     def __init__(
@@ -52,10 +55,10 @@ class RelativeFrameTask(PlacementTask):
         return f"RelativeFrameTask({self.frame!r}, {self.reference!r}, kind={self.kind!r})"
 
     def frames(self, robot: Robot) -> tuple[str, ...]:
-        """Both would name the joints that carry the two: the error knows which move one against the other."""
+        """Empty: joints that carry both frames do not count, so the joints are read from the error itself."""
         return ()
 
-    def placed(self, kinematics: Kinematics) -> tuple[Expression, Expression]:
-        """In the reference."""
+    def placement(self, kinematics: Kinematics) -> tuple[Expression, Expression]:
+        """The rotation and the position of the frame in the reference."""
         R, p = kinematics.relative(self.frame, self.reference)
         return R, p[: kinematics.robot.dimension]

@@ -1,4 +1,4 @@
-"""All tasks of a solver as one: rows below each other, targets by name."""
+"""All tasks of a solver as one: their rows stacked, their targets by name."""
 
 from __future__ import annotations
 
@@ -21,8 +21,11 @@ from jtik.types import Array
 class StackRows:
     """The rows of all tasks together.
 
-    Attributes: error (m, 1); which rows are lengths; its derivative with respect to the velocity (m, n); the rows of
-    each level of priority, the highest (0) first.
+    Attributes:
+        error: the errors (m, 1) [m] and [rad].
+        linear: for each row, True for a length [m] and False for an angle [rad].
+        jacobian: derivative of the errors with respect to the velocity, (m, n).
+        levels: the indices of the rows of each level of priority, the highest level first.
     """
 
     error: Expression
@@ -33,14 +36,23 @@ class StackRows:
 
 @dataclass(frozen=True)
 class TaskStack:
-    """All tasks of a solver, one below the other, on one robot."""
+    """All tasks of a solver, stacked, on one robot.
+
+    Attributes:
+        robot: the robot.
+        tasks: the tasks, in the order of their rows.
+    """
 
     robot: Robot
     tasks: tuple[Task, ...]
 
     @classmethod
     def of(cls, robot: Robot, tasks: Task | Iterable[Task]) -> TaskStack:
-        """From one task or several; raises ArgumentError for none, for something else, or for a repeated name."""
+        """The stack of one task or several.
+
+        Raises:
+            ArgumentError: for no task, for anything that is not a task, or for a name that repeats.
+        """
         if isinstance(tasks, Task):
             chosen: tuple[Task, ...] = (tasks,)
         elif isinstance(tasks, Iterable) and not isinstance(tasks, str):
@@ -57,19 +69,19 @@ class TaskStack:
 
     @property
     def target_size(self) -> int:
-        """How many numbers all targets are together."""
+        """How many numbers all targets have together."""
         return sum(task.target_size(self.robot) for task in self.tasks)
 
     @property
     def plain(self) -> bool:
-        """Whether a target given as a vector of the right length is the task's numbers as it stands."""
+        """Whether a target is a vector of ``target_size`` numbers that needs no conversion."""
         return len(self.tasks) == 1 and self.tasks[0].plain(self.robot)
 
     def read_target(self, target: Any) -> Array:
         """The numbers of one target, or of a dict from task name to target, shape (target_size,).
 
         Raises:
-            ArgumentError: naming ``target``, or ``target['left hand']`` where a dict says which one is wrong.
+            ArgumentError: for anything else; it names ``target``, or for a dict the entry, as ``target['left hand']``.
         """
         if isinstance(target, dict):
             if target.keys() != self._parts.keys():
@@ -80,18 +92,33 @@ class TaskStack:
             raise ArgumentError("target", target, f"a dict with a target for each of the tasks {names}")
         return self.tasks[0].read_target(self.robot, target)
 
+    def unused(self, target: Any) -> str | None:
+        """The parts of a target that the tasks do not use, such as "orientation of the target".
+
+        Args:
+            target: one target, or a dict from task name to target, that `read_target` accepts.
+
+        Returns:
+            Words for a report, with the names of the tasks for a dict; None where all of the target is used.
+        """
+        if not isinstance(target, dict):
+            return self.tasks[0].unused(self.robot, target)
+        parts = {task.name: task.unused(self.robot, target[task.name]) for task in self.tasks}
+        found = [f"{name}: {part}" for name, part in parts.items() if part is not None]
+        return "; ".join(found) or None
+
     @cached_property
     def _parts(self) -> dict[str, tuple[Task, tuple[int, ...] | None]]:
-        """Each task by its name, with the shape of a target that is its numbers as it stands, or None."""
+        """Each task by its name, with the shape of a target that needs no conversion, or None."""
         sizes = {task.name: (task.target_size(self.robot),) for task in self.tasks}
         return {task.name: (task, sizes[task.name] if task.plain(self.robot) else None) for task in self.tasks}
 
     def _read(self, name: str, task: Task, plain: tuple[int, ...] | None, target: Any) -> Array:
-        """The numbers of one target of a dict."""
+        """The numbers of one target of a dict; an array that needs no conversion is read without a copy."""
         if type(target) is np.ndarray and target.shape == plain and target.dtype == np.float64:
-            usual: Array = target
-            if math.isfinite(sum(usual.tolist())):
-                return usual
+            numbers: Array = target
+            if math.isfinite(sum(numbers.tolist())):
+                return numbers
         try:
             return task.read_target(self.robot, target)
         except ArgumentError as error:
@@ -117,7 +144,7 @@ class TaskStack:
         return StackRows(vertcat(*errors), tuple(linear), vertcat(*jacobians), levels)
 
     def moving_joints(self) -> tuple[str, ...]:
-        """The joints that move a frame some task is about, or that its error depends on, in the robot's order."""
+        """The joints that move a frame of some task, or on which its error depends, in the order of the robot."""
         robot, moving = self.robot, set[str]()
         kinematics = robot.at(symbol("q", robot.nq))
         for task in self.tasks:
@@ -125,11 +152,11 @@ class TaskStack:
             for frame in frames:
                 moving |= {joint.mimic.joint if joint.mimic else joint.name for joint in robot.path(frame)}
             if not frames:
-                moving |= _felt(task.rows(kinematics, symbol("target", task.target_size(robot))).error, kinematics)
+                moving |= _joints_in(task.rows(kinematics, symbol("target", task.target_size(robot))).error, kinematics)
         return tuple(joint for joint in robot.joint_names if joint in moving)
 
     def weight_factor(self) -> Array:
-        """L with ``Kp = L L'``: the residual ``L' e`` has the weighted norm of e. Shape (m, m), lower triangular."""
+        """The Cholesky factor L (m, m) of the stiffness, ``Kp = L L'``: ``L' e`` has the weighted norm of e."""
         blocks = [np.linalg.cholesky(task.weight(task.row_count(self.robot))) for task in self.tasks]
         total = sum(len(block) for block in blocks)
         factor, start = np.zeros((total, total)), 0
@@ -140,9 +167,9 @@ class TaskStack:
         return factor
 
 
-def _felt(error: Expression, kinematics: Kinematics) -> set[str]:
-    """The joints whose position appears in an error."""
+def _joints_in(error: Expression, kinematics: Kinematics) -> set[str]:
+    """The joints on which an error depends."""
     robot, q = kinematics.robot, kinematics.q
     names = {entry.name() for entry in symvar(error)}
-    felt = [q[i].name() in names for i in range(robot.nq)]
-    return {joint for joint in robot.joint_names if any(felt[robot.q_slice(joint)])}
+    appears = [q[i].name() in names for i in range(robot.nq)]
+    return {joint for joint in robot.joint_names if any(appears[robot.q_slice(joint)])}

@@ -1,7 +1,8 @@
-"""Targets as numbers: every form a caller may hand over, the usual ones read in a few microseconds.
+"""Targets of frame tasks as numbers: every form that a caller may give.
 
-Positions are vectors; rotations are matrices (3, 3) or quaternions (w, x, y, z); poses are matrices (4, 4) or pairs
-(position, quaternion). An object with ``as_matrix()``, such as those of mink and SciPy, counts as its matrix.
+A position is a vector. A rotation is a matrix (3, 3), a quaternion (w, x, y, z), or an object whose ``as_matrix()``
+gives a matrix (3, 3), such as those of SciPy and mink. A pose is a matrix (4, 4), seven numbers
+(x, y, z, qw, qx, qy, qz), a pair (position, rotation), or an object whose ``as_matrix()`` gives a matrix (4, 4).
 """
 
 from __future__ import annotations
@@ -17,15 +18,17 @@ from jtik.types import Array
 Kind = Literal["position", "orientation", "pose"]
 
 ROTATION_TOLERANCE = 1e-6
-"""How far a target's rotation may be from orthonormal, a quaternion's norm from 1: what six printed digits leave."""
+"""Tolerance on the orthonormality of a rotation and on the norm of a quaternion: the error of six printed digits."""
 
 _FLOAT = np.dtype(np.float64)
 
 
-def usual(target: Any, kind: Kind) -> Array | None:
-    """The numbers of a sound float64 array (4, 4), (3, 3) or (3,) on a robot in space, None for all else.
+def read_fast(target: Any, kind: Kind) -> Array | None:
+    """The numbers of a valid float64 array (4, 4), (3, 3) or (3,) for a robot in space, in a few microseconds.
 
-    A position is 3 numbers, an orientation the 9 entries of R by columns, a pose both.
+    Returns:
+        3 numbers of a position, the 9 entries of R by columns of an orientation, or both of a pose. None for any other
+        target, which `read_placement` reads or refuses.
     """
     if type(target) is not np.ndarray or target.dtype != _FLOAT:
         return None
@@ -63,21 +66,32 @@ def is_rotation(
 
 
 def read_placement(target: Any, kind: Kind, dimension: int, accepted: str) -> Array:
-    """A target in any of its forms as numbers: those of `usual`, or of (x, y, angle) on a planar robot.
+    """A target in any of its forms as numbers.
+
+    Args:
+        target: what the caller gave.
+        kind: what the task uses; of a pose the other part is not used.
+        dimension: 2 for a planar robot, else 3.
+        accepted: what a target may be, for the error.
+
+    Returns:
+        The numbers of `read_fast`; those of (x, y), the angle, or (x, y, angle) on a planar robot.
 
     Raises:
-        ArgumentError: for what is none of them; ``accepted`` tells what is.
+        ArgumentError: for anything else.
     """
     given = target
     planar = dimension == 2
     if hasattr(target, "as_matrix"):
         target = target.as_matrix()
-        numbers = None if planar else usual(target, kind)
+        numbers = None if planar else read_fast(target, kind)
         if numbers is not None:
             return numbers
-    elif isinstance(target, (tuple, list)) and len(target) == 2 and isinstance(target[0], (tuple, list, np.ndarray)):
+    elif _is_pair(target):
         target = _from_pair(target[0], target[1], dimension, given, accepted)
     array = as_numbers(target, given, accepted)
+    if array.shape == (7,):
+        array = _from_pair(array[:3], array[3:], dimension, given, accepted)
     if kind == "orientation" and array.shape == (4,):
         array = from_quaternion(array, given)
     if array.shape == (4, 4):
@@ -86,18 +100,39 @@ def read_placement(target: Any, kind: Kind, dimension: int, accepted: str) -> Ar
     if kind == "orientation" and array.shape == (3, 3):
         _check_rotation(array, planar, given)
         return _numbers(np.zeros(0), array, kind, planar)
-    plain: dict[Kind, list[tuple[int, ...]]] = {"position": [(dimension,)], "orientation": [(), (1,)], "pose": [(3,)]}
-    if array.shape in plain[kind] and (planar or kind == "position"):
+    shapes: dict[Kind, list[tuple[int, ...]]] = {"position": [(dimension,)], "orientation": [(), (1,)], "pose": [(3,)]}
+    if array.shape in shapes[kind] and (planar or kind == "position"):
         return array.reshape(-1)
     raise ArgumentError("target", given, accepted)
 
 
+def unused_part(target: Any, kind: Kind) -> str | None:
+    """The part of a valid target that a task of this kind does not use; None where it uses all of it."""
+    if kind == "pose" or not _is_pose(target):
+        return None
+    return "orientation of the target" if kind == "position" else "position of the target"
+
+
+def _is_pair(target: Any) -> bool:
+    """Whether a target is a pair (position, rotation)."""
+    if not isinstance(target, (tuple, list)) or len(target) != 2:
+        return False
+    return isinstance(target[0], (tuple, list, np.ndarray)) or hasattr(target[1], "as_matrix")
+
+
+def _is_pose(target: Any) -> bool:
+    """Whether a valid target has both a position and an orientation."""
+    if hasattr(target, "as_matrix"):
+        target = target.as_matrix()
+    return _is_pair(target) or np.shape(target) in ((4, 4), (7,))
+
+
 def _numbers(position: Array, R: Array, kind: Kind, planar: bool) -> Array:
-    """What ``kind`` keeps of a placement."""
+    """The numbers of the part of a pose that ``kind`` uses."""
     if kind == "position":
         return position
-    turn = np.array([np.arctan2(R[1, 0], R[0, 0])]) if planar else R.ravel(order="F")
-    return turn if kind == "orientation" else np.concatenate([position, turn])
+    orientation = np.array([np.arctan2(R[1, 0], R[0, 0])]) if planar else R.ravel(order="F")
+    return orientation if kind == "orientation" else np.concatenate([position, orientation])
 
 
 def as_numbers(target: Any, given: object, accepted: str) -> Array:
@@ -129,14 +164,16 @@ def from_quaternion(quaternion: Array, given: object) -> Array:
     )
 
 
-def _from_pair(position: Any, quaternion: Any, dimension: int, given: object, accepted: str) -> Array:
-    """The pose (4, 4) of a position and a quaternion; on a planar robot the position may lack its z."""
-    place, turn = as_numbers(position, given, accepted), as_numbers(quaternion, given, accepted)
-    if place.shape not in ((dimension,), (3,)) or turn.shape != (4,):
+def _from_pair(position: Any, rotation: Any, dimension: int, given: object, accepted: str) -> Array:
+    """The pose (4, 4) of a position and a rotation in any form; a planar position may be (x, y)."""
+    if hasattr(rotation, "as_matrix"):
+        rotation = rotation.as_matrix()
+    p, R = as_numbers(position, given, accepted), as_numbers(rotation, given, accepted)
+    if p.shape not in ((dimension,), (3,)) or R.shape not in ((4,), (3, 3)):
         raise ArgumentError("target", given, accepted)
     pose = np.eye(4)
-    pose[:3, :3] = from_quaternion(turn, given)
-    pose[: len(place), 3] = place
+    pose[:3, :3] = from_quaternion(R, given) if R.shape == (4,) else R
+    pose[: len(p), 3] = p
     return pose
 
 
@@ -145,11 +182,11 @@ def _check_pose(pose: Array, planar: bool, given: object) -> None:
     if np.abs(pose[3] - (0, 0, 0, 1)).max() > ROTATION_TOLERANCE:
         raise ArgumentError("target", given, "a pose with the last row (0, 0, 0, 1)")
     if planar and abs(pose[2, 3]) > ROTATION_TOLERANCE:
-        raise ArgumentError("target", given, "a pose in the plane of this planar robot: z = 0, turned about z")
+        raise ArgumentError("target", given, "a pose in the plane of this planar robot: z = 0, rotated about z only")
 
 
 def _check_rotation(R: Array, planar: bool, given: object) -> None:
     if not is_rotation(*R.T.ravel().tolist()):
         raise ArgumentError("target", given, "a rotation: orthonormal columns, determinant +1")
     if planar and np.abs(R[2] - (0, 0, 1)).max() > ROTATION_TOLERANCE:
-        raise ArgumentError("target", given, "a pose in the plane of this planar robot: z = 0, turned about z")
+        raise ArgumentError("target", given, "a pose in the plane of this planar robot: z = 0, rotated about z only")

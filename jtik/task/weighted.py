@@ -1,4 +1,4 @@
-"""The options that all tasks of the library share: stiffness, priority, name, and which rows to keep."""
+"""The options that all tasks of jtik share: stiffness, priority, name, and the rows to keep."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ Axes = str | Sequence[str] | None
 
 
 class WeightedTask(Task):
-    """A task with a stiffness Kp, a level and a name.
+    """Base of tasks with a stiffness Kp, a level of priority and a name.
 
     Args:
-        stiffness: a positive scalar, one value a row, or an SPD matrix (m, m).
-        priority: level for the strategies that know levels; 0 is the highest.
-        name: how a dict of targets refers to the task.
+        stiffness: a positive scalar, one value for each row, or a symmetric positive definite matrix (m, m).
+        priority: level for strategies with levels of priority; 0 is the highest.
+        name: name of the task in a dict of targets.
 
     Raises:
-        ArgumentError: when the stiffness is not finite or the priority no integer from 0.
+        ArgumentError: when the stiffness is not finite or the priority is not a non-negative integer.
     """
 
     def __init__(self, *, stiffness: ArrayLike, priority: int, name: str) -> None:
         if not isinstance(priority, int) or priority < 0:
-            raise ArgumentError("priority", priority, "an integer from 0 (the highest level)")
+            raise ArgumentError("priority", priority, "a non-negative integer; 0 is the highest level")
         self.priority = priority
         self.name = name
-        accepted = "a finite scalar, one value a row, or a square matrix"
+        accepted = "a finite scalar, one value for each row, or a square matrix"
         try:
             self.stiffness = np.array(stiffness, dtype=np.float64)
         except (TypeError, ValueError):
@@ -41,17 +41,21 @@ class WeightedTask(Task):
             raise ArgumentError("stiffness", stiffness, accepted)
 
     def weight(self, rows: int) -> Array:
-        """Kp as a matrix. Raises ArgumentError when it does not fit or is not symmetric positive definite."""
-        wanted = f"a positive scalar, {rows} positive values, or a symmetric positive definite ({rows}, {rows})"
+        """The stiffness Kp as a matrix (rows, rows).
+
+        Raises:
+            ArgumentError: when it has another size or is not symmetric positive definite.
+        """
+        accepted = f"a positive scalar, {rows} positive values, or a symmetric positive definite ({rows}, {rows})"
         K = self.stiffness
         if K.ndim == 0:
             K = K * np.eye(rows)
         elif K.shape == (rows,):
             K = np.diag(K)
         if K.shape != (rows, rows) or not np.allclose(K, K.T, rtol=1e-12, atol=0):
-            raise ArgumentError("stiffness", self.stiffness, wanted)
+            raise ArgumentError("stiffness", self.stiffness, accepted)
         if np.linalg.eigvalsh(K)[0] <= 0:
-            raise ArgumentError("stiffness", self.stiffness, wanted)
+            raise ArgumentError("stiffness", self.stiffness, accepted)
         return np.asarray(K)
 
 
@@ -63,7 +67,7 @@ def named(axes: Axes) -> tuple[str, ...] | None:
 
 
 def kept(axes: tuple[str, ...] | None, names: Sequence[str], of: str = "") -> list[int]:
-    """Places of ``axes`` in ``names``, all for None. Raises ArgumentError for unknown, repeated or no axes."""
+    """Indices of ``axes`` in ``names``, all for None. Raises ArgumentError for unknown, repeated or no axes."""
     if axes is None:
         return list(range(len(names)))
     if not axes or len(set(axes)) != len(axes) or not set(axes) <= set(names):

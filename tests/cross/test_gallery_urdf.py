@@ -1,7 +1,7 @@
 """Built-in arms against the URDF files of ``example-robot-data``, read and evaluated by Pinocchio.
 
 Poses, Jacobians, limits, and the meshes of the links, which the solids must hold. The package has no UR5e, iiwa 14 or
-Gen3: those are held against their makers' tables only.
+Gen3: those are compared with the tables of their makers only.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ pytestmark = pytest.mark.robots
 AGREEMENT = 1e-9
 """[m], [rad]: the files write pi with 10 to 16 digits."""
 OUTSIDE = 5e-3
-"""How far a mesh may reach out of the solids around it [m]: figures in the gallery are rounded to millimetres."""
+"""Distance by which a mesh may exceed the solids around it [m]: the gallery rounds to millimetres."""
 
 
 @dataclass(frozen=True)
-class Twin:
+class RobotFile:
     """A built-in robot and its file: its root link, and the frames and joints that are the same in both."""
 
     name: str
@@ -37,17 +37,17 @@ class Twin:
     speed: float = 0.0
 
 
-TWINS = [
-    Twin(
+FILES = [
+    RobotFile(
         "panda",
         "panda.urdf",
         "panda_link0",
         (*(f"panda_link{k}" for k in range(9)), "panda_hand", "panda_hand_tcp"),
     ),
-    Twin("xarm7", "xarm7.urdf", "link_base", (*(f"link{k}" for k in range(1, 8)), "link_eef"), speed=0.002),
+    RobotFile("xarm7", "xarm7.urdf", "link_base", (*(f"link{k}" for k in range(1, 8)), "link_eef"), speed=0.002),
     # the file has other link frames, and speeds of 3.15 and 3.2 rad/s where 180 degrees/s are published
-    Twin("ur5", "ur5_robot.urdf", "base_link", ("base", "tool0"), speed=0.06),
-    Twin(
+    RobotFile("ur5", "ur5_robot.urdf", "base_link", ("base", "tool0"), speed=0.06),
+    RobotFile(
         "jaco2",
         "kinova.urdf",
         "j2s6s200_link_base",
@@ -59,8 +59,8 @@ ROUNDED_LIMITS = {"xarm7": 1e-3}
 """The file rounds -118 degrees to -2.059 rad."""
 
 
-@pytest.fixture(scope="module", params=TWINS, ids=lambda twin: twin.name)
-def twin(request):
+@pytest.fixture(scope="module", params=FILES, ids=lambda entry: entry.name)
+def entry(request):
     return request.param
 
 
@@ -74,13 +74,13 @@ def path_of(file):
 
 
 class Described:
-    """Pinocchio's model of the file, with quarter turns exact, seen from the root link."""
+    """Pinocchio's model of the file, with exact right angles, in the frame of the root link."""
 
-    def __init__(self, twin):
-        self.path, self.twin = path_of(twin.file), twin
+    def __init__(self, entry):
+        self.path, self.entry = path_of(entry.file), entry
         self.model = pin.buildModelFromUrdf(str(self.path))
         for placement in self.model.jointPlacements:
-            # one file writes pi / 2 as 1.5708; all its joints sit at quarter turns
+            # one file writes pi / 2 as 1.5708; all its joints are at right angles
             placement.rotation = np.round(placement.rotation)
         self.data = self.model.createData()
 
@@ -88,11 +88,11 @@ class Described:
         result = pin.neutral(self.model)
         for name, value in zip(robot.joint_names, q, strict=True):
             joint = self.model.joints[self.model.getJointId(name)]
-            turn = [value] if joint.nq == 1 else [np.cos(value), np.sin(value)]
-            result[joint.idx_q : joint.idx_q + joint.nq] = turn
+            rotation = [value] if joint.nq == 1 else [np.cos(value), np.sin(value)]
+            result[joint.idx_q : joint.idx_q + joint.nq] = rotation
         return result
 
-    def place(self, robot, q):
+    def placement(self, robot, q):
         at = self.configuration(robot, q)
         pin.computeJointJacobians(self.model, self.data, at)
         pin.updateFramePlacements(self.model, self.data)
@@ -100,7 +100,7 @@ class Described:
 
     @property
     def root(self):
-        return self.data.oMf[self.model.getFrameId(self.twin.base)]
+        return self.data.oMf[self.model.getFrameId(self.entry.base)]
 
     def pose(self, frame):
         return (self.root.inverse() * self.data.oMf[self.model.getFrameId(frame)]).homogeneous
@@ -122,32 +122,32 @@ class Described:
 
 
 @pytest.fixture(scope="module")
-def described(twin):
-    return Described(twin)
+def described(entry):
+    return Described(entry)
 
 
 @pytest.fixture(scope="module")
-def robot(twin):
-    return jtik.Robot.builtin(twin.name)
+def robot(entry):
+    return jtik.Robot.builtin(entry.name)
 
 
-def test_all_frames_and_jacobians_agree(twin, described, robot):
+def test_all_frames_and_jacobians_agree(entry, described, robot):
     generator = np.random.default_rng(11)
     for _ in range(20):
         q = robot.random_configuration(generator)
-        described.place(robot, q)
-        for frame in twin.frames:
+        described.placement(robot, q)
+        for frame in entry.frames:
             assert robot.pose(q, frame) == pytest.approx(described.pose(frame), abs=AGREEMENT)
-        end = twin.frames[-1]
+        end = entry.frames[-1]
         assert robot.jacobian(q, end) == pytest.approx(described.jacobian(robot, end), abs=AGREEMENT)
 
 
-def test_limits_agree(twin, described, robot):
+def test_limits_agree(entry, described, robot):
     lower, upper, speed = described.limits(robot)
-    rounding = ROUNDED_LIMITS.get(twin.name, 1e-9)
+    rounding = ROUNDED_LIMITS.get(entry.name, 1e-9)
     assert robot.lower == pytest.approx(lower, abs=rounding)
     assert robot.upper == pytest.approx(upper, abs=rounding)
-    assert robot.velocity_limit == pytest.approx(speed, abs=twin.speed or 1e-9)
+    assert robot.velocity_limit == pytest.approx(speed, abs=entry.speed or 1e-9)
 
 
 def surface(mesh, generator, count=400):
@@ -169,19 +169,19 @@ def outside(points, capsule):
     return np.linalg.norm(points - capsule.start - share[:, None] * along, axis=1) - capsule.radius
 
 
-def test_the_solids_hold_the_meshes_of_the_links(twin, described, robot):
+def test_the_solids_hold_the_meshes_of_the_links(entry, described, robot):
     share = next(parent for parent in described.path.parents if parent.name == "example-robot-data").parent
-    kind = pin.GeometryType.COLLISION if twin.meshes == "COLLISION" else pin.GeometryType.VISUAL
+    kind = pin.GeometryType.COLLISION if entry.meshes == "COLLISION" else pin.GeometryType.VISUAL
     geometry = pin.buildGeomFromUrdf(described.model, str(described.path), kind, package_dirs=[str(share)])
     placed = geometry.createData()
     q = robot.keyframes["home"]
-    pin.updateGeometryPlacements(described.model, described.data, geometry, placed, described.place(robot, q))
+    pin.updateGeometryPlacements(described.model, described.data, geometry, placed, described.placement(robot, q))
     pin.updateFramePlacements(described.model, described.data)
     generator = np.random.default_rng(0)
     checked = set()
     for solid, at in zip(geometry.geometryObjects, placed.oMg, strict=True):
         link = described.model.frames[solid.parentFrame].name
-        carrier = "j2s6s200_link_6" if "finger" in link and twin.name == "jaco2" else link
+        carrier = "j2s6s200_link_6" if "finger" in link and entry.name == "jaco2" else link
         if carrier not in robot.shapes or not hasattr(solid.geometry, "num_tris"):
             continue
         points = surface(solid.geometry, generator) * np.array(solid.meshScale)

@@ -1,4 +1,4 @@
-"""Whole humanoids on a free base: hands, feet and the centre of mass at once, every answer checked by Pinocchio.
+"""Full humanoids on a free base: hands, feet and the centre of mass at once, every solution checked by Pinocchio.
 
 The packages are those of test_urdf_pinocchio.py: ``pip install ".[test,robots]"``.
 """
@@ -21,7 +21,7 @@ pin = pytest.importorskip("pinocchio")
 pytestmark = pytest.mark.robots
 
 TOLERANCE = 1e-6
-"""That of a solve [m], [rad]: norms over all tasks together."""
+"""Tolerance of a solve [m], [rad]: norms over all tasks together."""
 
 
 def file(name):
@@ -31,12 +31,19 @@ def file(name):
 
 @dataclass(frozen=True, eq=False)
 class Humanoid:
-    """Frames of the hands and the feet, and what to bend from neutral to stand with knees and elbows bent [rad]."""
+    """A humanoid robot.
+
+    Attributes:
+        urdf: name of its file.
+        hands: frames of the hands.
+        feet: frames of the feet.
+        bent: positions of joints at which it stands with bent knees and elbows [rad].
+    """
 
     urdf: str
     hands: tuple[str, str]
     feet: tuple[str, str]
-    bend: dict[str, float]
+    bent: dict[str, float]
 
     @functools.cached_property
     def robot(self):
@@ -45,7 +52,7 @@ class Humanoid:
     @functools.cached_property
     def standing(self):
         q = self.robot.neutral.copy()
-        for joint, angle in self.bend.items():
+        for joint, angle in self.bent.items():
             q[self.robot.q_slice(joint)] = angle
         return q
 
@@ -71,9 +78,9 @@ class Oracle:
 
     def at(self, q):
         """Pose of every frame and the centre of mass."""
-        x, y, z, *turn = q[self.robot.q_slice("free_base")]
+        x, y, z, *quaternion = q[self.robot.q_slice("free_base")]
         theirs = pin.neutral(self.model)
-        theirs[:7] = [x, y, z, *np.roll(turn, -1)]
+        theirs[:7] = [x, y, z, *np.roll(quaternion, -1)]
         for name in self.robot.joint_names[1:]:
             theirs[self.model.joints[self.model.getJointId(name)].idx_q] = q[self.robot.q_slice(name)][0]
         pin.framesForwardKinematics(self.model, self.data, theirs)
@@ -81,7 +88,7 @@ class Oracle:
         return poses, pin.centerOfMass(self.model, self.data, theirs).copy()
 
 
-def bent(left, right, rest):
+def flexed(left, right, rest):
     """Hips, knees and ankles, and the rest."""
     return dict(zip((*left, *right), (-0.4, 0.8, -0.4) * 2, strict=True)) | rest
 
@@ -90,7 +97,7 @@ TALOS = Humanoid(
     "talos_reduced.urdf",
     hands=("gripper_left_base_link", "gripper_right_base_link"),
     feet=("left_sole_link", "right_sole_link"),
-    bend=bent(
+    bent=flexed(
         [f"leg_left_{k}_joint" for k in (3, 4, 5)],
         [f"leg_right_{k}_joint" for k in (3, 4, 5)],
         {
@@ -105,7 +112,7 @@ G1 = Humanoid(
     "g1_29dof_rev_1_0.urdf",
     hands=("left_rubber_hand", "right_rubber_hand"),
     feet=("left_ankle_roll_link", "right_ankle_roll_link"),
-    bend=bent(
+    bent=flexed(
         [f"left_{part}_joint" for part in ("hip_pitch", "knee", "ankle_pitch")],
         [f"right_{part}_joint" for part in ("hip_pitch", "knee", "ankle_pitch")],
         {
@@ -119,27 +126,27 @@ G1 = Humanoid(
 
 
 def check(humanoid, ik, oracle, targets, solution):
-    """What was asked for is what Pinocchio finds at the answer."""
-    whole, robot = ik.full_configuration(solution.q), humanoid.robot
-    assert (robot.lower <= whole).all()
-    assert (whole <= robot.upper).all()
-    assert np.linalg.norm(whole[robot.q_slice("free_base")][3:]) == pytest.approx(1.0, abs=1e-12)
-    poses, center = oracle.at(whole)
-    away, turned = [], []
+    """Pinocchio finds the targets met at the solution."""
+    full, robot = ik.full_configuration(solution.q), humanoid.robot
+    assert (robot.lower <= full).all()
+    assert (full <= robot.upper).all()
+    assert np.linalg.norm(full[robot.q_slice("free_base")][3:]) == pytest.approx(1.0, abs=1e-12)
+    poses, center = oracle.at(full)
+    away, rotations = [], []
     for task in ik.tasks.tasks:
-        wanted = targets[task.name]
+        desired = targets[task.name]
         if isinstance(task, jtik.CenterOfMassTask):
             rows = slice(0, 2) if task.axes else slice(0, 3)
-            away.append(center[rows] - wanted[rows])
+            away.append(center[rows] - desired[rows])
         else:
             found = poses[task.frame]
-            away.append(found[:3, 3] - wanted[:3, 3])
-            turned.append(pin.log3(wanted[:3, :3].T @ found[:3, :3]))
+            away.append(found[:3, 3] - desired[:3, 3])
+            rotations.append(pin.log3(desired[:3, :3].T @ found[:3, :3]))
     assert np.linalg.norm(np.concatenate(away)) <= TOLERANCE + 1e-10
-    assert np.linalg.norm(np.concatenate(turned)) <= TOLERANCE + 1e-10
+    assert np.linalg.norm(np.concatenate(rotations)) <= TOLERANCE + 1e-10
 
 
-def wanted_at(oracle, ik, q):
+def targets_at(oracle, ik, q):
     """Targets that the posture q meets, by Pinocchio's own kinematics."""
     poses, center = oracle.at(q)
     frames = {task.name: getattr(task, "frame", None) for task in ik.tasks.tasks}
@@ -168,7 +175,7 @@ def test_hands_feet_and_balance_are_reached_within_the_limits(humanoid, feet, st
     ik = jtik.InverseKinematics(robot, humanoid.tasks(feet=feet), strategy=strategy, criteria=criteria, joints="all")
     assert ik.robot.nq == ik.robot.n + 1
     for _ in range(10):
-        targets = wanted_at(oracle, ik, humanoid.posture(rng))
+        targets = targets_at(oracle, ik, humanoid.posture(rng))
         solution = ik.solve(targets, q0=humanoid.standing, max_iterations=200, until="reached")
         assert solution.converged, solution
         check(humanoid, ik, oracle, targets, solution)
@@ -176,22 +183,22 @@ def test_hands_feet_and_balance_are_reached_within_the_limits(humanoid, feet, st
             assert solution.iterations <= 15
 
 
-def test_a_posture_far_away_is_found_by_starting_elsewhere():
-    """Any posture within the limits, the base anywhere and turned by up to 3 rad."""
+def test_a_distant_posture_is_found_by_restarts():
+    """Any posture within the limits, the base at any position and rotated by up to 3 rad."""
     robot, oracle, rng = TALOS.robot, oracle_of(TALOS), np.random.default_rng(2)
     ik = jtik.InverseKinematics(robot, TALOS.tasks(feet=True), strategy="damped", joints="all")
     for _ in range(10):
         q = robot.random_configuration(rng)
-        targets = wanted_at(oracle, ik, q)
+        targets = targets_at(oracle, ik, q)
         solution = ik.solve(targets, q0=TALOS.standing, restarts=100, max_iterations=300)
         assert solution.converged, solution
         check(TALOS, ik, oracle, targets, solution)
 
 
-def test_a_hand_out_of_reach_of_feet_that_stay_is_told():
+def test_a_hand_out_of_reach_is_reported():
     robot, oracle = TALOS.robot, oracle_of(TALOS)
     ik = jtik.InverseKinematics(robot, TALOS.tasks(feet=True), joints="all")
-    targets = wanted_at(oracle, ik, TALOS.standing)
+    targets = targets_at(oracle, ik, TALOS.standing)
     targets[TALOS.hands[0]] = targets[TALOS.hands[0]].copy()
     targets[TALOS.hands[0]][:3, 3] += (4.0, 0.0, 0.0)
     before = ik.solve(targets, q0=TALOS.standing, max_iterations=0)
@@ -203,11 +210,11 @@ def test_a_hand_out_of_reach_of_feet_that_stay_is_told():
     assert (solution.q <= robot.upper).all()
 
 
-def test_a_walk_of_the_hands_is_tracked_with_the_feet_where_they_are():
-    """Both hands draw circles of 5 cm; the base moves with them, no joint faster than it may."""
+def test_a_path_of_the_hands_is_tracked_with_fixed_feet():
+    """Both hands move on circles of 5 cm; the base moves with them, every joint within its speed limit."""
     robot, oracle = G1.robot, oracle_of(G1)
     ik = jtik.InverseKinematics(robot, G1.tasks(feet=True), strategy="damped", joints="all")
-    home, path = wanted_at(oracle, ik, G1.standing), []
+    home, path = targets_at(oracle, ik, G1.standing), []
     for angle in np.linspace(0, 2 * np.pi, 30):
         targets = {name: target.copy() for name, target in home.items()}
         for hand in G1.hands:

@@ -29,7 +29,7 @@ AGREEMENT = 1e-10
 
 CONFIGURATIONS = 20
 NOT_A_ROBOT = "ur3.urdf"
-"""The one file of the package without a link: an unexpanded macro."""
+"""The only file of the package without a link: an unexpanded macro."""
 
 
 def described_robots():
@@ -51,7 +51,7 @@ def named(path):
 @functools.cache
 def load(path):
     with warnings.catch_warnings():
-        # one robot's fingers mimic joints that do not exist
+        # the fingers of one robot mimic joints that do not exist
         warnings.filterwarnings("ignore", message=".*alex_psyonic_hands.*stays independent")
         return jtik.Robot.from_urdf(path)
 
@@ -82,7 +82,7 @@ def configurations(robot):
 
 
 def joint_values(robot, q):
-    """Position of every joint that moves, followers among them, and its rate with respect to v."""
+    """Position of every moving joint, followers included, and its derivative with respect to v."""
     values = {}
     for joint in robot.joints:
         if joint.is_moving:
@@ -93,7 +93,7 @@ def joint_values(robot, q):
 
 
 def gathered(J, columns, n):
-    """The Jacobian of v from that of all joints: each follower's column goes to its leader, times the ratio."""
+    """The Jacobian of v from that of all joints: the column of a follower is added to its leader's, times the ratio."""
     total = np.zeros((6, n))
     for theirs, ours, ratio in columns:
         total[:, ours] += ratio * J[:, theirs]
@@ -107,12 +107,12 @@ def assert_same(name, ours, pose, J):
         assert error <= AGREEMENT, f"{what} of {name} differs by {error:.3g}"
 
 
-def test_the_package_is_the_one_we_know():
+def test_the_package_has_the_expected_robots():
     assert len(URDFS) >= 69
     assert len(ROBOTS) == len(URDFS) - 1
 
 
-def test_the_file_that_is_no_robot_says_so():
+def test_the_file_that_is_not_a_robot_is_refused():
     path = next(path for path in URDFS if path.name == NOT_A_ROBOT)
     with pytest.raises(jtik.RobotFileError, match=r"ur3\.urdf: not a robot: it has no link"):
         jtik.Robot.from_urdf(path)
@@ -147,7 +147,7 @@ def test_all_links_agree_with_pinocchio(path):
 
 
 def as_mujoco_reads_it(path):
-    """MuJoCo's own model without meshes, or None when it refuses the file."""
+    """MuJoCo's own model without meshes; None when it refuses the file."""
     try:
         spec = mujoco.MjSpec.from_file(str(path))
         for geom in spec.geoms:
@@ -170,7 +170,7 @@ def quiet_mujoco():
 
 
 @pytest.mark.usefixtures("quiet_mujoco")
-def test_all_links_agree_with_mujoco_where_it_takes_the_file():
+def test_all_links_agree_with_mujoco_where_it_accepts_the_file():
     taken = 0
     for path in ROBOTS:
         model = as_mujoco_reads_it(path)
@@ -207,8 +207,8 @@ def test_a_free_base_and_the_center_of_mass_agree_with_pinocchio(path):
     frame = model.getFrameId(robot.tip)
     for q in configurations(robot)[:5]:
         theirs = pin.neutral(model)
-        x, y, z, *turn = q[robot.q_slice("free_base")]
-        theirs[:7] = [x, y, z, *np.roll(turn, -1)]
+        x, y, z, *quaternion = q[robot.q_slice("free_base")]
+        theirs[:7] = [x, y, z, *np.roll(quaternion, -1)]
         for name in robot.joint_names[1:]:
             theirs[model.joints[model.getJointId(name)].idx_q] = q[robot.q_slice(name)][0]
         pin.framesForwardKinematics(model, data, theirs)

@@ -1,4 +1,4 @@
-"""Criteria as tasks of mink's, tasks and limits of mink's on jtik robots, and the traps on the way."""
+"""Criteria as mink tasks, mink tasks and limits on jtik robots, and where mink's own values differ."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ..conftest import DIFFERENCES, differences, floating_arm, planar
 from .test_mujoco_model import gripper
 
 DAQP = 1e-8
-"""Of DAQP's answer, with nothing damped."""
+"""Tolerance on the solution of DAQP, without damping."""
 
 
 @jtik.criterion
@@ -60,16 +60,16 @@ class TestCriterionAsTask:
         criterion = JointCentering() if robot.dimension == 2 else height
         model = to_mujoco(robot)
         task = criterion_task(criterion, robot, model, gain=0.7)
-        places = Correspondence(robot, model)
+        correspondence = Correspondence(robot, model)
         q = robot.random_configuration(rng)
-        configuration = mink.Configuration(model, places.qpos(q))
+        configuration = mink.Configuration(model, correspondence.qpos(q))
         P, c = task.compute_qp_objective(configuration)
-        slope = differences(lambda at: task.value(mink.Configuration(model, places.qpos(at))), robot, q)[0]
-        assert places.leads.T @ c == pytest.approx(0.7 * slope, abs=DIFFERENCES)
-        assert pytest.approx(places.leads @ places.leads.T) == P
+        gradient = differences(lambda at: task.value(mink.Configuration(model, correspondence.qpos(at))), robot, q)[0]
+        assert correspondence.leads.T @ c == pytest.approx(0.7 * gradient, abs=DIFFERENCES)
+        assert pytest.approx(correspondence.leads @ correspondence.leads.T) == P
 
     def test_mink_prefers_a_lower_criterion(self, rng):
-        """The sign, end to end: a soft step of mink's goes down H."""
+        """The sign: a soft mink step lowers H."""
         robot = planar(5)
         model = to_mujoco(robot)
         task = criterion_task(ObstacleAvoidance([jtik.Circle((2.0, 1.0), 0.3)]), robot, model, gain=1e-3)
@@ -98,8 +98,8 @@ class TestCriterionAsTask:
                 constraints=[Position("tip", target)],
             )
             J = robot.jacobian(q)[:2]
-            inverse, slope = np.linalg.pinv(J), q - preferred
-            newton = inverse @ (target - robot.position(q)) - 0.4 * (slope - inverse @ (J @ slope))
+            inverse, gradient = np.linalg.pinv(J), q - preferred
+            newton = inverse @ (target - robot.position(q)) - 0.4 * (gradient - inverse @ (J @ gradient))
             assert dq == pytest.approx(newton, abs=DAQP)
 
     def test_the_convex_part_of_the_hessian(self):
@@ -109,15 +109,15 @@ class TestCriterionAsTask:
         P, _ = task.compute_qp_objective(mink.Configuration(model, np.array([0.2, 0.1, 0.4])))
         assert pytest.approx(np.diag([1.0, 0, 0]), abs=1e-12) == P
 
-    def test_the_nearest_semidefinite_matrix(self, rng):
+    def test_the_closest_semidefinite_matrix(self, rng):
         M = rng.standard_normal((4, 4))
         M = M + M.T
-        near = convex(M)
-        assert np.linalg.eigvalsh(near).min() >= -1e-12
-        assert np.linalg.norm(near - M) == pytest.approx(np.linalg.norm(np.minimum(np.linalg.eigvalsh(M), 0)))
+        close = convex(M)
+        assert np.linalg.eigvalsh(close).min() >= -1e-12
+        assert np.linalg.norm(close - M) == pytest.approx(np.linalg.norm(np.minimum(np.linalg.eigvalsh(M), 0)))
 
     def test_minks_own_value_lacks_a_half(self):
-        """Why ``value`` is here: x'Hx + c'x is not the objective that mink minimises."""
+        """mink's ``Objective.value``, x'Hx + c'x, is not the objective that mink minimises."""
         x = np.ones(2)
         objective = mink.tasks.Objective(np.eye(2), np.zeros(2))
         minimised = mink.build_ik(
@@ -153,14 +153,14 @@ class TestTaskAsCriterion:
             frame_name=robot.tip, frame_type="body", position_cost=2.0, orientation_cost=0.5, gain=0.3, lm_damping=1.0
         )
         q = robot.random_configuration(rng)
-        near = robot.integrate(q, 0.1 * rng.standard_normal(robot.n))
-        task.set_target(mink.SE3.from_matrix(robot.pose(near)))
+        close = robot.integrate(q, 0.1 * rng.standard_normal(robot.n))
+        task.set_target(mink.SE3.from_matrix(robot.pose(close)))
         H = as_criterion(task, robot, model)
         assert H.gradient(q) == pytest.approx(differences(H.value, robot, q)[0], abs=DIFFERENCES)
-        assert H.value(near) == pytest.approx(0, abs=1e-20)
+        assert H.value(close) == pytest.approx(0, abs=1e-20)
         assert H.hessian(q) == pytest.approx(H.hessian(q).T)
 
-    def test_a_target_that_moves_is_seen_while_q_stands_still(self):
+    def test_a_change_of_the_target_has_effect_at_the_same_q(self):
         robot = planar(3)
         task = Position("tip", np.array([1.0, 1.0]))
         H = as_criterion(task, robot, to_mujoco(robot))
@@ -181,8 +181,8 @@ class TestTaskAsCriterion:
             as_criterion("posture", planar(2), to_mujoco(planar(2)))
 
 
-def runner():
-    """A ball on a rail along x, 1 m of way to a wall whose face is at x = 1; the ball has a radius of 0.1 m."""
+def ball_on_rail():
+    """A ball of radius 0.1 m on a rail along x, in front of a wall whose face is at x = 1 m."""
     rail = jtik.Joint("rail", jtik.JointType.PRISMATIC, "base", "ball", axis=np.array([1.0, 0, 0]), velocity_limit=2.0)
     robot = jtik.Robot([rail], shapes={"ball": [jtik.Sphere([0, 0, 0], 0.1)]})
     pose = np.eye(4)
@@ -205,21 +205,21 @@ def avoidance(model, **options):
 class TestLimits:
     @pytest.mark.parametrize("dt", [1.0, 0.1, 0.002])
     def test_the_collision_limit_is_a_displacement_whatever_dt(self, dt):
-        robot, model = runner()
+        robot, model = ball_on_rail()
         G, h = limit_rows(avoidance(model, bound_relaxation=0.001), robot, model, dt=dt)([0.3])
         assert pytest.approx(np.array([[1.0]])) == G
         assert h == pytest.approx([0.5 * (0.6 - 0.02) + 0.001], abs=1e-9)
 
     def test_minks_own_lets_a_short_step_through_the_wall(self):
-        """The trap this is about: with dt = 0.01 its bound is a hundred times the way that is left."""
-        robot, model = runner()
+        """With dt = 0.01 mink's bound is 100 times the remaining distance."""
+        robot, model = ball_on_rail()
         configuration = mink.Configuration(model, np.array([0.3]))
         (theirs,) = avoidance(model).compute_qp_inequalities(configuration=configuration, dt=0.01).h
         assert theirs > 10 * 0.6
         assert limit_rows(avoidance(model), robot, model, dt=0.01)([0.3]).h[0] < 0.6
 
     def test_rows_without_a_bound_are_left_out(self):
-        robot, model = runner()
+        robot, model = ball_on_rail()
         limit = avoidance(model)
         limit.collision_detection_distance = 0.1
         rows = limit_rows(limit, robot, model)
@@ -227,8 +227,8 @@ class TestLimits:
         assert rows([0.85]).G.shape == (1, 1)
 
     def test_obstacles_of_to_mujoco_count_for_a_link_mounted_on_the_world(self):
-        """As geoms of the world itself mink would drop them: parent and child."""
-        _, model = runner()
+        """mink drops geoms of the world body: it counts them as parent of the link."""
+        _, model = ball_on_rail()
         assert len(avoidance(model).geom_id_pairs) == 1
         spec = mujoco.MjSpec.from_string(
             """<mujoco><worldbody><geom name="obstacle0" size=".5" pos="1.5 0 0"/><body name="ball">
@@ -237,13 +237,13 @@ class TestLimits:
         assert len(avoidance(spec.compile()).geom_id_pairs) == 0
 
     def test_velocity_limits_are_displacements_in_dt(self):
-        robot, model = runner()
+        robot, model = ball_on_rail()
         G, h = limit_rows(velocity_limit(robot, model), robot, model, dt=0.02)([0.0])
         assert np.sort(G[:, 0]) == pytest.approx([-1, 1])
         assert h == pytest.approx([0.04, 0.04])
 
     def test_position_limits_through_followers(self):
-        """A follower's rows are on its leader's motion."""
+        """The rows of a follower are on the displacement of its leader."""
         robot = gripper()
         model = to_mujoco(robot)
         model.joint("right").limited, model.joint("right").range = 1, [-0.02, 0.02]
@@ -258,16 +258,16 @@ class TestLimits:
         assert limit_rows(mink.ConfigurationLimit(model), robot, model)(np.zeros(2)).G.shape == (0, 2)
 
     def test_wrong_input(self):
-        robot, model = runner()
+        robot, model = ball_on_rail()
         with pytest.raises(jtik.ArgumentError, match=r"mink\.Limit"):
             limit_rows(0.5, robot, model)
         with pytest.raises(jtik.ArgumentError, match="dt"):
             limit_rows(avoidance(model), robot, model, dt=0.0)
 
 
-def test_limit_rows_in_a_program_of_a_strategy():
-    """The target lies behind the wall: every step stays on this side, and the solve ends in front of it."""
-    robot, model = runner()
+def test_limit_rows_in_the_quadratic_program_of_a_strategy():
+    """The target is behind the wall: every step stays in front of it, and so does the solution."""
+    robot, model = ball_on_rail()
     limit = limit_rows(avoidance(model), robot, model, dt=0.01)
     ik = jtik.InverseKinematics(robot, jtik.FrameTask("ball", axes="x"), strategy=_Behind(limit))
     solution = ik.solve([1.4, 0, 0], max_iterations=30, trace=True)
@@ -279,22 +279,22 @@ def test_limit_rows_in_a_program_of_a_strategy():
 
 
 class _Push(mink.Limit):
-    """dq >= 0.5, whatever is in the way."""
+    """dq >= 0.5."""
 
     def compute_qp_inequalities(self, configuration, dt):
         return mink.Constraint(G=np.array([[-1.0]]), h=np.array([-0.5]))
 
 
-def test_limits_that_contradict_each_other_end_as_a_status_or_give_way():
-    """One asks for half a metre, the wall is nearer: as mink has them there is no step; an elastic one gives way."""
-    robot, model = runner()
+def test_contradicting_limits_end_as_a_status_or_are_relaxed():
+    """One requires 0.5 m, the wall is closer: hard limits leave no step; an elastic limit is relaxed."""
+    robot, model = ball_on_rail()
     wall, push = limit_rows(avoidance(model), robot, model, dt=0.01), limit_rows(_Push(), robot, model)
     task = jtik.FrameTask("ball", axes="x")
     stuck = jtik.InverseKinematics(robot, task, strategy=_Behind(wall, push)).solve([1.4, 0, 0], q0=[0.6])
     assert stuck.status is jtik.Status.UNSOLVED
     assert stuck.q == pytest.approx([0.6])
-    law = _Behind(wall, push, elastic=jtik.qp.Elastic(100.0, curvature=1e-3))
-    ik = jtik.InverseKinematics(robot, task, strategy=law)
+    strategy = _Behind(wall, push, elastic=jtik.qp.Elastic(100.0, curvature=1e-3))
+    ik = jtik.InverseKinematics(robot, task, strategy=strategy)
     solution = ik.solve([1.4, 0, 0], q0=[0.6], max_iterations=5)
     assert solution.status is not jtik.Status.UNSOLVED
     assert solution.q[0] <= 0.88 + 1e-9  # the wall is hard
@@ -305,7 +305,7 @@ def test_limits_that_contradict_each_other_end_as_a_status_or_give_way():
 
 
 class _Behind(jtik.Strategy):
-    """min 1/2 |J dq + r|^2 under limits of mink's, the later ones elastic."""
+    """min 1/2 |J dq + r|^2 subject to mink limits, of which all but the first may be elastic."""
 
     def __init__(self, *limits, elastic=None):
         self._limits, self._elastic = limits, elastic
@@ -314,13 +314,11 @@ class _Behind(jtik.Strategy):
         return True
 
     def update(self, model, state):
-        J, r = model.full_J, model.here.residual
+        J, r = model.J, model.here.residual
         low, high = model.box
         first, *rest = self._limits
         rows = [first.rows(model)]
         rows += [each.rows(model, f"limit {i}", elastic=self._elastic) for i, each in enumerate(rest, start=1)]
         program = jtik.qp.QuadraticProgram(P=J.T @ J, q=J.T @ r, lower=low, upper=high, rows=rows)
         dq = model.solve(program).x
-        return jtik.strategy.Update(
-            point=model.moved(-dq), accepted=1, state={}, term=-dq, wanted=-dq, null_term=0 * dq
-        )
+        return jtik.strategy.Update(dq)

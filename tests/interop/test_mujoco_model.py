@@ -1,4 +1,4 @@
-"""A robot as a MuJoCo model: the same poses, the same velocities, and whose number is whose."""
+"""A robot as a MuJoCo model: the same poses and velocities, and the correspondence of their numbers."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def shifted(x, y=0.0, z=0.0):
 
 
 def gripper():
-    """A forked tree whose q is not in the order of its bodies; one finger follows the other, a third stays apart."""
+    """A branched tree whose q is not in the order of its bodies; one finger follows another, a third does not."""
     return jtik.Robot(
         [
             jtik.Joint("turn", JointType.REVOLUTE, "world", "palm", origin=shifted(0, 0, 0.2), lower=-1, upper=2),
@@ -70,10 +70,10 @@ ROBOTS = {
 def test_every_frame_is_a_body_at_the_same_pose_with_the_same_jacobian(name, rng):
     robot = ROBOTS[name]()
     model = to_mujoco(robot)
-    places, data = Correspondence(robot, model), mujoco.MjData(model)
+    correspondence, data = Correspondence(robot, model), mujoco.MjData(model)
     for _ in range(3):
         q = robot.random_configuration(rng)
-        data.qpos[:] = places.qpos(q)
+        data.qpos[:] = correspondence.qpos(q)
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         for frame in robot.frame_names:
@@ -83,24 +83,26 @@ def test_every_frame_is_a_body_at_the_same_pose_with_the_same_jacobian(name, rng
             assert pose[:3, :3] == pytest.approx(body.xmat.reshape(3, 3), abs=POSES)
             J = np.zeros((6, model.nv))
             mujoco.mj_jacBody(model, data, J[:3], J[3:], body.id)
-            assert J @ places.moves == pytest.approx(robot.jacobian(q, frame), abs=POSES)
+            assert J @ correspondence.moves == pytest.approx(robot.jacobian(q, frame), abs=POSES)
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_numbers_go_there_and_back(name, rng):
+def test_numbers_are_converted_both_ways(name, rng):
     robot = ROBOTS[name]()
     model = to_mujoco(robot)
-    places = Correspondence(robot, model)
+    correspondence = Correspondence(robot, model)
     q, v = robot.random_configuration(rng), rng.standard_normal(robot.n)
-    assert places.q(places.qpos(q)) == pytest.approx(q, abs=0)
-    assert places.velocity(places.moves @ v) == pytest.approx(v, abs=0)
-    moved = places.qpos(q)
-    mujoco.mj_integratePos(model, moved, places.moves @ v, 1.0)
-    assert moved == pytest.approx(places.qpos(robot.integrate(q, v)), abs=POSES)
-    assert places.follows @ places.moves == pytest.approx(np.zeros((len(places.follows), robot.n)), abs=0)
+    assert correspondence.q(correspondence.qpos(q)) == pytest.approx(q, abs=0)
+    assert correspondence.velocity(correspondence.moves @ v) == pytest.approx(v, abs=0)
+    moved = correspondence.qpos(q)
+    mujoco.mj_integratePos(model, moved, correspondence.moves @ v, 1.0)
+    assert moved == pytest.approx(correspondence.qpos(robot.integrate(q, v)), abs=POSES)
+    assert correspondence.follows @ correspondence.moves == pytest.approx(
+        np.zeros((len(correspondence.follows), robot.n)), abs=0
+    )
 
 
-def test_what_else_comes_along():
+def test_limits_masses_and_solids_are_kept():
     model = to_mujoco(gripper(), obstacles=[jtik.Sphere([1, 0, 1], 0.2), jtik.Circle([0, 2], 0.1)])
     assert model.joint("turn").range == pytest.approx([-1, 2])
     assert model.joint("far").range[1] == 1
@@ -116,7 +118,7 @@ def test_what_else_comes_along():
 
 
 def test_the_model_a_robot_was_read_from_corresponds_too(rng):
-    """Also where joints have no names, and of a subset, whose other joints keep what they have."""
+    """Also for joints without names, and for a subset, whose other joints keep their positions."""
     xml = """<mujoco><worldbody><body name="a"><joint axis="0 0 1"/><joint name="up" type="slide" axis="0 0 1"/>
       <geom size=".1"/><body name="b" pos="1 0 0"><joint name="bend" axis="0 1 0" ref="0.3"/><geom size=".1"/></body>
       </body></worldbody></mujoco>"""

@@ -1,4 +1,4 @@
-"""The same with pink; skipped where the extra "pink" is not installed."""
+"""Criteria as pink tasks, pink tasks, limits and barriers on jtik robots; skipped without the extra "pink"."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ pinocchio = pytest.importorskip("pinocchio")
 from jtik.interop.pink import Correspondence, as_criterion, criterion_task, fresh, limit_rows  # noqa: E402
 
 DAQP = 1e-8
-"""Of DAQP's answer, with nothing damped."""
+"""Tolerance on the solution of DAQP, without damping."""
 
 JOINT = """<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>
 <origin xyz="{xyz}" rpy="0.1 0.2 0.3"/><axis xyz="{axis}"/>{limit}</joint>"""
@@ -34,7 +34,7 @@ JOINTS = [
 
 
 def arm():
-    """A URDF of every kind of scalar joint, links a to f."""
+    """A URDF of every type of scalar joint, links a to f."""
     links = "".join(f'<link name="{name}"/>' for name in "abcdef")
     joints = "".join(
         JOINT.format(name=name, kind=kind, parent="abcdef"[i], child="abcdef"[i + 1], xyz=xyz, axis=axis, limit=limit)
@@ -65,31 +65,33 @@ def configuration(model, q):
 
 @jtik.criterion
 def low(q, robot, *, wanted=0.1):
-    """Of the height and the reach of the tip, so that every joint has a part in it."""
+    """A function of the height and the reach of the tip, which depends on every joint."""
     p = robot.position(q)
     return (p[2] - wanted) ** 2 + p[0] * p[1]
 
 
 @BOTH
 class TestCorrespondence:
-    def test_there_and_back(self, build, rng):
+    def test_numbers_are_converted_both_ways(self, build, rng):
         robot, model = build()
-        places = Correspondence(robot, model)
+        correspondence = Correspondence(robot, model)
         q = robot.random_configuration(rng)
-        assert robot.difference(q, places.q(places.theirs(q))) == pytest.approx(np.zeros(robot.n), abs=1e-12)
+        assert robot.difference(q, correspondence.q(correspondence.theirs(q))) == pytest.approx(
+            np.zeros(robot.n), abs=1e-12
+        )
 
     def test_the_same_poses_and_displacements(self, build, rng):
         robot, model = build()
-        places, data = Correspondence(robot, model), model.createData()
+        correspondence, data = Correspondence(robot, model), model.createData()
         q, v = robot.random_configuration(rng), 0.1 * rng.standard_normal(robot.n)
-        for at in (places.theirs(q), places.theirs(robot.integrate(q, v))):
+        for at in (correspondence.theirs(q), correspondence.theirs(robot.integrate(q, v))):
             pinocchio.framesForwardKinematics(model, data, at)
             pose = data.oMf[model.getFrameId("f")].homogeneous
-            assert robot.pose(places.q(at), "f") == pytest.approx(pose, abs=1e-10)
-        # to first order: a free joint's path differs, since its translation turns with it in Pinocchio
+            assert robot.pose(correspondence.q(at), "f") == pytest.approx(pose, abs=1e-10)
+        # to first order: a free joint's path differs, since Pinocchio rotates its translation with it
         small = 1e-6 * v
-        moved = pinocchio.integrate(model, places.theirs(q), places.moves(q) @ small)
-        assert robot.difference(robot.integrate(q, small), places.q(moved)) == pytest.approx(
+        moved = pinocchio.integrate(model, correspondence.theirs(q), correspondence.moves(q) @ small)
+        assert robot.difference(robot.integrate(q, small), correspondence.q(moved)) == pytest.approx(
             np.zeros(robot.n), abs=1e-11
         )
 
@@ -99,20 +101,20 @@ class TestCriterionAsTask:
     def test_its_objective_is_the_gradient(self, build, rng):
         robot, model = build()
         task = criterion_task(low, robot, model, gain=0.7)
-        places = Correspondence(robot, model)
+        correspondence = Correspondence(robot, model)
         q = robot.random_configuration(rng)
-        P, c = task.compute_qp_objective(configuration(model, places.theirs(q)))
-        slope = differences(lambda at: task.value(configuration(model, places.theirs(at))), robot, q)[0]
-        assert places.moves(q).T @ c == pytest.approx(0.7 * slope, abs=DIFFERENCES)
+        P, c = task.compute_qp_objective(configuration(model, correspondence.theirs(q)))
+        gradient = differences(lambda at: task.value(configuration(model, correspondence.theirs(at))), robot, q)[0]
+        assert correspondence.moves(q).T @ c == pytest.approx(0.7 * gradient, abs=DIFFERENCES)
         assert pytest.approx(np.eye(model.nv), abs=1e-12) == P
 
     def test_pink_solves_with_it_below_a_constraint(self, build, rng):
         """Newton with the projected gradient, in Pinocchio's velocities."""
         robot, model = build()
         task = criterion_task(low, robot, model, gain=0.4)
-        places = Correspondence(robot, model)
+        correspondence = Correspondence(robot, model)
         q = robot.random_configuration(rng)
-        at = configuration(model, places.theirs(q))
+        at = configuration(model, correspondence.theirs(q))
         tip = pink.tasks.FrameTask("f", position_cost=1.0, orientation_cost=1.0)
         tip.set_target(pinocchio.SE3(robot.pose(robot.random_configuration(rng), "f")))
         J, e = tip.compute_jacobian(at)[:3], tip.compute_error(at)[:3]
@@ -129,9 +131,9 @@ class TestCriterionAsTask:
         dq = pink.solve_ik(
             configuration=at, tasks=[task], dt=1.0, solver="daqp", damping=0.0, limits=[], constraints=[Position()]
         )
-        slope = task.compute_qp_objective(at)[1]
+        gradient = task.compute_qp_objective(at)[1]
         inverse = np.linalg.pinv(J)
-        assert dq == pytest.approx(-inverse @ e - (slope - inverse @ (J @ slope)), abs=DAQP)
+        assert dq == pytest.approx(-inverse @ e - (gradient - inverse @ (J @ gradient)), abs=DAQP)
 
 
 def test_live_parameters_and_a_name():
@@ -149,11 +151,11 @@ def test_value_and_gradient_of_a_task_belong_together(build, rng):
     robot, model = build()
     task = pink.tasks.FrameTask("f", position_cost=2.0, orientation_cost=0.5, gain=0.3, lm_damping=1.0)
     q = robot.random_configuration(rng)
-    near = robot.integrate(q, 0.1 * rng.standard_normal(robot.n))
-    task.set_target(pinocchio.SE3(robot.pose(near, "f")))
+    close = robot.integrate(q, 0.1 * rng.standard_normal(robot.n))
+    task.set_target(pinocchio.SE3(robot.pose(close, "f")))
     H = as_criterion(task, robot, model)
     assert H.gradient(q) == pytest.approx(differences(H.value, robot, q)[0], abs=DIFFERENCES)
-    assert H.value(near) == pytest.approx(0, abs=1e-20)
+    assert H.value(close) == pytest.approx(0, abs=1e-20)
     assert H.hessian(q) == pytest.approx(H.hessian(q).T)
 
 
@@ -161,8 +163,7 @@ class TestBarriers:
     def barrier(self):
         return pink.barriers.PositionBarrier("f", indices=[2], p_min=np.array([-1.0]), gain=np.array([2.0]))
 
-    def test_pinks_own_does_not_see_a_bound_that_moves(self):
-        """The trap this is about."""
+    def test_pinks_own_barrier_ignores_a_change_of_the_bound(self):
         _, model = fixed()
         at = configuration(model, pinocchio.neutral(model))
         stale, current = self.barrier(), self.barrier()
@@ -213,7 +214,7 @@ def test_limits_as_rows():
     speed = limit_rows(model_limit("velocity", model), robot, model, dt=0.02)(q)
     assert speed[1] == pytest.approx(np.full(len(speed[1]), 0.03))
     _, h = limit_rows(model_limit("position", model), robot, model)(q)
-    assert h.min() == pytest.approx(0.5 * 0.05)  # its default gain times what is left of the shoulder
+    assert h.min() == pytest.approx(0.5 * 0.05)  # its default gain times the distance of the shoulder to its limit
 
 
 def model_limit(kind, model):
@@ -222,7 +223,7 @@ def model_limit(kind, model):
 
 
 def test_the_order_of_arguments_differs_between_the_two():
-    """Why everything goes by keyword: the sixth argument is a list of limits to one and a switch to the other."""
+    """Pass arguments by keyword: the sixth argument is a list of limits in one library and a switch in the other."""
     theirs, others = (list(inspect.signature(library.solve_ik).parameters) for library in (pink, mink))
     assert theirs[:5] == others[:5]
     assert (theirs[5], others[5]) == ("limits", "safety_break")
@@ -233,10 +234,10 @@ def test_the_order_of_arguments_differs_between_the_two():
 class TestWrongInput:
     def test_another_robot(self):
         _, model = fixed()
-        with pytest.raises(jtik.ArgumentError, match="hinge joint 'joint1'"):
+        with pytest.raises(jtik.ArgumentError, match="a revolute joint 'joint1'"):
             Correspondence(jtik.Robot.planar(2), model)
 
-    def test_no_task_no_limit(self):
+    def test_something_else(self):
         robot, model = fixed()
         with pytest.raises(jtik.ArgumentError, match="pink task"):
             as_criterion(3, robot, model)

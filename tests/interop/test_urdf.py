@@ -1,4 +1,4 @@
-"""URDF text: read back by jtik itself and by Pinocchio, which no line of the writer knows."""
+"""URDF text: read back by jtik and by Pinocchio, which the writer does not use."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation as Turn
+from scipy.spatial.transform import Rotation
 
 import jtik
 from jtik.interop.urdf import UNLIMITED, to_urdf
@@ -19,34 +19,34 @@ from ..conftest import ball_arm, floating_arm
 EXACT = 1e-12
 
 
-def placed(x, y, z, *turn):
+def pose_of(x, y, z, *rpy):
     """A pose by position and roll, pitch and yaw."""
     pose = np.eye(4)
     pose[:3, 3] = x, y, z
-    pose[:3, :3] = Turn.from_euler("xyz", turn).as_matrix()
+    pose[:3, :3] = Rotation.from_euler("xyz", rpy).as_matrix()
     return pose
 
 
 def arm(pitch=0.3):
-    """Every kind of joint that URDF has numbers for, skew axes, one mount that may be turned upright."""
+    """Every joint type of URDF, skew axes, and a fixed frame whose pitch may be a right angle."""
     skew = np.array([1.0, 2.0, -2.0]) / 3
     return jtik.Robot(
         [
-            jtik.Joint("yaw", JointType.REVOLUTE, "base", "a", origin=placed(0, 0, 0.3, 0.1, 0.2, 0.3)),
+            jtik.Joint("yaw", JointType.REVOLUTE, "base", "a", origin=pose_of(0, 0, 0.3, 0.1, 0.2, 0.3)),
             jtik.Joint("shoulder", JointType.REVOLUTE, "a", "b", axis=skew, lower=-2.0, upper=2.5, velocity_limit=1.5),
             jtik.Joint(
                 "reach",
                 JointType.PRISMATIC,
                 "b",
                 "c",
-                origin=placed(0.3, 0, 0.1, 0.5, pitch, -2.0),
+                origin=pose_of(0.3, 0, 0.1, 0.5, pitch, -2.0),
                 lower=-0.1,
                 upper=0.4,
             ),
             jtik.Joint("rail", JointType.PRISMATIC, "c", "d", axis=skew),
             jtik.Joint("stop", JointType.REVOLUTE, "d", "e", lower=-1.0),
             jtik.Joint("twin", JointType.REVOLUTE, "e", "f", axis=skew, mimic=Mimic("shoulder", 0.5, 0.1)),
-            jtik.Joint("tip", JointType.FIXED, "f", "tip", origin=placed(0.1, 0.2, 0.3, 1.0, -pitch, 2.0)),
+            jtik.Joint("tip", JointType.FIXED, "f", "tip", origin=pose_of(0.1, 0.2, 0.3, 1.0, -pitch, 2.0)),
         ],
         name="arm",
         masses={"b": Mass(2.0, np.array([0.1, 0.0, 0.2])), "tip": Mass(0.5)},
@@ -54,8 +54,8 @@ def arm(pitch=0.3):
 
 
 @pytest.mark.parametrize("pitch", [0.3, math.pi / 2, -math.pi / 2, math.pi / 2 - 1e-7])
-def test_there_and_back(pitch, rng):
-    """Also where roll and yaw turn about one axis."""
+def test_written_and_read_back(pitch, rng):
+    """Also where roll and yaw are rotations about the same axis."""
     robot = arm(pitch)
     again = jtik.Robot.from_urdf(to_urdf(robot), tip="tip")
     assert again.joint_names == robot.joint_names
@@ -78,17 +78,17 @@ def test_limits():
     assert again.velocity_limit.tolist() == [UNLIMITED, *robot.velocity_limit[1:2], *[UNLIMITED] * 3]
 
 
-def test_a_joint_without_room_keeps_none():
-    """Limits that are both zero would be read as none."""
+def test_a_joint_with_equal_limits_keeps_them():
+    """Readers ignore limits that are both zero."""
     robot = jtik.Robot([jtik.Joint("stuck", JointType.REVOLUTE, "base", "tip", lower=0.0, upper=0.0)])
     again = jtik.Robot.from_urdf(to_urdf(robot))
     assert (again.lower[0], again.upper[0]) == pytest.approx((0.0, 0.0), abs=1e-8)
 
 
-def test_limits_for_those_who_want_some():
-    again = jtik.Robot.from_urdf(to_urdf(arm(), turn=3.0), tip="tip")
+def test_limits_for_revolute_joints_without_any():
+    again = jtik.Robot.from_urdf(to_urdf(arm(), revolute_limit=3.0), tip="tip")
     assert (again.lower[0], again.upper[0]) == (-3.0, 3.0)
-    assert again.lower[3] == -UNLIMITED  # a slide does not turn
+    assert again.lower[3] == -UNLIMITED  # a prismatic joint
 
 
 def test_one_chain_of_a_tree():
@@ -101,18 +101,18 @@ def test_one_chain_of_a_tree():
 
 
 @pytest.mark.parametrize("name", ["panda", "ur5e", "jaco2", "vehicle_panda", "planar10"])
-def test_pinocchio_sees_the_same_robot(name, rng):
+def test_pinocchio_reads_the_same_robot(name, rng):
     pinocchio = pytest.importorskip("pinocchio")
     from jtik.interop.pinocchio_model import Correspondence
 
     robot = jtik.Robot.builtin(name)
     model = pinocchio.buildModelFromXML(to_urdf(robot))
-    places, data = Correspondence(robot, model), model.createData()
+    correspondence, data = Correspondence(robot, model), model.createData()
     for _ in range(3):
         q = robot.random_configuration(rng)
-        pinocchio.framesForwardKinematics(model, data, places.theirs(q))
+        pinocchio.framesForwardKinematics(model, data, correspondence.theirs(q))
         for frame in robot.frame_names:
-            # by its name alone, as pink asks: a fixed joint must not be called like a frame
+            # by its name alone, as pink does: a fixed joint must not have the name of a frame
             pose = data.oMf[model.getFrameId(frame)].homogeneous
             assert robot.pose(q, frame) == pytest.approx(pose, abs=EXACT)
 
@@ -129,11 +129,11 @@ def test_pinocchio_reads_limits_and_followers(rng):
 
 class TestWrongInput:
     @pytest.mark.parametrize("robot", [ball_arm(), floating_arm()], ids=["ball", "free"])
-    def test_joints_that_urdf_has_no_numbers_for(self, robot):
-        with pytest.raises(jtik.ArgumentError, match="accepted: hinges, slides and fixed joints"):
+    def test_joints_that_urdf_cannot_describe(self, robot):
+        with pytest.raises(jtik.ArgumentError, match="accepted: revolute, prismatic and fixed joints"):
             to_urdf(robot)
 
-    def test_a_frame_that_is_not_there(self):
+    def test_a_frame_that_does_not_exist(self):
         with pytest.raises(jtik.errors.UnknownNameError, match="frame 'top'"):
             to_urdf(arm(), frame="top")
 
@@ -147,7 +147,14 @@ class TestWrongInput:
         with pytest.raises(jtik.ArgumentError, match="'right' follows 'left' elsewhere"):
             to_urdf(robot, frame="r")
 
-    @pytest.mark.parametrize("turn", [0.0, -1.0, math.inf, math.nan])
-    def test_a_turn_that_is_none(self, turn):
-        with pytest.raises(jtik.ArgumentError, match="turn"):
-            to_urdf(arm(), turn=turn)
+    @pytest.mark.parametrize("limit", [0.0, -1.0, math.inf, math.nan])
+    def test_a_limit_that_is_not_positive(self, limit):
+        message = rf"^revolute_limit: given {limit}; accepted: a positive angle \[rad\], or None$"
+        with pytest.raises(jtik.ArgumentError, match=message):
+            to_urdf(arm(), revolute_limit=limit)
+
+
+def test_the_old_name_of_the_limit_is_an_alias():
+    with pytest.warns(DeprecationWarning, match=r"^to_urdf\(turn=\) is now to_urdf\(revolute_limit=\)$"):
+        text = to_urdf(arm(), turn=3.0)
+    assert text == to_urdf(arm(), revolute_limit=3.0)

@@ -170,7 +170,7 @@ def test_a_criterion_need_not_be_convex():
 
 
 class TestWeights:
-    @pytest.mark.parametrize("weight", [-1.0, np.nan, np.inf, [1.0, 2.0], "much"])
+    @pytest.mark.parametrize("weight", [np.nan, np.inf, [1.0, 2.0], "much"])
     def test_of_criteria(self, weight):
         with pytest.raises(jtik.ArgumentError, match="weight"):
             solver(criteria=weight * JointCentering() if weight != "much" else JointCentering().__rmul__("much"))

@@ -2,14 +2,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation as Turn
+from scipy.spatial.transform import Rotation
 
 from jtik.robot import Joint, JointType, Mimic, Robot
 
 
 def pose(translation=(0.0, 0.0, 0.0), rotvec=(0.0, 0.0, 0.0)):
     result = np.eye(4)
-    result[:3, :3] = Turn.from_rotvec(rotvec).as_matrix()
+    result[:3, :3] = Rotation.from_rotvec(rotvec).as_matrix()
     result[:3, 3] = translation
     return result
 
@@ -19,7 +19,7 @@ def unit(*vector):
 
 
 def make_mixed():
-    """Every kind of joint, skew axes and origins, two fixed frames, a branch."""
+    """Every type of joint, skew axes and origins, two fixed frames, a branch."""
     return Robot(
         [
             Joint("float", JointType.FREE, "world", "hull"),
@@ -64,7 +64,7 @@ def make_mixed():
 
 
 def make_gripper():
-    """A lift whose two fingers follow one joint, the second the other way and scaled."""
+    """A lift whose two fingers follow one joint, the second with a negative ratio."""
     return Robot(
         [
             Joint("lift", JointType.REVOLUTE, "base", "lift", axis=unit(0, 1, 0), origin=pose((0, 0, 0.5))),
@@ -137,7 +137,7 @@ def gripper():
 
 
 def poses_of_interest(robot, count=4):
-    """Neutral, all ones (which no quaternion is), and random configurations."""
+    """Neutral, a displacement of 0.5 from it, and random configurations."""
     yield robot.neutral
     yield robot.integrate(robot.neutral, np.full(robot.n, 0.5))
     generator = np.random.default_rng(7)

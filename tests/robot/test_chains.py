@@ -105,7 +105,7 @@ def test_modified_frames_are_the_textbook_frames():
         assert arm.pose(q, f"link{k}") == pytest.approx(expected, abs=EXACT)
 
 
-def test_standard_frames_sit_on_the_axis_of_their_joint():
+def test_standard_frames_are_on_the_axis_of_their_joint():
     arm = Robot.from_dh(ROWS)
     q = arm.random_configuration(0)
     for k in range(1, len(ROWS) + 1):

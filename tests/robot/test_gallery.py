@@ -1,4 +1,4 @@
-"""What every built-in robot has: a tip, a home, limits, and solids that are where its links are."""
+"""Every built-in robot has a tip, a home configuration, limits, and solids around its links."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .conftest import pose
 
 EXACT = 1e-12
 ARMS = ("panda", "ur5e", "ur5", "iiwa14", "xarm7", "gen3", "jaco2")
-ON_WHEELS = ("vehicle_panda",)
+ON_VEHICLES = ("vehicle_panda",)
 PLANAR = ("vehicle3", "planar10")
 
 
@@ -22,13 +22,13 @@ def robot(request):
     return jtik.Robot.builtin(request.param)
 
 
-@pytest.fixture(scope="module", params=ARMS + ON_WHEELS)
+@pytest.fixture(scope="module", params=ARMS + ON_VEHICLES)
 def machine(request):
     return jtik.Robot.builtin(request.param)
 
 
 def test_the_gallery_is_listed():
-    assert set(gallery.names()) == {*ARMS, *ON_WHEELS, *PLANAR}
+    assert set(gallery.names()) == {*ARMS, *ON_VEHICLES, *PLANAR}
     for name in gallery.names():
         described = gallery.describe(name)
         assert described.name == name
@@ -43,7 +43,7 @@ def test_an_unknown_name_is_answered_with_the_closest():
     assert caught.value.known == gallery.names()
 
 
-def test_home_is_a_posture_to_start_from(robot):
+def test_home_is_inside_the_limits_and_not_singular(robot):
     home = robot.keyframes["home"]
     assert robot.tip == "tip"
     assert np.all((robot.lower < home) & (home < robot.upper))
@@ -60,7 +60,7 @@ def test_machines_have_limits_and_speeds(machine):
     assert np.all(np.abs(machine.keyframes["home"]) < 2 * np.pi)
 
 
-def hinges_between_solids(robot):
+def joints_between_solids(robot):
     return [j for j in robot.joints if j.type is JointType.REVOLUTE and j.parent in robot.shapes]
 
 
@@ -90,16 +90,16 @@ def test_the_solids_of_neighbours_meet_at_their_joint_whatever_the_posture(machi
     generator = np.random.default_rng(3)
     for _ in range(3):
         q = machine.random_configuration(generator)
-        for joint in hinges_between_solids(machine):
+        for joint in joints_between_solids(machine):
             inner, inner_radius = spine(machine, q, joint.parent)
             outer, outer_radius = spine(machine, q, joint.child)
             apart = np.linalg.norm(inner[:, None] - outer, axis=2) - inner_radius[:, None] - outer_radius
             assert apart.min() < 0, joint.name
 
 
-def test_every_joint_turns_about_a_line_through_the_solids_of_its_link(machine):
+def test_the_axis_of_every_joint_is_a_line_through_the_solids_of_its_link(machine):
     q = machine.keyframes["home"]
-    for joint in hinges_between_solids(machine):
+    for joint in joints_between_solids(machine):
         T = machine.pose(q, joint.child)
         points, radii = spine(machine, q, joint.child)
         from_axis = np.linalg.norm(np.cross(points - T[:3, 3], T[:3, 2]), axis=1)
@@ -113,7 +113,7 @@ def test_the_tip_is_at_the_last_solids(machine):
     assert (np.linalg.norm(points - machine.position(q), axis=1) - radii).min() < 0
 
 
-def test_the_solids_of_the_ur5e_are_those_of_the_ur5_but_for_centimetres():
+def test_the_solids_of_the_ur5e_are_those_of_the_ur5_within_centimetres():
     new, old = jtik.Robot.builtin("ur5e").shapes, jtik.Robot.builtin("ur5").shapes
     assert set(new) == set(old)
     for frame in set(new) - {"base_link"}:  # the new base is 7 cm higher
@@ -121,7 +121,7 @@ def test_the_solids_of_the_ur5e_are_those_of_the_ur5_but_for_centimetres():
             assert np.linalg.norm([one.start - other.start, one.end - other.end], axis=1).max() < 0.02
 
 
-def test_the_panda_on_wheels_is_the_panda_carried():
+def test_the_panda_on_a_vehicle_is_the_panda_moved():
     arm, mobile = jtik.Robot.builtin("panda"), jtik.Robot.builtin("vehicle_panda")
     assert mobile.joint_names == ("x", "y", "heading", *arm.joint_names)
     q = mobile.random_configuration(1)
@@ -133,11 +133,23 @@ def test_the_panda_on_wheels_is_the_panda_carried():
 
 
 @pytest.mark.parametrize(
-    ("name", "twin"), [("planar10", jtik.Robot.planar(10)), ("vehicle3", jtik.Robot.vehicle(3, heading=True))]
+    ("name", "built"), [("planar10", jtik.Robot.planar(10)), ("vehicle3", jtik.Robot.vehicle(3, heading=True))]
 )
-def test_planar_robots_are_those_of_the_builders(name, twin):
+def test_planar_robots_are_those_of_the_builders(name, built):
     robot = jtik.Robot.builtin(name)
     assert robot.dimension == 2
-    assert robot.joint_names == twin.joint_names
+    assert robot.joint_names == built.joint_names
     q = robot.random_configuration(2)
-    assert np.array_equal(robot.pose(q), twin.pose(q))
+    assert np.array_equal(robot.pose(q), built.pose(q))
+
+
+def test_old_names_are_aliases():
+    from jtik.robot import loaders
+
+    with pytest.warns(DeprecationWarning, match=r"Description is now jtik.robot.gallery.GalleryRobot$"):
+        assert gallery.Description is gallery.GalleryRobot
+    with pytest.warns(DeprecationWarning, match=r"Description is now jtik.robot.loaders.RobotDescription$"):
+        assert loaders.Description is loaders.RobotDescription
+    for module in (gallery, loaders):
+        with pytest.raises(AttributeError, match="has no attribute 'Table'"):
+            module.Table  # noqa: B018

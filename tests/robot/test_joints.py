@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import pickle
+
 import casadi
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation as Turn
+from scipy.spatial.transform import Rotation
 
 from jtik.robot import JointType, quaternion
 from jtik.symbolic import function, symbol
@@ -20,8 +22,8 @@ def compiled(formula, *sizes):
     return function("f", inputs, [formula(*inputs)])
 
 
-def scalar_first(turn):
-    return np.roll(turn.as_quat(), 1)
+def scalar_first(rotation):
+    return np.roll(rotation.as_quat(), 1)
 
 
 @pytest.mark.parametrize("angle", ANGLES)
@@ -39,13 +41,13 @@ def test_logarithm_undoes_the_exponential_on_either_sheet(angle, sign):
     assert back == pytest.approx(angle * DIRECTION, abs=ROUNDING)
 
 
-def test_logarithm_takes_the_short_way_round():
+def test_logarithm_is_the_shortest_rotation():
     q = compiled(quaternion.exponential, 3)(5.0 * DIRECTION)
     back = compiled(quaternion.logarithm, 4)(q).full().ravel()
     assert back == pytest.approx((5.0 - 2 * np.pi) * DIRECTION, abs=ROUNDING)
 
 
-def test_half_a_turn_has_a_logarithm_of_norm_pi():
+def test_a_rotation_by_pi_has_a_logarithm_of_norm_pi():
     back = compiled(quaternion.logarithm, 4)([0, 0, 1, 0]).full().ravel()
     assert back == pytest.approx([0, np.pi, 0], abs=ROUNDING)
 
@@ -72,16 +74,16 @@ def test_derivative_of_the_logarithm_inverts_that_of_the_exponential(angle):
 
 def test_rotation_matrix_agrees_with_scipy_for_any_multiple():
     for seed in range(5):
-        turn = Turn.random(random_state=seed)
+        rotation = Rotation.random(random_state=seed)
         for scale in (1.0, -1.0, 0.01, 30.0):
-            R = compiled(quaternion.rotation_matrix, 4)(scale * scalar_first(turn)).full()
-            assert pytest.approx(turn.as_matrix(), abs=ROUNDING) == R
+            R = compiled(quaternion.rotation_matrix, 4)(scale * scalar_first(rotation)).full()
+            assert pytest.approx(rotation.as_matrix(), abs=ROUNDING) == R
 
 
-def test_integrate_turns_in_the_body_frame_and_renormalises():
-    start, step = Turn.random(random_state=1), np.array([0.4, -1.2, 2.0])
+def test_integrate_rotates_in_the_body_frame_and_renormalises():
+    start, step = Rotation.random(random_state=1), np.array([0.4, -1.2, 2.0])
     result = compiled(quaternion.integrate, 4, 3)(1.001 * scalar_first(start), step).full().ravel()
-    expected = scalar_first(start * Turn.from_rotvec(step))
+    expected = scalar_first(start * Rotation.from_rotvec(step))
     assert abs(result @ expected) == pytest.approx(1.0, abs=ROUNDING)
     assert np.linalg.norm(result) == pytest.approx(1.0, abs=ROUNDING)
 
@@ -91,7 +93,7 @@ def test_tangent_is_the_derivative_of_integrate():
     derivative = casadi.jacobian(quaternion.integrate(q, omega), omega)
     both = function("f", [q, omega], [derivative, quaternion.tangent(q)])
     for seed in range(3):
-        d, t = both(scalar_first(Turn.random(random_state=seed)), np.zeros(3))
+        d, t = both(scalar_first(Rotation.random(random_state=seed)), np.zeros(3))
         assert d.full() == pytest.approx(t.full(), abs=ROUNDING)
 
 
@@ -109,3 +111,31 @@ def test_sizes_and_units_of_each_type(kind, nq, nv, rotational):
     assert (kind.nq, kind.nv, kind.rotational) == (nq, nv, rotational)
     assert kind.neutral.shape == (nq,)
     assert kind.tangent(symbol("q", nq)).shape == (nq, nv)
+
+
+def test_values_are_the_words_of_the_field():
+    assert [kind.value for kind in JointType] == ["fixed", "revolute", "prismatic", "ball", "free"]
+
+
+@pytest.mark.parametrize(("word", "kind"), [("hinge", JointType.REVOLUTE), ("slide", JointType.PRISMATIC)])
+def test_mujocos_words_and_earlier_files_resolve_without_a_warning(word, kind):
+    assert JointType(word) is kind
+
+
+@pytest.mark.parametrize(("old", "new"), [("HINGE", "REVOLUTE"), ("SLIDE", "PRISMATIC")])
+def test_old_members_are_aliases_that_name_the_new_one(old, new):
+    with pytest.warns(DeprecationWarning, match=f"^JointType.{old} is now JointType.{new}$"):
+        assert getattr(JointType, old) is JointType[new]
+    with pytest.warns(DeprecationWarning, match=f"^JointType.{old} is now JointType.{new}$"):
+        assert JointType[old] is JointType[new]
+
+
+def test_a_member_that_does_not_exist_is_refused_with_the_members():
+    with pytest.raises(AttributeError, match="JointType has no member 'SCREW'; members: FIXED, REVOLUTE, PRISMATIC"):
+        JointType.SCREW  # noqa: B018
+    with pytest.raises(ValueError, match="'screw' is not a valid JointType"):
+        JointType("screw")
+
+
+def test_members_survive_pickling():
+    assert all(pickle.loads(pickle.dumps(kind)) is kind for kind in JointType)

@@ -70,14 +70,14 @@ def everything():
 
 
 def full_position(robot, model, q):
-    """MuJoCo's qpos of our q, and which of our columns, times what, each of its columns is."""
+    """MuJoCo's qpos for q, and the matrix (model.nv, n) from the robot's velocity to MuJoCo's."""
     qpos, columns = np.array(model.qpos0), np.zeros((model.nv, robot.n))
     for joint in robot.joints:
         if not joint.is_moving:
             continue
-        place = model.joint(joint.name)
+        own = model.joint(joint.name)
         ratio, offset = (joint.mimic.multiplier, joint.mimic.offset) if joint.mimic else (1.0, 0.0)
-        first_q, first_v = place.qposadr[0], place.dofadr[0]
+        first_q, first_v = own.qposadr[0], own.dofadr[0]
         qpos[first_q : first_q + joint.type.nq] = ratio * q[robot.q_slice(joint.name)] + offset
         columns[first_v : first_v + joint.type.nv, robot.v_slice(joint.name)] = ratio * np.eye(joint.type.nv)
     return qpos, columns
@@ -88,29 +88,29 @@ def assert_like_mujoco(robot, model, q, frames=None):
     data.qpos, columns = full_position(robot, model, q)
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
-    places = {model.body(k).name: (data.xpos[k], data.xmat[k], model.body(k).id) for k in range(model.nbody)}
+    poses = {model.body(k).name: (data.xpos[k], data.xmat[k], model.body(k).id) for k in range(model.nbody)}
     for k in range(model.nsite):
         name = model.site(k).name
-        name = f"{name} (site)" if name in places else name
-        places[name] = data.site_xpos[k], data.site_xmat[k], model.site_bodyid[k]
-    for frame in frames or places:
-        position, turn, body = places[frame]
+        name = f"{name} (site)" if name in poses else name
+        poses[name] = data.site_xpos[k], data.site_xmat[k], model.site_bodyid[k]
+    for frame in frames or poses:
+        position, rotation, body = poses[frame]
         T = robot.pose(q, frame)
         assert T[:3, 3] == pytest.approx(position, abs=EXACT)
-        assert T[:3, :3] == pytest.approx(turn.reshape(3, 3), abs=EXACT)
+        assert T[:3, :3] == pytest.approx(rotation.reshape(3, 3), abs=EXACT)
         J = np.zeros((6, model.nv))
         mujoco.mj_jac(model, data, J[:3], J[3:], position, body)
         assert robot.jacobian(q, frame) == pytest.approx(J @ columns, abs=EXACT)
 
 
-def test_every_frame_is_where_mujoco_has_it(everything):
+def test_every_frame_has_the_pose_that_mujoco_gives(everything):
     robot, model = everything
     generator = np.random.default_rng(5)
     for q in (robot.neutral, *(robot.random_configuration(generator) for _ in range(5))):
         assert_like_mujoco(robot, model, q)
 
 
-def test_frames_are_bodies_sites_and_what_lies_between_joints(everything):
+def test_frames_are_bodies_sites_and_those_between_joints(everything):
     robot, _ = everything
     assert robot.name == "everything"
     assert robot.base == "world"
@@ -121,13 +121,13 @@ def test_frames_are_bodies_sites_and_what_lies_between_joints(everything):
     assert robot.tip == "tool"
 
 
-def test_q_is_qpos_without_what_follows(everything):
+def test_q_is_qpos_without_the_followers(everything):
     robot, model = everything
     assert robot.joint_names == ("float", "pan", "rail", "tilt", "wrist", "finger")
     assert (robot.nq, robot.n) == (model.nq - 2, model.nv - 2)
 
 
-def test_joints_that_follow_are_folded_into_the_first_leader(everything):
+def test_followers_become_mimic_joints_of_the_first_leader(everything):
     robot, _ = everything
     mimics = {joint.name: joint.mimic for joint in robot.joints if joint.mimic is not None}
     # thumb = ref + 0.1 - 3 (finger - 0.05), nail = 0.2 + 0.5 (thumb - ref)
@@ -137,10 +137,10 @@ def test_joints_that_follow_are_folded_into_the_first_leader(everything):
     assert mimics["nail"].offset == pytest.approx(0.2 + 0.5 * 0.25, abs=EXACT)
 
 
-def test_limits_are_those_of_hinges_and_slides(everything):
+def test_limits_are_those_of_revolute_and_prismatic_joints(everything):
     robot, _ = everything
-    bounds = {name: (robot.lower[place], robot.upper[place]) for name in ("pan", "rail", "tilt", "wrist")
-              for place in [robot.q_slice(name).start]}  # fmt: skip
+    bounds = {name: (robot.lower[index], robot.upper[index]) for name in ("pan", "rail", "tilt", "wrist")
+              for index in [robot.q_slice(name).start]}  # fmt: skip
     assert bounds["pan"] == pytest.approx((-np.pi / 2, np.radians(120)))
     assert bounds["rail"] == (-0.2, 0.3)
     assert bounds["tilt"] == bounds["wrist"] == (-np.inf, np.inf)
@@ -184,13 +184,13 @@ def body(inside, after=""):
     return f'<mujoco><worldbody><body name="a">{inside}</body></worldbody>{after}</mujoco>'
 
 
-def test_what_has_no_name_is_named_after_its_body():
+def test_elements_without_a_name_get_that_of_their_body():
     robot = Robot.from_mjcf(body('<joint/><joint axis="1 0 0"/><body><joint name="x"/><site/></body>'))
     assert robot.joint_names == ("a", "a (joint)", "x")
     assert robot.frame_names == ("world", "a (joint)", "a", "body2", "site0")
 
 
-def test_a_joint_alone_in_its_equality_is_held():
+def test_an_equality_of_one_joint_makes_it_fixed():
     equality = '<equality><joint joint1="b" polycoef="0.3 0 0 0 0"/></equality>'
     text = body(
         '<joint name="a"/><body name="b"><joint name="b" axis="1 0 0" ref="0.5" pos="0 0.1 0"/></body>', equality
@@ -201,7 +201,7 @@ def test_a_joint_alone_in_its_equality_is_held():
     assert robot.pose([0.2], "b") == pytest.approx(free.pose([0.2, 0.8], "b"), abs=EXACT)
 
 
-def test_an_equality_that_is_switched_off_does_not_count():
+def test_an_inactive_equality_is_ignored():
     text = body(
         '<joint name="a"/><body name="b"><joint name="b"/></body>',
         '<equality><joint joint1="b" joint2="a" active="false"/></equality>',
@@ -209,7 +209,7 @@ def test_an_equality_that_is_switched_off_does_not_count():
     assert Robot.from_mjcf(text).n == 2
 
 
-def test_a_curved_equality_is_left_out_with_a_warning():
+def test_a_nonlinear_equality_is_left_out_with_a_warning():
     text = body(
         '<joint name="a"/><body name="b"><joint name="b"/></body>',
         '<equality><joint joint1="b" joint2="a" polycoef="0 1 0.5 0 0"/></equality>',
@@ -218,7 +218,7 @@ def test_a_curved_equality_is_left_out_with_a_warning():
         assert Robot.from_mjcf(text).n == 2
 
 
-def test_joints_that_follow_in_a_circle_keep_the_first_statements():
+def test_a_cycle_of_followers_keeps_the_first_equalities():
     text = body(
         '<joint name="a"/><body name="b"><joint name="b"/></body>',
         '<equality><joint joint1="b" joint2="a" polycoef="0 2 0 0 0"/><joint joint1="a" joint2="b"/></equality>',
@@ -244,7 +244,7 @@ def test_bodies_without_mass_textures_without_files_and_broken_inertias_do_not_m
     assert not robot.shapes
 
 
-def test_a_robot_can_be_renamed_and_told_its_tip(everything):
+def test_name_and_tip_may_be_given(everything):
     robot = Robot.from_mjcf(EVERYTHING, tip="nail", name="mine")
     assert (robot.tip, robot.name) == ("nail", "mine")
     with pytest.raises(jtik.UnknownNameError, match="unknown tip frame 'nial'; did you mean 'nail'"):
@@ -266,13 +266,13 @@ def test_a_robot_can_be_renamed_and_told_its_tip(everything):
         (body("<joint/>", '<keyframe><key qpos="nan"/></keyframe>'), r"keyframes\['key0'\]: given nan"),
     ],
 )
-def test_what_is_no_robot_says_so(text, complaint):
+def test_a_file_that_is_not_a_robot_is_refused(text, complaint):
     with pytest.raises(jtik.RobotFileError, match=complaint):
         Robot.from_mjcf(text)
 
 
 @pytest.mark.parametrize("loader", [Robot.from_mjcf, Robot.from_urdf, Robot.from_mujoco])
-def test_a_number_is_no_description(loader):
+def test_a_number_is_not_a_description(loader):
     with pytest.raises(jtik.ArgumentError, match="given 3; accepted"):
         loader(3)
 
@@ -285,7 +285,7 @@ def test_nothing_is_printed_and_no_log_is_written(tmp_path, monkeypatch, capfd):
     assert not list(tmp_path.iterdir())
 
 
-def test_all_kinds_of_joints_are_read(everything):
+def test_all_types_of_joints_are_read(everything):
     kinds = {joint.name: joint.type for joint in everything[0].independent_joints}
     assert kinds["float"] is JointType.FREE
     assert kinds["wrist"] is JointType.BALL

@@ -1,10 +1,10 @@
-"""Solids on the frames of a loaded robot: where the file has them, and around meshes all of them."""
+"""Solids on the frames of a loaded robot: at the poses of the file, and enclosing all of a mesh."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation as Turn
+from scipy.spatial.transform import Rotation
 
 from jtik import Box, Capsule, Cylinder, Robot, Sphere
 
@@ -30,9 +30,9 @@ def only(robot, frame="a"):
     return solid
 
 
-def test_primitives_keep_their_place_and_size():
+def test_primitives_keep_their_pose_and_size():
     pose = 'pos="0.1 0.2 0.3" axisangle="1 0 0 0.5"'
-    R = Turn.from_rotvec([0.5, 0, 0]).as_matrix()
+    R = Rotation.from_rotvec([0.5, 0, 0]).as_matrix()
     center = np.array([0.1, 0.2, 0.3])
     sphere = only(Robot.from_mjcf(mjcf(f'<geom type="sphere" size="0.4" {pose}/>')))
     assert isinstance(sphere, Sphere)
@@ -51,7 +51,7 @@ def test_primitives_keep_their_place_and_size():
 
 
 @pytest.mark.parametrize("size", [(0.3, 0.1, 0.2), (0.1, 0.3, 0.2), (0.2, 0.2, 0.2), (0.1, 0.1, 0.4)])
-def test_an_ellipsoid_lies_in_its_capsule_and_touches_it(size):
+def test_an_ellipsoid_is_inside_its_capsule_and_touches_it(size):
     capsule = only(Robot.from_mjcf(mjcf(f'<geom type="ellipsoid" size="{" ".join(map(str, size))}"/>')))
     directions = np.random.default_rng(0).standard_normal((2000, 3))
     surface = directions / np.linalg.norm(directions, axis=1, keepdims=True) * size
@@ -68,7 +68,7 @@ def outside(solid, points):
     return np.linalg.norm(points - solid.start - where[:, None] * along, axis=1) - solid.radius
 
 
-def test_geoms_that_only_show_count_where_none_collides():
+def test_visual_geoms_are_used_where_none_collides():
     show = '<geom type="sphere" size="1" contype="0" conaffinity="0"/>'
     touch = '<geom type="sphere" size="2"/>'
     assert only(Robot.from_mjcf(mjcf(show + touch))).radius == 2
@@ -76,7 +76,7 @@ def test_geoms_that_only_show_count_where_none_collides():
     assert only(Robot.from_mjcf(text)).radius == 1
 
 
-def test_urdf_collisions_count_and_visuals_do_not():
+def test_urdf_collisions_are_used_and_visuals_are_not():
     robot = Robot.from_urdf(
         """<robot name="r"><link name="base"><collision><origin xyz="0 0 1"/><geometry><box size="1 2 4"/></geometry>
         </collision></link><link name="a"><visual><geometry><sphere radius="1"/></geometry></visual></link>
@@ -87,7 +87,7 @@ def test_urdf_collisions_count_and_visuals_do_not():
     assert box.pose[:3, 3].tolist() == [0.0, 0.0, 1.0]
 
 
-def test_a_solid_of_no_size_is_given_up_not_the_robot():
+def test_a_solid_of_no_size_is_dropped_but_not_the_robot():
     robot = Robot.from_urdf(
         """<robot name="r"><link name="base"/><link name="a"><collision><geometry><box size="0 2 4"/></geometry>
         </collision></link><joint name="j" type="continuous"><parent link="base"/><child link="a"/></joint></robot>"""
@@ -105,7 +105,7 @@ def test_a_mesh_becomes_a_solid_around_it_from_a_file_and_from_a_model():
         '<geom type="mesh" mesh="m" pos="0.1 0.2 0.3" axisangle="1 0 0 0.5"/>',
         f'<mesh name="m" vertex="{TETRAHEDRON}" scale="2 2 2"/>',
     )
-    points = vertices(2) @ Turn.from_rotvec([0.5, 0, 0]).as_matrix().T + [0.1, 0.2, 0.3]
+    points = vertices(2) @ Rotation.from_rotvec([0.5, 0, 0]).as_matrix().T + [0.1, 0.2, 0.3]
     for robot in (Robot.from_mjcf(text), Robot.from_mujoco(mujoco.MjModel.from_xml_string(text))):
         distance = outside(only(robot), points)
         assert distance.max() <= SINGLE
@@ -150,10 +150,10 @@ def test_a_mesh_that_cannot_be_read_gives_no_shape(tmp_path, name):
 
 
 @pytest.mark.parametrize("stretch", [(1, 1, 1), (5, 1, 1), (0.1, 1, 3), (1, 1, 0), (1, 0, 0), (0, 0, 0)])
-def test_the_solid_around_points_holds_all_and_is_no_bigger_than_their_ball(stretch):
+def test_the_solid_around_points_holds_all_and_is_not_larger_than_their_ball(stretch):
     generator = np.random.default_rng(3)
-    turned = Turn.from_rotvec([0.3, 0.2, 0.1]).as_matrix()
-    points = generator.uniform(-1, 1, (200, 3)) * stretch @ turned.T + [1, 2, 3]
+    rotation = Rotation.from_rotvec([0.3, 0.2, 0.1]).as_matrix()
+    points = generator.uniform(-1, 1, (200, 3)) * stretch @ rotation.T + [1, 2, 3]
     solid = solid_around(points)
     assert outside(solid, points).max() <= EXACT
     middle = (points.max(axis=0) + points.min(axis=0)) / 2
@@ -161,7 +161,7 @@ def test_the_solid_around_points_holds_all_and_is_no_bigger_than_their_ball(stre
     assert solid.radius <= ball * (1 + SINGLE)
 
 
-def test_a_long_thing_gets_a_capsule_and_a_round_one_something_round():
+def test_a_long_mesh_gets_a_capsule_and_a_round_one_a_round_solid():
     rod = solid_around(np.random.default_rng(1).uniform(-1, 1, (500, 3)) * [1, 0.05, 0.05])
     assert isinstance(rod, Capsule)
     assert rod.radius < 0.08

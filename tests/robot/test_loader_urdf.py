@@ -1,4 +1,4 @@
-"""URDF descriptions: what the file says is what the robot has. The kinematics of whole robots is in tests/cross."""
+"""URDF descriptions: the robot has what the file states. The kinematics of full robots is tested in tests/cross."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation as Turn
+from scipy.spatial.transform import Rotation
 
 import jtik
 from jtik import JointType, Robot
@@ -32,9 +32,11 @@ SKEW = '<origin xyz="0.1 0.2 0.3" rpy="0.4 0.5 0.6"/><axis xyz="1 2 2"/>'
 ONE = joint("one", "revolute", "base", "a", SKEW + LIMIT)
 
 
-def skew(turn):
+def skew(angle):
     T = np.eye(4)
-    T[:3, :3] = (Turn.from_euler("xyz", [0.4, 0.5, 0.6]) * Turn.from_rotvec(turn * np.array([1, 2, 2]) / 3)).as_matrix()
+    T[:3, :3] = (
+        Rotation.from_euler("xyz", [0.4, 0.5, 0.6]) * Rotation.from_rotvec(angle * np.array([1, 2, 2]) / 3)
+    ).as_matrix()
     T[:3, 3] = 0.1, 0.2, 0.3
     return T
 
@@ -92,7 +94,7 @@ def test_mimic_joints_follow_the_first_leader_within_its_limits():
 
 def test_a_mimic_joint_whose_leader_does_not_exist_stays_independent_with_a_warning():
     text = urdf(ONE, joint("two", "revolute", "a", "b", LIMIT + '<mimic joint="won"/>'))
-    with pytest.warns(UserWarning, match="joint 'two' stays independent: it mimics 'won', which is no revolute"):
+    with pytest.warns(UserWarning, match="joint 'two' stays independent: it mimics 'won', which is not a revolute"):
         robot = Robot.from_urdf(text)
     assert robot.joint_names == ("one", "two")
 
@@ -108,16 +110,16 @@ def test_floating_joints_are_free_from_their_origin_anywhere_in_the_tree():
     assert (robot.nq, robot.n) == (8, 7)
     q = np.array([0.2, 0.1, -0.2, 0.3, 0.5, 0.5, -0.5, 0.5])
     moved = np.eye(4)
-    moved[:3, :3], moved[:3, 3] = Turn.from_quat([0.5, -0.5, 0.5, 0.5]).as_matrix(), q[1:4]
+    moved[:3, :3], moved[:3, 3] = Rotation.from_quat([0.5, -0.5, 0.5, 0.5]).as_matrix(), q[1:4]
     assert robot.pose(q, "b") == pytest.approx(skew(0.2) @ skew(0.0) @ moved, abs=EXACT)
 
 
-def test_a_planar_joint_is_two_slides_and_a_hinge():
+def test_a_planar_joint_is_two_prismatic_joints_and_a_revolute_one():
     robot = Robot.from_urdf(urdf(joint("plane", "planar", "base", "a", '<axis xyz="0 0 1"/>')))
     assert robot.joint_names == ("plane_TX", "plane_TY", "plane_RZ")
     T = robot.pose([1.0, 2.0, 0.3], "a")
     assert T[:3, 3] == pytest.approx([1.0, 2.0, 0.0], abs=EXACT)
-    assert T[:3, :3] == pytest.approx(Turn.from_rotvec([0, 0, 0.3]).as_matrix(), abs=EXACT)
+    assert T[:3, :3] == pytest.approx(Rotation.from_rotvec([0, 0, 0.3]).as_matrix(), abs=EXACT)
 
 
 def test_a_free_base_carries_the_root_link():
@@ -160,7 +162,7 @@ def test_masses_are_kept_whatever_the_inertia(moments):
     assert robot.masses["a"].center == pytest.approx([0.1, 0.2, 0.3], abs=EXACT)
 
 
-def test_links_without_inertia_weigh_nothing_even_with_geometry():
+def test_links_without_inertia_have_no_mass_even_with_geometry():
     links = '<link name="a"><collision><geometry><sphere radius="1"/></geometry></collision></link>'
     assert not Robot.from_urdf(urdf(ONE, links=links)).masses
 
@@ -174,13 +176,13 @@ def test_links_without_inertia_weigh_nothing_even_with_geometry():
         (["arm", "stool", "committee"], "committee"),
     ],
 )
-def test_the_tip_is_what_is_called_like_a_tool_else_the_end_of_the_longest_chain(names, tip):
+def test_the_tip_has_the_name_of_a_tool_else_it_ends_the_longest_chain(names, tip):
     joints = [joint(f"j{k}", "revolute", ["base", *names][k], name, LIMIT) for k, name in enumerate(names)]
     links = "".join(f'<link name="{name}"/>' for name in ["base", *names])
     assert Robot.from_urdf(f'<robot name="r">{links}{"".join(joints)}</robot>').tip == tip
 
 
-def test_fingers_that_follow_each_other_are_not_the_tip():
+def test_coupled_fingers_are_not_the_tip():
     arm = [
         ONE,
         joint("flange", "fixed", "a", "b"),
@@ -210,16 +212,16 @@ def test_files_with_undeclared_prefixes_and_loose_comments_are_read(tmp_path):
         ("<robot/>", "not a robot: it has no link"),
         ("no_such_file.urdf", r"no_such_file\.urdf: No such file or directory; accepted"),
         (urdf(joint("j", "helical", "base", "a")), "joint 'j': unknown type 'helical'; accepted: revolute, continuous"),
-        (urdf(joint("j", "revolute", "base", "z")), "joint 'j': its child 'z' is no link of the file"),
-        (urdf('<joint name="j" type="fixed"><child link="a"/></joint>'), "joint 'j': its parent '' is no link"),
+        (urdf(joint("j", "revolute", "base", "z")), "joint 'j': its child 'z' is not a link of the file"),
+        (urdf('<joint name="j" type="fixed"><child link="a"/></joint>'), "joint 'j': its parent '' is not a link"),
         (urdf(ONE, joint("one", "fixed", "a", "b")), "joint 'one': the name of two joints"),
         (urdf(ONE, joint("", "fixed", "a", "b")), "a <joint>: it has no name"),
         (urdf(ONE, links='<link name="a"/><link name="a"/>'), "link 'a': the name of two links"),
         (urdf(ONE, joint("two", "fixed", "base", "a")), "link 'a': moved by the joints 'one' and 'two'"),
-        (urdf(ONE, links='<link name="x"/>'), "not a tree: the links 'base', 'x' hang on no joint"),
-        ('<robot><link name="a"/>' + joint("j", "fixed", "a", "a") + "</robot>", "not a tree: every link hangs"),
-        (urdf(ONE, joint("two", "fixed", "a", "base")), "link 'a': not a tree: it hangs on itself"),
-        (urdf(ONE, joint("x", "fixed", "b", "c"), joint("y", "fixed", "c", "b")), "not a tree: it hangs on itself"),
+        (urdf(ONE, links='<link name="x"/>'), "not a tree: the links 'base', 'x' have no parent"),
+        ('<robot><link name="a"/>' + joint("j", "fixed", "a", "a") + "</robot>", "not a tree: every link is a child"),
+        (urdf(ONE, joint("two", "fixed", "a", "base")), "link 'a': not a tree: it is its own ancestor"),
+        (urdf(ONE, joint("x", "fixed", "b", "c"), joint("y", "fixed", "c", "b")), "not a tree: it is its own ancestor"),
         (urdf(joint("j", "fixed", "base", "world"), links='<link name="world"/>').replace('<link name="a"/>', ""),
          "link 'world': only the root"),
         (urdf(joint("j", "revolute", "base", "a", '<limit lower="2" upper="1"/>')),
@@ -234,7 +236,7 @@ def test_files_with_undeclared_prefixes_and_loose_comments_are_read(tmp_path):
         (urdf(joint("j", "fixed", "base", "a", '<origin rpy="0 1"/>')), "joint 'j': rpy='0 1' in <origin>; accepted"),
     ],
 )  # fmt: skip
-def test_what_is_no_robot_says_where(text, complaint):
+def test_a_file_that_is_not_a_robot_is_refused_with_the_element(text, complaint):
     with pytest.raises(jtik.RobotFileError, match=complaint):
         Robot.from_urdf(text)
 

@@ -1,4 +1,4 @@
-"""Poses, Jacobians and integration against MuJoCo, for a tree with every kind of joint."""
+"""Poses, Jacobians and integration against MuJoCo, for a tree with every type of joint."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 
 mujoco = pytest.importorskip("mujoco")
 
-from scipy.spatial.transform import Rotation as Turn  # noqa: E402
+from scipy.spatial.transform import Rotation  # noqa: E402
 
 from .conftest import make_mixed, poses_of_interest  # noqa: E402
 
@@ -18,13 +18,13 @@ STEP_TOLERANCE = 1e-12
 
 def mjcf(robot):
     """The same tree as MJCF, written from the joints alone; a site marks every frame."""
-    kinds = {"hinge": "hinge", "slide": "slide", "ball": "ball"}
+    kinds = {"revolute": "hinge", "prismatic": "slide", "ball": "ball"}
 
     def numbers(values):
         return " ".join(repr(float(value)) for value in values)
 
     def body(joint):
-        R = Turn.from_matrix(joint.origin[:3, :3])
+        R = Rotation.from_matrix(joint.origin[:3, :3])
         quat = np.roll(R.as_quat(), 1)
         kind = joint.type.value
         lines = [f'<body name="{joint.child}" pos="{numbers(joint.origin[:3, 3])}" quat="{numbers(quat)}">']
@@ -50,7 +50,7 @@ def pair():
 
 
 def q_order(robot, model):
-    """MuJoCo numbers joints depth first; the index of each of our entries in its vectors."""
+    """MuJoCo numbers joints depth first: the index of each entry of the robot in MuJoCo's vectors."""
     q, v = [], []
     for joint in robot.independent_joints:
         number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint.name)
@@ -59,7 +59,7 @@ def q_order(robot, model):
     return np.array(q), np.array(v)
 
 
-def test_orders_differ_so_that_the_comparison_means_something(pair):
+def test_the_orders_of_the_joints_differ(pair):
     q, v = q_order(*pair)
     assert sorted(q) == list(range(len(q)))
     assert list(v) != sorted(v)

@@ -1,4 +1,4 @@
-"""The robot as a value: what it says about itself, that it cannot change, and what it refuses."""
+"""The robot as a value: its properties, its immutability, and the input that it refuses."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from jtik.robot import Joint, JointType, Mimic, Robot
 from .conftest import ROBOTS, pose, unit
 
 
-def hinge(name, parent, child, **options):
+def revolute(name, parent, child, **options):
     return Joint(name, JointType.REVOLUTE, parent, child, **options)
 
 
-def test_sizes_names_and_places_of_a_mixed_tree(mixed):
+def test_sizes_names_and_indices_of_a_mixed_tree(mixed):
     assert (mixed.nq, mixed.n) == (7 + 1 + 1 + 4 + 1 + 1 + 1, 6 + 1 + 1 + 3 + 1 + 1 + 1)
     assert mixed.joint_names == ("float", "turret", "boom", "shoulder", "side", "elbow", "wrist")
     assert mixed.frame_names[0] == mixed.base == "world"
@@ -60,7 +60,7 @@ def test_attributes_cannot_change(attribute):
 
 def test_what_comes_in_is_copied():
     origin = pose((1.0, 0.0, 0.0))
-    robot = Robot([hinge("a", "base", "a", origin=origin), hinge("b", "a", "b", origin=origin)])
+    robot = Robot([revolute("a", "base", "a", origin=origin), revolute("b", "a", "b", origin=origin)])
     origin[0, 3] = 9.0
     assert robot.position([0.0, 0.0]).tolist() == [2.0, 0.0, 0.0]
 
@@ -78,12 +78,17 @@ def test_copies_answer_alike_and_stay_frozen(name, again):
     robot = ROBOTS[name]()
     q = robot.random_configuration(3)
     before = robot.jacobian(q)
-    twin = again(robot)
-    assert np.array_equal(twin.jacobian(q), before)
-    assert (twin.name, twin.dimension, twin.base, twin.tip) == (robot.name, robot.dimension, robot.base, robot.tip)
-    assert not twin.joints[0].origin.flags.writeable
-    assert not twin.lower.flags.writeable
-    assert twin.moving_frames == robot.moving_frames
+    copied = again(robot)
+    assert np.array_equal(copied.jacobian(q), before)
+    assert (copied.name, copied.dimension, copied.base, copied.tip) == (
+        robot.name,
+        robot.dimension,
+        robot.base,
+        robot.tip,
+    )
+    assert not copied.joints[0].origin.flags.writeable
+    assert not copied.lower.flags.writeable
+    assert copied.moving_frames == robot.moving_frames
 
 
 def test_robots_compare_by_identity():
@@ -106,10 +111,10 @@ def test_random_configurations_follow_the_seed_and_the_limits(robot):
 def test_random_configurations_fill_their_ranges():
     robot = Robot(
         [
-            hinge("free", "base", "a"),
-            hinge("bounded", "a", "b", lower=1.0, upper=2.0),
-            hinge("below", "b", "c", lower=10.0),
-            hinge("above", "c", "d", upper=10.0),
+            revolute("free", "base", "a"),
+            revolute("bounded", "a", "b", lower=1.0, upper=2.0),
+            revolute("below", "b", "c", lower=10.0),
+            revolute("above", "c", "d", upper=10.0),
             Joint("slide", JointType.PRISMATIC, "d", "e"),
         ]
     )
@@ -132,7 +137,7 @@ def test_random_quaternions_are_unit_and_point_everywhere(mixed):
 
 
 def test_joints_may_come_in_any_order():
-    robot = Robot([hinge("b", "a", "b", origin=pose((2, 0, 0))), hinge("a", "base", "a")], tip="b")
+    robot = Robot([revolute("b", "a", "b", origin=pose((2, 0, 0))), revolute("a", "base", "a")], tip="b")
     assert robot.joint_names == ("b", "a")
     assert robot.position([0.0, np.pi / 2]) == pytest.approx([0, 2, 0], abs=1e-15)
 
@@ -164,7 +169,7 @@ def test_a_piston_is_a_link_but_a_rail_on_the_ground_is_none():
     rail = Robot(
         [
             Joint("rail", JointType.PRISMATIC, "base", "cart", axis=unit(1, 0, 0)),
-            hinge("arm", "cart", "arm", origin=pose((0, 0, 0.2))),
+            revolute("arm", "cart", "arm", origin=pose((0, 0, 0.2))),
             Joint("end", JointType.FIXED, "arm", "end", origin=pose((0.5, 0, 0))),
         ]
     )
@@ -175,10 +180,10 @@ def test_a_piston_is_a_link_but_a_rail_on_the_ground_is_none():
 @pytest.mark.parametrize(
     ("joints", "complaint"),
     [
-        ([hinge("a", "base", "a"), hinge("a", "a", "b")], "joint name 'a' more than once"),
-        ([hinge("a", "base", "x"), hinge("b", "base", "x")], "frame name 'x' more than once"),
-        ([hinge("a", "base", "base")], "frame name 'base' more than once"),
-        ([hinge("a", "base", "a"), hinge("b", "c", "b"), hinge("c", "b", "c")], "a cycle b -> c -> b"),
+        ([revolute("a", "base", "a"), revolute("a", "a", "b")], "joint name 'a' more than once"),
+        ([revolute("a", "base", "x"), revolute("b", "base", "x")], "frame name 'x' more than once"),
+        ([revolute("a", "base", "base")], "frame name 'base' more than once"),
+        ([revolute("a", "base", "a"), revolute("b", "c", "b"), revolute("c", "b", "c")], "a cycle b -> c -> b"),
     ],
 )
 def test_what_is_no_tree_is_refused(joints, complaint):
@@ -197,11 +202,11 @@ def test_a_robot_that_stands_still_has_an_empty_configuration():
 
 def test_unknown_parents_tips_and_leaders_are_refused():
     with pytest.raises(UnknownNameError, match="parent frame of joint 'b' 'aa'; did you mean 'a'"):
-        Robot([hinge("a", "base", "a"), hinge("b", "aa", "b")])
+        Robot([revolute("a", "base", "a"), revolute("b", "aa", "b")])
     with pytest.raises(UnknownNameError, match="unknown tip frame 'hand'"):
-        Robot([hinge("a", "base", "a")], tip="hand")
+        Robot([revolute("a", "base", "a")], tip="hand")
     with pytest.raises(UnknownNameError, match="joint for 'b' to mimic 'c'"):
-        Robot([hinge("a", "base", "a"), hinge("b", "a", "b", mimic=Mimic("c"))])
+        Robot([revolute("a", "base", "a"), revolute("b", "a", "b", mimic=Mimic("c"))])
     with pytest.raises(UnknownNameError, match="unknown moving joint 'jiont1'; did you mean 'joint1'"):
         Robot.planar(2).q_slice("jiont1")
 
@@ -225,7 +230,7 @@ def test_unknown_parents_tips_and_leaders_are_refused():
 )
 def test_joints_that_make_no_sense_are_refused_by_name(options, complaint):
     with pytest.raises(ArgumentError, match=complaint):
-        hinge("j", "base", "j", **options)
+        revolute("j", "base", "j", **options)
 
 
 def test_limits_and_mimicry_belong_to_scalar_joints():
@@ -240,17 +245,17 @@ def test_limits_and_mimicry_belong_to_scalar_joints():
 
 
 def test_a_mimic_that_leaves_its_leader_no_room_is_refused():
-    follower = hinge("b", "a", "b", lower=3.0, upper=4.0, mimic=Mimic("a"))
+    follower = revolute("b", "a", "b", lower=3.0, upper=4.0, mimic=Mimic("a"))
     with pytest.raises(ArgumentError, match="limits: given lower 3, upper 4, which 'a' cannot meet"):
-        Robot([hinge("a", "base", "a", lower=0.0, upper=1.0), follower])
+        Robot([revolute("a", "base", "a", lower=0.0, upper=1.0), follower])
 
 
 @pytest.mark.parametrize(
     "joint",
     [
-        hinge("out", "base", "a", axis=unit(1, 0, 0)),
-        hinge("out", "base", "a", origin=pose((0, 0, 0.1))),
-        hinge("out", "base", "a", origin=pose(rotvec=(0.3, 0, 0))),
+        revolute("out", "base", "a", axis=unit(1, 0, 0)),
+        revolute("out", "base", "a", origin=pose((0, 0, 0.1))),
+        revolute("out", "base", "a", origin=pose(rotvec=(0.3, 0, 0))),
         Joint("out", JointType.PRISMATIC, "base", "a"),
         Joint("out", JointType.BALL, "base", "a"),
     ],
@@ -277,7 +282,7 @@ def test_a_subset_locks_the_other_joints_where_they_are(robot):
             assert part.jacobian(own, frame) == pytest.approx(columns, abs=1e-13)
 
 
-def test_a_subset_is_locked_at_neutral_unless_told_and_keeps_the_limits(mixed):
+def test_a_subset_is_locked_at_neutral_by_default_and_keeps_the_limits(mixed):
     part = mixed.subset(["turret", "boom"])
     assert part.lower.tolist() == [-1.0, 0.1]
     assert part.pose(part.neutral) == pytest.approx(mixed.pose(mixed.neutral), abs=1e-14)
@@ -308,9 +313,9 @@ def test_a_missing_extra_says_how_to_get_it():
     ],
 )
 def test_errors_survive_a_process_boundary(error):
-    twin = pickle.loads(pickle.dumps(error))
-    assert str(twin) == str(error)
-    assert vars(twin) == vars(error)
+    copied = pickle.loads(pickle.dumps(error))
+    assert str(copied) == str(error)
+    assert vars(copied) == vars(error)
 
 
 def test_errors_have_one_base():

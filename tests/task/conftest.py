@@ -1,4 +1,4 @@
-"""Robots of the task tests, among them one that MuJoCo knows, too."""
+"""Robots of the task tests, one of them also as a MuJoCo model."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import functools
 
 import mujoco
 import numpy as np
-from scipy.spatial.transform import Rotation as Turn
+from scipy.spatial.transform import Rotation
 
 import jtik
 from jtik.robot import Mass
@@ -59,7 +59,7 @@ def solver(robot, task):
 
 @functools.cache
 def built(robot, task, *arguments, **options):
-    """The same solver again for the same robot and ``task(*arguments, **options)``: building takes the time."""
+    """A solver, cached by its robot and by ``task(*arguments, **options)``: building one takes long."""
     return solver(robot, task(*arguments, **options))
 
 
@@ -67,9 +67,9 @@ def expected_error(robot, kind, q, target):
     """World-axes position error and the rotation vector of R_target' R, from robot.pose and scipy."""
     pose = robot.pose(q)
     position = (pose - target)[: robot.dimension, 3]
-    turn = Turn.from_matrix(target[:3, :3].T @ pose[:3, :3]).as_rotvec()
-    turn = turn[2:] if robot.dimension == 2 else turn
-    return {"position": position, "orientation": turn, "pose": np.concatenate([position, turn])}[kind]
+    rotation = Rotation.from_matrix(target[:3, :3].T @ pose[:3, :3]).as_rotvec()
+    rotation = rotation[2:] if robot.dimension == 2 else rotation
+    return {"position": position, "orientation": rotation, "pose": np.concatenate([position, rotation])}[kind]
 
 
 @functools.cache
@@ -79,13 +79,13 @@ def two_arms_model():
 
 @functools.cache
 def two_arms():
-    """The same tree from the numbers MuJoCo holds: nq = 16, n = 15, both in MuJoCo's order."""
+    """The same tree from the arrays of the MuJoCo model: nq = 16, n = 15, both in MuJoCo's order."""
     model = two_arms_model()
     joints, masses = [], {}
     for body in range(1, model.nbody):
         name, parent = model.body(body).name, model.body(model.body_parentid[body]).name
         origin = np.eye(4)
-        origin[:3, :3] = Turn.from_quat(np.roll(model.body_quat[body], -1)).as_matrix()
+        origin[:3, :3] = Rotation.from_quat(np.roll(model.body_quat[body], -1)).as_matrix()
         origin[:3, 3] = model.body_pos[body]
         kind, axis = jtik.JointType.FIXED, np.array([0.0, 0.0, 1.0])
         if model.body_jntnum[body]:
@@ -96,7 +96,7 @@ def two_arms():
                 mujoco.mjtJoint.mjJNT_HINGE: jtik.JointType.REVOLUTE,
                 mujoco.mjtJoint.mjJNT_SLIDE: jtik.JointType.PRISMATIC,
             }[mujoco.mjtJoint(model.jnt_type[number])]
-        # where a free body stands is its joint's to say
+        # the pose of a free body is the position of its joint
         origin = np.eye(4) if kind is jtik.JointType.FREE else origin
         joints.append(jtik.Joint(name, kind, parent, name, origin=origin, axis=axis))
         masses[name] = Mass(model.body_mass[body], model.body_ipos[body])

@@ -1,4 +1,4 @@
-"""AxisTask: the turn from a direction onto an axis, from zero to half a turn."""
+"""AxisTask: the rotation from a direction to an axis, by angles from zero to pi."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.spatial.transform import Rotation as Turn
+from scipy.spatial.transform import Rotation
 
 import jtik
-from jtik.task.pointing import NARROW, across, turn_onto
+from jtik.task.pointing import NARROW, across, rotation_onto
 
 from ..conftest import DIFFERENCES, EXACT, differences, look
 from .conftest import ROBOTS, ball_arm, built, dh_arm, floating_arm, planar, solver
@@ -24,32 +24,32 @@ def unit(vector):
     return np.asarray(vector, dtype=float) / np.linalg.norm(vector)
 
 
-def away(axis, angle, spin):
-    """The direction at ``angle`` from the unit vector ``axis``, on the side that ``spin`` tells."""
-    side = Turn.from_rotvec(spin * axis).apply(across(axis)[0])
-    return np.cos(angle) * axis + np.sin(angle) * side
+def away(axis, angle, side):
+    """The direction at ``angle`` from the unit vector ``axis``, rotated about it by ``side`` [rad]."""
+    direction = Rotation.from_rotvec(side * axis).apply(across(axis)[0])
+    return np.cos(angle) * axis + np.sin(angle) * direction
 
 
 @functools.cache
 def compiled(axis):
     u = casadi.SX.sym("u", 3)
-    error = turn_onto(np.array(axis), u)
-    return casadi.Function("turn", [u], [error, casadi.jacobian(error, u)])
+    error = rotation_onto(np.array(axis), u)
+    return casadi.Function("rotation", [u], [error, casadi.jacobian(error, u)])
 
 
-def turn(axis, direction):
+def rotation_vector(axis, direction):
     return compiled(tuple(axis))(direction)[0].full()[:, 0]
 
 
-class TestTurnOnto:
+class TestRotationOnto:
     @given(st.sampled_from(AXES), st.floats(0, np.pi - 1e-5), st.floats(-np.pi, np.pi))
-    def test_it_is_the_shortest_turn_from_the_direction_to_the_axis(self, axis, angle, spin):
+    def test_it_is_the_shortest_rotation_from_the_direction_to_the_axis(self, axis, angle, side):
         axis = unit(axis)
-        direction = away(axis, angle, spin)
-        found = turn(axis, direction)
+        direction = away(axis, angle, side)
+        found = rotation_vector(axis, direction)
         assert np.linalg.norm(found) == pytest.approx(angle, abs=1e-11)
-        whole = found @ np.array(across(axis))
-        assert Turn.from_rotvec(whole).apply(direction) == pytest.approx(axis, abs=1e-10)
+        vector = found @ np.array(across(axis))
+        assert Rotation.from_rotvec(vector).apply(direction) == pytest.approx(axis, abs=1e-10)
 
     @pytest.mark.parametrize("axis", AXES)
     @pytest.mark.parametrize("angle", [1e-3, 2e-6, 5e-7, 1e-9, 1e-13, 0.0])
@@ -57,38 +57,40 @@ class TestTurnOnto:
         axis = unit(axis)
         first, second = across(axis)
         direction = np.cos(angle) * axis + np.sin(angle) * (0.6 * first + 0.8 * second)
-        assert turn(axis, direction) == pytest.approx([0.8 * angle, -0.6 * angle], rel=EXACT, abs=1e-15)
+        assert rotation_vector(axis, direction) == pytest.approx([0.8 * angle, -0.6 * angle], rel=EXACT, abs=1e-15)
 
     def test_tiny_angles_are_not_lost(self):
-        assert turn((0, 0, 1), (6e-201, 8e-201, 1.0)) == pytest.approx([8e-201, -6e-201], rel=EXACT, abs=0)
+        assert rotation_vector((0, 0, 1), (6e-201, 8e-201, 1.0)) == pytest.approx([8e-201, -6e-201], rel=EXACT, abs=0)
 
     @pytest.mark.parametrize("axis", AXES)
-    def test_from_opposite_the_way_is_about_the_first_basis_vector(self, axis):
+    def test_from_opposite_the_rotation_is_about_the_first_basis_vector(self, axis):
         axis = unit(axis)
-        found = turn(axis, -axis)
+        found = rotation_vector(axis, -axis)
         assert found == pytest.approx([np.pi, 0.0], abs=EXACT)
-        assert Turn.from_rotvec(found @ np.array(across(axis))).apply(-axis) == pytest.approx(axis, abs=EXACT)
+        assert Rotation.from_rotvec(found @ np.array(across(axis))).apply(-axis) == pytest.approx(axis, abs=EXACT)
 
-    @pytest.mark.parametrize("spin", np.linspace(-3, 3, 7))
+    @pytest.mark.parametrize("side", np.linspace(-3, 3, 7))
     @pytest.mark.parametrize("angle", [NARROW * 0.999, NARROW * 1.001, np.pi - NARROW * 0.999, np.pi - NARROW * 1.001])
-    def test_the_length_is_the_angle_on_both_sides_of_where_the_formula_changes(self, angle, spin):
+    def test_the_length_is_the_angle_on_both_sides_of_where_the_formula_changes(self, angle, side):
         axis = unit((0.3, -0.5, 0.8))
-        # at half a turn the choice of the way costs the length up to twice the width of the cone
-        assert np.linalg.norm(turn(axis, away(axis, angle, spin))) == pytest.approx(angle, abs=2.1 * NARROW)
+        # at pi the choice of the rotation changes the length by up to twice the width of the cone
+        assert np.linalg.norm(rotation_vector(axis, away(axis, angle, side))) == pytest.approx(angle, abs=2.1 * NARROW)
         if angle < 1:
-            assert np.linalg.norm(turn(axis, away(axis, angle, spin))) == pytest.approx(angle, rel=1e-9)
+            assert np.linalg.norm(rotation_vector(axis, away(axis, angle, side))) == pytest.approx(angle, rel=1e-9)
 
-    @pytest.mark.parametrize("spin", np.linspace(-3, 3, 13))
-    def test_on_the_way_out_of_half_a_turn_the_length_does_not_rise(self, spin):
+    @pytest.mark.parametrize("side", np.linspace(-3, 3, 13))
+    def test_away_from_pi_the_length_does_not_rise(self, side):
         axis = np.array([0.0, 0.0, 1.0])
-        lengths = [np.linalg.norm(turn(axis, away(axis, np.pi - NARROW * gap, spin))) for gap in (0.99, 1.01, 2.0)]
+        lengths = [
+            np.linalg.norm(rotation_vector(axis, away(axis, np.pi - NARROW * gap, side))) for gap in (0.99, 1.01, 2.0)
+        ]
         assert lengths == sorted(lengths, reverse=True)
 
     @pytest.mark.parametrize("angle", [0.0, 1e-200, 1e-9, NARROW, 1.0, np.pi - NARROW, np.pi - 1e-9, np.pi])
     def test_value_and_derivative_are_finite_everywhere(self, angle):
         for axis in map(unit, AXES):
-            for spin in np.linspace(-3, 3, 5):
-                for output in compiled(tuple(axis))(away(axis, angle, spin)):
+            for side in np.linspace(-3, 3, 5):
+                for output in compiled(tuple(axis))(away(axis, angle, side)):
                     assert np.isfinite(output.full()).all()
 
     @pytest.mark.parametrize("axis", AXES)
@@ -105,29 +107,29 @@ class TestTurnOnto:
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_error_is_the_turn_in_the_frames_axes(name, rng):
+def test_error_is_the_rotation_in_the_frames_axes(name, rng):
     robot = ROBOTS[name]()
     for axis in AXES[:5]:
         ik = built(robot, jtik.AxisTask, "tip", axis)
         q, direction = robot.random_configuration(rng), rng.standard_normal(3)
         R = robot.pose(q)[:3, :3]
         found = look(ik, q, direction)
-        turn = Turn.from_rotvec(R @ (found.error @ np.array(across(unit(axis)))))
-        assert turn.apply(unit(direction)) == pytest.approx(R @ unit(axis), abs=1e-10)
+        rotation = Rotation.from_rotvec(R @ (found.error @ np.array(across(unit(axis)))))
+        assert rotation.apply(unit(direction)) == pytest.approx(R @ unit(axis), abs=1e-10)
         assert found.orientation_error == pytest.approx(np.arccos(unit(direction) @ R @ unit(axis)), abs=1e-9)
         assert found.position_error == 0.0
 
 
-def test_for_the_z_axis_it_is_the_orientation_task_without_spin(rng):
-    """The rows "rx", "ry" of a target that differs by a turn without spin."""
+def test_for_the_z_axis_it_is_the_orientation_task_without_rz(rng):
+    """The rows "rx", "ry" of a target that differs by a rotation about an axis in the x-y plane."""
     robot = dh_arm(7, 2)
     q = robot.random_configuration(rng)
     R = robot.pose(q)[:3, :3]
-    turn = np.array([0.7, -1.1, 0.0])
-    target = R @ Turn.from_rotvec(-turn).as_matrix()
+    error = np.array([0.7, -1.1, 0.0])
+    target = R @ Rotation.from_rotvec(-error).as_matrix()
     of_frame = look(built(robot, jtik.FrameTask, "tip", "orientation", axes=("rx", "ry")), q, target)
-    assert of_frame.error == pytest.approx(turn[:2], abs=1e-11)
-    assert look(built(robot, jtik.AxisTask), q, target[:, 2]).error == pytest.approx(turn[:2], abs=1e-11)
+    assert of_frame.error == pytest.approx(error[:2], abs=1e-11)
+    assert look(built(robot, jtik.AxisTask), q, target[:, 2]).error == pytest.approx(error[:2], abs=1e-11)
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-7, 1e-5, 0.4, 2.0, np.pi - 0.1])
@@ -143,8 +145,8 @@ def test_jacobian_is_the_derivative_of_the_error(name, angle, rng):
 
 
 @pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-5])
-def test_near_half_a_turn_the_jacobian_is_the_closed_form(gap, rng):
-    """For a frame that turns at w: e' = (n.w) n + angle (cot(angle) m.w - c.w) m, with e = angle n and m = c x n."""
+def test_close_to_pi_the_jacobian_is_the_closed_form(gap, rng):
+    """For a frame that rotates at w: e' = (n.w) n + angle (cot(angle) m.w - c.w) m, with e = angle n and m = c x n."""
     robot = dh_arm(7, 2)
     q = robot.random_configuration(rng)
     R, angle = robot.pose(q)[:3, :3], np.pi - gap
@@ -153,9 +155,9 @@ def test_near_half_a_turn_the_jacobian_is_the_closed_form(gap, rng):
     m = np.array([-n[1], n[0]])
     w = R.T @ robot.jacobian(q)[3:]
     assert n @ found.jacobian == pytest.approx(n @ w[:2], abs=1e-9)
-    swing = angle * (m @ w[:2] / np.tan(angle) - w[2])
-    # the sine is known to 1e-16, the swing thus to 1e-16 / gap of its size 1 / gap, and a hundredfold for safety
-    assert m @ found.jacobian == pytest.approx(swing, abs=1e-14 / gap**2)
+    rate = angle * (m @ w[:2] / np.tan(angle) - w[2])
+    # the sine is known to 1e-16, so the rate to 1e-16 / gap of its size 1 / gap; times 100 as a margin
+    assert m @ found.jacobian == pytest.approx(rate, abs=1e-14 / gap**2)
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -173,17 +175,17 @@ def test_jacobian_on_the_target_itself(name, rng):
 def test_it_is_reached_from_any_angle(make, gap, rng):
     robot = make()
     ik = built(robot, jtik.AxisTask)
-    for spin in (0.0, 2.0):
+    for side in (0.0, 2.0):
         q = robot.random_configuration(rng)
-        direction = robot.pose(q)[:3, :3] @ away(np.array([0.0, 0.0, 1.0]), np.pi - gap, spin)
+        direction = robot.pose(q)[:3, :3] @ away(np.array([0.0, 0.0, 1.0]), np.pi - gap, side)
         solution = ik.solve(direction, q0=q)
         assert solution.converged
         assert robot.pose(solution.q)[:3, 2] == pytest.approx(direction, abs=2e-6)
 
 
 @pytest.mark.parametrize("axis", [(1, 0, 0), (0, 1, 0), (1, 2, 0)])
-def test_opposite_is_left_by_a_robot_that_can_turn_one_way_only(axis):
-    """Parallel hinges: for the x axis the way about the first basis vector, y, is closed to them."""
+def test_opposite_is_left_by_a_robot_with_parallel_axes(axis):
+    """For the x axis the rotation about the first basis vector, y, is impossible with parallel axes."""
     robot = jtik.Robot.from_dh([(0.3, 0, 0, 0)] * 3)
     solution = built(robot, jtik.AxisTask, "tip", axis).solve(-np.array(axis), q0=np.zeros(3))
     assert solution.converged
@@ -196,9 +198,9 @@ class TestInThePlane:
         ik = built(robot, jtik.AxisTask, "tip", (1, 2))
         for _ in range(20):
             q, angle = robot.random_configuration(rng), rng.uniform(-np.pi, np.pi)
-            wanted = (q.sum() + np.arctan2(2, 1) - angle + np.pi) % (2 * np.pi) - np.pi
+            expected = (q.sum() + np.arctan2(2, 1) - angle + np.pi) % (2 * np.pi) - np.pi
             found = look(ik, q, (3 * np.cos(angle), 3 * np.sin(angle)))
-            assert found.error == pytest.approx([wanted], abs=EXACT)
+            assert found.error == pytest.approx([expected], abs=EXACT)
             assert found.jacobian == pytest.approx(np.ones((1, 4)), abs=EXACT)
 
     def test_it_is_reached_from_the_opposite(self):
@@ -239,6 +241,6 @@ def test_a_direction_may_have_any_length(rng):
     robot = dh_arm()
     ik = built(robot, jtik.AxisTask)
     q, direction = robot.random_configuration(rng), rng.standard_normal(3)
-    wanted = look(ik, q, direction).error
+    expected = look(ik, q, direction).error
     for scale in (1e-9, 1e9, 1e200):
-        assert look(ik, q, scale * direction).error == pytest.approx(wanted, abs=EXACT)
+        assert look(ik, q, scale * direction).error == pytest.approx(expected, abs=EXACT)

@@ -44,7 +44,7 @@ def test_in_the_plane_it_is_the_weighted_mean_of_points():
 
 
 @pytest.mark.parametrize(("axes", "rows"), [("xy", [0, 1]), ("z", [2]), (("y", "x"), [1, 0]), ("zyx", [2, 1, 0])])
-def test_axes_keep_their_rows_of_a_whole_point(axes, rows, rng):
+def test_axes_keep_their_rows_of_a_point(axes, rows, rng):
     robot = two_arms()
     q, target = robot.random_configuration(rng), rng.uniform(-1, 1, 3)
     full = look(built(robot, jtik.CenterOfMassTask), q, target)
@@ -57,8 +57,8 @@ def test_axes_keep_their_rows_of_a_whole_point(axes, rows, rng):
 def test_a_target_may_be_the_chosen_coordinates_alone(axes, target):
     robot = two_arms()
     ik = built(robot, jtik.CenterOfMassTask, axes=axes)
-    whole = look(ik, robot.neutral, (0.1, 0.2, 7.0))
-    assert look(ik, robot.neutral, target).error.tolist() == whole.error.tolist()
+    full = look(ik, robot.neutral, (0.1, 0.2, 7.0))
+    assert look(ik, robot.neutral, target).error.tolist() == full.error.tolist()
 
 
 def test_balance_is_reached(rng):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation as Turn
+from scipy.spatial.transform import Rotation
 
 import jtik
 
@@ -22,7 +22,7 @@ def test_error_in_space(name, kind, rng):
     for _ in range(10):
         q, other = robot.random_configuration(rng), robot.random_configuration(rng)
         target = robot.pose(other)
-        # 1e-10: a random rotation may be within 1e-2 of a half turn, where rounding counts a hundredfold
+        # 1e-10: a random rotation may be within 1e-2 of pi, where rounding errors are 100 times larger
         assert look(ik, q, _target(kind, target)).error == pytest.approx(
             expected_error(robot, kind, q, target), abs=1e-10
         )
@@ -68,7 +68,7 @@ def test_jacobian_on_the_target_itself(name, rng):
     assert look(ik, q, pose).jacobian == pytest.approx(geometric, abs=1e-11)
 
 
-def test_any_frame_may_be_the_one_that_works(rng):
+def test_any_frame_may_be_the_one_of_the_task(rng):
     robot = planar(4)
     q = robot.random_configuration(rng)
     found = look(solver(robot, jtik.FrameTask("link3")), q, (0.0, 0.0))
@@ -93,12 +93,12 @@ class TestAxes:
         assert kept.error.tolist() == all_rows.error[rows].tolist()
         assert kept.jacobian == pytest.approx(all_rows.jacobian[rows], abs=EXACT)
 
-    def test_without_rz_the_tool_may_spin_about_its_own_z(self, rng):
+    def test_without_rz_the_rotation_about_the_tools_z_is_free(self, rng):
         robot = dh_arm(7, 4)
         ik = solver(robot, jtik.FrameTask("tip", "pose", axes=("x", "y", "z", "rx", "ry")))
         start = robot.random_configuration(rng)
         target = robot.pose(start + rng.uniform(-0.2, 0.2, robot.n))
-        target[:3, :3] = target[:3, :3] @ Turn.from_rotvec([0, 0, 0.8]).as_matrix()
+        target[:3, :3] = target[:3, :3] @ Rotation.from_rotvec([0, 0, 0.8]).as_matrix()
         solution = ik.solve(target, q0=start)
         assert solution.converged
         reached = robot.pose(solution.q)
@@ -134,7 +134,7 @@ class TestRefusals:
             jtik.FrameTask("tip", kind)
 
     @pytest.mark.parametrize("priority", [-1, 0.5, "high"])
-    def test_priorities_are_integers_from_zero(self, priority):
+    def test_priorities_are_non_negative_integers(self, priority):
         with pytest.raises(jtik.ArgumentError, match="priority"):
             jtik.FrameTask("tip", priority=priority)
 

@@ -28,23 +28,23 @@ def test_error_is_that_of_the_axis_in_the_line_of_sight(name, rng):
         assert found.orientation_error == pytest.approx(wanted.orientation_error, abs=EXACT)
 
 
-@pytest.mark.parametrize("place", ["ahead", "behind", "aside", "close"])
+@pytest.mark.parametrize("where", ["ahead", "behind", "aside", "close"])
 @pytest.mark.parametrize("name", ROBOTS)
-def test_jacobian_is_the_derivative_of_the_error(name, place, rng):
-    """On the axis, where the error is zero; almost behind; somewhere; and near, where the origin's motion counts."""
+def test_jacobian_is_the_derivative_of_the_error(name, where, rng):
+    """On the axis, where the error is zero; almost behind; beside; and close, where the motion of the origin counts."""
     robot = ROBOTS[name]()
     ik = built(robot, jtik.LookAtTask)
     q = robot.random_configuration(rng)
     seen = {"ahead": (0, 0, 0.7), "behind": (0.05, -0.1, -0.9), "aside": (1.0, 2.0, -0.3), "close": (0.1, 0.1, 0.1)}
-    target = (robot.pose(q) @ [*seen[place], 1.0])[:3]
+    target = (robot.pose(q) @ [*seen[where], 1.0])[:3]
     numeric = differences(lambda at: look(ik, at, target).error, robot, q)
     found = look(ik, q, target)
     assert found.jacobian == pytest.approx(numeric, abs=10 * DIFFERENCES)  # lengths of 0.1 m, cubed
-    assert (found.orientation_error < EXACT) == (place == "ahead")
+    assert (found.orientation_error < EXACT) == (where == "ahead")
 
 
-def test_rows_tell_where_the_point_is_in_the_picture(rng):
-    """A camera that looks along z: to see what is on its right, +x, it has to turn about +y; e is the way back."""
+def test_rows_are_the_position_of_the_point_in_the_image(rng):
+    """For a camera along z and a point on its right, +x, the rotation to it is about +y; e is the opposite rotation."""
     robot = dh_arm()
     q = robot.random_configuration(rng)
     ik = built(robot, jtik.LookAtTask)
@@ -87,7 +87,7 @@ def test_a_point_on_top_of_the_origin_is_looked_at_by_every_axis(make, rng):
 
 
 @pytest.mark.parametrize("offset", [2e-9, 1e-6, 1e-3])
-def test_near_the_origin_everything_stays_finite(offset, rng):
+def test_close_to_the_origin_everything_stays_finite(offset, rng):
     robot = floating_arm()
     q = robot.random_configuration(rng)
     found = look(built(robot, jtik.LookAtTask), q, robot.position(q) + offset)

@@ -1,4 +1,4 @@
-"""Which joints a solver moves."""
+"""The joints that a solver moves."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def shift(x, y=0.0):
 
 @pytest.fixture(scope="module")
 def gripper():
-    """Three links, and on the last a finger and one that follows it."""
+    """Three links, and on the last one a finger and a follower of it."""
     arm = planar(3).joints
     fingers = [
         Joint("finger", JointType.REVOLUTE, "tip", "finger", origin=shift(0, 0.1), lower=0.0, upper=1.0),
@@ -37,12 +37,12 @@ def test_fingers_are_no_part_of_an_arms_solution(gripper):
     assert solution.converged
 
 
-def test_the_others_stay_where_they_are(gripper):
+def test_the_other_joints_stay_where_they_are(gripper):
     ik = jtik.InverseKinematics(gripper, jtik.FrameTask(), at=[0, 0, 0, 0.7])
-    whole = ik.full_configuration(ik.solve([1.5, 1.0], q0=[0.3, 0.4, 0.5]).q)
-    assert whole[3] == 0.7
-    assert gripper.position(whole, "tip") == pytest.approx([1.5, 1.0], abs=1e-6)
-    assert ik.robot.position(whole[:3], "other") == pytest.approx(gripper.position(whole, "other"))
+    full = ik.full_configuration(ik.solve([1.5, 1.0], q0=[0.3, 0.4, 0.5]).q)
+    assert full[3] == 0.7
+    assert gripper.position(full, "tip") == pytest.approx([1.5, 1.0], abs=1e-6)
+    assert ik.robot.position(full[:3], "other") == pytest.approx(gripper.position(full, "other"))
 
 
 def test_a_follower_moves_its_leader(gripper):
@@ -51,7 +51,7 @@ def test_a_follower_moves_its_leader(gripper):
 
 
 def test_a_joint_counts_if_it_moves_the_frame_though_not_its_origin():
-    """The last hinge turns the tip about itself: a position task keeps it, as its user would expect."""
+    """The last joint rotates the tip about its origin: a position task keeps this joint."""
     robot = Robot([*planar(2).joints, Joint("wrist", JointType.REVOLUTE, "tip", "hand")], planar=True)
     assert jtik.InverseKinematics(robot, jtik.FrameTask("hand")).robot.n == 3
 
@@ -78,13 +78,13 @@ def test_the_centre_of_mass_moves_with_whatever_carries_a_mass(gripper):
     assert ik.robot is gripper
 
 
-def test_a_robot_that_stands_still_is_refused():
+def test_a_robot_that_cannot_move_is_refused():
     still = Robot([Joint("mount", JointType.FIXED, "base", "tip", origin=shift(1.0))])
     with pytest.raises(jtik.ArgumentError, match="robot"):
         jtik.InverseKinematics(still, jtik.FrameTask())
 
 
-def test_what_leaves_nothing_to_do_is_refused(gripper):
+def test_joints_that_do_not_move_the_task_are_refused(gripper):
     with pytest.raises(jtik.ArgumentError, match=r"joints.*finger.*joint1"):
         jtik.InverseKinematics(gripper, jtik.FrameTask(), joints=["finger"])
     with pytest.raises(jtik.ArgumentError, match="task"):

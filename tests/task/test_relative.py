@@ -5,7 +5,7 @@ from __future__ import annotations
 import mink
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation as Turn
+from scipy.spatial.transform import Rotation
 
 import jtik
 
@@ -14,7 +14,7 @@ from .conftest import ball_arm, built, planar, two_arms, two_arms_model
 
 KINDS = ("position", "orientation", "pose")
 MINK = 1e-9
-"""MuJoCo keeps unit quaternions to rounding; a random rotation may be near a half turn, where that counts more."""
+"""MuJoCo keeps unit quaternions to rounding; a random rotation may be close to pi, where that counts more."""
 
 PAIRS = {
     "hands": (two_arms, "left", "right"),
@@ -35,9 +35,9 @@ def expected_error(robot, q, kind, pair, target):
     """From robot.pose and scipy."""
     pose = relative_pose(robot, q, *pair)
     position = (pose - target)[: robot.dimension, 3]
-    turn = Turn.from_matrix(target[:3, :3].T @ pose[:3, :3]).as_rotvec()
-    turn = turn[2:] if robot.dimension == 2 else turn
-    return {"position": position, "orientation": turn, "pose": np.concatenate([position, turn])}[kind]
+    rotation = Rotation.from_matrix(target[:3, :3].T @ pose[:3, :3]).as_rotvec()
+    rotation = rotation[2:] if robot.dimension == 2 else rotation
+    return {"position": position, "orientation": rotation, "pose": np.concatenate([position, rotation])}[kind]
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -56,7 +56,7 @@ def test_error_is_that_of_the_pose_in_the_reference(name, kind, rng):
 @pytest.mark.parametrize("gap", [0.0, 0.3, np.pi - 1e-2])
 @pytest.mark.parametrize("name", PAIRS)
 def test_jacobian_is_the_derivative_of_the_error(name, gap, rng):
-    """On the target, away from it, and turned almost half way round."""
+    """On the target, away from it, and at a rotation of almost pi."""
     make, *pair = PAIRS[name]
     robot = make()
     ik = built(robot, jtik.RelativeFrameTask, *pair)
@@ -64,14 +64,14 @@ def test_jacobian_is_the_derivative_of_the_error(name, gap, rng):
         q = robot.random_configuration(rng)
         target = relative_pose(robot, q, *pair)
         axis = np.array([0.0, 0.0, 1.0]) if robot.dimension == 2 else rng.standard_normal(3)
-        target[:3, :3] = target[:3, :3] @ Turn.from_rotvec(gap * axis / np.linalg.norm(axis)).as_matrix()
+        target[:3, :3] = target[:3, :3] @ Rotation.from_rotvec(gap * axis / np.linalg.norm(axis)).as_matrix()
         target[: robot.dimension, 3] += gap
         numeric = differences(lambda at, t=target: look(ik, at, t).error, robot, q)
         assert look(ik, q, target).jacobian == pytest.approx(numeric, abs=DIFFERENCES)
 
 
 def test_error_and_jacobian_are_minks(rng):
-    """mink's error is the logarithm of the pose error: the same turn, and a translation that its exponential gives."""
+    """mink's error is the logarithm of the pose error: the same rotation, with its own translation."""
     robot, model = two_arms(), two_arms_model()
     ik = built(robot, jtik.RelativeFrameTask, "left", "right")
     theirs = mink.RelativeFrameTask("left", "body", "right", "body", position_cost=1.0, orientation_cost=1.0)

@@ -1,4 +1,4 @@
-"""Several tasks at once: rows below each other, targets by name."""
+"""Several tasks at once: stacked rows, targets by name."""
 
 from __future__ import annotations
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 import mink
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation as Turn
+from scipy.spatial.transform import Rotation
 
 import jtik
-from jtik.task.targets import read_placement, usual
+from jtik.task.targets import read_fast, read_placement
 
 from ..conftest import look
 from .conftest import built, dh_arm, expected_error, planar
 
 
 class SE3:
-    """What other libraries hand over: an object with ``as_matrix()``."""
+    """An object with ``as_matrix()``, as other libraries have it."""
 
     def __init__(self, matrix):
         self._matrix = matrix
@@ -28,8 +28,8 @@ class TestTargets:
     def test_forms_of_one_target_in_space_give_the_same_error(self, rng):
         robot = dh_arm(6, 6)
         q, pose = robot.random_configuration(rng), robot.pose(robot.random_configuration(rng))
-        R, turn = pose[:3, :3].copy(), Turn.from_matrix(pose[:3, :3])
-        quaternion = np.roll(turn.as_quat(), 1)
+        R, rotation = pose[:3, :3].copy(), Rotation.from_matrix(pose[:3, :3])
+        quaternion = np.roll(rotation.as_quat(), 1)
         placements = [
             pose,
             pose.tolist(),
@@ -37,6 +37,12 @@ class TestTargets:
             SE3(pose),
             (pose[:3, 3], quaternion),
             [pose[:3, 3].tolist(), (-quaternion).tolist()],
+            np.concatenate([pose[:3, 3], quaternion]),
+            [*pose[:3, 3].tolist(), *(-quaternion).tolist()],
+            (pose[:3, 3], rotation),
+            [tuple(pose[:3, 3]), rotation],
+            (pose[:3, 3], mink.SO3(quaternion)),
+            (pose[:3, 3], R),
             mink.SE3.from_matrix(pose),
         ]
         forms = {
@@ -46,7 +52,7 @@ class TestTargets:
                 R.tolist(),
                 np.asfortranarray(R),
                 SE3(R),
-                turn,
+                rotation,
                 quaternion,
                 quaternion.tolist(),
                 -quaternion,
@@ -65,7 +71,15 @@ class TestTargets:
         q, other = robot.random_configuration(rng), robot.random_configuration(rng)
         pose, (x, y), angle = robot.pose(other), robot.position(other), float(other.sum())
         quaternion = (np.cos(angle / 2), 0.0, 0.0, np.sin(angle / 2))
-        placements = [pose, SE3(pose), ((x, y), quaternion), ((x, y, 0.0), quaternion), mink.SE3.from_matrix(pose)]
+        placements = [
+            pose,
+            SE3(pose),
+            ((x, y), quaternion),
+            ((x, y, 0.0), quaternion),
+            (x, y, 0.0, *quaternion),
+            ((x, y), Rotation.from_euler("z", angle)),
+            mink.SE3.from_matrix(pose),
+        ]
         forms = {
             "position": [(x, y), np.array([x, y]), *placements],
             "orientation": [
@@ -84,12 +98,12 @@ class TestTargets:
             for target in targets:
                 assert look(ik, q, target).error == pytest.approx(expected_error(robot, kind, q, pose), abs=1e-11)
 
-    @pytest.mark.parametrize("turns", [-3, -1, 0, 1, 2])
+    @pytest.mark.parametrize("revolutions", [-3, -1, 0, 1, 2])
     @pytest.mark.parametrize(("angle", "target"), [(3.1, -3.1), (-3.1, 3.1), (0.1, -0.1), (1.0, 4.0)])
-    def test_a_planar_angle_takes_the_short_way_round(self, angle, target, turns):
+    def test_a_planar_angle_has_the_smallest_error(self, angle, target, revolutions):
         ik = built(planar(2), jtik.FrameTask, "tip", "orientation")
         wanted = (angle - target + np.pi) % (2 * np.pi) - np.pi
-        found = look(ik, [angle + 2 * np.pi * turns, 0.0], target).error[0]
+        found = look(ik, [angle + 2 * np.pi * revolutions, 0.0], target).error[0]
         assert found == pytest.approx(wanted, abs=1e-11)
         assert abs(found) <= np.pi
 
@@ -120,8 +134,8 @@ class TestTargets:
             ("pose", MIRROR),
             ("pose", np.full((4, 4), np.nan)),
             ("position", MIRROR),
-            ("position", Turn.identity()),
-            ("orientation", Turn.identity(2)),
+            ("position", Rotation.identity()),
+            ("orientation", Rotation.identity(2)),
             ("orientation", (1.0, 0.0, 0.0, 0.1)),
             ("orientation", (0.0, 0.0, 0.0, 0.0)),
             ("orientation", (1.0, 0.0, np.nan, 0.0)),
@@ -131,6 +145,13 @@ class TestTargets:
             ("pose", ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))),
             ("pose", ((0.0, 0.0, 0.0), "upright")),
             ("pose", (1.0, 0.0, 0.0, 0.0)),
+            ("pose", (0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0)),
+            ("pose", (0.0, np.nan, 0.0, 1.0, 0.0, 0.0, 0.0)),
+            ("position", (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)),
+            ("pose", ((0.0, 0.0, 0.0), Rotation.identity(2))),
+            ("pose", ((0.0, 0.0), Rotation.identity())),
+            ("pose", ((0.0, 0.0, 0.0), SE3(np.eye(4)))),
+            ("pose", (1.0, Rotation.identity())),
             ("pose", np.eye(4, dtype=complex)),
             ("pose", np.eye(4).astype(str)),
         ],
@@ -158,7 +179,10 @@ class TestTargets:
             ("pose", MIRROR),
             ("pose", ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0, 0.0))),
             ("pose", ((0.0, 0.0), (0.0, 1.0, 0.0, 0.0))),
-            ("orientation", Turn.from_rotvec([0.1, 0.0, 0.0])),
+            ("pose", (0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0)),
+            ("pose", (0.0, 0.0, 0.0, 0.6, 0.8, 0.0, 0.0)),
+            ("pose", ((0.0, 0.0), Rotation.from_rotvec([0.1, 0.0, 0.0]))),
+            ("orientation", Rotation.from_rotvec([0.1, 0.0, 0.0])),
             ("orientation", (0.6, 0.8, 0.0, 0.0)),
             ("position", (1.0, 0.0, 0.0, 0.0)),
         ],
@@ -176,7 +200,7 @@ class TestTargets:
     def test_a_pose_off_the_plane_is_no_planar_target(self):
         """Reading the angle of a tilted rotation would silently aim at something else."""
         tilted = np.eye(4)
-        tilted[:3, :3] = Turn.from_rotvec([0.5, 0, 0]).as_matrix()
+        tilted[:3, :3] = Rotation.from_rotvec([0.5, 0, 0]).as_matrix()
         ik = built(planar(3), jtik.FrameTask, "tip", "pose")
         with pytest.raises(jtik.ArgumentError, match="target"):
             ik.solve(tilted)
@@ -189,7 +213,7 @@ class TestTargets:
             ik.solve(scaled)
 
     def test_a_target_printed_with_six_digits_is_accepted(self):
-        R = np.round(Turn.from_rotvec([0.3, -0.4, 0.5]).as_matrix(), 6)
+        R = np.round(Rotation.from_rotvec([0.3, -0.4, 0.5]).as_matrix(), 6)
         ik = built(dh_arm(), jtik.FrameTask, "tip", "orientation")
         assert np.isfinite(look(ik, ik.robot.neutral, R).error).all()
 
@@ -203,17 +227,17 @@ class TestTargets:
         assert robot.position(first.q) == pytest.approx(target, abs=2e-6)
 
     def test_a_quaternion_printed_with_six_digits_is_accepted_and_normalised(self):
-        turn = Turn.from_rotvec([0.3, -0.4, 0.5])
-        printed = np.round(np.roll(turn.as_quat(), 1), 6)
+        rotation = Rotation.from_rotvec([0.3, -0.4, 0.5])
+        printed = np.round(np.roll(rotation.as_quat(), 1), 6)
         ik = built(dh_arm(), jtik.FrameTask, "tip", "orientation")
         R = read_placement(printed, "orientation", 3, "").reshape(3, 3).T
         assert pytest.approx(np.eye(3), abs=1e-15) == R @ R.T
-        assert pytest.approx(turn.as_matrix(), abs=2e-6) == R
+        assert pytest.approx(rotation.as_matrix(), abs=2e-6) == R
         assert np.isfinite(look(ik, ik.robot.neutral, printed).error).all()
 
 
-class TestUsualForms:
-    """Sound arrays are read on a short way; it gives what the long way gives, and nothing where that refuses."""
+class TestFastForms:
+    """Valid arrays are read on a fast path; it gives what `read_placement` gives, and None where that refuses."""
 
     SHAPES = (
         (("position", (3,))),
@@ -224,17 +248,17 @@ class TestUsualForms:
     )
 
     @pytest.mark.parametrize(("kind", "shape"), SHAPES)
-    def test_both_ways_give_the_same_numbers_in_memory_of_their_own(self, kind, shape, rng):
-        for turn in Turn.random(20, random_state=5):
+    def test_both_paths_give_the_same_numbers_as_a_copy(self, kind, shape, rng):
+        for rotation in Rotation.random(20, random_state=5):
             pose = np.eye(4)
-            pose[:3, :3], pose[:3, 3] = turn.as_matrix(), rng.standard_normal(3)
+            pose[:3, :3], pose[:3, 3] = rotation.as_matrix(), rng.standard_normal(3)
             target = {(4, 4): pose, (3, 3): pose[:3, :3], (3,): pose[:3, 3]}[shape]
-            numbers = usual(target, kind)
+            numbers = read_fast(target, kind)
             assert numbers.tolist() == read_placement(target, kind, 3, "").tolist()
             assert not np.shares_memory(numbers, target)
 
     @pytest.mark.parametrize("size", [1e-8, 4e-7, 6e-7, 1e-5, 0.1, np.nan, np.inf, 1e200])
-    def test_the_short_way_takes_nothing_that_the_long_way_refuses(self, size):
+    def test_the_fast_path_accepts_nothing_that_is_refused_otherwise(self, size):
         for row in range(4):
             for column in range(4):
                 for side in (1, -1):
@@ -243,13 +267,13 @@ class TestUsualForms:
                     try:
                         wanted = read_placement(pose, "pose", 3, "").tolist()
                     except jtik.ArgumentError:
-                        assert usual(pose, "pose") is None
+                        assert read_fast(pose, "pose") is None
                         continue
-                    numbers = usual(pose, "pose")
+                    numbers = read_fast(pose, "pose")
                     assert numbers is None or numbers.tolist() == wanted
 
     @pytest.mark.parametrize(
         "target", [np.eye(4).tolist(), np.eye(4, dtype=int), np.eye(4, dtype=object), np.eye(5), None]
     )
-    def test_what_is_unusual_is_left_to_the_long_way(self, target):
-        assert usual(target, "pose") is None
+    def test_other_forms_are_not_read_on_the_fast_path(self, target):
+        assert read_fast(target, "pose") is None

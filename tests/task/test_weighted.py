@@ -8,7 +8,7 @@ import pytest
 import jtik
 
 from ..conftest import EXACT, look
-from .conftest import dh_arm, solver
+from .conftest import dh_arm, planar, solver
 
 
 class TestStiffness:
@@ -36,9 +36,9 @@ class TestStiffness:
     @pytest.mark.parametrize(("stiffness", "Kp"), CASES)
     def test_the_transpose_step_goes_along_the_weighted_gradient(self, stiffness, Kp, rng):
         robot = dh_arm(6, 5)
-        law = jtik.strategies["transpose"](q_limit=np.inf, backtracking=False)
+        strategy = jtik.strategies["transpose"](q_limit=np.inf, backtracking=False)
         ik = jtik.InverseKinematics(
-            robot, jtik.FrameTask("tip", "position", stiffness=stiffness), strategy=law, limits=False
+            robot, jtik.FrameTask("tip", "position", stiffness=stiffness), strategy=strategy, limits=False
         )
         q, target = robot.random_configuration(rng), robot.position(robot.random_configuration(rng))
         J = robot.jacobian(q)[:3]
@@ -60,3 +60,41 @@ class TestStiffness:
     def test_what_is_not_finite_is_refused_at_once(self, stiffness):
         with pytest.raises(jtik.ArgumentError, match="stiffness"):
             jtik.FrameTask("tip", stiffness=stiffness)
+
+
+class TestOldNamesOfMethods:
+    """A subclass with an old name of a method works, with a warning that names the new one."""
+
+    def test_of_a_placement_task(self):
+        with pytest.warns(DeprecationWarning, match="^Tip.placed is now Tip.placement$"):
+
+            class Tip(jtik.task.PlacementTask):
+                def placed(self, kinematics):
+                    return kinematics.rotation("tip"), kinematics.position("tip")
+
+        robot = planar(3)
+        task = Tip("tip", "position", axes=None, stiffness=1.0, priority=0, name=None)
+        q = [0.1, 0.2, 0.3]
+        error = look(jtik.InverseKinematics(robot, task), q, [1.0, 0.5]).error
+        assert error == pytest.approx(robot.position(q) - [1.0, 0.5])
+
+    def test_of_a_pointing_task(self):
+        with pytest.warns(DeprecationWarning, match=r"^Up\.(wanted|swing) is now Up\.direction") as caught:
+
+            class Up(jtik.task.PointingTask):
+                def wanted(self, kinematics, target):
+                    return target
+
+                def swing(self, kinematics):
+                    return super().direction_jacobian(kinematics)
+
+                def read_target(self, robot, target):
+                    return np.asarray(target, dtype=float)
+
+        messages = ["Up.wanted is now Up.direction", "Up.swing is now Up.direction_jacobian"]
+        assert [str(each.message) for each in caught] == messages
+        robot = dh_arm()
+        q = robot.random_configuration(3)
+        error = look(jtik.InverseKinematics(robot, Up("tip")), q, [0.0, 0.0, 1.0]).error
+        expected = look(jtik.InverseKinematics(robot, jtik.AxisTask("tip")), q, [0.0, 0.0, 1.0]).error
+        assert error == pytest.approx(expected)

@@ -1,16 +1,17 @@
-"""Robots that come with jtik, written from their makers' published figures.
+"""Robots that come with jtik, from the published figures of their makers.
 
-Each is a module of tables: joints with their limits and speeds, solids around the links, a posture "home", and where
-the figures come from. Frames and joints have the names that the maker's own descriptions give them; the frame "tip" is
-the tool's.
+Each module holds tables: joints with limits and speeds, solids around the links, a configuration "home", and the source
+of the figures. Frames and joints have the names of the maker's own description; the frame "tip" is that of the tool.
 """
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
+from typing import Any
 
 from jtik.errors import UnknownNameError
-from jtik.robot.gallery.description import Description
+from jtik.robot.gallery.gallery_robot import GalleryRobot
 from jtik.robot.gallery.gen3 import gen3
 from jtik.robot.gallery.iiwa14 import iiwa14
 from jtik.robot.gallery.jaco2 import jaco2
@@ -19,9 +20,9 @@ from jtik.robot.gallery.universal import ur5, ur5e
 from jtik.robot.gallery.vehicles import planar10, vehicle3, vehicle_panda
 from jtik.robot.gallery.xarm7 import xarm7
 
-__all__ = ["Description", "describe", "names"]
+__all__ = ["GalleryRobot", "describe", "names"]
 
-_BUILDERS: tuple[Callable[[], Description], ...] = (
+_BUILDERS: tuple[Callable[[], GalleryRobot], ...] = (
     panda,
     ur5e,
     ur5,
@@ -41,7 +42,7 @@ def names() -> tuple[str, ...]:
     return tuple(_ROBOTS)
 
 
-def describe(name: str) -> Description:
+def describe(name: str) -> GalleryRobot:
     """The tables of a robot, with its summary and the source of its figures.
 
     Raises:
@@ -50,3 +51,11 @@ def describe(name: str) -> Description:
     if name not in _ROBOTS:
         raise UnknownNameError("built-in robot", name, _ROBOTS)
     return _ROBOTS[name]()
+
+
+def __getattr__(name: str) -> Any:
+    if name == "Description":
+        text = "jtik.robot.gallery.Description is now jtik.robot.gallery.GalleryRobot"
+        warnings.warn(text, DeprecationWarning, stacklevel=2)
+        return GalleryRobot
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

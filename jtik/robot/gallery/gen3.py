@@ -4,24 +4,26 @@ from __future__ import annotations
 
 import math
 
-from jtik.robot.gallery.description import QUARTER, Description, Fixture, Hinge, capsule, chain
+from jtik.robot.gallery.gallery_robot import QUARTER, Fixture, GalleryRobot, Revolute, capsule, chain
 
 _INF = math.inf
 
-# Ranges: Kinova Gen3 user guide, angular range of the actuators: 1, 3, 5 and 7 turn without end.
+# Ranges: Kinova Gen3 user guide, angular range of the actuators: 1, 3, 5 and 7 are unlimited.
 _SHOULDER, _ELBOW, _WRIST = (math.radians(angle) for angle in (128.9, 147.8, 120.3))
 # Speeds: kortex_description, Kinova's own robot description, large and small actuators.
 _LARGE, _SMALL = 1.3963, 1.2218
 
-# Places: kortex_description, which has the lengths of the user guide's Denavit-Hartenberg table with more digits.
-_HINGES = (
-    Hinge("joint_1", "shoulder_link", (0.0, 0.0, 0.15643), (math.pi, 0, 0), -_INF, _INF, _LARGE),
-    Hinge("joint_2", "half_arm_1_link", (0.0, 0.005375, -0.12838), (QUARTER, 0, 0), -_SHOULDER, _SHOULDER, _LARGE),
-    Hinge("joint_3", "half_arm_2_link", (0.0, -0.21038, -0.006375), (-QUARTER, 0, 0), -_INF, _INF, _LARGE),
-    Hinge("joint_4", "forearm_link", (0.0, 0.006375, -0.21038), (QUARTER, 0, 0), -_ELBOW, _ELBOW, _LARGE),
-    Hinge("joint_5", "spherical_wrist_1_link", (0.0, -0.20843, -0.006375), (-QUARTER, 0, 0), -_INF, _INF, _SMALL),
-    Hinge("joint_6", "spherical_wrist_2_link", (0.0, 0.00017505, -0.10593), (QUARTER, 0, 0), -_WRIST, _WRIST, _SMALL),
-    Hinge("joint_7", "bracelet_link", (0.0, -0.10593, -0.00017505), (-QUARTER, 0, 0), -_INF, _INF, _SMALL),
+# Origins: kortex_description, which has the lengths of the user guide's Denavit-Hartenberg table with more digits.
+_JOINTS = (
+    Revolute("joint_1", "shoulder_link", (0.0, 0.0, 0.15643), (math.pi, 0, 0), -_INF, _INF, _LARGE),
+    Revolute("joint_2", "half_arm_1_link", (0.0, 0.005375, -0.12838), (QUARTER, 0, 0), -_SHOULDER, _SHOULDER, _LARGE),
+    Revolute("joint_3", "half_arm_2_link", (0.0, -0.21038, -0.006375), (-QUARTER, 0, 0), -_INF, _INF, _LARGE),
+    Revolute("joint_4", "forearm_link", (0.0, 0.006375, -0.21038), (QUARTER, 0, 0), -_ELBOW, _ELBOW, _LARGE),
+    Revolute("joint_5", "spherical_wrist_1_link", (0.0, -0.20843, -0.006375), (-QUARTER, 0, 0), -_INF, _INF, _SMALL),
+    Revolute(
+        "joint_6", "spherical_wrist_2_link", (0.0, 0.00017505, -0.10593), (QUARTER, 0, 0), -_WRIST, _WRIST, _SMALL
+    ),
+    Revolute("joint_7", "bracelet_link", (0.0, -0.10593, -0.00017505), (-QUARTER, 0, 0), -_INF, _INF, _SMALL),
 )
 _FIXTURES = (Fixture("end_effector_link", "bracelet_link", (0.0, 0.0, -0.061525), (math.pi, 0.0, 0.0)),)
 
@@ -41,13 +43,13 @@ _SHAPES = {
 }
 
 
-def gen3() -> Description:
+def gen3() -> GalleryRobot:
     """The arm: flange and tip are "end_effector_link"."""
-    return Description(
+    return GalleryRobot(
         name="gen3",
         summary="Kinova Gen3, 7 joints",
         source="Kinova Gen3 user guide; kortex_description",
-        joints=chain("base_link", _HINGES, _FIXTURES, tip="end_effector_link"),
+        joints=chain("base_link", _JOINTS, _FIXTURES, tip="end_effector_link"),
         base="base_link",
         shapes=_SHAPES,
         # Kinova's own home posture

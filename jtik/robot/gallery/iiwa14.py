@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from jtik.robot.gallery.description import QUARTER, Description, Fixture, Hinge, capsule, chain
+from jtik.robot.gallery.gallery_robot import QUARTER, Fixture, GalleryRobot, Revolute, capsule, chain
 
 _PI = math.pi
 
@@ -14,7 +14,7 @@ _AXES = ((170, 85), (120, 85), (170, 100), (120, 75), (170, 130), (120, 135), (1
 
 # Heights 0.360, 0.420, 0.400 and 0.126 m: the same document, principal dimensions. They are cut where the links meet,
 # as in the widespread robot descriptions, of which the frames have the names.
-_PLACES = (
+_ORIGINS = (
     ((0.0, 0.0, 0.1575), (0.0, 0.0, 0.0)),
     ((0.0, 0.0, 0.2025), (QUARTER, 0.0, _PI)),
     ((0.0, 0.2045, 0.0), (QUARTER, 0.0, _PI)),
@@ -41,20 +41,20 @@ _SHAPES = {
 }
 
 
-def iiwa14() -> Description:
+def iiwa14() -> GalleryRobot:
     """The arm: flange and tip are "iiwa_link_ee"."""
-    hinges = [
-        Hinge(
-            f"iiwa_joint_{k}", f"iiwa_link_{k}", *place, math.radians(-reach), math.radians(reach), math.radians(speed)
+    joints = [
+        Revolute(
+            f"iiwa_joint_{k}", f"iiwa_link_{k}", *origin, math.radians(-reach), math.radians(reach), math.radians(speed)
         )
-        for k, (place, (reach, speed)) in enumerate(zip(_PLACES, _AXES, strict=True), start=1)
+        for k, (origin, (reach, speed)) in enumerate(zip(_ORIGINS, _AXES, strict=True), start=1)
     ]
     fixtures = (Fixture("iiwa_link_ee", "iiwa_link_7", (0.0, 0.0, _FLANGE)),)
-    return Description(
+    return GalleryRobot(
         name="iiwa14",
         summary="KUKA LBR iiwa 14 R820, 7 joints",
         source="KUKA, LBR iiwa specification, 4.3.2",
-        joints=chain("iiwa_link_0", hinges, fixtures, tip="iiwa_link_ee"),
+        joints=chain("iiwa_link_0", joints, fixtures, tip="iiwa_link_ee"),
         base="iiwa_link_0",
         shapes=_SHAPES,
         # bent, the flange pointing down

@@ -4,24 +4,24 @@ from __future__ import annotations
 
 import math
 
-from jtik.robot.gallery.description import QUARTER, Description, Fixture, Hinge, capsule, chain
+from jtik.robot.gallery.gallery_robot import QUARTER, Fixture, GalleryRobot, Revolute, capsule, chain
 
 _PI, _INF = math.pi, math.inf
 
 # Ranges and speeds: Kinova Gen2 ultra lightweight robot user guide (UG-009), as in kinova_description, Kinova's own
-# robot description: 1, 4 and 6 turn many times; 36 degrees/s for the large actuators, 48 for the small ones.
+# robot description: 1, 4 and 6 are unlimited; 36 degrees/s for the large actuators, 48 for the small ones.
 _SHOULDER, _ELBOW, _WRIST = ((math.radians(low), math.radians(360 - low)) for low in (47, 19, 30))
 _LARGE, _SMALL = math.radians(36), math.radians(48)
 
-# Places: kinova_description, j2s6. They are the lengths D1 = 0.2755, D2 = 0.4100, D3 = 0.2073, D4 = D5 = 0.10375,
+# Origins: kinova_description, j2s6. They are the lengths D1 = 0.2755, D2 = 0.4100, D3 = 0.2073, D4 = D5 = 0.10375,
 # D6 = 0.1600 and e2 = 0.0098 m of the user guide, D1 and e2 in two parts.
-_HINGES = (
-    Hinge("j2s6s200_joint_1", "j2s6s200_link_1", (0, 0, 0.15675), (0, _PI, 0), -_INF, _INF, _LARGE),
-    Hinge("j2s6s200_joint_2", "j2s6s200_link_2", (0, 0.0016, -0.11875), (-QUARTER, 0, _PI), *_SHOULDER, _LARGE),
-    Hinge("j2s6s200_joint_3", "j2s6s200_link_3", (0, -0.41, 0), (0, _PI, 0), *_ELBOW, _LARGE),
-    Hinge("j2s6s200_joint_4", "j2s6s200_link_4", (0, 0.2073, -0.0114), (-QUARTER, 0, _PI), -_INF, _INF, _SMALL),
-    Hinge("j2s6s200_joint_5", "j2s6s200_link_5", (0, 0, -0.10375), (QUARTER, 0, _PI), *_WRIST, _SMALL),
-    Hinge("j2s6s200_joint_6", "j2s6s200_link_6", (0, 0.10375, 0), (-QUARTER, 0, _PI), -_INF, _INF, _SMALL),
+_JOINTS = (
+    Revolute("j2s6s200_joint_1", "j2s6s200_link_1", (0, 0, 0.15675), (0, _PI, 0), -_INF, _INF, _LARGE),
+    Revolute("j2s6s200_joint_2", "j2s6s200_link_2", (0, 0.0016, -0.11875), (-QUARTER, 0, _PI), *_SHOULDER, _LARGE),
+    Revolute("j2s6s200_joint_3", "j2s6s200_link_3", (0, -0.41, 0), (0, _PI, 0), *_ELBOW, _LARGE),
+    Revolute("j2s6s200_joint_4", "j2s6s200_link_4", (0, 0.2073, -0.0114), (-QUARTER, 0, _PI), -_INF, _INF, _SMALL),
+    Revolute("j2s6s200_joint_5", "j2s6s200_link_5", (0, 0, -0.10375), (QUARTER, 0, _PI), *_WRIST, _SMALL),
+    Revolute("j2s6s200_joint_6", "j2s6s200_link_6", (0, 0.10375, 0), (-QUARTER, 0, _PI), -_INF, _INF, _SMALL),
 )
 _FIXTURES = (Fixture("j2s6s200_end_effector", "j2s6s200_link_6", (0.0, 0.0, -0.16), (_PI, QUARTER, 0.0)),)
 
@@ -40,13 +40,13 @@ _SHAPES = {
 }
 
 
-def jaco2() -> Description:
+def jaco2() -> GalleryRobot:
     """The arm: the tip is "j2s6s200_end_effector", between the fingers."""
-    return Description(
+    return GalleryRobot(
         name="jaco2",
         summary="Kinova JACO 2, 6 joints, spherical wrist",
         source="Kinova Gen2 user guide; kinova_description",
-        joints=chain("j2s6s200_link_base", _HINGES, _FIXTURES, tip="j2s6s200_end_effector"),
+        joints=chain("j2s6s200_link_base", _JOINTS, _FIXTURES, tip="j2s6s200_end_effector"),
         base="j2s6s200_link_base",
         shapes=_SHAPES,
         home=tuple(math.radians(angle) for angle in (275, 167, 57, 241, 83, 75)),

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import math
 
-from jtik.robot.gallery.description import QUARTER, Description, Fixture, Hinge, capsule, chain
+from jtik.robot.gallery.gallery_robot import QUARTER, Fixture, GalleryRobot, Revolute, capsule, chain
 
 # Joints: Franka Control Interface documentation, "Control parameters specifications", table of the
-# Denavit-Hartenberg parameters (Craig's convention, so that every frame sits on its joint) and table of the joint
+# Denavit-Hartenberg parameters (Craig's convention, so that every frame is on its joint) and table of the joint
 # space limits.
-_HINGES = (
-    Hinge("panda_joint1", "panda_link1", (0.0, 0.0, 0.333), (0.0, 0.0, 0.0), -2.8973, 2.8973, 2.1750),
-    Hinge("panda_joint2", "panda_link2", (0.0, 0.0, 0.0), (-QUARTER, 0.0, 0.0), -1.7628, 1.7628, 2.1750),
-    Hinge("panda_joint3", "panda_link3", (0.0, -0.316, 0.0), (QUARTER, 0.0, 0.0), -2.8973, 2.8973, 2.1750),
-    Hinge("panda_joint4", "panda_link4", (0.0825, 0.0, 0.0), (QUARTER, 0.0, 0.0), -3.0718, -0.0698, 2.1750),
-    Hinge("panda_joint5", "panda_link5", (-0.0825, 0.384, 0.0), (-QUARTER, 0.0, 0.0), -2.8973, 2.8973, 2.6100),
-    Hinge("panda_joint6", "panda_link6", (0.0, 0.0, 0.0), (QUARTER, 0.0, 0.0), -0.0175, 3.7525, 2.6100),
-    Hinge("panda_joint7", "panda_link7", (0.088, 0.0, 0.0), (QUARTER, 0.0, 0.0), -2.8973, 2.8973, 2.6100),
+_JOINTS = (
+    Revolute("panda_joint1", "panda_link1", (0.0, 0.0, 0.333), (0.0, 0.0, 0.0), -2.8973, 2.8973, 2.1750),
+    Revolute("panda_joint2", "panda_link2", (0.0, 0.0, 0.0), (-QUARTER, 0.0, 0.0), -1.7628, 1.7628, 2.1750),
+    Revolute("panda_joint3", "panda_link3", (0.0, -0.316, 0.0), (QUARTER, 0.0, 0.0), -2.8973, 2.8973, 2.1750),
+    Revolute("panda_joint4", "panda_link4", (0.0825, 0.0, 0.0), (QUARTER, 0.0, 0.0), -3.0718, -0.0698, 2.1750),
+    Revolute("panda_joint5", "panda_link5", (-0.0825, 0.384, 0.0), (-QUARTER, 0.0, 0.0), -2.8973, 2.8973, 2.6100),
+    Revolute("panda_joint6", "panda_link6", (0.0, 0.0, 0.0), (QUARTER, 0.0, 0.0), -0.0175, 3.7525, 2.6100),
+    Revolute("panda_joint7", "panda_link7", (0.088, 0.0, 0.0), (QUARTER, 0.0, 0.0), -2.8973, 2.8973, 2.6100),
 )
 
 # Flange: the same table. Hand: mounted at -45 degrees, its tool centre 0.1034 m ahead (franka_description, Franka's
@@ -56,13 +56,13 @@ _SHAPES = {
 }
 
 
-def panda() -> Description:
+def panda() -> GalleryRobot:
     """The arm with its hand: flange "panda_link8", tip at the hand's tool centre."""
-    return Description(
+    return GalleryRobot(
         name="panda",
         summary="Franka Emika Panda, 7 joints, with its hand",
         source="Franka Control Interface documentation, control parameters",
-        joints=chain("panda_link0", _HINGES, _FIXTURES, tip="panda_hand_tcp"),
+        joints=chain("panda_link0", _JOINTS, _FIXTURES, tip="panda_hand_tcp"),
         base="panda_link0",
         shapes=_SHAPES,
         # Franka's own ready posture

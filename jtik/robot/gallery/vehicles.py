@@ -8,22 +8,22 @@ import numpy as np
 
 from jtik.geometry import Box, Solid
 from jtik.robot.chains import planar_joints, vehicle_joints
-from jtik.robot.gallery.description import Description, Fixture, fixed, place
+from jtik.robot.gallery.gallery_robot import Fixture, GalleryRobot, fixed, pose_at
 from jtik.robot.gallery.panda import panda
 from jtik.robot.joints import JointType
 from jtik.robot.tree import Joint
 
 _FREE = (-math.inf, math.inf, math.inf)
 
-# Clearpath Ridgeback data sheet (May 2025): 0.960 x 0.793 x 0.311 m, 1.1 m/s in every direction. Turning: the limit of
+# Clearpath Ridgeback data sheet (May 2025): 0.960 x 0.793 x 0.311 m, 1.1 m/s in every direction. Rotation: the limit of
 # Clearpath's own controller, ridgeback_control.
 _LENGTH, _WIDTH, _HEIGHT = 0.960, 0.793, 0.311
-_SPEED, _TURNING = 1.1, 4.0
+_SPEED, _ROTATION_SPEED = 1.1, 4.0
 
 
-def planar10() -> Description:
+def planar10() -> GalleryRobot:
     """Ten unit links in the plane, without limits."""
-    return Description(
+    return GalleryRobot(
         name="planar10",
         summary="planar arm of ten unit links",
         source="Das, Slotine and Sheridan 1988, Figure 2.2",
@@ -33,9 +33,9 @@ def planar10() -> Description:
     )
 
 
-def vehicle3() -> Description:
-    """A planar vehicle that turns, with three unit links, without limits."""
-    return Description(
+def vehicle3() -> GalleryRobot:
+    """A planar vehicle with a heading and three unit links, without limits."""
+    return GalleryRobot(
         name="vehicle3",
         summary="planar vehicle (x, y, heading) with three unit links",
         source="Das, Slotine and Sheridan 1988, Appendix B",
@@ -45,13 +45,13 @@ def vehicle3() -> Description:
     )
 
 
-def vehicle_panda() -> Description:
+def vehicle_panda() -> GalleryRobot:
     """An omnidirectional vehicle with a Panda on the middle of its deck; the arm's frames and joints as in `panda`."""
     arm = panda()
-    chassis = Box(place((0.0, 0.0, _HEIGHT / 2)), np.array([_LENGTH, _WIDTH, _HEIGHT]) / 2)
+    chassis = Box(pose_at((0.0, 0.0, _HEIGHT / 2)), np.array([_LENGTH, _WIDTH, _HEIGHT]) / 2)
     shapes: dict[str, tuple[Solid, ...]] = {"vehicle": (chassis,)}
     shapes |= {frame: tuple(solids) for frame, solids in arm.shapes.items()}
-    return Description(
+    return GalleryRobot(
         name="vehicle_panda",
         summary="Clearpath Ridgeback (x, y, heading) with a Panda, 10 joints",
         source=f"Clearpath Ridgeback data sheet, May 2025; {arm.source}",
@@ -60,7 +60,7 @@ def vehicle_panda() -> Description:
             Joint(
                 "y", JointType.PRISMATIC, "slide_x", "slide_y", axis=np.array([0.0, 1.0, 0.0]), velocity_limit=_SPEED
             ),
-            Joint("heading", JointType.REVOLUTE, "slide_y", "vehicle", velocity_limit=_TURNING),
+            Joint("heading", JointType.REVOLUTE, "slide_y", "vehicle", velocity_limit=_ROTATION_SPEED),
             fixed(Fixture(arm.base, "vehicle", (0.0, 0.0, _HEIGHT))),
             *arm.joints,
         ),

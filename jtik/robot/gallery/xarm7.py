@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from jtik.robot.gallery.description import QUARTER, Description, Fixture, Hinge, capsule, chain
+from jtik.robot.gallery.gallery_robot import QUARTER, Fixture, GalleryRobot, Revolute, capsule, chain
 
 _SPEED = math.pi
 
@@ -12,8 +12,8 @@ _SPEED = math.pi
 _RANGES = ((-360, 360), (-118, 120), (-360, 360), (-11, 225), (-360, 360), (-97, 180), (-360, 360))
 
 # UFACTORY, "Kinematic and Dynamic Parameters of UFACTORY xArm Series", table of the modified (Craig's)
-# Denavit-Hartenberg parameters: every frame sits on its joint.
-_PLACES = (
+# Denavit-Hartenberg parameters: every frame is on its joint.
+_ORIGINS = (
     ((0.0, 0.0, 0.267), (0.0, 0.0, 0.0)),
     ((0.0, 0.0, 0.0), (-QUARTER, 0.0, 0.0)),
     ((0.0, -0.293, 0.0), (QUARTER, 0.0, 0.0)),
@@ -53,17 +53,17 @@ _SHAPES = {
 }
 
 
-def xarm7() -> Description:
+def xarm7() -> GalleryRobot:
     """The arm: flange and tip are "link_eef"."""
-    hinges = [
-        Hinge(f"joint{k}", f"link{k}", *place, math.radians(low), math.radians(high), _SPEED)
-        for k, (place, (low, high)) in enumerate(zip(_PLACES, _RANGES, strict=True), start=1)
+    joints = [
+        Revolute(f"joint{k}", f"link{k}", *origin, math.radians(low), math.radians(high), _SPEED)
+        for k, (origin, (low, high)) in enumerate(zip(_ORIGINS, _RANGES, strict=True), start=1)
     ]
-    return Description(
+    return GalleryRobot(
         name="xarm7",
         summary="UFACTORY xArm 7, 7 joints",
         source="UFACTORY, kinematic and dynamic parameters; xArm user manual",
-        joints=chain("link_base", hinges, (Fixture("link_eef", "link7"),), tip="link_eef"),
+        joints=chain("link_base", joints, (Fixture("link_eef", "link7"),), tip="link_eef"),
         base="link_base",
         shapes=_SHAPES,
         # bent, the flange pointing down

@@ -1,4 +1,4 @@
-"""A compiled MuJoCo model as frames, joints and what hangs on them."""
+"""Reads a compiled MuJoCo model: frames, joints, masses, shapes and keyframes."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ import numpy as np
 from jtik.errors import RobotFileError
 from jtik.robot.body import Mass
 from jtik.robot.joints import JointType
-from jtik.robot.loaders.description import Description, Follow, Names
 from jtik.robot.loaders.meshes import MeshFile
+from jtik.robot.loaders.robot_description import JointCoupling, Names, RobotDescription
 from jtik.robot.loaders.shapes import solids
-from jtik.robot.loaders.transforms import moved_by, placed, turned_by
+from jtik.robot.loaders.transforms import pose_of, rotation_about, translation
 from jtik.robot.tree import Joint
 from jtik.types import Array
 
@@ -31,16 +31,16 @@ TYPES = {
 class ModelReader:
     """Reads one ``mujoco.MjModel``.
 
-    A body is a frame of its name, a site another. Several joints on a body are a chain in their order, as are the
-    frames between them, which are named after the joints; so is the frame of a joint whose anchor is not the
-    body's origin. What has no name is named after the body it is on.
+    Each body and each site is a frame with its name. Several joints on a body form a chain in their order; the frames
+    between them have the names of the joints, and so has the frame of a joint whose anchor is not the origin of the
+    body. Elements without a name get that of their body.
 
     Args:
         model: the ``mujoco.MjModel``.
-        label: what errors call it.
+        label: the name of the model in errors.
         root: number of the body that is the base: 0, the world, or its only child.
-        meshes: meshes that were taken out of the model, by the number of the geom in their place.
-        least_mass: [kg] masses up to it count as none.
+        meshes: meshes that were removed from the model, by the number of the geom that replaces them.
+        negligible_mass: masses up to this count as none [kg].
     """
 
     def __init__(
@@ -50,13 +50,13 @@ class ModelReader:
         *,
         root: int = 0,
         meshes: Mapping[int, MeshFile] | None = None,
-        least_mass: float = 0.0,
+        negligible_mass: float = 0.0,
     ) -> None:
         self._model = model
         self._label = label
         self._root = root
         self._meshes = meshes or {}
-        self._least_mass = least_mass
+        self._negligible_mass = negligible_mass
         self._notes: list[str] = []
         self._frames, self._joints = Names(), Names()
         kind = mujoco.mjtObj
@@ -72,8 +72,8 @@ class ModelReader:
         given = [self._given(kind.mjOBJ_SITE, site) for site in range(model.nsite)]
         self._sites = [self._frames.unique(name or f"site{site}", "site") for site, name in enumerate(given)]
 
-    def read(self) -> Description:
-        """The robot; see `Description`.
+    def read(self) -> RobotDescription:
+        """The robot; see `RobotDescription`.
 
         Raises:
             RobotFileError: when a joint has limits that cannot be used.
@@ -81,14 +81,14 @@ class ModelReader:
         joints: list[Joint] = []
         for body in range(self._root + 1, self._model.nbody):
             joints += self._chain(body)
-            joints += self._marks(body)
-        joints[:0] = self._marks(self._root)
-        return Description(
+            joints += self._site_frames(body)
+        joints[:0] = self._site_frames(self._root)
+        return RobotDescription(
             label=self._label,
             name=self._model_name(),
             base=self._bodies[self._root],
             joints=tuple(joints),
-            follows=tuple(self._follows()),
+            couplings=tuple(self._couplings()),
             masses=self._masses(),
             shapes={self._bodies[body]: found for body, found in solids(self._model, self._meshes).items()},
             keyframes=self._keyframes(),
@@ -96,25 +96,25 @@ class ModelReader:
         )
 
     def _chain(self, body: int) -> Iterator[Joint]:
-        """The joints that carry a body, and its frame."""
+        """The joints between the parent body and a body, with its frame."""
         model, name = self._model, self._bodies[body]
         parent = self._bodies[model.body_parentid[body]]
-        ahead = placed(model.body_pos[body], model.body_quat[body])
+        before = pose_of(model.body_pos[body], model.body_quat[body])
         first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
         for number in range(first, first + count):
             anchor = np.array(model.jnt_pos[number])
             joint_type = TYPES[mujoco.mjtJoint(model.jnt_type[number])]
             if joint_type in (JointType.FREE, JointType.PRISMATIC):
-                anchor = np.zeros(3)  # turns nothing, so it makes no difference
+                anchor = np.zeros(3)  # has no effect on these joints
             if joint_type is JointType.FREE:
-                ahead = np.eye(4)  # its position is the body's in the world
+                before = np.eye(4)  # the position of a free joint is that of its body in the world
             last = number == first + count - 1 and not anchor.any()
             child = name if last else self._frames.unique(self._joint_names[number], "joint")
-            yield self._joint(number, joint_type, parent, child, ahead @ moved_by(anchor))
+            yield self._joint(number, joint_type, parent, child, before @ translation(anchor))
             if last:
                 return
-            parent, ahead = child, moved_by(-anchor)
-        yield Joint(self._joints.unique(name, "fixed"), JointType.FIXED, parent, name, origin=ahead)
+            parent, before = child, translation(-anchor)
+        yield Joint(self._joints.unique(name, "fixed"), JointType.FIXED, parent, name, origin=before)
 
     def _joint(self, number: int, kind: JointType, parent: str, child: str, origin: Array) -> Joint:
         model, name = self._model, self._joint_names[number]
@@ -122,9 +122,9 @@ class ModelReader:
             return Joint(name, kind, parent, child, origin=origin)
         axis = np.array(model.jnt_axis[number])
         at_zero = -float(model.qpos0[model.jnt_qposadr[number]])
-        shift = turned_by(axis, at_zero) if kind is JointType.REVOLUTE else moved_by(at_zero * axis)
+        offset = rotation_about(axis, at_zero) if kind is JointType.REVOLUTE else translation(at_zero * axis)
         lower, upper = self._limits(number)
-        return Joint(name, kind, parent, child, origin=origin @ shift, axis=axis, lower=lower, upper=upper)
+        return Joint(name, kind, parent, child, origin=origin @ offset, axis=axis, lower=lower, upper=upper)
 
     def _limits(self, number: int) -> tuple[float, float]:
         lower, upper = map(float, self._model.jnt_range[number])
@@ -133,25 +133,25 @@ class ModelReader:
             raise RobotFileError(self._label, where, f"its limits are {lower:g} and {upper:g}; accepted: no NaN")
         return (lower, upper) if self._model.jnt_limited[number] else (-math.inf, math.inf)
 
-    def _marks(self, body: int) -> Iterator[Joint]:
+    def _site_frames(self, body: int) -> Iterator[Joint]:
         model = self._model
         for site in np.flatnonzero(model.site_bodyid == body):
             frame = self._sites[site]
             joint = self._joints.unique(frame, "fixed")
-            origin = placed(model.site_pos[site], model.site_quat[site])
+            origin = pose_of(model.site_pos[site], model.site_quat[site])
             yield Joint(joint, JointType.FIXED, self._bodies[body], frame, origin=origin)
 
-    def _follows(self) -> Iterator[Follow]:
-        """The joint equalities that are in force; those that are not linear are noted and left out."""
+    def _couplings(self) -> Iterator[JointCoupling]:
+        """The active linear equalities of joints; those of higher order are noted and left out."""
         model = self._model
         for number in np.flatnonzero(model.eq_type == mujoco.mjtEq.mjEQ_JOINT):
             joint, leader = int(model.eq_obj1id[number]), int(model.eq_obj2id[number])
-            constant, slope, *higher = map(float, model.eq_data[number][:5])
+            constant, ratio, *higher = map(float, model.eq_data[number][:5])
             if not model.eq_active0[number]:
                 continue
             here = float(model.qpos0[model.jnt_qposadr[joint]])
             if leader < 0:
-                yield Follow(joint=self._joint_names[joint], leader=None, multiplier=0.0, offset=here + constant)
+                yield JointCoupling(joint=self._joint_names[joint], leader=None, multiplier=0.0, offset=here + constant)
                 continue
             if any(higher):
                 text = (
@@ -160,11 +160,11 @@ class ModelReader:
                 self._notes.append(text + "by a polynomial of higher order than one")
                 continue
             there = float(model.qpos0[model.jnt_qposadr[leader]])
-            yield Follow(
+            yield JointCoupling(
                 joint=self._joint_names[joint],
                 leader=self._joint_names[leader],
-                multiplier=slope,
-                offset=here + constant - slope * there,
+                multiplier=ratio,
+                offset=here + constant - ratio * there,
             )
 
     def _masses(self) -> dict[str, Mass]:
@@ -172,7 +172,7 @@ class ModelReader:
         return {
             self._bodies[body]: Mass(float(model.body_mass[body]), np.array(model.body_ipos[body]))
             for body in range(self._root, model.nbody)
-            if model.body_mass[body] > self._least_mass
+            if model.body_mass[body] > self._negligible_mass
         }
 
     def _keyframes(self) -> dict[str, dict[str, Array]]:

@@ -1,4 +1,4 @@
-"""The way from a file, text or a compiled model to a `Description`."""
+"""Loads a `RobotDescription` from a URDF, an MJCF or a compiled MuJoCo model."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ import mujoco
 from jtik.errors import ArgumentError, RobotFileError
 from jtik.robot.joints import JointType
 from jtik.robot.loaders.compiled import ModelReader
-from jtik.robot.loaders.description import Description, Names
-from jtik.robot.loaders.follow import folded
+from jtik.robot.loaders.couplings import with_mimic_joints
+from jtik.robot.loaders.robot_description import Names, RobotDescription
 from jtik.robot.loaders.source import PathOrText, Source, open_source
-from jtik.robot.loaders.spec import LEAST_MASS, compile_source
+from jtik.robot.loaders.spec import MINIMUM_MASS, compile_source
 from jtik.robot.loaders.urdf import UrdfTree, read_tree
 from jtik.robot.tree import Joint
 
 
-def load_urdf(path_or_xml: PathOrText, *, free_base: bool) -> Description:
+def load_urdf(path_or_xml: PathOrText, *, free_base: bool) -> RobotDescription:
     """A URDF; see `Robot.from_urdf`."""
     source = open_source(path_or_xml, kind="URDF", root="robot")
     tree = read_tree(source)
@@ -30,46 +30,46 @@ def load_urdf(path_or_xml: PathOrText, *, free_base: bool) -> Description:
 
     compiled = compile_source(source, edit=plain)
     root = max(0, mujoco.mj_name2id(compiled.model, mujoco.mjtObj.mjOBJ_BODY, tree.root))
-    reader = ModelReader(compiled.model, source.label, root=root, meshes=compiled.meshes, least_mass=LEAST_MASS)
+    reader = ModelReader(compiled.model, source.label, root=root, meshes=compiled.meshes, negligible_mass=MINIMUM_MASS)
     with _named(source.label):
         read = reader.read()
         joints = [_as_stated(joint, tree) for joint in read.joints]
-    follows = [joint.follow for joint in tree.joints.values() if joint.follow is not None]
-    description = replace(read, joints=tuple(joints), follows=tuple(follows), name=_name(source), notes=tree.notes)
-    return folded(_on_free_base(description) if free_base else description)
+    couplings = [joint.coupling for joint in tree.joints.values() if joint.coupling is not None]
+    description = replace(read, joints=tuple(joints), couplings=tuple(couplings), name=_name(source), notes=tree.notes)
+    return with_mimic_joints(_on_free_base(description) if free_base else description)
 
 
-def load_mjcf(path_or_xml: PathOrText) -> Description:
+def load_mjcf(path_or_xml: PathOrText) -> RobotDescription:
     """An MJCF; see `Robot.from_mjcf`."""
     source = open_source(path_or_xml, kind="MJCF", root="mujoco")
     compiled = compile_source(source)
-    reader = ModelReader(compiled.model, source.label, meshes=compiled.meshes, least_mass=LEAST_MASS)
+    reader = ModelReader(compiled.model, source.label, meshes=compiled.meshes, negligible_mass=MINIMUM_MASS)
     with _named(source.label):
         read = _some_body(reader.read())
-    return folded(replace(read, name=_name(source)))
+    return with_mimic_joints(replace(read, name=_name(source)))
 
 
-def load_mujoco(model: Any) -> Description:
+def load_mujoco(model: Any) -> RobotDescription:
     """A compiled model; see `Robot.from_mujoco`."""
     if not isinstance(model, mujoco.MjModel):
         raise ArgumentError("model", model, "a mujoco.MjModel")
     label = "the MjModel given"
     with _named(label):
-        return folded(_some_body(ModelReader(model, label).read()))
+        return with_mimic_joints(_some_body(ModelReader(model, label).read()))
 
 
 @contextmanager
 def _named(label: str) -> Iterator[None]:
-    """Say of an argument that cannot be used in which file it stands."""
+    """Raises an `ArgumentError` as a `RobotFileError` that names the file."""
     try:
         yield
     except ArgumentError as error:
         raise RobotFileError(label, "", str(error)) from error
 
 
-def _some_body(description: Description) -> Description:
+def _some_body(description: RobotDescription) -> RobotDescription:
     if not description.joints:
-        raise RobotFileError(description.label, "", "not a robot: it has no body, where at least one is wanted")
+        raise RobotFileError(description.label, "", "not a robot: it has no body; accepted: at least one body")
     return description
 
 
@@ -79,21 +79,22 @@ def _name(source: Source) -> str:
 
 
 def _leave_to_xml(spec: Any, tree: UrdfTree) -> None:
-    """Take out of a spec what the URDF's own XML says better, and what MuJoCo would refuse."""
+    """Remove from a spec what is read from the URDF itself, and what MuJoCo refuses."""
     for equality in spec.equalities:
         spec.delete(equality)
     for joint in spec.joints:
         joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
         joint.range = (0.0, 0.0)
         if joint.type == mujoco.mjtJoint.mjJNT_FREE:
-            joint.type = mujoco.mjtJoint.mjJNT_BALL  # free joints must be in the world; it is made free again below
+            # MuJoCo allows free joints in the world only; `_as_stated` restores the type
+            joint.type = mujoco.mjtJoint.mjJNT_BALL
     for body in spec.bodies:
         if not body.explicitinertial:
             body.explicitinertial, body.mass = True, 0.0
 
 
 def _as_stated(joint: Joint, tree: UrdfTree) -> Joint:
-    """The joint with what the XML says about it."""
+    """The joint with the name, type, limits and speed that the URDF states."""
     stated = tree.joints.get(joint.child)
     if stated is None or stated.type == "planar":
         return joint
@@ -104,7 +105,7 @@ def _as_stated(joint: Joint, tree: UrdfTree) -> Joint:
     return replace(joint, lower=stated.lower, upper=stated.upper, velocity_limit=stated.velocity_limit)
 
 
-def _on_free_base(description: Description) -> Description:
+def _on_free_base(description: RobotDescription) -> RobotDescription:
     """The same robot with its root on a free joint in a frame "world"."""
     frames, names = Names(), Names()
     frames.reserve([description.base, *(joint.child for joint in description.joints)])

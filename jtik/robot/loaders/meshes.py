@@ -1,4 +1,4 @@
-"""Meshes as the solids around them: found beside the robot's file, read by MuJoCo, wrapped in a capsule or a ball."""
+"""Meshes as capsules or balls: the mesh file is found next to the file of the robot and read by MuJoCo."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ import mujoco
 import numpy as np
 
 from jtik.geometry import Capsule, Solid, Sphere
-from jtik.robot.loaders.transforms import placed
+from jtik.robot.loaders.transforms import pose_of
 from jtik.types import Array
 
 READABLE = (".stl", ".obj", ".msh")
-"""Endings of the mesh files that MuJoCo reads."""
+"""Suffixes of the mesh files that MuJoCo reads."""
 
 _ROUNDING = 1e-6
-"""By how much a solid is made too big, relative: MuJoCo keeps vertices in single precision."""
+"""Relative margin that is added to a solid: MuJoCo keeps vertices in single precision."""
 
 
 @dataclass(frozen=True, eq=False)
 class MeshFile:
-    """A mesh of a description, not read yet.
+    """A mesh of a description, read when its vertices are needed.
 
     Attributes:
-        paths: where its file may be, best first.
-        vertices: its vertices (n, 3) [m] when the description has them itself.
+        paths: candidate paths of its file, in the order in which they are tried.
+        vertices: its vertices (n, 3) [m] when the description contains them.
         scale: factor of each coordinate, (3,).
     """
 
@@ -39,8 +39,8 @@ class MeshFile:
     @classmethod
     def of(cls, mesh: Any, spec: Any, folder: Path | None) -> MeshFile:
         """The mesh of a ``mujoco.MjSpec`` whose file is in ``folder``."""
-        places = () if folder is None or not mesh.file else tuple(_places(mesh.file, folder, spec.meshdir))
-        return cls(places, np.array(list(mesh.uservert), dtype=float).reshape(-1, 3), np.array(mesh.scale))
+        paths = () if folder is None or not mesh.file else tuple(_candidates(mesh.file, folder, spec.meshdir))
+        return cls(paths, np.array(list(mesh.uservert), dtype=float).reshape(-1, 3), np.array(mesh.scale))
 
     @cached_property
     def points(self) -> Array:
@@ -51,11 +51,10 @@ class MeshFile:
         return np.zeros((0, 3)) if path is None else _read(path, self.scale)
 
 
-def _places(file: str, folder: Path, meshdir: str) -> Iterator[Path]:
-    """Where a file named in a description in ``folder`` may lie.
+def _candidates(file: str, folder: Path, meshdir: str) -> Iterator[Path]:
+    """Candidate paths of a file that a description in ``folder`` names.
 
-    A ``package://`` address is looked for under the folder and under every folder above it, which is where
-    packages lie relative to their robots.
+    A ``package://`` address is searched in the folder and in every folder above it: packages are next to their robots.
     """
     address = file.partition("://")
     if not address[1]:
@@ -78,7 +77,7 @@ def _read(path: Path, scale: Array) -> Array:
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="mesh", contype=0, conaffinity=0)
     try:
         model = spec.compile()
-    except ValueError:  # a file that MuJoCo refuses gives no shape, as a missing one
+    except ValueError:  # a file that MuJoCo refuses counts as missing
         return np.zeros((0, 3))
     return vertices_of(model, 0)
 
@@ -87,39 +86,39 @@ def vertices_of(model: Any, geom: int) -> Array:
     """Vertices (n, 3) [m] of a mesh geom of a ``mujoco.MjModel``, in the frame of its body."""
     mesh = model.geom_dataid[geom]
     first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
-    pose = placed(model.geom_pos[geom], model.geom_quat[geom])
+    pose = pose_of(model.geom_pos[geom], model.geom_quat[geom])
     vertices = np.array(model.mesh_vert[first : first + count], dtype=float)
     return vertices @ pose[:3, :3].T + pose[:3, 3]
 
 
 def solid_around(points: Array) -> Solid:
-    """The smallest found of the capsules along the points' principal axes and coordinate axes, and a ball.
+    """The smallest solid around points: of a ball, and of capsules along the principal axes and the coordinate axes.
 
     Args:
         points: (n, 3) [m], at least one.
     """
-    middle = (points.min(axis=0) + points.max(axis=0)) / 2
-    radius = float(np.linalg.norm(points - middle, axis=1).max())
-    best: Solid = Sphere(middle, radius * (1 + _ROUNDING))
-    least = radius**3 * 4 / 3
+    center = (points.min(axis=0) + points.max(axis=0)) / 2
+    radius = float(np.linalg.norm(points - center, axis=1).max())
+    best: Solid = Sphere(center, radius * (1 + _ROUNDING))
+    smallest = radius**3 * 4 / 3
     _, principal = np.linalg.eigh(np.cov(points.T, bias=True))
     for axes in (principal, np.eye(3)):
-        for turned in (np.roll(axes, k, axis=1) for k in range(3)):
-            start, end, radius = _capsule(points, turned)
+        for permuted in (np.roll(axes, k, axis=1) for k in range(3)):
+            start, end, radius = _capsule(points, permuted)
             volume = radius**2 * (float(np.linalg.norm(end - start)) + radius * 4 / 3)
-            if 0 < volume < least:
-                best, least = Capsule(start, end, radius * (1 + _ROUNDING)), volume
+            if 0 < volume < smallest:
+                best, smallest = Capsule(start, end, radius * (1 + _ROUNDING)), volume
     return best
 
 
 def _capsule(points: Array, axes: Array) -> tuple[Array, Array, float]:
-    """Ends and radius of the shortest capsule around ``points`` whose axis is mid-way in the last two of ``axes``."""
+    """Ends and radius of the shortest capsule around ``points`` along the first of ``axes``, centred in the others."""
     local = points @ axes
-    middle = (local.min(axis=0) + local.max(axis=0)) / 2
-    away = np.linalg.norm(local[:, 1:] - middle[1:], axis=1)
-    radius = float(away.max())
-    room = np.sqrt(np.maximum(radius**2 - away**2, 0.0))
-    low, high = float((local[:, 0] + room).min()), float((local[:, 0] - room).max())
+    center = (local.min(axis=0) + local.max(axis=0)) / 2
+    distance = np.linalg.norm(local[:, 1:] - center[1:], axis=1)
+    radius = float(distance.max())
+    cap = np.sqrt(np.maximum(radius**2 - distance**2, 0.0))
+    low, high = float((local[:, 0] + cap).min()), float((local[:, 0] - cap).max())
     if low > high:
         low = high = (low + high) / 2
-    return axes @ [low, *middle[1:]], axes @ [high, *middle[1:]], radius
+    return axes @ [low, *center[1:]], axes @ [high, *center[1:]], radius

@@ -10,22 +10,22 @@ import numpy as np
 
 from jtik.geometry import Box, Capsule, Cylinder, Solid, Sphere
 from jtik.robot.loaders.meshes import MeshFile, solid_around, vertices_of
-from jtik.robot.loaders.transforms import placed
+from jtik.robot.loaders.transforms import pose_of
 from jtik.types import Array
 
 Reader: TypeAlias = Callable[[Array, Array], Solid]
-"""From a geom's pose (4, 4) in its body and its size (3,) [m] to the solid."""
+"""Makes a solid from the pose (4, 4) of a geom in its body and its size (3,) [m]."""
 
 
 def solids(model: Any, meshes: Mapping[int, MeshFile]) -> dict[int, list[Solid]]:
     """The solids on each body, by its number, in the body's frame.
 
-    Geoms that collide stand for the robot; where none does, all of them. An ellipsoid becomes the capsule around
-    it, a mesh the capsule or ball around it; planes, height fields and meshes that cannot be read have no solid.
+    Geoms that collide are used; where none does, all are. An ellipsoid becomes the capsule around it, a mesh the
+    capsule or ball around it. Planes, height fields and meshes that cannot be read have no solid.
 
     Args:
         model: a ``mujoco.MjModel``.
-        meshes: meshes that the model had, by the number of the geom that stands in their place.
+        meshes: meshes that were removed from the model, by the number of the geom that replaces them.
     """
     collides = (model.geom_contype != 0) | (model.geom_conaffinity != 0)
     chosen = np.flatnonzero(collides) if collides.any() else range(model.ngeom)
@@ -38,7 +38,7 @@ def solids(model: Any, meshes: Mapping[int, MeshFile]) -> dict[int, list[Solid]]
 
 
 def _solid(model: Any, geom: int, meshes: Mapping[int, MeshFile]) -> Solid | None:
-    pose = placed(model.geom_pos[geom], model.geom_quat[geom])
+    pose = pose_of(model.geom_pos[geom], model.geom_quat[geom])
     if geom in meshes:
         points = meshes[geom].points @ pose[:3, :3].T + pose[:3, 3]
     elif model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH:
@@ -51,8 +51,8 @@ def _solid(model: Any, geom: int, meshes: Mapping[int, MeshFile]) -> Solid | Non
 
 def _along(pose: Array, axis: int, half: float) -> tuple[Array, Array]:
     """Ends (3,) [m] of the segment of length 2 ``half`` on an axis of ``pose``, about its origin."""
-    reach = half * pose[:3, axis]
-    return pose[:3, 3] - reach, pose[:3, 3] + reach
+    vector = half * pose[:3, axis]
+    return pose[:3, 3] - vector, pose[:3, 3] + vector
 
 
 def _sphere(pose: Array, size: Array) -> Solid:

@@ -1,4 +1,4 @@
-"""Where a description comes from: a file or text, and the little of its XML that is looked at here."""
+"""The source of a description: a file or text, and its XML."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ _COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 
 @dataclass(frozen=True)
 class Source:
-    """A description that could be read.
+    """A description as read.
 
     Attributes:
-        label: what errors call it: the path, or "the text given".
+        label: its name in errors: the path, or "the text given".
         path: the file, or None for text.
         text: the XML, or None for a file.
-        root: its XML.
+        root: the outermost element of its XML.
     """
 
     label: str
@@ -45,8 +45,8 @@ def open_source(path_or_xml: PathOrText, *, kind: str, root: str) -> Source:
         root: the name that its outermost element must have.
 
     Raises:
-        ArgumentError: when it is neither a path nor text.
-        RobotFileError: when there is no such file, it is no XML, or its outermost element has another name.
+        ArgumentError: when it is neither a path nor a text.
+        RobotFileError: when there is no such file, it is not XML, or its outermost element has another name.
     """
     if not isinstance(path_or_xml, (str, PathLike)):
         raise ArgumentError("path_or_xml", path_or_xml, f"the path of a {kind} file, or {kind} text")
@@ -58,8 +58,8 @@ def open_source(path_or_xml: PathOrText, *, kind: str, root: str) -> Source:
     try:
         content = path.read_bytes()
     except OSError as error:
-        wanted = f"the path of a file that can be read, or {kind} text, which starts with '<'"
-        raise RobotFileError(label, "", f"{error.strerror or error}; accepted: {wanted}") from error
+        accepted = f"the path of a file that can be read, or {kind} text, which starts with '<'"
+        raise RobotFileError(label, "", f"{error.strerror or error}; accepted: {accepted}") from error
     return _checked(Source(label, path, None, _parsed(label, content)), kind, root)
 
 
@@ -73,8 +73,8 @@ def _checked(source: Source, kind: str, root: str) -> Source:
 
 
 def _parsed(label: str, content: bytes, encoding: str | None = None) -> Element:
-    # Neither name spaces nor comments are looked at: files with a tag <xacro:...> whose prefix nobody declares,
-    # or with two hyphens in a comment, are common, and other readers take them.
+    # Name spaces and comments are ignored: files with a tag <xacro:...> whose prefix is not declared, or with two
+    # hyphens in a comment, are common, and other readers accept them.
     bare = _COMMENT.sub(lambda comment: b"\n" * comment[0].count(b"\n"), content)
     builder = TreeBuilder()
     parser = expat.ParserCreate(encoding)

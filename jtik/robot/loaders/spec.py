@@ -1,4 +1,4 @@
-"""From a description that may lack its meshes to a MuJoCo model that is good enough for kinematics."""
+"""Compiles a description, with or without its mesh files, to a MuJoCo model for kinematics."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from jtik.errors import RobotFileError
 from jtik.robot.loaders.meshes import MeshFile
 from jtik.robot.loaders.source import Source
 
-LEAST_MASS = 1e-12
-"""[kg] What MuJoCo is made to give to moving bodies without a mass; up to it a mass counts as none."""
+MINIMUM_MASS = 1e-12
+"""Mass that moving bodies without one get for MuJoCo [kg]; a mass up to this counts as none."""
 
 
 @dataclass(frozen=True)
 class CompiledModel:
-    """A MuJoCo model whose meshes were taken out.
+    """A MuJoCo model without its meshes.
 
     Attributes:
-        model: the ``mujoco.MjModel``; a small sphere stands where a mesh was.
-        meshes: number of a geom to the mesh that it was.
+        model: the ``mujoco.MjModel``; a small sphere replaces each mesh.
+        meshes: the meshes by the number of the geom that replaces them.
     """
 
     model: Any
@@ -33,20 +33,19 @@ class CompiledModel:
 
 
 def compile_source(source: Source, *, edit: Callable[[Any], None] | None = None) -> CompiledModel:
-    """The model of a description, without meshes, textures and anything else that kinematics does not need.
+    """The model of a description, without meshes, textures and other parts that kinematics does not need.
 
-    Where MuJoCo refuses inertias they are replaced by others, and where it refuses geoms they are given up; masses
-    and their centres stay.
+    Inertias that MuJoCo refuses are replaced, and geoms that it refuses are dropped. Masses and their centres are kept.
 
     Args:
         source: the description.
         edit: changes to make to the ``mujoco.MjSpec`` before it is compiled.
 
     Raises:
-        RobotFileError: when MuJoCo refuses it even so; with its first words.
+        RobotFileError: when MuJoCo still refuses it; the message is that of the first attempt.
     """
     first: ValueError | None = None
-    with _silence():
+    with _no_warnings():
         for inertias, geoms in ((True, True), (False, True), (False, False)):
             try:
                 return _compile(source, edit, inertias=inertias, geoms=geoms)
@@ -63,7 +62,7 @@ def _compile(source: Source, edit: Callable[[Any], None] | None, *, inertias: bo
         spec = mujoco.MjSpec.from_string(source.text)
     if edit is not None:
         edit(spec)
-    meshes = _take_out(spec, source.path)
+    meshes = _remove_meshes(spec, source.path)
     if not inertias:
         _replace_inertias(spec)
     if not geoms:
@@ -71,8 +70,8 @@ def _compile(source: Source, edit: Callable[[Any], None] | None, *, inertias: bo
             spec.delete(element)
     compiler = spec.compiler
     compiler.fusestatic = False
-    compiler.boundmass = max(compiler.boundmass, LEAST_MASS)
-    compiler.boundinertia = max(compiler.boundinertia, LEAST_MASS)
+    compiler.boundmass = max(compiler.boundmass, MINIMUM_MASS)
+    compiler.boundinertia = max(compiler.boundinertia, MINIMUM_MASS)
     model = spec.compile()
     kept = {geom.name: geom.id for geom in spec.geoms}
     return CompiledModel(model, {kept[name]: mesh for name, mesh in meshes.items() if name in kept})
@@ -88,8 +87,8 @@ def _replace_inertias(spec: Any) -> None:
             body.ialt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
 
 
-def _take_out(spec: Any, path: Path | None) -> dict[str, MeshFile]:
-    """Put small spheres in the place of mesh geoms; name of each to its mesh."""
+def _remove_meshes(spec: Any, path: Path | None) -> dict[str, MeshFile]:
+    """Replace mesh geoms by small spheres; returns each mesh by the name of its sphere."""
     folder = None if path is None else path.resolve().parent
     known = {mesh.name or Path(mesh.file).stem: MeshFile.of(mesh, spec, folder) for mesh in spec.meshes}
     found = {}
@@ -114,8 +113,8 @@ def _take_out(spec: Any, path: Path | None) -> dict[str, MeshFile]:
 
 
 @contextmanager
-def _silence() -> Iterator[None]:
-    """Keep MuJoCo from writing its warnings to the screen and to a file."""
+def _no_warnings() -> Iterator[None]:
+    """Suppresses MuJoCo's warnings on the screen and in its log file."""
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda message: None)
     try:

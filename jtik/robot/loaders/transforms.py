@@ -1,4 +1,4 @@
-"""Transforms (4, 4) [m] as arrays, and quaternions (w, x, y, z) as MuJoCo writes them."""
+"""Transforms (4, 4) [m] as arrays, from positions and from quaternions (w, x, y, z) in MuJoCo's order."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ def rotation_of(quaternion: Array) -> Array:
     )
 
 
-def placed(position: Array, quaternion: Array) -> Array:
+def pose_of(position: Array, quaternion: Array) -> Array:
     """The pose at ``position`` (3,) [m] with the rotation of ``quaternion`` (4,)."""
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = rotation_of(quaternion), position
     return pose
 
 
-def moved_by(offset: Array) -> Array:
+def translation(offset: Array) -> Array:
     """The translation by ``offset`` (3,) [m]."""
     pose = np.eye(4)
     pose[:3, 3] = offset
     return pose
 
 
-def turned_by(axis: Array, angle: float) -> Array:
-    """The turn by ``angle`` [rad] about the unit vector ``axis`` (3,)."""
-    return placed(np.zeros(3), np.array([math.cos(angle / 2), *(math.sin(angle / 2) * axis)]))
+def rotation_about(axis: Array, angle: float) -> Array:
+    """The rotation by ``angle`` [rad] about the unit vector ``axis`` (3,)."""
+    return pose_of(np.zeros(3), np.array([math.cos(angle / 2), *(math.sin(angle / 2) * axis)]))

@@ -1,7 +1,7 @@
-"""The joints of a URDF as its XML states them: what the way through MuJoCo does not keep.
+"""The joints of a URDF, read from its XML: what MuJoCo does not keep.
 
-MuJoCo drops the names of fixed joints and the velocity limits, and how it reads limits, ``continuous`` and
-``mimic`` depends on its version. Origins, axes, masses and shapes come from MuJoCo.
+MuJoCo drops the names of fixed joints and the velocity limits. How it reads limits, ``continuous`` and ``mimic``
+depends on its version. Origins, axes, masses and shapes are read by MuJoCo.
 """
 
 from __future__ import annotations
@@ -12,28 +12,28 @@ from dataclasses import dataclass, replace
 from xml.etree.ElementTree import Element
 
 from jtik.errors import RobotFileError
-from jtik.robot.loaders.description import Follow
+from jtik.robot.loaders.robot_description import JointCoupling
 from jtik.robot.loaders.source import Source
 
 TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
-"""What the type of a joint may be."""
+"""The joint types that are accepted."""
 
 _SCALAR = ("revolute", "continuous", "prismatic")
 
 
 @dataclass(frozen=True, kw_only=True)
 class UrdfJoint:
-    """One joint.
+    """One joint of a URDF.
 
     Attributes:
         name: its name.
         type: one of `TYPES`.
-        parent: the link it hangs on.
-        child: the link it moves.
+        parent: the link that carries it.
+        child: the link that it moves.
         lower: lower limit [rad] or [m]; -inf when there is none.
         upper: upper limit [rad] or [m]; inf when there is none.
-        velocity_limit: greatest speed [rad/s] or [m/s]; inf when there is none.
-        follow: the joint that it mimics, or None.
+        velocity_limit: maximum speed [rad/s] or [m/s]; inf when there is none.
+        coupling: the coupling to the joint that it mimics, or None.
     """
 
     name: str
@@ -43,7 +43,7 @@ class UrdfJoint:
     lower: float
     upper: float
     velocity_limit: float
-    follow: Follow | None
+    coupling: JointCoupling | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,8 +52,8 @@ class UrdfTree:
 
     Attributes:
         root: the link that no joint moves.
-        joints: by the link that they move.
-        notes: what cannot be kept, a sentence each.
+        joints: the joints by the link that they move.
+        notes: one sentence for each part that is not kept.
     """
 
     root: str
@@ -65,7 +65,7 @@ def read_tree(source: Source) -> UrdfTree:
     """The tree of a URDF.
 
     Raises:
-        RobotFileError: when links and joints are no tree, or a joint cannot be used; with the element's name.
+        RobotFileError: when links and joints do not form a tree, or a joint cannot be used; it names the element.
     """
     links = _unique_names(source, "link")
     _unique_names(source, "joint")
@@ -73,7 +73,7 @@ def read_tree(source: Source) -> UrdfTree:
     if not links:
         macros = any(element.tag.startswith("xacro:") for element in source.root.iter())
         expand = "; its xacro elements have to be expanded first" if macros else ""
-        raise RobotFileError(source.label, "", f"not a robot: it has no link, where at least one is wanted{expand}")
+        raise RobotFileError(source.label, "", f"not a robot: it has no link; accepted: at least one link{expand}")
     joints: dict[str, UrdfJoint] = {}
     notes = []
     for element in source.root.findall("joint"):
@@ -81,16 +81,16 @@ def read_tree(source: Source) -> UrdfTree:
         if joint.child in joints:
             problem = f"moved by the joints {joints[joint.child].name!r} and {joint.name!r}, where one is accepted"
             raise RobotFileError(source.label, f"link {joint.child!r}", problem)
-        if joint.follow is not None and joint.follow.leader not in scalar:
-            leader = f"{joint.follow.leader!r}, which is no revolute, continuous or prismatic joint"
+        if joint.coupling is not None and joint.coupling.leader not in scalar:
+            leader = f"{joint.coupling.leader!r}, which is not a revolute, continuous or prismatic joint"
             notes.append(f"joint {joint.name!r} stays independent: it mimics {leader}")
-            joint = replace(joint, follow=None)
+            joint = replace(joint, coupling=None)
         joints[joint.child] = joint
     roots = [link for link in links if link not in joints]
     if not roots:
-        raise RobotFileError(source.label, "", "not a tree: every link hangs on a joint, where one root is wanted")
+        raise RobotFileError(source.label, "", "not a tree: every link is a child; accepted: one root link")
     if len(roots) > 1:
-        problem = f"not a tree: the links {', '.join(map(repr, roots))} hang on no joint, where one root is wanted"
+        problem = f"not a tree: the links {', '.join(map(repr, roots))} have no parent; accepted: one root link"
         raise RobotFileError(source.label, "", problem)
     _check_connected(source, roots[0], joints)
     if "world" in joints:
@@ -109,14 +109,14 @@ def _read_joint(source: Source, element: Element, links: list[str]) -> UrdfJoint
         found = element.find(end)
         link = "" if found is None else found.get("link", "")
         if link not in links:
-            raise RobotFileError(source.label, where, f"its {end} {link!r} is no link of the file")
+            raise RobotFileError(source.label, where, f"its {end} {link!r} is not a link of the file")
         ends.append(link)
     _check_triples(source, where, element)
     lower, upper, speed = _read_limits(source, where, kind, element.find("limit"))
     mimic = element.find("mimic")
-    follow = None
+    coupling = None
     if mimic is not None and kind in _SCALAR:
-        follow = Follow(
+        coupling = JointCoupling(
             joint=name,
             leader=mimic.get("joint", ""),
             multiplier=_number(source, where, mimic, "multiplier", 1.0),
@@ -130,12 +130,12 @@ def _read_joint(source: Source, element: Element, links: list[str]) -> UrdfJoint
         lower=lower,
         upper=upper,
         velocity_limit=speed,
-        follow=follow,
+        coupling=coupling,
     )
 
 
 def _check_triples(source: Source, where: str, joint: Element) -> None:
-    """Refuse an origin or an axis that is not three finite numbers; MuJoCo would not say which joint it is."""
+    """Check that origins and axes are three finite numbers; MuJoCo's error does not name the joint."""
     for tag, attribute in (("origin", "xyz"), ("origin", "rpy"), ("axis", "xyz")):
         element = joint.find(tag)
         text = None if element is None else element.get(attribute)
@@ -153,8 +153,7 @@ def _check_triples(source: Source, where: str, joint: Element) -> None:
 def _read_limits(source: Source, where: str, kind: str, limit: Element | None) -> tuple[float, float, float]:
     """Lower, upper and velocity limit; infinite where there is none.
 
-    Limits that are both zero, and a velocity of zero, are what exporters write where nobody gave any; they count
-    as none.
+    Limits that are both zero, and a velocity of zero, count as none: exporters write them for joints without limits.
     """
     if limit is None or kind not in _SCALAR:
         return -math.inf, math.inf, math.inf
@@ -178,7 +177,7 @@ def _number(
     try:
         value = float(text)
     except ValueError as error:
-        problem = f"{attribute}={text!r} in <{element.tag}> is no number"
+        problem = f"{attribute}={text!r} in <{element.tag}> is not a number"
         raise RobotFileError(source.label, where, problem) from error
     if math.isnan(value) or (finite and math.isinf(value)):
         raise RobotFileError(source.label, where, f"{attribute}={text!r} in <{element.tag}>; accepted: a number")
@@ -190,7 +189,7 @@ def _unique_names(source: Source, tag: str) -> list[str]:
     for element in source.root.findall(tag):
         name = element.get("name", "")
         if not name:
-            raise RobotFileError(source.label, f"a <{tag}>", "it has no name, where every one needs its own")
+            raise RobotFileError(source.label, f"a <{tag}>", "it has no name; accepted: a name of its own")
         if name in names:
             raise RobotFileError(source.label, f"{tag} {name!r}", f"the name of two {tag}s, where each needs its own")
         names[name] = None
@@ -198,16 +197,16 @@ def _unique_names(source: Source, tag: str) -> list[str]:
 
 
 def _check_connected(source: Source, root: str, joints: dict[str, UrdfJoint]) -> None:
-    held = {root}
+    connected = {root}
     for link in joints:
-        way: dict[str, None] = {}
+        path: dict[str, None] = {}
         for above in _upward(link, joints):
-            if above in held:
+            if above in connected:
                 break
-            if above in way:
-                raise RobotFileError(source.label, f"link {above!r}", "not a tree: it hangs on itself")
-            way[above] = None
-        held.update(way)
+            if above in path:
+                raise RobotFileError(source.label, f"link {above!r}", "not a tree: it is its own ancestor")
+            path[above] = None
+        connected.update(path)
 
 
 def _upward(link: str, joints: dict[str, UrdfJoint]) -> Iterator[str]:

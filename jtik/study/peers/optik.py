@@ -53,7 +53,7 @@ class _OptikReady(Ready):
         self._goal, self._numbers = goal, list(goal.numbers)
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "chain.urdf"
-            file.write_text(to_urdf(goal.bare, turn=options.turn, frame=goal.frame), encoding="utf-8")
+            file.write_text(to_urdf(goal.bare, revolute_limit=options.turn, frame=goal.frame), encoding="utf-8")
             self._robot = library.Robot.from_urdf_file(str(file), goal.robot.base, goal.frame)
         self._robot.set_parallelism(options.threads)
         self._lower, self._upper = map(np.array, self._robot.joint_limits())

@@ -112,5 +112,5 @@ def _read(library: Any, goal: Goal) -> Any:
 
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "robot.urdf"
-        file.write_text(to_urdf(goal.robot, turn=UNLIMITED), encoding="utf-8")
+        file.write_text(to_urdf(goal.robot, revolute_limit=UNLIMITED), encoding="utf-8")
         return library.RobotWrapper(str(file), library.Flags.ignore_collisions)

@@ -58,7 +58,7 @@ class _PyrokiReady(Ready):
         jax = imported("jax", options.package)
         yourdfpy = imported("yourdfpy", options.package)
         self._jax, self._lie, self._goal = jax, imported("jaxlie", options.package), goal
-        text = to_urdf(goal.bare, turn=UNLIMITED).encode()
+        text = to_urdf(goal.bare, revolute_limit=UNLIMITED).encode()
         urdf = yourdfpy.URDF.load(io.BytesIO(text), build_scene_graph=True, load_meshes=False)
         with jax.enable_x64(True):
             robot = library.Robot.from_urdf(urdf)

@@ -1,4 +1,4 @@
-"""A built-in robot as a table: what the modules of the gallery fill in, and what becomes a `Robot`."""
+"""The tables of a built-in robot: rows of joints and fixed frames, and the `GalleryRobot` made of them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from jtik.geometry import Capsule, Solid
-from jtik.robot.dh import shift, turn_x, turn_z
+from jtik.robot.dh import rotation_x, rotation_z, translation
 from jtik.robot.joints import JointType
 from jtik.robot.rotation import snapped
 from jtik.robot.tree import Joint
@@ -19,20 +19,20 @@ from jtik.types import Array
 Triple: TypeAlias = tuple[float, float, float]
 
 QUARTER = math.pi / 2
-"""A quarter turn [rad]."""
+"""A right angle [rad]."""
 
 
-class Hinge(NamedTuple):
-    """A joint that turns about z, and the link it moves, as a row of a chain.
+class Revolute(NamedTuple):
+    """A revolute joint about z, and the link it moves: a row of a chain.
 
     Attributes:
         joint: name of the joint.
         link: name of the link and its frame.
-        xyz: where the joint sits in the frame of the link before [m].
-        rpy: how it is turned there: about the fixed axes x, then y, then z [rad].
+        xyz: position of the joint in the frame of the previous link [m].
+        rpy: orientation of the joint there: rotations about the fixed axes x, then y, then z [rad].
         lower: lower limit [rad].
         upper: upper limit [rad].
-        speed: greatest speed [rad/s].
+        speed: maximum speed [rad/s].
     """
 
     joint: str
@@ -45,7 +45,14 @@ class Hinge(NamedTuple):
 
 
 class Fixture(NamedTuple):
-    """A frame fixed on another: name, what it sits on, where [m] and how turned (as in `Hinge`) [rad]."""
+    """A frame fixed on another one.
+
+    Attributes:
+        frame: name of the frame.
+        parent: name of the frame that carries it.
+        xyz: position in the parent [m].
+        rpy: orientation in the parent, as in `Revolute` [rad].
+    """
 
     frame: str
     parent: str
@@ -54,18 +61,18 @@ class Fixture(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Description:
+class GalleryRobot:
     """A robot of the gallery.
 
     Attributes:
-        name: what it is called.
-        summary: what it is, in a line.
+        name: name of the robot.
+        summary: one line of description.
         source: where its figures are published.
-        home: a posture to start from, away from singularities, one number a joint.
-        joints: the tree.
-        base: the root frame.
+        home: a start configuration away from singularities, one number for each joint.
+        joints: the tree of joints.
+        base: name of the root frame.
         planar: whether its workspace is the x-y plane.
-        shapes: solids on the links.
+        shapes: solids on the links, by frame.
     """
 
     name: str
@@ -78,7 +85,7 @@ class Description:
     shapes: Mapping[str, Sequence[Solid]] = field(default_factory=dict)
 
     def arguments(self) -> dict[str, Any]:
-        """The arguments of `Robot`; its tip is the frame "tip"."""
+        """The arguments of `Robot`; the tip is the frame "tip"."""
         return {
             "joints": self.joints,
             "name": self.name,
@@ -90,21 +97,21 @@ class Description:
         }
 
 
-def chain(base: str, hinges: Sequence[Hinge], fixtures: Sequence[Fixture], *, tip: str) -> tuple[Joint, ...]:
-    """The joints of a serial arm: ``hinges`` one after another on ``base``, then what is fixed on them.
+def chain(base: str, rows: Sequence[Revolute], fixtures: Sequence[Fixture], *, tip: str) -> tuple[Joint, ...]:
+    """The joints of a serial arm on ``base``: ``rows`` one after another, then the fixed frames.
 
     The frame "tip" coincides with the frame ``tip``.
     """
     joints = []
     parent = base
-    for row in hinges:
+    for row in rows:
         joints.append(
             Joint(
                 row.joint,
                 JointType.REVOLUTE,
                 parent,
                 row.link,
-                origin=place(row.xyz, row.rpy),
+                origin=pose_at(row.xyz, row.rpy),
                 lower=row.lower,
                 upper=row.upper,
                 velocity_limit=row.speed,
@@ -115,18 +122,18 @@ def chain(base: str, hinges: Sequence[Hinge], fixtures: Sequence[Fixture], *, ti
 
 
 def fixed(fixture: Fixture) -> Joint:
-    """The fixed joint of a fixture, called like its frame."""
-    origin = place(fixture.xyz, fixture.rpy)
+    """The fixed joint of a fixture, with the name of its frame."""
+    origin = pose_at(fixture.xyz, fixture.rpy)
     return Joint(fixture.frame, JointType.FIXED, fixture.parent, fixture.frame, origin=origin)
 
 
-def place(xyz: Triple, rpy: Triple = (0.0, 0.0, 0.0)) -> Array:
-    """The pose (4, 4) at ``xyz`` [m], turned by ``rpy`` [rad] about the fixed axes x, then y, then z.
+def pose_at(xyz: Triple, rpy: Triple = (0.0, 0.0, 0.0)) -> Array:
+    """The pose (4, 4) at ``xyz`` [m] with rotations ``rpy`` [rad] about the fixed axes x, then y, then z.
 
-    Quarter turns are exact.
+    Right angles are exact.
     """
     roll, pitch, yaw = rpy
-    pose = shift(*xyz) @ turn_z(yaw) @ _turn_y(pitch) @ turn_x(roll)
+    pose = translation(*xyz) @ rotation_z(yaw) @ _rotation_y(pitch) @ rotation_x(roll)
     pose[:3, :3] = snapped(pose[:3, :3])
     return pose
 
@@ -136,6 +143,6 @@ def capsule(start: Triple, end: Triple, radius: float) -> Capsule:
     return Capsule(np.array(start), np.array(end), radius)
 
 
-def _turn_y(angle: float) -> Array:
-    # a turn about y is a turn about x seen from a frame turned about z
-    return turn_z(QUARTER) @ turn_x(angle) @ turn_z(-QUARTER)
+def _rotation_y(angle: float) -> Array:
+    # a rotation about y is one about x, in a frame rotated by a right angle about z
+    return rotation_z(QUARTER) @ rotation_x(angle) @ rotation_z(-QUARTER)

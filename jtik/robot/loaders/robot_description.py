@@ -1,4 +1,4 @@
-"""What a file says about a robot: the arguments of `Robot`, and which joints follow which."""
+"""The content of a robot file: the arguments of `Robot`, and the couplings of its joints."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from jtik.types import Array
 
 
 @dataclass(frozen=True, kw_only=True)
-class Follow:
-    """``position(joint) = multiplier * position(leader) + offset``, as a file states it.
+class JointCoupling:
+    """The coupling ``position(joint) = multiplier * position(leader) + offset`` of a file.
 
     Attributes:
-        joint: name of the joint that follows.
-        leader: name of the joint that it follows; None when it is held at ``offset``.
-        multiplier: ratio of the positions; 0 holds it at ``offset``, too.
+        joint: name of the follower.
+        leader: name of the joint that it follows; None for the constant position ``offset``.
+        multiplier: ratio of the positions; 0 for the constant position ``offset``.
         offset: position [rad] or [m] when the leader is at zero.
     """
 
@@ -31,26 +31,26 @@ class Follow:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Description:
-    """A robot as read, before the joints that follow others are folded into them.
+class RobotDescription:
+    """A robot as read from a file, before its couplings become mimic joints.
 
     Attributes:
-        label: the file, or what stands for it.
-        name: what the file calls it; empty when it does not say.
-        base: the root frame.
+        label: the path of the file, or a name for a text or a model, for errors.
+        name: name of the robot in the file; empty without one.
+        base: name of the root frame.
         joints: the tree, depth first.
-        follows: joints that follow others.
-        masses: mass on each frame that has one.
-        shapes: solids on each frame that has any.
-        keyframes: names and positions of every moving joint, by joint name, (nq of the joint,).
-        notes: what could not be kept, a sentence each.
+        couplings: the couplings of joints.
+        masses: the mass on each frame that has one.
+        shapes: the solids on each frame that has any.
+        keyframes: for each keyframe the position of every moving joint, by joint name, (nq of the joint,).
+        notes: one sentence for each part of the file that is not kept.
     """
 
     label: str
     name: str
     base: str
     joints: tuple[Joint, ...]
-    follows: tuple[Follow, ...] = ()
+    couplings: tuple[JointCoupling, ...] = ()
     masses: dict[str, Mass] = field(default_factory=dict)
     shapes: dict[str, list[Solid]] = field(default_factory=dict)
     keyframes: dict[str, dict[str, Array]] = field(default_factory=dict)
@@ -58,11 +58,11 @@ class Description:
 
     @property
     def tip(self) -> str:
-        """The frame that works where none is named; see `tool_frame`."""
+        """The frame of the end effector where none is named; see `tool_frame`."""
         return tool_frame(self.joints, self.base)
 
     def arguments(self) -> dict[str, Any]:
-        """The arguments of `Robot`, but for the tip; to be called when nothing follows any more."""
+        """The arguments of `Robot` without the tip; call it when no couplings are left."""
         moving = [joint.name for joint in self.joints if joint.is_independent]
         return {
             "joints": self.joints,
@@ -77,21 +77,21 @@ class Description:
 
 
 class Names:
-    """Gives every frame, or every joint, a name of its own."""
+    """Gives every frame, or every joint, a unique name."""
 
     def __init__(self) -> None:
         self._taken: set[str] = set()
 
     def reserve(self, names: Iterable[str]) -> None:
-        """Take names that a file gives, so that no made-up one gets in their way."""
+        """Reserve the names of a file, so that no generated name equals one of them."""
         self._taken.update(name for name in names if name)
 
-    def unique(self, wanted: str, suffix: str = "") -> str:
-        """``wanted`` when it is free, else with " (suffix)" or a number behind it."""
-        candidates = [wanted, f"{wanted} ({suffix})"] if suffix else [wanted]
+    def unique(self, preferred: str, suffix: str = "") -> str:
+        """``preferred`` when it is free, else with " (suffix)" or a number appended."""
+        candidates = [preferred, f"{preferred} ({suffix})"] if suffix else [preferred]
         number = 2
         while candidates[0] in self._taken:
-            candidates = candidates[1:] or [f"{wanted} ({suffix} {number})" if suffix else f"{wanted} ({number})"]
+            candidates = candidates[1:] or [f"{preferred} ({suffix} {number})" if suffix else f"{preferred} ({number})"]
             number += 1
         self._taken.add(candidates[0])
         return candidates[0]

@@ -1,4 +1,4 @@
-"""The same kinematics for numbers and for symbols: one formula, compiled where numbers ask for it."""
+"""Numeric and symbolic evaluation of the same kinematics: one formula, compiled when numbers ask for it."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 
 from jtik.errors import ArgumentError, finite_array
+from jtik.robot.row_indexing import by_rows
 from jtik.symbolic import SX, Expression, Function, function, is_symbolic, symbol, vertcat
 
 if TYPE_CHECKING:
@@ -21,10 +22,15 @@ _ARGUMENTS: dict[LayoutQuantity, tuple[str, ...]] = {
     "difference": ("start", "end"),
 }
 _VECTORS = ("position", "center_of_mass", "integrate", "difference")
+_READ_BY_ROWS = ("pose", "jacobian")
 
 
-class Twins:
-    """Answers for one robot: SX gives expressions, MX a call of the compiled function, numbers an array."""
+class Evaluator:
+    """Evaluates the kinematics of one robot.
+
+    An SX gives expressions, an MX a call of the compiled function, numbers an array. Symbolic poses and Jacobians are
+    read by rows, see `jtik.robot.row_indexing`.
+    """
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -35,9 +41,7 @@ class Twins:
         frame = self._robot.frame(frame)
         if isinstance(q, SX):
             return getattr(self._robot.at(q), quantity)(frame)
-        value = q if is_symbolic(q) else finite_array("q", q, (self._robot.nq,))
-        if not is_symbolic(q):
-            self._check_quaternions("q", value)
+        value = q if is_symbolic(q) else self._robot.configuration(q)
         key = (quantity, frame)
         if key not in self._compiled:
             symbolic_q = symbol("q", self._robot.nq)
@@ -46,9 +50,9 @@ class Twins:
         return _answer(self._compiled[key], [value])
 
     def of_layout(self, quantity: LayoutQuantity, *values: Expression) -> Any:
-        """The tangent map, a step, or the displacement between two configurations."""
+        """The tangent map, the configuration after a displacement, or the displacement between two configurations."""
         names = _ARGUMENTS[quantity]
-        checked = [self.checked(name, value) for name, value in zip(names, values, strict=True)]
+        checked = [self._checked(name, value) for name, value in zip(names, values, strict=True)]
         key = (quantity, None)
         if key not in self._compiled:
             inputs = [symbol(name, self._size(name)) for name in names]
@@ -59,44 +63,36 @@ class Twins:
 
     def _build(self, quantity: LayoutQuantity, *values: Expression) -> Expression:
         joints = self._robot.independent_joints
-        places = [(joint, self._robot.q_slice(joint.name), self._robot.v_slice(joint.name)) for joint in joints]
+        slices = [(joint, self._robot.q_slice(joint.name), self._robot.v_slice(joint.name)) for joint in joints]
         if quantity == "tangent":
             (q,) = values
             total = SX(self._robot.nq, self._robot.n)
-            for joint, at_q, at_v in places:
+            for joint, at_q, at_v in slices:
                 total[at_q, at_v] = joint.type.tangent(q[at_q])
             return total
         first, second = values
         if quantity == "integrate":
-            return vertcat(*[j.type.integrate(first[at_q], second[at_v]) for j, at_q, at_v in places])
-        return vertcat(*[j.type.difference(first[at_q], second[at_q]) for j, at_q, _ in places])
+            return vertcat(*[j.type.integrate(first[at_q], second[at_v]) for j, at_q, at_v in slices])
+        return vertcat(*[j.type.difference(first[at_q], second[at_q]) for j, at_q, _ in slices])
 
     def _size(self, argument: str) -> int:
         return self._robot.n if argument == "dq" else self._robot.nq
 
-    def checked(self, argument: str, value: Expression) -> Expression:
+    def _checked(self, argument: str, value: Expression) -> Expression:
         """The argument as an array or an expression of the right shape; raises ArgumentError for anything else."""
         size = self._size(argument)
         if not is_symbolic(value):
-            array = finite_array(argument, value, (size,))
-            if argument != "dq":
-                self._check_quaternions(argument, array)
-            return array
+            if argument == "dq":
+                return finite_array(argument, value, (size,))
+            return self._robot.configuration(value, argument=argument)
         if value.shape != (size, 1):
             raise ArgumentError(argument, f"an expression of shape {value.shape}", f"shape ({size}, 1)")
         return value
 
-    def _check_quaternions(self, argument: str, q: Any) -> None:
-        for joint in self._robot.independent_joints:
-            start = joint.type.quaternion_start
-            if start is not None and not q[self._robot.q_slice(joint.name)][start:].any():
-                given = f"a zero quaternion for joint {joint.name!r}"
-                raise ArgumentError(argument, given, "quaternions (w, x, y, z) other than zero")
-
 
 def _answer(compiled: Function, values: list[Expression]) -> Any:
-    result = compiled(*values)
+    result, quantity = compiled(*values), compiled.name_out(0)
     if is_symbolic(result):
-        return result
+        return by_rows(result) if quantity in _READ_BY_ROWS else result
     array = np.array(result.full())
-    return array[:, 0] if compiled.name_out(0) in _VECTORS else array
+    return array[:, 0] if quantity in _VECTORS else array
