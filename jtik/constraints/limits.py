@@ -1,4 +1,4 @@
-"""Limits of a joint's motion: position, velocity and acceleration, chosen by the caller, as numbers of one robot."""
+"""Limits of position, velocity and acceleration: which of them hold, and their numbers for one robot."""
 
 from __future__ import annotations
 
@@ -18,30 +18,31 @@ AT_LIMIT = 1e-9
 """Distance to a limit at which a joint counts as being at it [rad] or [m]."""
 
 Speeds: TypeAlias = bool | float | Sequence[float] | NDArray[np.float64]
-"""The robot's own, none, one number for all joints, or one for each velocity entry."""
+"""True for the robot's own limits, False for none, one number for all joints, or one for each velocity entry."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """Which limits hold, for `InverseKinematics`; hinges and slides each, ball and free joints as a whole.
+    """Which limits hold, for `InverseKinematics`.
 
-    Position limits hold always. Velocity and acceleration limits hold where a time is given, in ``track`` and in
-    ``step(..., dt=)``; there all three are one box on the step, which is never empty (formulations/limits.md).
+    Position limits always hold. Velocity and acceleration limits hold where a time is given, in ``track`` and in
+    ``step(..., dt=)``; there all three are one box on the step, which is never empty (formulations/limits.md). Each
+    revolute and prismatic joint has limits of its own; a ball or free joint is slowed as a whole.
 
-    From rest inside its limits a joint keeps all three, whatever a strategy does. Where a start breaks one,
-    accelerations come first, then velocities, then positions, which are come back to as fast as the others allow.
-    With a limit of acceleration joints brake ahead of position limits, but not of targets or clearances: targets
-    should move as the robot can, and a strategy with the box in its program ("weighted_qp", "lexicographic_qp")
-    follows them best.
+    A joint that starts at rest inside its limits keeps all three, whatever the strategy does. If a start violates one,
+    accelerations have priority over velocities, and these over positions; the joint returns to its position limits as
+    fast as the others allow. With an acceleration limit, joints brake before position limits, but not before targets or
+    clearances: targets should move as the robot can, and a strategy with the box in its quadratic program
+    ("weighted_qp", "lexicographic_qp") follows them best.
 
-    Args:
+    Attributes:
         position: whether the robot's position limits hold.
-        velocity: greatest speeds: True for the robot's own ``velocity_limit``, False for none, a number for all
-            joints, or (n,) for the joints that the solver moves [rad/s] or [m/s]; ``inf`` for none.
-        acceleration: greatest changes of speed: None for none, a number, or (n,) [rad/s^2] or [m/s^2].
+        velocity: largest speeds: True for the robot's own ``velocity_limit``, False for none, a number for all joints,
+            or (n,) for the joints that the solver moves [rad/s] or [m/s]; ``inf`` for none.
+        acceleration: largest accelerations: None for none, a number, or (n,) [rad/s^2] or [m/s^2].
 
     Raises:
-        ArgumentError: for what is no limit, such as a negative number or NaN.
+        ArgumentError: for a value that is not a limit, such as a negative number or NaN.
     """
 
     position: bool = True
@@ -62,7 +63,7 @@ class Limits:
             object.__setattr__(self, "acceleration", _positive("acceleration", self.acceleration, accepted))
 
     def of(self, robot: Robot) -> Bounds:
-        """The numbers for a robot.
+        """The limits of a robot as numbers.
 
         Raises:
             ArgumentError: when there are not as many as the robot has velocity entries.
@@ -81,10 +82,14 @@ class Limits:
 
 @dataclass(frozen=True, eq=False)
 class Bounds:
-    """Limits as numbers.
+    """Limits as numbers; infinite where there is none.
 
-    Attributes: lower, upper (nq,) [rad] or [m]; velocity (n,) per second, acceleration (n,) per second squared. What is
-    not limited is infinite.
+    Attributes:
+        robot: the robot.
+        lower: lower position limits (nq,) [rad] or [m].
+        upper: upper position limits (nq,) [rad] or [m].
+        velocity: largest speeds (n,) [rad/s] or [m/s].
+        acceleration: largest accelerations (n,) [rad/s^2] or [m/s^2].
     """
 
     robot: Robot
@@ -95,7 +100,7 @@ class Bounds:
 
     @property
     def bounded(self) -> tuple[tuple[int, int], ...]:
-        """(q index, v index) of the hinges and slides that have a limit of any kind."""
+        """(q index, v index) of the revolute and prismatic joints that have a limit of any kind."""
         return tuple(
             (int(i), int(j))
             for i, j in zip(self.robot.scalar_q, self.robot.scalar_v, strict=True)
@@ -105,15 +110,15 @@ class Bounds:
         )
 
     @property
-    def whole(self) -> NDArray[np.intp]:
-        """Velocity entries of ball and free joints that have a limit: no box on q can hold them."""
+    def unboxed(self) -> NDArray[np.intp]:
+        """Velocity entries of ball and free joints that have a limit, which no box on q can express."""
         limited = np.minimum(self.velocity, self.acceleration) < math.inf
         limited[self.robot.scalar_v] = False
         return np.flatnonzero(limited)
 
 
 def limits_of(limits: object) -> Limits:
-    """A solver's argument as Limits: True for all of the robot's own, False for no position limits.
+    """The argument ``limits`` of a solver as `Limits`: True for the robot's own, False for no position limits.
 
     Raises:
         ArgumentError: for anything else.

@@ -1,6 +1,6 @@
-"""The box in which a step of given length in time must end: position, velocity and acceleration limits in one.
+"""The box in which a step of a given time must end: limits of position, velocity and acceleration in one.
 
-Derived in formulations/limits.md, whose labels the code carries.
+The labels (M1) to (M6) are those of formulations/limits.md.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from jtik.symbolic.compile import bind
 from jtik.types import Array
 
 
-def braking(room: Expression, change: float | Expression) -> Expression:
-    """The longest step into ``room`` after which steps that shrink by ``change`` each still end inside (M3).
+def braking(distance: Expression, change: float | Expression) -> Expression:
+    """The longest step towards a limit at ``distance`` after which a joint can still stop before it (M3).
 
-    Room below 0 is a way back, and a step as long as that is the answer.
+    Each following step is shorter by ``change``. A negative distance is the way back to the limit, and the answer.
     """
-    return 2 * room / (1 + sqrt(1 + 2 * fmax(room, 0) / change))
+    return 2 * distance / (1 + sqrt(1 + 2 * fmax(distance, 0) / change))
 
 
 def box_function(bounds: Bounds) -> Function:
-    """(q, displacement of the last step (n, 1), (dt, dt of the last step)) -> box (lower, upper) on the next q."""
+    """(q, displacement of the last step (n, 1), (dt, dt of the last step)) -> box (lower, upper) of the next q."""
     robot = bounds.robot
     q, last, clock = symbol("q", robot.nq), symbol("last", robot.n), symbol("clock", 2)
     dt, lower, upper = clock[0], [-math.inf] * robot.nq, [math.inf] * robot.nq
@@ -39,7 +39,7 @@ def box_function(bounds: Bounds) -> Function:
 
 
 def _allowed(last: Expression, reach: Expression, change: Expression | None) -> tuple[Expression, Expression]:
-    """Displacements that (M1) and (M2) allow; where the two do not meet, the one of (M2) nearest to (M1)."""
+    """Displacements that (M1) and (M2) allow; if the two do not intersect, the one of (M2) closest to (M1)."""
     if change is None:
         return -reach, reach
     least, most = last - change, last + change
@@ -49,39 +49,41 @@ def _allowed(last: Expression, reach: Expression, change: Expression | None) -> 
 def _merged(
     q: Expression, lower: float, upper: float, low: Expression, high: Expression, change: Expression | None
 ) -> tuple[Expression, Expression]:
-    """The same with the position limits (M4), as positions; where the two do not meet, the nearest to the limit."""
+    """The same with the position limits (M4), as positions; if the two do not intersect, the closest to the limit."""
     down, up = q + low, q + high
     least, most = -math.inf, math.inf
     if lower > -math.inf:
         least = lower if change is None else fmax(q - braking(q - lower, change), lower)
     if upper < math.inf:
         most = upper if change is None else fmin(q + braking(upper - q, change), upper)
-    if change is not None:  # outside one limit: the way back is no longer than the other limit allows
+    if change is not None:  # outside one limit, the way back is no longer than the other limit allows
         least, most = fmin(least, fmax(most, q)), fmax(most, fmin(least, q))
     return fmin(fmax(least, down), up), fmin(fmax(most, down), up)
 
 
 class StepBox:
-    """The box of each step in turn, written where a solver reads it; it remembers the last step.
+    """The box of each step in turn, written to memory that a solver reads; it remembers the last step.
 
-    Attributes: lower, upper: the memory written to, (nq,) each.
+    Attributes:
+        lower: lower bounds of q (nq,).
+        upper: upper bounds of q (nq,).
     """
 
     def __init__(self, bounds: Bounds, box: Function, lower: Array, upper: Array) -> None:
         self._bounds, self._robot = bounds, bounds.robot
         self._remembers = bool((bounds.acceleration < math.inf).any())
         self._plain = self._robot.nq == self._robot.n
-        self._whole = bounds.whole
+        self._unboxed = bounds.unboxed
         self._q, self._last, self._clock = np.zeros(self._robot.nq), np.zeros(self._robot.n), np.ones(2)
         self._dt = self._before = 1.0
         self.lower, self.upper = lower, upper
         self._evaluate = bind(box, [self._q, self._last, self._clock], [lower, upper])
 
     def narrow(self, q: Array, dt: float) -> None:
-        """The box of a step of ``dt`` [s] from ``q`` (nq,).
+        """Write the box of a step of ``dt`` [s] from ``q`` (nq,).
 
         Raises:
-            ArgumentError: when dt is no positive number.
+            ArgumentError: when dt is not a positive number.
         """
         if dt != self._dt:
             self._clock[0] = self._dt = positive("dt", dt)
@@ -89,7 +91,7 @@ class StepBox:
         self._evaluate()
 
     def moved(self, q: Array) -> None:
-        """The step that was narrowed last ended at ``q`` (nq,)."""
+        """Remember that the step ended at ``q`` (nq,)."""
         if not self._remembers:
             return
         if self._plain:
@@ -100,36 +102,36 @@ class StepBox:
             self._clock[1] = self._before = self._dt
 
     def rest(self) -> None:
-        """Forget the last step: the robot stands."""
+        """Forget the last step: the robot is at rest."""
         self._last[:] = 0
 
     def slowed(self, q: Array) -> Array:
-        """``q``, or how far the way to it leads where ball or free joints would be too fast (M6), (nq,)."""
-        if not self._whole.size:
+        """``q`` (nq,), or the part of the way to it after which no ball or free joint is too fast (M6)."""
+        if not self._unboxed.size:
             return q
         way, base = self._robot.difference(self._q, q), np.zeros(self._robot.n)
         scalar_q, scalar_v = self._robot.scalar_q, self._robot.scalar_v
         base[scalar_v] = self._inside(self._q)[scalar_q] - self._q[scalar_q]
-        last = self._last[self._whole] * (self._clock[0] / self._clock[1])
-        reach = self._bounds.velocity[self._whole] * self._dt
-        change = self._bounds.acceleration[self._whole] * self._dt**2
+        last = self._last[self._unboxed] * (self._clock[0] / self._clock[1])
+        reach = self._bounds.velocity[self._unboxed] * self._dt
+        change = self._bounds.acceleration[self._unboxed] * self._dt**2
         low, high = (np.clip(end, last - change, last + change) for end in (-reach, reach))
-        base[self._whole] = stay = np.clip(0.0, low, high)
-        share = _share(way[self._whole] - stay, low - stay, high - stay)
+        base[self._unboxed] = stay = np.clip(0.0, low, high)
+        share = _share(way[self._unboxed] - stay, low - stay, high - stay)
         if share >= 1:
             return q
         return self._inside(self._robot.integrate(self._q, base + share * (way - base)))
 
     def _inside(self, q: Array) -> Array:
-        """q led into the box."""
+        """q clamped to the box."""
         q, scalar = q.copy(), self._robot.scalar_q
         q[scalar] = np.clip(q[scalar], self.lower[scalar], self.upper[scalar])
         return q
 
 
 def _share(way: Array, low: Array, high: Array) -> float:
-    """How much of the way, at most 1, stays between low <= 0 and high >= 0."""
-    room = np.where(way > 0, high, low)
+    """Largest share of the way, at most 1, that stays between low <= 0 and high >= 0."""
+    margin = np.where(way > 0, high, low)
     beyond = (way < low) | (way > high)
-    shares: NDArray[np.float64] = np.divide(room, way, out=np.ones(len(way)), where=beyond)
+    shares: NDArray[np.float64] = np.divide(margin, way, out=np.ones(len(way)), where=beyond)
     return float(shares.min(initial=1.0))
