@@ -262,7 +262,7 @@ def test_wrong_options_are_refused_by_name(generator, options, argument):
 
 @pytest.mark.parametrize("generator", ["boundary", "unreachable"])
 def test_a_robot_that_reaches_everywhere_has_no_boundary(generator):
-    with pytest.raises(jtik.ArgumentError, match="reach ends"):
+    with pytest.raises(jtik.ArgumentError, match="bounded reach"):
         draw(generator, gallery("vehicle3"), jtik.FrameTask())
 
 

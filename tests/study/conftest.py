@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.study import Answer, Contender, Ready
+from jtik.study import Answer, Contender, PreparedContender
 
 TIMES = ("seconds", "seconds_low", "seconds_high", "seconds_per_iteration")
 """The columns that differ from one run of a study to the next."""
@@ -22,7 +22,7 @@ class Fixed(Contender):
         return _Fixed(self.q, self.claimed)
 
 
-class _Fixed(Ready):
+class _Fixed(PreparedContender):
     def __init__(self, q, claimed):
         self.answer = Answer(q, "done", claimed)
 
@@ -39,7 +39,7 @@ class Broken(Contender):
         return _Broken()
 
 
-class _Broken(Ready):
+class _Broken(PreparedContender):
     def solve(self, target, q0):
         raise RuntimeError("the arm fell off")
 

@@ -9,7 +9,7 @@ import pytest
 
 import jtik
 from jtik.problems import Case, ProblemSet
-from jtik.study import Law
+from jtik.study import StrategyContender
 from jtik_formulations import Damped, JointCentering, ObstacleAvoidance
 
 START = np.array([0.3, 0.4, -0.2, 0.5])
@@ -114,8 +114,8 @@ class TestContenders:
         away = np.linalg.norm(arm.position(START) - [0.0, 3.0])
         assert not study.columns["success"][0]
         assert study.columns["position_error"][0] == pytest.approx(away, rel=1e-12)
-        assert study.columns["note"][0].startswith("says it is on target, but is")
-        assert "fixed: says it is on target where it is not" in study.notes
+        assert study.columns["note"][0].startswith("reports success, but the error is")
+        assert "fixed: reports success, but is off target by the independent check" in study.notes
 
     def test_one_that_is_right_without_knowing_is(self, arm, task, fixed):
         here = case("here", arm.position(START))
@@ -146,7 +146,7 @@ class TestContenders:
     def test_labels_are_names_options_or_the_caller_s_own(self):
         from jtik.study.strategies import contenders_of
 
-        given = ["damped", Damped(), Damped(damping=0.5), Law("hybrid", compiled=True), "damped"]
+        given = ["damped", Damped(), Damped(damping=0.5), StrategyContender("hybrid", compiled=True), "damped"]
         assert list(contenders_of(given)) == [
             "damped",
             "damped #2",

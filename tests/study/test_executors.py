@@ -12,7 +12,7 @@ import pytest
 import jtik
 from jtik.study import Contender
 from jtik.study.fingerprint import fingerprint
-from jtik.study.travel import Packed, UnpackError, run_packed
+from jtik.study.serialization import PlanDeserializationError, SerializedPlan, run_serialized
 from jtik.testing import example_criterion
 from jtik_formulations import Damped, JointCentering
 
@@ -95,7 +95,7 @@ def test_a_dask_cluster_gives_the_same(serial, arm, task, assert_same):
 class TestTravelling:
     @pytest.mark.parametrize("name", [*jtik.strategies, *(f"newton+{name}" for name in jtik.secondaries)])
     def test_every_strategy_travels(self, name):
-        law = jtik.study.Law(jtik.registry.strategy_of(name))
+        law = jtik.study.StrategyContender(jtik.registry.strategy_of(name))
         twin = pickle.loads(pickle.dumps(law))
         assert (twin.label, twin.strategy) == (law.label, law.strategy)
         assert fingerprint(twin) == fingerprint(law)
@@ -120,11 +120,11 @@ class TestTravelling:
             assert_same(jtik.compare(arm, task, **chosen), jtik.compare(arm, task, **chosen, executor=pool))
 
     def test_without_it_a_lambda_is_refused_with_what_to_do(self, arm, task, monkeypatch):
-        monkeypatch.setattr("jtik.study.travel._pickler", lambda: pickle)
+        monkeypatch.setattr("jtik.study.serialization._pickler", lambda: pickle)
         bend = jtik.criterion(lambda q, robot: q.T @ q)
         with (
             ThreadPoolExecutor(1) as pool,
-            pytest.raises(jtik.ArgumentError, match=r"criteria\['bent'\].*does not pickle.*cloudpickle"),
+            pytest.raises(jtik.ArgumentError, match=r"criteria\['bent'\].*cannot be pickled.*cloudpickle"),
         ):
             jtik.compare(arm, task, strategies="damped", criteria={"bent": bend}, count=1, executor=pool)
 
@@ -136,6 +136,6 @@ class TestTravelling:
             jtik.compare(arm, task, strategies=["damped", Stubborn()], count=1, executor=pool)
 
     def test_a_process_that_cannot_find_a_part_says_so(self):
-        lost = Packed("lost", b"cnowhere_to_be_found\nelbow\n.")
-        with pytest.raises(UnpackError, match=r"nowhere_to_be_found.*top level of a module"):
-            run_packed(lost, None)
+        lost = SerializedPlan("lost", b"cnowhere_to_be_found\nelbow\n.")
+        with pytest.raises(PlanDeserializationError, match=r"nowhere_to_be_found.*top level of a module"):
+            run_serialized(lost, None)

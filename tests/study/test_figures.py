@@ -11,7 +11,7 @@ import jtik
 from jtik import problems
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.study import Comparison, compare
-from jtik.study.figures import canvas
+from jtik.study.figures import style
 from jtik.study.figures.profile import ratios
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
@@ -62,7 +62,7 @@ def test_convergence_draws_the_median_error(study: Comparison) -> None:
     errors = [trace.error for (who, _, case), trace in study.traces.items() if who == "newton" and "reach" in case]
     assert len(errors) == 3
     assert line.get_ydata()[0] == pytest.approx(np.median([error[0] for error in errors]))
-    assert line.get_ydata()[-1] == pytest.approx(np.median([max(error[-1], canvas.FLOOR) for error in errors]))
+    assert line.get_ydata()[-1] == pytest.approx(np.median([max(error[-1], style.FLOOR) for error in errors]))
 
 
 def test_the_profile_is_that_of_dolan_and_more(study: Comparison) -> None:
@@ -91,14 +91,14 @@ def test_rings_mark_where_V_rose() -> None:
     axes = study.plot_lyapunov().axes[0]
     V = study.traces["undamped", study.criteria[0], "straight"].figures["V"]
     rings = {line.get_color(): line.get_xdata() for line in axes.get_lines() if line.get_marker() == "o"}
-    colors = canvas.lines(study.contenders)
+    colors = style.lines(study.contenders)
     assert list(rings[colors["undamped"]["color"]]) == list(np.flatnonzero((V[1:] > V[:-1]) & (V[1:] > 1e-14)) + 1)
     assert len(rings[colors["undamped"]["color"]]) > 0
     assert len(rings[colors["hybrid"]["color"]]) == 0
 
 
 def test_colours_and_dashes_tell_many_lines_apart() -> None:
-    styles = canvas.lines([f"strategy {i}" for i in range(28)])
+    styles = style.lines([f"strategy {i}" for i in range(28)])
     assert len({(style["color"], str(style["linestyle"])) for style in styles.values()}) == 28
 
 

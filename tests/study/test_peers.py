@@ -46,7 +46,7 @@ def prepared(name, **options):
         return peers.named(name).prepare(Setting(**options))
 
 
-class Judge:
+class IndependentCheck:
     """Forward kinematics by MuJoCo of a robot's tip."""
 
     def __init__(self, robot):
@@ -79,10 +79,10 @@ def problems(robot, rng, count=8):
         np.where(np.isfinite(robot.upper), robot.upper, 2.0),
     )
     middle, half = (lower + upper) / 2, 0.6 * (upper - lower) / 2
-    judge = Judge(robot)
+    check = IndependentCheck(robot)
     for _ in range(count):
         q = middle + half * rng.uniform(-1, 1, robot.n)
-        yield judge.pose(q), q + rng.uniform(-0.2, 0.2, robot.n)
+        yield check.pose(q), q + rng.uniform(-0.2, 0.2, robot.n)
 
 
 def robot_of(name):
@@ -163,12 +163,12 @@ def test_it_reaches_targets_nearby_as_mujoco_sees_it(name, kind, arm, rng):
     robot = robot_of(arm)
     ready = prepared(name, robot=robot, task=jtik.FrameTask("tip", kind=kind))
     whole = jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind=kind)).robot
-    judge, reached, count = Judge(whole), 0, 8
+    check, reached, count = IndependentCheck(whole), 0, 8
     for target, q0 in problems(whole, rng, count):
         answer = ready.solve(ready.convert(target), q0)
         assert answer.q.shape == (whole.nq,)
         if answer.claimed:
-            assert judge.error(answer.q, target, kind) <= TOLERANCE * (1 + SLACK)
+            assert check.error(answer.q, target, kind) <= TOLERANCE * (1 + SLACK)
             assert (answer.q >= whole.lower - SLACK).all()
             assert (answer.q <= whole.upper + SLACK).all()
             reached += 1

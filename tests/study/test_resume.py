@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.study import units
+from jtik.study import unit_runner
 from jtik.study.fingerprint import fingerprint
 from jtik_formulations import Damped, JointCentering, ObstacleAvoidance
 
@@ -32,8 +32,8 @@ def interrupt_after(count):
 def counted(monkeypatch):
     """The units that are done, as they are done."""
     done = []
-    run = units.Bench.run
-    monkeypatch.setattr(units.Bench, "run", lambda self, unit: done.append(unit) or run(self, unit))
+    run = unit_runner.UnitRunner.run
+    monkeypatch.setattr(unit_runner.UnitRunner, "run", lambda self, unit: done.append(unit) or run(self, unit))
     return done
 
 
@@ -41,7 +41,7 @@ def test_an_interrupted_study_keeps_what_is_done(arm, task):
     study = jtik.compare(arm, task, **options(), progress=interrupt_after(3))
     assert not study.complete
     assert len(study) == 2 * 6
-    assert "not complete" in repr(study)
+    assert "incomplete" in repr(study)
 
 
 def test_one_on_an_executor_does_not_begin_the_rest(arm, task, counted):

@@ -1,4 +1,4 @@
-"""A problem, or a few, of which the answer is known: what it is about, and everything to solve it with."""
+"""A problem of the collection: robot, task, criteria, and cases with known solutions."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from jtik.types import Array
 
 
 @dataclass(frozen=True, kw_only=True)
-class Named:
-    """An entry of the collection.
+class NamedProblem:
+    """A problem of the collection.
 
     Attributes:
-        name: what `jtik.problems.named` finds it by.
-        summary: what it asks, in a line.
+        name: its name in `jtik.problems.named`.
+        summary: one-line description.
         robot: the robot.
         task: the task.
-        criteria: what to minimise with the freedom left, or None.
-        problems: the cases, with the answers in ``known``.
-        origin: where it comes from.
+        criteria: criteria to minimise in the null space of the task, or None.
+        problems: the cases, with the known results in ``known``.
+        origin: the source.
     """
 
     name: str
@@ -36,10 +36,10 @@ class Named:
     origin: str
 
     def __repr__(self) -> str:
-        return f"Named({self.name!r}, {self.robot!r}, {len(self.problems)} cases: {self.summary})"
+        return f"NamedProblem({self.name!r}, {self.robot!r}, {len(self.problems)} cases: {self.summary})"
 
 
 def centering(preferred: Array) -> Criterion:
-    """Joint centring about the ``preferred`` angles [rad], by its registered name."""
+    """Joint centring around the ``preferred`` angles [rad], found by its registered name."""
     build: Callable[..., Criterion] = criteria["joint_centering"]
     return build(preferred=preferred)

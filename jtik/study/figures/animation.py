@@ -10,9 +10,9 @@ import numpy as np
 
 from jtik.errors import ArgumentError
 from jtik.plotting.planar import write_animation
-from jtik.study.figures.canvas import chosen, panels, who
-from jtik.study.figures.postures import one, ways
-from jtik.study.figures.scenery import Scenery, balls
+from jtik.study.figures.robot_drawing import RobotDrawing, obstacles_in
+from jtik.study.figures.selection import case_named, choose_case, chosen_contenders, configurations_of
+from jtik.study.figures.style import panels
 from jtik.types import Array
 
 if TYPE_CHECKING:
@@ -33,10 +33,10 @@ def animation(
     """Write a GIF of one contender on one case, iterations joined by straight lines in joint space."""
     if Path(path).suffix.lower() != ".gif":
         raise ArgumentError("path", path, "a file that ends in .gif")
-    at = chosen(comparison, criteria, case)
-    name = who(comparison, None if contender is None else [contender])[0]
-    q = _smooth(comparison, ways(comparison, at, [name])[name])
-    scene = Scenery(comparison.robot, [q], balls(one(comparison, at.case)))
+    at = choose_case(comparison, criteria, case)
+    name = chosen_contenders(comparison, None if contender is None else [contender])[0]
+    q = _smooth(comparison, configurations_of(comparison, at, [name])[name])
+    scene = RobotDrawing(comparison.robot, [q], obstacles_in(case_named(comparison, at.case)))
     figure, table = panels(1, 1, width=5.0, height=4.6, **scene.projection)
     axes = table[0, 0]
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from jtik.plotting.planar import MUTED, Figure
-from jtik.study.figures.canvas import FLOOR, kept, label, legend, lines, panels, stretched, which, who
+from jtik.study.figures.selection import chosen_contenders, chosen_criteria, recorded_cases
+from jtik.study.figures.style import FLOOR, label, legend, lines, padded, panels
 
 if TYPE_CHECKING:
     from jtik.study.comparison import Comparison
@@ -29,8 +30,8 @@ def convergence(
 
     A solve that has ended stays at its last error, so that the median goes on to the longest of them.
     """
-    criteria, names = which(comparison, criteria), who(comparison, contenders)
-    every = kept(comparison, kind)
+    criteria, names = chosen_criteria(comparison, criteria), chosen_contenders(comparison, contenders)
+    every = recorded_cases(comparison, kind)
     cases = {case.name: case.kind for case in comparison.problems if case.name in every}
     kinds = [each for each in dict.fromkeys(cases.values()) if _has(comparison, cases, each)] or [
         next(iter(cases.values()))
@@ -44,7 +45,7 @@ def convergence(
             errors = [np.maximum(comparison.traces[key].error, FLOOR) for key in keys if key in comparison.traces]
             if not errors:
                 continue
-            rows = stretched(errors)
+            rows = padded(errors)
             k = np.arange(rows.shape[1])
             axes.plot(k, np.median(rows, axis=0), label=name, **style[name])
             if len(rows) > 1:

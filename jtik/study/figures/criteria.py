@@ -9,7 +9,8 @@ import numpy as np
 
 from jtik.errors import ArgumentError
 from jtik.plotting.planar import INK, MUTED, Figure
-from jtik.study.figures.canvas import chosen, label, legend, lines, of_case, panels, who
+from jtik.study.figures.selection import choose_case, chosen_contenders, traces_of_case
+from jtik.study.figures.style import label, legend, lines, panels
 
 if TYPE_CHECKING:
     from jtik.study.comparison import Comparison
@@ -26,15 +27,15 @@ def criteria(
     criteria: str | None = None,
 ) -> Figure:
     """Left H by iteration of one case, right for every contender how far above the best it ended, case by case."""
-    at = chosen(comparison, criteria, case)
-    names = who(comparison, contenders)
+    at = choose_case(comparison, criteria, case)
+    names = chosen_contenders(comparison, contenders)
     regrets = {name: _regret(comparison, name, at.criteria) for name in names}
     if not any(len(each) for each in regrets.values()):
         raise ArgumentError("criteria", at.criteria, "criteria: this study has none, or nobody solved a case")
     figure, table = panels(1, 2, width=5.2, height=3.9)
     style = lines(comparison.contenders)
     left, right = table[0]
-    for name, trace in of_case(comparison, at, names).items():
+    for name, trace in traces_of_case(comparison, at, names).items():
         H = trace.figures.get("H")
         if H is not None and len(H):
             left.plot(np.arange(len(H)), H, label=name, **style[name])

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from jtik.plotting.planar import MUTED, Figure, shades
-from jtik.study.figures.canvas import chosen, grid, label, legend, panels
-from jtik.study.figures.postures import one, ways
+from jtik.study.figures.selection import case_named, choose_case, configurations_of
+from jtik.study.figures.style import grid, label, legend, panels
 
 if TYPE_CHECKING:
     from jtik.study.comparison import Comparison
@@ -22,9 +22,13 @@ def joint_panels(
     contenders: Iterable[str] | None = None,
     criteria: str | None = None,
 ) -> Figure:
-    """The entries of q by iteration, or by time along a path, a panel a contender; dotted where a limit lies near."""
-    at = chosen(comparison, criteria, case)
-    found, which_case, robot = ways(comparison, at, contenders), one(comparison, at.case), comparison.robot
+    """The runs of q by iteration, or by time along a path, a panel a contender; dotted where a limit lies near."""
+    at = choose_case(comparison, criteria, case)
+    found, which_case, robot = (
+        configurations_of(comparison, at, contenders),
+        case_named(comparison, at.case),
+        comparison.robot,
+    )
     rows, columns = grid(len(found), 3)
     figure, table = panels(rows, columns, width=4.0, height=3.0, sharey=True)
     names = [

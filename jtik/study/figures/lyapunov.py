@@ -9,7 +9,8 @@ import numpy as np
 
 from jtik.errors import ArgumentError
 from jtik.plotting.planar import Figure
-from jtik.study.figures.canvas import FLOOR, chosen, label, legend, lines, of_case, panels
+from jtik.study.figures.selection import choose_case, traces_of_case
+from jtik.study.figures.style import FLOOR, label, legend, lines, panels
 
 if TYPE_CHECKING:
     from jtik.study.comparison import Comparison
@@ -23,8 +24,8 @@ def lyapunov(
     criteria: str | None = None,
 ) -> Figure:
     """V = 1/2 e' Kp e of one case, the first kept by default; rings mark accepted steps that raised it."""
-    at = chosen(comparison, criteria, case)
-    traces = of_case(comparison, at, contenders)
+    at = choose_case(comparison, criteria, case)
+    traces = traces_of_case(comparison, at, contenders)
     figure, table = panels(1, 1, width=6.4, height=4.0)
     axes, style = table[0, 0], lines(comparison.contenders)
     drawn = 0

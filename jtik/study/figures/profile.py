@@ -9,7 +9,8 @@ import numpy as np
 
 from jtik.errors import ArgumentError
 from jtik.plotting.planar import Figure
-from jtik.study.figures.canvas import label, legend, lines, panels, which, who
+from jtik.study.figures.selection import chosen_contenders, chosen_criteria
+from jtik.study.figures.style import label, legend, lines, panels
 from jtik.types import Array
 
 if TYPE_CHECKING:
@@ -46,8 +47,8 @@ def profile(
     """The share of cases solved within a factor of the fastest: at 1 who is best, on the right who solves most."""
     if measure not in ("seconds", "iterations"):
         raise ArgumentError("measure", measure, "'seconds' or 'iterations'")
-    names = who(comparison, contenders)
-    found = ratios(comparison, measure, which(comparison, criteria), names)
+    names = chosen_contenders(comparison, contenders)
+    found = ratios(comparison, measure, chosen_criteria(comparison, criteria), names)
     finite = [value for each in found.values() for value in each[np.isfinite(each)]]
     widest = min(WIDEST, 1.3 * max(finite, default=1.0))
     figure, table = panels(1, 1, width=6.4, height=4.0)

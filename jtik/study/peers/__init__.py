@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from jtik.errors import UnknownNameError
 from jtik.study.peers.base import NotInstalledError, Peer
-from jtik.study.peers.mink import Mink
-from jtik.study.peers.optik import Optik
-from jtik.study.peers.pink import Pink
-from jtik.study.peers.placo import Placo
-from jtik.study.peers.pyroki import Pyroki
-from jtik.study.peers.toolbox import Toolbox
+from jtik.study.peers.mink import MinkPeer
+from jtik.study.peers.optik import OptikPeer
+from jtik.study.peers.pink import PinkPeer
+from jtik.study.peers.placo import PlacoPeer
+from jtik.study.peers.pyroki import PyrokiPeer
+from jtik.study.peers.toolbox import ToolboxPeer
 
-_PEERS: tuple[type[Peer], ...] = (Mink, Pink, Placo, Toolbox, Optik, Pyroki)
+_PEERS: tuple[type[Peer], ...] = (MinkPeer, PinkPeer, PlacoPeer, ToolboxPeer, OptikPeer, PyrokiPeer)
 
 
 def names() -> tuple[str, ...]:
@@ -31,4 +31,15 @@ def named(name: str) -> Peer:
     return peers[name]()
 
 
-__all__ = ["Mink", "NotInstalledError", "Optik", "Peer", "Pink", "Placo", "Pyroki", "Toolbox", "named", "names"]
+__all__ = [
+    "MinkPeer",
+    "NotInstalledError",
+    "OptikPeer",
+    "Peer",
+    "PinkPeer",
+    "PlacoPeer",
+    "PyrokiPeer",
+    "ToolboxPeer",
+    "named",
+    "names",
+]

@@ -14,7 +14,7 @@ import numpy as np
 
 from jtik.errors import ArgumentError, JtikError
 from jtik.robot import Robot
-from jtik.study.contender import Contender, Ready, Setting
+from jtik.study.contender import Contender, PreparedContender, Setting
 from jtik.task import FrameTask, TaskStack
 from jtik.types import Array
 
@@ -100,22 +100,22 @@ class Goal:
         return self.robot.dimension == 2
 
     @property
-    def places(self) -> bool:
+    def has_position(self) -> bool:
         """Whether the position matters."""
         return self.task.kind != "orientation"
 
     @property
-    def turns(self) -> bool:
+    def has_orientation(self) -> bool:
         """Whether the orientation matters."""
         return self.task.kind != "position"
 
     @cached_property
-    def numbers(self) -> tuple[int, ...]:
+    def chain_indices(self) -> tuple[int, ...]:
         """Places in q of the joints on the way to the frame, from the base on."""
         robot = self.robot
         return tuple(robot.q_slice(joint.name).start for joint in robot.path(self.frame) if joint.is_independent)
 
-    def hinges_and_slides(self, peer: str) -> None:
+    def require_scalar_joints(self, peer: str) -> None:
         """Raise ArgumentError unless these are all of the robot's joints that move."""
         for joint in self.robot.independent_joints:
             if not joint.type.is_scalar:
@@ -125,13 +125,13 @@ class Goal:
     def pose(self, target: Any) -> Array:
         """A target as T_base_frame (4, 4); what the task does not ask for is the frame's at the neutral posture."""
         values, pose = self.tasks.read_target(target), self._neutral.copy()
-        split = self.robot.dimension if self.places else 0
+        split = self.robot.dimension if self.has_position else 0
         pose[:split, 3] = values[:split]
-        if self.turns and self.planar:
+        if self.has_orientation and self.planar:
             c, s = math.cos(values[split]), math.sin(values[split])
             flipped = np.diag([1.0, pose[2, 2], pose[2, 2]])  # a frame may hang upside down in the plane
             pose[:3, :3] = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ flipped
-        elif self.turns:
+        elif self.has_orientation:
             pose[:3, :3] = values[split:].reshape(3, 3, order="F")
         return pose
 
@@ -162,27 +162,27 @@ class Goal:
             joints = tuple(replace(joint, lower=-math.inf, upper=math.inf) for joint in joints)
         return Robot(joints, name=self.robot.name, base=self.robot.base, tip=self.robot.tip)
 
-    def inside(self, q: Array) -> Array:
+    def clamped(self, q: Array) -> Array:
         """The nearest configuration within the limits."""
         return np.clip(q, self.lower, self.upper)
 
-    def rounded(self, q: Array) -> Array:
+    def clamped_rounding(self, q: Array) -> Array:
         """``q`` led back into limits that it leaves by no more than `ROUNDING`."""
-        kept = self.inside(q)
+        kept = self.clamped(q)
         return np.where(abs(q - kept) <= ROUNDING, kept, q)
 
     def starts(self, q0: Array) -> Iterator[Array]:
         """``q0`` and as many others as there may be restarts, the same ones every time."""
-        yield self.inside(q0)
+        yield self.clamped(q0)
         if self.setting.restarts:
             generator = np.random.default_rng(self.setting.seed)
             for _ in range(self.setting.restarts):
                 yield self.robot.random_configuration(generator)
 
-    def arrived(self, position: float, orientation: float) -> bool:
+    def is_reached(self, position: float, orientation: float) -> bool:
         """Whether errors [m], [rad] are within the tolerances, where they matter."""
-        return (not self.places or position <= self.setting.position_tolerance) and (
-            not self.turns or orientation <= self.setting.orientation_tolerance
+        return (not self.has_position or position <= self.setting.position_tolerance) and (
+            not self.has_orientation or orientation <= self.setting.orientation_tolerance
         )
 
 
@@ -202,7 +202,7 @@ class Peer(Contender):
     package: ClassVar[str]
     """What is installed."""
 
-    def prepare(self, setting: Setting) -> Ready:
+    def prepare(self, setting: Setting) -> PreparedContender:
         """Build it for a setting.
 
         Raises:
@@ -222,8 +222,8 @@ class Peer(Contender):
 
     def check(self, goal: Goal) -> None:
         """Raise ArgumentError for a goal that the peer cannot have."""
-        goal.hinges_and_slides(self.label)
+        goal.require_scalar_joints(self.label)
 
     @abstractmethod
-    def build(self, library: Any, goal: Goal) -> Ready:
+    def build(self, library: Any, goal: Goal) -> PreparedContender:
         """Build it with its library."""

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from jtik.study.peers.base import Goal, Peer
-from jtik.study.peers.loop import METRE, Loop
+from jtik.study.peers.loop import METRE, StepLoop
 from jtik.types import Array
 
 NEAR = 0.2
@@ -26,8 +26,8 @@ NEAR = 0.2
 CLOSE = 1e-3
 """Error, likewise, up to which it may come and go."""
 
-REACH = 0.3
-"""Longest step [rad, m] down the criterion at first, by damping in proportion to its slope."""
+FIRST_MAX_STEP = 0.3
+"""Longest step [rad, m] down the criterion at first, by damping in proportion to its gradient_norm."""
 
 SHORTER, LONGER = 0.25, 1.1
 """What becomes of that length after a step that made things worse, and after any other. Longer steps arrive sooner on a
@@ -35,7 +35,7 @@ criterion like joint centring and never on one like obstacle avoidance."""
 
 
 @dataclass(kw_only=True)
-class Differential(Peer):
+class DifferentialPeer(Peer):
     """Options of a loop round a differential solver.
 
     Attributes:
@@ -61,7 +61,7 @@ class FrameRows:
     def __init__(self, task: Any, goal: Goal) -> None:
         position, orientation = ([0, 1], [5]) if goal.planar else ([0, 1, 2], [3, 4, 5])
         self._task = task
-        self._rows = [*(position if goal.places else []), *(orientation if goal.turns else [])]
+        self._rows = [*(position if goal.has_position else []), *(orientation if goal.has_orientation else [])]
 
     def compute_error(self, configuration: Any) -> Array:
         """(k,) of the body twist to the target."""
@@ -75,19 +75,19 @@ class FrameRows:
 
 
 class DampedCriterion:
-    """A criterion as a task, its convex part damped so that no step is longer than ``reach``.
+    """A criterion as a task, its convex part damped so that no step is longer than ``max_step``.
 
     Attributes:
         P, c: of the latest program.
-        slope: norm of the part of c along which the latest step could go; inf where none was made.
-        reach: shorter after a step that made H or the error larger, else longer [rad, m].
+        gradient_norm: norm of the part of c along which the latest step could go; inf where none was made.
+        max_step: shorter after a step that made H or the error larger, else longer [rad, m].
     """
 
     def __init__(self, task: Any) -> None:
         self._task = task
         self.parameters = task.parameters
-        self.P, self.c, self.slope = np.zeros((0, 0)), np.zeros(0), math.inf
-        self.reach, self._error, self._H = REACH, math.inf, math.inf
+        self.P, self.c, self.gradient_norm = np.zeros((0, 0)), np.zeros(0), math.inf
+        self.max_step, self._error, self._H = FIRST_MAX_STEP, math.inf, math.inf
 
     def compute_qp_residual(self, configuration: Any) -> None:
         """None: mink is to ask for the objective."""
@@ -95,23 +95,23 @@ class DampedCriterion:
     def compute_qp_objective(self, configuration: Any) -> tuple[Array, Array]:
         """(P, c) in the library's velocities."""
         P, c = self._task.compute_qp_objective(configuration)
-        self.P, self.c = P + (np.linalg.norm(c) / self.reach + 1e-9) * np.eye(len(c)), c
+        self.P, self.c = P + (np.linalg.norm(c) / self.max_step + 1e-9) * np.eye(len(c)), c
         return self.P, self.c
 
     def restart(self) -> None:
         """Forget the latest steps."""
-        self.slope, self.reach, self._error, self._H = math.inf, REACH, math.inf, math.inf
+        self.gradient_norm, self.max_step, self._error, self._H = math.inf, FIRST_MAX_STEP, math.inf, math.inf
 
-    def look(self, configuration: Any, error: float) -> None:
+    def observe(self, configuration: Any, error: float) -> None:
         """See what the latest step has done, before the next one."""
         H = self._task.value(configuration)
         allowed = float(np.linalg.norm(self.c)) * self._error  # the way back to the target may lead up H
         worse = error > max(self._error, CLOSE) or (error <= CLOSE and self._H + allowed < H)
-        self.reach *= SHORTER if worse else LONGER
+        self.max_step *= SHORTER if worse else LONGER
         self._error, self._H = error, H
 
 
-class DifferentialLoop(Loop):
+class DifferentialLoop(StepLoop):
     """Steps of a library whose ``solve_ik`` takes tasks and constraints.
 
     A subclass sets ``configuration``, ``task`` and ``criterion`` and says how to solve and where it is.
@@ -121,14 +121,14 @@ class DifferentialLoop(Loop):
     task: Any
     criterion: DampedCriterion | None = None
 
-    def __init__(self, library: Any, goal: Goal, options: Differential, no_answer: type[Exception]) -> None:
+    def __init__(self, library: Any, goal: Goal, options: DifferentialPeer, no_answer: type[Exception]) -> None:
         super().__init__(goal, restarted=options.restarted)
         self._library, self._options, self._no_answer = library, options, no_answer
         self._limits: list[Any] = []
         self._near, self._low = math.inf, -math.inf  # the criterion has a part where low < near <= NEAR
         self._first: dict[str, Array] = {}
 
-    def aim(self, target: Any) -> None:
+    def set_target(self, target: Any) -> None:
         """Set the task's target."""
         self.task.set_target(target)
 
@@ -149,14 +149,14 @@ class DifferentialLoop(Loop):
         return dq if np.isfinite(dq).all() else None
 
     @abstractmethod
-    def theirs(self, q: Array) -> Array:
+    def library_configuration(self, q: Array) -> Array:
         """The library's configuration for the robot's (nq,)."""
 
-    def place(self, q: Array) -> None:
-        """Set the library's configuration; of the criterion's slope there nothing is known."""
+    def set_configuration(self, q: Array) -> None:
+        """Set the library's configuration; of the criterion's gradient_norm there nothing is known."""
         if self.criterion is not None:
             self.criterion.restart()
-        self.configuration.update(self.theirs(q))
+        self.configuration.update(self.library_configuration(q))
 
     def minimise(self, task: Any) -> None:
         """Take a criterion, as a task of the library."""
@@ -176,35 +176,35 @@ class DifferentialLoop(Loop):
     def error(self) -> tuple[float, float]:
         """Of the task itself: a body twist, whose linear part is never shorter than the distance."""
         x, y, z, a, b, c = self.task.compute_error(self.configuration).tolist()
-        position = math.sqrt(x * x + y * y + z * z) if self.goal.places else 0.0
-        orientation = math.sqrt(a * a + b * b + c * c) if self.goal.turns else 0.0
+        position = math.sqrt(x * x + y * y + z * z) if self.goal.has_position else 0.0
+        orientation = math.sqrt(a * a + b * b + c * c) if self.goal.has_orientation else 0.0
         self._near = METRE * position + orientation
         return position, orientation
 
-    def promising(self, position: float, orientation: float) -> bool:
+    def may_continue(self, position: float, orientation: float) -> bool:
         """Also near the target, which a step down H leaves a little."""
-        return super().promising(position, orientation) or (self.arrival == "CONVERGED" and self._near <= NEAR)
+        return super().may_continue(position, orientation) or (self.arrival == "CONVERGED" and self._near <= NEAR)
 
     def step(self) -> float | None:
         """Strict where there is a criterion and the target is near, else weighted."""
         dq = None
         if self.criterion is not None and self._low < self._near <= NEAR:
-            self.criterion.look(self.configuration, self._near)
+            self.criterion.observe(self.configuration, self._near)
             dq = self.displacement([self.criterion], [FrameRows(self.task, self.goal)])
             if dq is not None:
-                self.criterion.slope = float(np.linalg.norm(self.criterion.P @ dq))
+                self.criterion.gradient_norm = float(np.linalg.norm(self.criterion.P @ dq))
         if dq is None:
             dq = self.displacement([self.task], [])
             if self.criterion is not None:
-                self.criterion.slope = math.inf
+                self.criterion.gradient_norm = math.inf
         if dq is None:
             return None
         self.configuration.integrate_inplace(dq, 1.0)
         return math.sqrt(dq @ dq)
 
-    def rested(self) -> bool:
-        """With a criterion to be stationary: whether the latest strict step found no slope to go down."""
+    def is_stationary(self) -> bool:
+        """With a criterion to be stationary: whether the latest strict step found no gradient_norm to go down."""
         setting, criterion = self.goal.setting, self.criterion
         if criterion is None or setting.until == "reached":
             return True
-        return criterion.slope <= setting.optimality_tolerance * max(1.0, float(np.linalg.norm(criterion.c)))
+        return criterion.gradient_norm <= setting.optimality_tolerance * max(1.0, float(np.linalg.norm(criterion.c)))

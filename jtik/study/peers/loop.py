@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from jtik.result.solution import Trace
-from jtik.study.contender import Answer, Ready
+from jtik.study.contender import Answer, PreparedContender
 from jtik.study.peers.base import Goal
 from jtik.types import Array
 
@@ -24,12 +24,12 @@ METRE = 4.0
 """How many radians count as much as a metre where attempts that failed are compared."""
 
 
-class Loop(Ready):
+class StepLoop(PreparedContender):
     """A solve as attempts of steps; a subclass says how its library makes one.
 
     Args:
         goal: what is asked.
-        restarted: most steps of an attempt that is not promising where restarts are allowed; `PATIENCE` where not.
+        restarted: most steps of an attempt that is not may_continue where restarts are allowed; `PATIENCE` where not.
     """
 
     arrival = "REACHED"
@@ -42,11 +42,11 @@ class Loop(Ready):
         self._seen: list[tuple[int, Array, float]] | None = None
 
     @abstractmethod
-    def aim(self, target: Any) -> None:
+    def set_target(self, target: Any) -> None:
         """Take a converted target."""
 
     @abstractmethod
-    def place(self, q: Array) -> None:
+    def set_configuration(self, q: Array) -> None:
         """Go to a configuration (nq,)."""
 
     @abstractmethod
@@ -61,28 +61,28 @@ class Loop(Ready):
     def step(self) -> float | None:
         """Make one step; its length, or None when the library finds none."""
 
-    def rested(self) -> bool:
+    def is_stationary(self) -> bool:
         """Whether an attempt that is on target has done what was asked."""
         return True
 
-    def promising(self, position: float, orientation: float) -> bool:
+    def may_continue(self, position: float, orientation: float) -> bool:
         """Whether an attempt with these errors [m], [rad] may go on beyond the usual number of steps."""
-        return self.goal.arrived(position, orientation)
+        return self.goal.is_reached(position, orientation)
 
     def solve(self, target: Any, q0: Array) -> Answer:
-        """Attempt after attempt until one arrives; else the nearest."""
+        """CaseRun after attempt until one arrives; else the nearest."""
         goal, taken = self.goal, 0
-        self.aim(target)
+        self.set_target(target)
         nearest, least, status = np.asarray(q0), math.inf, "ITERATION_LIMIT"
         for number, start in enumerate(goal.starts(q0)):
-            self.place(start)
+            self.set_configuration(start)
             outcome, steps, errors = self._attempt(number)
             taken += steps
             if outcome == self.arrival:
-                return Answer(goal.rounded(self.q()), outcome, True, taken)
+                return Answer(goal.clamped_rounding(self.q()), outcome, True, taken)
             distance = METRE * errors[0] + errors[1]
             if distance < least:
-                nearest, least, status = goal.rounded(self.q()), distance, outcome
+                nearest, least, status = goal.clamped_rounding(self.q()), distance, outcome
         return Answer(nearest, status, False, taken)
 
     def _attempt(self, number: int) -> tuple[str, int, tuple[float, float]]:
@@ -92,12 +92,12 @@ class Loop(Ready):
             errors = self.error()
             if self._seen is not None:
                 self._seen.append((number, self.q(), math.hypot(*errors)))
-            arrived = self.goal.arrived(*errors)
-            if arrived and self.rested():
+            arrived = self.goal.is_reached(*errors)
+            if arrived and self.is_stationary():
                 return self.arrival, steps, errors
             if length <= SETTLED:
                 return "STALLED", steps, errors
-            if steps == self._most or (steps >= self._patience and not self.promising(*errors)):
+            if steps == self._most or (steps >= self._patience and not self.may_continue(*errors)):
                 return "ITERATION_LIMIT", steps, errors
             found = self.step()
             if found is None:

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from jtik.study.peers.base import Goal
-from jtik.study.peers.differential import Differential, DifferentialLoop
+from jtik.study.peers.differential import DifferentialLoop, DifferentialPeer
 from jtik.types import Array
 
 
 @dataclass(kw_only=True)
-class Mink(Differential):
+class MinkPeer(DifferentialPeer):
     """A loop round ``mink.solve_ik``: a frame task, position limits, and a criterion as `jtik.interop.mink` gives it.
 
     Its defaults were found over seven arms with restarts: 10 to 25 steps an attempt, ``lm_damping`` 0 to 0.1,
@@ -33,7 +33,7 @@ class Mink(Differential):
 class _MinkLoop(DifferentialLoop):
     """mink at work."""
 
-    def __init__(self, library: Any, goal: Goal, options: Mink) -> None:
+    def __init__(self, library: Any, goal: Goal, options: MinkPeer) -> None:
         from jtik.interop.mink import criterion_task
         from jtik.interop.mujoco_model import Correspondence, to_mujoco
 
@@ -44,8 +44,8 @@ class _MinkLoop(DifferentialLoop):
         self.task = library.FrameTask(
             goal.frame,
             "body",
-            position_cost=1.0 if goal.places else 0.0,
-            orientation_cost=options.orientation_cost if goal.turns else 0.0,
+            position_cost=1.0 if goal.has_position else 0.0,
+            orientation_cost=options.orientation_cost if goal.has_orientation else 0.0,
             lm_damping=options.lm_damping,
         )
         if goal.setting.limits:
@@ -57,7 +57,7 @@ class _MinkLoop(DifferentialLoop):
         """An ``mink.SE3``."""
         return self._library.SE3.from_matrix(self.goal.pose(target))
 
-    def theirs(self, q: Array) -> Array:
+    def library_configuration(self, q: Array) -> Array:
         """The model's qpos."""
         return self._places.qpos(q)
 

@@ -10,13 +10,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from jtik.study.contender import Answer, Ready
+from jtik.study.contender import Answer, PreparedContender
 from jtik.study.peers.base import Goal, Peer
 from jtik.types import Array
 
 
 @dataclass(kw_only=True)
-class Optik(Peer):
+class OptikPeer(Peer):
     """``Robot.ik`` in its mode for speed. It tells neither iterations nor where it got when it fails.
 
     Its defaults were found over seven arms: turns of pi and 2 pi for joints without limits, one and two threads,
@@ -38,19 +38,19 @@ class Optik(Peer):
     package: ClassVar[str] = "optik-py"
     optimizes = False
 
-    def build(self, library: Any, goal: Goal) -> Ready:
+    def build(self, library: Any, goal: Goal) -> PreparedContender:
         """On the chain from the base to the frame, as a URDF."""
         return _OptikReady(library, goal, self)
 
 
-class _OptikReady(Ready):
+class _OptikReady(PreparedContender):
     """optik at work."""
 
-    def __init__(self, library: Any, goal: Goal, options: Optik) -> None:
+    def __init__(self, library: Any, goal: Goal, options: OptikPeer) -> None:
         from jtik.interop.urdf import to_urdf
 
         setting, weight = goal.setting, options.orientation_weight
-        self._goal, self._numbers = goal, list(goal.numbers)
+        self._goal, self._numbers = goal, list(goal.chain_indices)
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "chain.urdf"
             file.write_text(to_urdf(goal.bare, turn=options.turn, frame=goal.frame), encoding="utf-8")
@@ -58,16 +58,16 @@ class _OptikReady(Ready):
         self._robot.set_parallelism(options.threads)
         self._lower, self._upper = map(np.array, self._robot.joint_limits())
         squares = [
-            *([setting.position_tolerance**2] if goal.places else []),
-            *([weight**2 * setting.orientation_tolerance**2] if goal.turns else []),
+            *([setting.position_tolerance**2] if goal.has_position else []),
+            *([weight**2 * setting.orientation_tolerance**2] if goal.has_orientation else []),
         ]
         self._config = library.SolverConfig(
             solution_mode="speed",
             max_time=options.seconds,
             max_restarts=setting.restarts + 1,
             tol_f=min(squares),
-            linear_weight=[1.0 if goal.places else 0.0] * 3,
-            angular_weight=[weight if goal.turns else 0.0] * 3,
+            linear_weight=[1.0 if goal.has_position else 0.0] * 3,
+            angular_weight=[weight if goal.has_orientation else 0.0] * 3,
         )
 
     def convert(self, target: Any) -> Any:

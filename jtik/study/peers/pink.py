@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from jtik.study.peers.base import Goal, imported
-from jtik.study.peers.differential import Differential, DifferentialLoop
+from jtik.study.peers.differential import DifferentialLoop, DifferentialPeer
 from jtik.types import Array
 
 
 @dataclass(kw_only=True)
-class Pink(Differential):
+class PinkPeer(DifferentialPeer):
     """A loop round ``pink.solve_ik``: a frame task, position limits, and a criterion as `jtik.interop.pink` gives it.
 
     Its defaults are those found for mink, whose program it shares.
@@ -29,7 +29,7 @@ class Pink(Differential):
 class _PinkLoop(DifferentialLoop):
     """pink at work."""
 
-    def __init__(self, library: Any, goal: Goal, options: Pink) -> None:
+    def __init__(self, library: Any, goal: Goal, options: PinkPeer) -> None:
         from jtik.interop.pink import Correspondence, criterion_task
         from jtik.interop.urdf import to_urdf
 
@@ -41,8 +41,8 @@ class _PinkLoop(DifferentialLoop):
         self.configuration = library.Configuration(model, model.createData(), start)
         self.task = library.FrameTask(
             goal.frame,
-            position_cost=1.0 if goal.places else 0.0,
-            orientation_cost=options.orientation_cost if goal.turns else 0.0,
+            position_cost=1.0 if goal.has_position else 0.0,
+            orientation_cost=options.orientation_cost if goal.has_orientation else 0.0,
             lm_damping=options.lm_damping,
         )
         if goal.setting.limits:
@@ -54,7 +54,7 @@ class _PinkLoop(DifferentialLoop):
         """A ``pinocchio.SE3``."""
         return self._pinocchio.SE3(self.goal.pose(target))
 
-    def theirs(self, q: Array) -> Array:
+    def library_configuration(self, q: Array) -> Array:
         """Pinocchio's q."""
         return self._places.theirs(q)
 

@@ -11,12 +11,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from jtik.study.peers.base import Goal, Peer
-from jtik.study.peers.loop import Loop
+from jtik.study.peers.loop import StepLoop
 from jtik.types import Array
 
 
 @dataclass(kw_only=True)
-class Placo(Peer):
+class PlacoPeer(Peer):
     """A loop round ``KinematicsSolver.solve``: a soft frame, position or orientation task, and position limits.
 
     Criteria cannot be given from Python. Its defaults were found on a Panda and a UR5e: orientation at weights 1, 1/4
@@ -36,15 +36,15 @@ class Placo(Peer):
     package: ClassVar[str] = "placo"
     optimizes = False
 
-    def build(self, library: Any, goal: Goal) -> Loop:
+    def build(self, library: Any, goal: Goal) -> StepLoop:
         """On the robot as a URDF."""
         return _PlacoLoop(library, goal, self)
 
 
-class _PlacoLoop(Loop):
+class _PlacoLoop(StepLoop):
     """placo at work."""
 
-    def __init__(self, library: Any, goal: Goal, options: Placo) -> None:
+    def __init__(self, library: Any, goal: Goal, options: PlacoPeer) -> None:
         super().__init__(goal, restarted=options.restarted)
         self._wrapper = _read(library, goal)
         self._solver = library.KinematicsSolver(self._wrapper)
@@ -54,10 +54,10 @@ class _PlacoLoop(Loop):
         usual = 1e-6 if goal.setting.restarts else 1e-3
         self._solver.add_regularization_task(usual if options.regularization is None else options.regularization)
         self._position = self._orientation = None
-        if goal.places:
+        if goal.has_position:
             self._position = self._solver.add_position_task(goal.frame, np.zeros(3))
             self._position.configure("position", "soft", 1.0)
-        if goal.turns:
+        if goal.has_orientation:
             self._orientation = self._solver.add_orientation_task(goal.frame, np.eye(3))
             self._orientation.configure("orientation", "soft", options.orientation_weight)
         names = [joint.name for joint in goal.robot.independent_joints]
@@ -68,14 +68,14 @@ class _PlacoLoop(Loop):
         """A pose (4, 4)."""
         return self.goal.pose(target)
 
-    def aim(self, target: Any) -> None:
+    def set_target(self, target: Any) -> None:
         """Set the targets of its tasks."""
         if self._position is not None:
             self._position.target_world = target[:3, 3]
         if self._orientation is not None:
             self._orientation.R_world_frame = target[:3, :3]
 
-    def place(self, q: Array) -> None:
+    def set_configuration(self, q: Array) -> None:
         """Set the state's q."""
         self._full[self._places] = q
         self._wrapper.state.q = self._full

@@ -11,13 +11,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from jtik.study.contender import Answer, Ready
+from jtik.study.contender import Answer, PreparedContender
 from jtik.study.peers.base import Goal, Peer, imported
 from jtik.types import Array
 
 
 @dataclass(kw_only=True)
-class Pyroki(Peer):
+class PyrokiPeer(Peer):
     """Its pose cost and its limit cost, solved by ``jaxls`` in double precision; an attempt is compiled once.
 
     Its defaults are those of its own benchmark, but for the linear solver: jaxls, as installed from PyPI, has no dense
@@ -44,15 +44,15 @@ class Pyroki(Peer):
     package: ClassVar[str] = "almond-pyroki"
     optimizes = False
 
-    def build(self, library: Any, goal: Goal) -> Ready:
+    def build(self, library: Any, goal: Goal) -> PreparedContender:
         """On the robot as a URDF."""
         return _PyrokiReady(library, goal, self)
 
 
-class _PyrokiReady(Ready):
+class _PyrokiReady(PreparedContender):
     """pyroki at work."""
 
-    def __init__(self, library: Any, goal: Goal, options: Pyroki) -> None:
+    def __init__(self, library: Any, goal: Goal, options: PyrokiPeer) -> None:
         from jtik.interop.urdf import UNLIMITED, to_urdf
 
         jax = imported("jax", options.package)
@@ -75,7 +75,7 @@ class _PyrokiReady(Ready):
             return np.array(self._lie.SE3.from_matrix(self._goal.pose(target)).wxyz_xyz)
 
     def solve(self, target: Any, q0: Array) -> Answer:
-        """Attempt after attempt until one arrives; else the nearest."""
+        """CaseRun after attempt until one arrives; else the nearest."""
         goal, taken = self._goal, 0
         nearest, least = np.asarray(q0), math.inf
         with self._jax.enable_x64(True):
@@ -83,9 +83,9 @@ class _PyrokiReady(Ready):
                 self._full[self._places] = start
                 found, position, orientation, steps = self._attempt(self._full, target)
                 taken += int(steps)
-                q = goal.rounded(np.array(found)[self._places])
+                q = goal.clamped_rounding(np.array(found)[self._places])
                 errors = (float(position), float(orientation))
-                if goal.arrived(*errors) and np.array_equal(q, goal.inside(q)):
+                if goal.is_reached(*errors) and np.array_equal(q, goal.clamped(q)):
                     return Answer(q, "REACHED", True, taken)
                 if sum(errors) < least:
                     nearest, least = q, sum(errors)
@@ -105,7 +105,7 @@ def _silent(package: str) -> Iterator[None]:
             logger.enable(name)
 
 
-def _attempt(library: Any, robot: Any, goal: Goal, options: Pyroki) -> Any:
+def _attempt(library: Any, robot: Any, goal: Goal, options: PyrokiPeer) -> Any:
     """(q, target) -> q, errors [m], [rad], steps; compiled at its first call."""
     jax = imported("jax", options.package)
     jaxlie, jaxls = imported("jaxlie", options.package), imported("jaxls", options.package)
@@ -123,8 +123,8 @@ def _attempt(library: Any, robot: Any, goal: Goal, options: Pyroki) -> Any:
                 variable,
                 wanted,
                 numbers.array(link, dtype=numbers.int32),
-                pos_weight=options.position_weight if goal.places else 0.0,
-                ori_weight=options.orientation_weight if goal.turns else 0.0,
+                pos_weight=options.position_weight if goal.has_position else 0.0,
+                ori_weight=options.orientation_weight if goal.has_orientation else 0.0,
             ),
             library.costs.limit_cost(robot, variable, weight=options.limit_weight),
         ]

@@ -10,7 +10,7 @@ import numpy as np
 
 from jtik.errors import ArgumentError
 from jtik.robot import JointType
-from jtik.study.contender import Answer, Ready
+from jtik.study.contender import Answer, PreparedContender
 from jtik.study.peers.base import Goal, Peer
 from jtik.types import Array
 
@@ -18,7 +18,7 @@ Method = Literal["chan", "wampler", "sugihara"]
 
 
 @dataclass(kw_only=True)
-class Toolbox(Peer):
+class ToolboxPeer(Peer):
     """``ETS.ik_LM``. Its restarts are drawn by itself, others at every call.
 
     Its defaults were found over seven arms: Chan with k from 1 to 0.01, Sugihara from 0.1 to 0.0001, Wampler from 0.01
@@ -49,23 +49,23 @@ class Toolbox(Peer):
                 given = f"slide {joint.name!r}, from {joint.lower:g} to {joint.upper:g} m"
                 raise ArgumentError("robot", given, f"for {self.label}: slides within pi m, it wraps them as if angles")
 
-    def build(self, library: Any, goal: Goal) -> Ready:
+    def build(self, library: Any, goal: Goal) -> PreparedContender:
         """On the chain from the base to the frame."""
         return _ToolboxReady(library, goal, self)
 
 
-class _ToolboxReady(Ready):
+class _ToolboxReady(PreparedContender):
     """The toolbox at work."""
 
-    def __init__(self, library: Any, goal: Goal, options: Toolbox) -> None:
+    def __init__(self, library: Any, goal: Goal, options: ToolboxPeer) -> None:
         setting, weight = goal.setting, options.orientation_weight
         self._goal, self._ets = goal, _chain(library, goal)
-        self._numbers = list(goal.numbers)
+        self._numbers = list(goal.chain_indices)
         position, orientation = ([1, 1, 0], [0, 0, weight]) if goal.planar else ([1, 1, 1], [weight] * 3)
-        mask = [*(position if goal.places else [0, 0, 0]), *(orientation if goal.turns else [0, 0, 0])]
+        mask = [*(position if goal.has_position else [0, 0, 0]), *(orientation if goal.has_orientation else [0, 0, 0])]
         squares = [
-            *([setting.position_tolerance**2] if goal.places else []),
-            *([weight * setting.orientation_tolerance**2] if goal.turns else []),
+            *([setting.position_tolerance**2] if goal.has_position else []),
+            *([weight * setting.orientation_tolerance**2] if goal.has_orientation else []),
         ]
         most = setting.max_iterations
         self._options = {
@@ -83,7 +83,7 @@ class _ToolboxReady(Ready):
 
     def solve(self, target: Any, q0: Array) -> Answer:
         """By ``ik_LM``."""
-        start = self._goal.inside(q0)
+        start = self._goal.clamped(q0)
         found = self._ets.ik_LM(target, q0=start[self._numbers], **self._options)
         q = start.copy()
         q[self._numbers] = found.q

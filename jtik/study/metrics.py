@@ -1,4 +1,4 @@
-"""What else is measured at a configuration: H, V, the condition of the task, and the distance to obstacles."""
+"""Metrics of a configuration: H, V, the condition number of the task, and the distance to obstacles."""
 
 from __future__ import annotations
 
@@ -21,34 +21,39 @@ from jtik.types import Array
 
 @dataclass
 class NamedMeasure:
-    """What measures distances, under the name that its parameters have in a study."""
+    """A distance measure with the name that prefixes its parameters.
+
+    Attributes:
+        name: name of the criterion or clearance.
+        measure: the distance measure.
+    """
 
     name: str
     measure: Measure
 
     def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
-        """The measure's own."""
+        """Parameters of the measure."""
         return self.measure.parameters(robot)
 
 
 def measures_of(criteria: Criterion | CriterionSum | None, clearances: Iterable[Clearance]) -> list[NamedMeasure]:
-    """Everything there that can tell distances to obstacles."""
+    """All criteria and clearances that measure distances to obstacles."""
     named = [(name, criterion) for name, _, criterion in CriterionSum.of(criteria).named()]
     found = [NamedMeasure(name, criterion) for name, criterion in named if isinstance(criterion, Measure)]
     return found + [NamedMeasure(clearance.name, clearance.measure) for clearance in clearances]
 
 
-class Ruler:
-    """Measures configurations of one robot with one set of criteria.
+class ConfigurationMetrics:
+    """Metrics of configurations of one robot with one set of criteria.
 
     Args:
-        robot: the robot that configurations belong to.
+        robot: the reduced robot.
         tasks: the tasks on it.
-        criteria: what H is.
-        measures: what tells distances to obstacles.
+        criteria: the criteria, whose weighted sum is H.
+        measures: the measures of distances to obstacles.
 
     Raises:
-        CriterionError: for a criterion that cannot be used.
+        CriterionError: for an invalid criterion.
     """
 
     def __init__(
@@ -63,7 +68,7 @@ class Ruler:
         q, target, column = problem.symbols()
         residual = problem.residual(q, target)
         outputs = [problem.criterion(q, column), dot(residual, residual) / 2, problem.error_jacobian(q, target)]
-        self._measured = CompiledFunction(function("ruler", [q, target, column], outputs))
+        self._measured = CompiledFunction(function("metrics", [q, target, column], outputs))
         self._has_criterion = problem.has_criterion
         measures = list(measures)
         distances = CriterionTerms.of(robot, None, measures)
@@ -79,22 +84,22 @@ class Ruler:
 
     @property
     def parameters(self) -> dict[str, Array]:
-        """Live parameters of criteria and distances, with their present values."""
+        """Current values of the live parameters of criteria and distance measures."""
         return {name: value for each in self._live for name, value in each.items()}
 
     def set(self, parameters: Mapping[str, Array]) -> None:
-        """These values; parameters that are not named get their first ones back."""
+        """Set live parameters; those that are not given return to their first values."""
         for live, first in zip(self._live, self._first, strict=True):
             for name, value in first.items():
                 live[name] = parameters.get(name, value)
 
     def at(self, q: Array, numbers: Array) -> tuple[float, float, float]:
-        """H, V, and the condition number of the task's Jacobian at q; NaN for H where there is no criterion."""
+        """H, V and the condition number of the task Jacobian at q; H is NaN without a criterion."""
         H, V, J = self._measured(q, numbers, self._live[0].memory)
         return float(H[0, 0]) if self._has_criterion else float("nan"), float(V[0, 0]), condition(J)
 
     def clearance(self, configurations: Iterable[Array]) -> float:
-        """The least distance [m] to an obstacle at any of them; NaN where nothing measures any."""
+        """The smallest distance to an obstacle over the configurations [m]; NaN without a distance measure."""
         if self._distances is None:
             return float("nan")
         memory = self._live[1].memory
@@ -102,11 +107,11 @@ class Ruler:
 
 
 def condition(J: Array) -> float:
-    """Ratio of the singular values of a Jacobian; infinite at a singular pose, NaN where it is not finite."""
+    """Ratio of largest to smallest singular value; infinite for a singular Jacobian, NaN for a non-finite one."""
     if not np.isfinite(J).all():
         return float("nan")
     sigma: Any = np.linalg.svd(J, compute_uv=False)
     return float(sigma[0] / sigma[-1]) if sigma[-1] > np.finfo(float).eps * sigma[0] else float("inf")
 
 
-__all__ = ["NamedMeasure", "Parameters", "Ruler", "condition", "measures_of"]
+__all__ = ["ConfigurationMetrics", "NamedMeasure", "Parameters", "condition", "measures_of"]

@@ -1,4 +1,4 @@
-"""The judge: how far an answer is from its target, by kinematics that no contender has a part in."""
+"""Independent check of answers: task errors by MuJoCo's kinematics, which no contender supplies, and joint limits."""
 
 from __future__ import annotations
 
@@ -15,22 +15,26 @@ from jtik.task import FrameTask, Task, TaskStack
 from jtik.types import Array
 
 SLACK = 1e-11
-"""Error [m], [rad] by which two kinematics may differ without anybody being wrong."""
+"""Rounding difference allowed between two kinematics [m], [rad]."""
 
 ROUNDING = 1e-9
-"""Share of a joint's range that an answer may be outside of it by rounding."""
+"""Rounding allowed beyond a limit, relative to the joint's range."""
 
 
-class Judge:
-    """Errors of frame tasks by MuJoCo's kinematics of the robot, of all other tasks by their own numbers.
+class IndependentCheck:
+    """Checks task errors and joint limits of answers.
+
+    Errors of `FrameTask` are computed with MuJoCo's kinematics. Errors of all other tasks are computed by the tasks
+    themselves.
 
     Args:
-        robot: the robot that configurations belong to.
+        robot: the reduced robot.
         tasks: the tasks on it.
 
     Attributes:
-        independent: whether every task is judged by MuJoCo.
-        lengths, angles: whether there are position rows, and orientation rows, at all.
+        independent: whether all errors are computed with MuJoCo.
+        has_position: whether the tasks have position rows.
+        has_orientation: whether the tasks have orientation rows.
     """
 
     def __init__(self, robot: Robot, tasks: TaskStack) -> None:
@@ -47,13 +51,13 @@ class Judge:
                 self.independent = False
                 self._parts.append((place, _own_errors(robot, task)))
         linear = tasks.rows(robot.at(symbol("q", robot.nq)), symbol("target", tasks.target_size)).linear
-        self.lengths, self.angles = any(linear), not all(linear)
+        self.has_position, self.has_orientation = any(linear), not all(linear)
         scalar = robot.scalar_q
         self._places, self._lower, self._upper = scalar, robot.lower[scalar], robot.upper[scalar]
         self._ranged = np.isfinite(self._upper - self._lower) & (self._upper > self._lower)
 
     def errors(self, q: Array, numbers: Array) -> tuple[float, float]:
-        """Norms of all position rows [m] and of all orientation rows [rad] at q, for a target read as numbers."""
+        """Norms of the position error [m] and of the orientation error [rad] at q, for a target as numbers."""
         position, orientation = 0.0, 0.0
         for place, errors in self._parts:
             lengths, angles = errors(q, numbers[place])
@@ -62,21 +66,21 @@ class Judge:
         return float(np.sqrt(position)), float(np.sqrt(orientation))
 
     def margin(self, q: Array) -> float:
-        """The least distance of a joint to a limit as a share of its range, negative outside; NaN without ranges."""
+        """Smallest distance of a joint to a limit relative to its range; negative outside, NaN without limits."""
         if not self._ranged.any():
             return float("nan")
         own, lower, upper = q[self._places][self._ranged], self._lower[self._ranged], self._upper[self._ranged]
         return float((np.minimum(own - lower, upper - own) / (upper - lower)).min())
 
     def within(self, q: Array) -> bool:
-        """Whether every joint is within its limits, but for rounding."""
+        """Whether all joints are within their limits up to rounding."""
         own = q[self._places]
         slack = ROUNDING * np.where(self._ranged, self._upper - self._lower, 1.0)
         return bool(((own >= self._lower - slack) & (own <= self._upper + slack)).all())
 
 
 class _Model:
-    """A robot as MuJoCo sees it, at one configuration at a time."""
+    """MuJoCo model of a robot, which keeps the kinematics of the last configuration."""
 
     def __init__(self, robot: Robot, model: Any) -> None:
         import mujoco
@@ -90,7 +94,7 @@ class _Model:
 
     @classmethod
     def of(cls, robot: Robot) -> _Model | None:
-        """None for a robot that MuJoCo cannot take."""
+        """The model, or None for a robot that MuJoCo does not support."""
         from jtik.interop.mujoco_model import to_mujoco
 
         try:
@@ -98,7 +102,7 @@ class _Model:
         except ArgumentError:
             return None
 
-    def place(self, q: Array, frame: str) -> tuple[Array, Array]:
+    def frame_pose(self, q: Array, frame: str) -> tuple[Array, Array]:
         """Position (3,) [m] and rotation (3, 3) of a frame at q."""
         if self._at != q.tobytes():
             self._data.qpos[:] = self._places.qpos(q)
@@ -110,25 +114,25 @@ class _Model:
     def errors(self, robot: Robot, task: FrameTask) -> Callable[[Array, Array], tuple[Array, Array]]:
         """(q, target numbers) -> position rows [m] and orientation rows [rad] of a task."""
         planar, kind = robot.dimension == 2, task.kind
-        turns = ["rz"] if planar else ["rx", "ry", "rz"]
+        rotations = ["rz"] if planar else ["rx", "ry", "rz"]
         lengths = [i for i, axis in enumerate("xyz"[: robot.dimension]) if task.axes is None or axis in task.axes]
-        angles = [i for i, axis in enumerate(turns) if task.axes is None or axis in task.axes]
+        angles = [i for i, axis in enumerate(rotations) if task.axes is None or axis in task.axes]
         split = 0 if kind == "orientation" else robot.dimension
-        none = np.zeros(0)
+        empty = np.zeros(0)
 
         def errors(q: Array, numbers: Array) -> tuple[Array, Array]:
-            position, rotation = self.place(q, task.frame)
-            away = (position[: robot.dimension] - numbers[:split])[lengths] if kind != "orientation" else none
+            position, rotation = self.frame_pose(q, task.frame)
+            away = (position[: robot.dimension] - numbers[:split])[lengths] if kind != "orientation" else empty
             if kind == "position":
-                return away, none
+                return away, empty
             if planar:
-                turn = np.arctan2(rotation[1, 0], rotation[0, 0]) - numbers[split]
-                return away, np.array([np.arctan2(np.sin(turn), np.cos(turn))])[angles]
-            return away, self._turn(numbers[split:].reshape(3, 3, order="F").T @ rotation)[angles]
+                angle = np.arctan2(rotation[1, 0], rotation[0, 0]) - numbers[split]
+                return away, np.array([np.arctan2(np.sin(angle), np.cos(angle))])[angles]
+            return away, self._rotation_vector(numbers[split:].reshape(3, 3, order="F").T @ rotation)[angles]
 
         return errors
 
-    def _turn(self, rotation: Array) -> Array:
+    def _rotation_vector(self, rotation: Array) -> Array:
         """The rotation vector (3,) [rad] of a rotation."""
         quaternion, vector = np.zeros(4), np.zeros(3)
         self._mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(rotation).ravel())
@@ -137,7 +141,7 @@ class _Model:
 
 
 def _own_errors(robot: Robot, task: Task) -> Callable[[Array, Array], tuple[Array, Array]]:
-    """The same by the task's own error."""
+    """(q, target numbers) -> position rows [m] and orientation rows [rad], by the task itself."""
     q, target = symbol("q", robot.nq), symbol("target", task.target_size(robot))
     rows = task.rows(robot.at(q), target)
     evaluate = CompiledFunction(function("error", [q, target], [rows.error]))

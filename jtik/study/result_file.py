@@ -1,4 +1,4 @@
-"""Studies in files: one ``.npz`` with arrays and a JSON header, no pickles; written whole or not at all."""
+"""Result files of studies: one ``.npz`` with arrays and a JSON header, without pickles, replaced atomically."""
 
 from __future__ import annotations
 
@@ -19,31 +19,31 @@ from jtik.result.solution import Trace
 from jtik.study.comparison import Comparison, assembled
 from jtik.study.description import DescriptionError, as_data, from_data
 from jtik.study.rows import COLUMNS, Row
-from jtik.study.units import Block, Plan
+from jtik.study.work_units import StudyPlan, UnitResult
 from jtik.types import Array
 
 FORMAT = 1
-"""Version of the file."""
+"""Version of the file format."""
 
 PAUSE = 5.0
-"""Least time between two writings of a study that is going on [s]."""
+"""Smallest time between two writes of a running study [s]."""
 
 SHARE = 0.05
-"""Largest share of the time that is spent on writing it."""
+"""Largest share of the time that is spent on writing."""
 
 
 def checked_path(path: str | Path, argument: str = "path") -> Path:
-    """The path. Raises ArgumentError for one that does not end in .npz or whose folder is not there."""
+    """The path. Raises ArgumentError unless it ends in .npz and its folder exists."""
     path = Path(path)
     if path.suffix != ".npz":
         raise ArgumentError(argument, str(path), "a file name that ends in .npz")
     if not path.parent.is_dir():
-        raise ArgumentError(argument, str(path), "a file in a folder that exists")
+        raise ArgumentError(argument, str(path), "a file in an existing folder")
     return path
 
 
 def write(comparison: Comparison, path: str | Path) -> None:
-    """Write it beside the place and move it there: a reader finds the old file or the new one, never half of one."""
+    """Write to a temporary file and rename it, so that a reader finds either the old or the new file."""
     path = checked_path(path)
     try:
         tasks = as_data(comparison.tasks)
@@ -63,19 +63,19 @@ def write(comparison: Comparison, path: str | Path) -> None:
     }
     arrays: dict[str, NDArray[Any]] = {f"column/{name}": column for name, column in comparison.columns.items()}
     arrays["answers"] = comparison.answers
-    arrays |= {f"trace/{i}": _packed(trace) for i, trace in enumerate(comparison.traces.values())}
+    arrays |= {f"trace/{i}": _serialized(trace) for i, trace in enumerate(comparison.traces.values())}
     arrays |= {f"path/{i}": postures for i, postures in enumerate(comparison.paths.values())}
-    scratch = path.with_name(f".{path.name}.{os.getpid()}")
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        with scratch.open("wb") as file:
+        with temporary.open("wb") as file:
             np.savez(file, allow_pickle=False, header=np.array(json.dumps(header)), **arrays)
-        scratch.replace(path)
+        temporary.replace(path)
     finally:
-        scratch.unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
 
 
 def read(path: str | Path) -> Comparison:
-    """Read what `write` wrote."""
+    """Read a file of `write`. Raises ArgumentError for any other file."""
     path = checked_path(path)
     accepted = "a file that Comparison.save or jtik.compare(save=...) wrote"
     try:
@@ -106,8 +106,8 @@ def read(path: str | Path) -> Comparison:
     )
 
 
-def _packed(trace: Trace) -> Array:
-    """A trace as one table: q, error, then the figures, whose last row is none."""
+def _serialized(trace: Trace) -> Array:
+    """A trace as one table: q, error and figures, which are NaN in the last row."""
     columns = [np.append(figure, np.nan) for figure in trace.figures.values()]
     return np.column_stack([trace.q, trace.error, *columns])
 
@@ -118,67 +118,67 @@ def _unpacked(table: Array, names: Sequence[str]) -> Trace:
     return Trace(q=table[:, :nq].copy(), error=table[:, nq].copy(), figures=figures)
 
 
-class Notebook:
-    """Where a study is written down while it goes on, and what was written there before.
+class ResultFile:
+    """The results of a running study, written to a file, with the results that the file already had.
 
     Args:
         path: the file; None writes nothing.
         plan: the study.
-        known: the attributes of a `Comparison` that do not follow from the plan, its fingerprint among them.
+        known: the attributes of `Comparison` that do not follow from the plan, such as its fingerprint.
 
     Attributes:
-        blocks: what is done.
+        results: the results of the completed units.
 
     Raises:
-        ArgumentError: for a file that holds another study, or none.
+        ArgumentError: for a file that holds another study, or no study.
     """
 
-    def __init__(self, path: str | Path | None, plan: Plan, known: Mapping[str, Any]) -> None:
+    def __init__(self, path: str | Path | None, plan: StudyPlan, known: Mapping[str, Any]) -> None:
         self._path = None if path is None else checked_path(path, "save")
         self._plan, self._known = plan, known
-        self.blocks: list[Block] = []
+        self.results: list[UnitResult] = []
         self._written = time.monotonic()
         self._pause = PAUSE
         if self._path is not None and self._path.exists():
-            self.blocks = self._remembered(self._path)
-        self._count = len(self.blocks)
+            self.results = self._finished_units(self._path)
+        self._count = len(self.results)
 
-    def add(self, block: Block) -> None:
-        """Keep a block, and write all of them if that was not done just now."""
-        self.blocks.append(block)
+    def add(self, result: UnitResult) -> None:
+        """Add a result, and write all results unless the last write was recent."""
+        self.results.append(result)
         if self._path is not None and time.monotonic() - self._written > self._pause:
             self.write()
 
     def write(self) -> None:
-        """Write what is done, if there is anything new."""
-        if self._path is None or (self._count == len(self.blocks) and self._path.exists()):
+        """Write all results if there are new ones."""
+        if self._path is None or (self._count == len(self.results) and self._path.exists()):
             return
         begin = time.monotonic()
         write(self.comparison(), self._path)
         self._written = time.monotonic()
         self._pause = max(PAUSE, (self._written - begin) / SHARE)
-        self._count = len(self.blocks)
+        self._count = len(self.results)
 
     def comparison(self) -> Comparison:
-        """What is done, as a result."""
-        complete = len(self.blocks) == len(self._plan.units())
-        return assembled(self._plan, self.blocks, complete=complete, **self._known)
+        """The results so far as a Comparison."""
+        complete = len(self.results) == len(self._plan.units())
+        return assembled(self._plan, self.results, complete=complete, **self._known)
 
-    def _remembered(self, path: Path) -> list[Block]:
-        """The units that a file has all rows of."""
+    def _finished_units(self, path: Path) -> list[UnitResult]:
+        """The units that are complete in a file."""
         found = read(path)
         if found.fingerprint != self._known["fingerprint"]:
-            given = f"{path}, which has another study: {found.settings.get('study', found)}"
-            raise ArgumentError("save", given, "a file of this very study, or one that is not there yet")
-        every, blocks = _rows(found), []
+            given = f"{path}, which holds another study: {found.settings.get('study', found)}"
+            raise ArgumentError("save", given, "a file of the same study, or a new file")
+        every, results = _rows(found), []
         rows = {(row.contender, row.criteria, row.case): i for i, row in enumerate(every)}
         for unit in self._plan.units():
             names = [case.name for case in self._plan.problems.cases[unit.start : unit.stop]]
-            keys = [(who, unit.criteria, name) for who in self._plan.contenders for name in names]
+            keys = [(contender, unit.criteria, name) for contender in self._plan.contenders for name in names]
             if all(key in rows for key in keys):
                 own = set(keys)
-                blocks.append(
-                    Block(
+                results.append(
+                    UnitResult(
                         unit,
                         [every[rows[key]] for key in keys],
                         [found.answers[rows[key]] for key in keys],
@@ -186,7 +186,7 @@ class Notebook:
                         {key: postures for key, postures in found.paths.items() if key in own},
                     )
                 )
-        return blocks
+        return results
 
 
 def _rows(comparison: Comparison) -> list[Row]:

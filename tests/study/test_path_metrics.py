@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.study import measures
+from jtik.study import path_metrics
 
 ARM = jtik.Robot.planar(2)
 
@@ -26,79 +26,79 @@ def trace(V, *, accepted=None, error=None, q=None, **figures):
 
 class TestMonotone:
     def test_a_fall_is_one(self):
-        assert measures.monotone(trace([3, 2, 1]), 0.5, 1e-6) == 1
+        assert path_metrics.monotone(trace([3, 2, 1]), 0.5, 1e-6) == 1
 
     def test_a_rise_is_none(self):
-        assert measures.monotone(trace([3, 1, 2]), 0.5, 1e-6) == 0
+        assert path_metrics.monotone(trace([3, 1, 2]), 0.5, 1e-6) == 0
 
     def test_the_last_step_counts(self):
-        assert measures.monotone(trace([3, 2, 1]), 1.5, 1e-6) == 0
+        assert path_metrics.monotone(trace([3, 2, 1]), 1.5, 1e-6) == 0
 
     def test_no_step_at_all_is_nothing(self):
-        assert math.isnan(measures.monotone(trace([]), 0.5, 1e-6))
+        assert math.isnan(path_metrics.monotone(trace([]), 0.5, 1e-6))
 
     def test_a_step_that_was_refused_does_not_count(self):
-        assert measures.monotone(trace([3, 1, 2], accepted=[1, 0, 1]), 0.5, 1e-6) == 1
+        assert path_metrics.monotone(trace([3, 1, 2], accepted=[1, 0, 1]), 0.5, 1e-6) == 1
 
     def test_nor_does_what_happens_on_target(self):
         error = [1, 1e-7, 5e-7, 2e-7]
-        assert measures.monotone(trace([3, 1e-14, 1e-13], error=error), 2e-14, 1e-6) == 1
-        assert measures.monotone(trace([3, 1e-14, 1e-13], error=error), 2e-14, 1e-7) == 0
+        assert path_metrics.monotone(trace([3, 1e-14, 1e-13], error=error), 2e-14, 1e-6) == 1
+        assert path_metrics.monotone(trace([3, 1e-14, 1e-13], error=error), 2e-14, 1e-7) == 0
 
     def test_nor_does_rounding(self):
-        assert measures.monotone(trace([1, 1 + 1e-15]), 0.5, 1e-6) == 1
-        assert measures.monotone(trace([1, 1 + 1e-9]), 0.5, 1e-6) == 0
+        assert path_metrics.monotone(trace([1, 1 + 1e-15]), 0.5, 1e-6) == 1
+        assert path_metrics.monotone(trace([1, 1 + 1e-9]), 0.5, 1e-6) == 0
 
     def test_nor_does_the_jump_to_another_start(self):
-        assert measures.monotone(trace([3, 2, 9, 4], attempt=[0, 0, 1, 1]), 0.1, 1e-6) == 1
-        assert measures.monotone(trace([3, 4, 9, 4], attempt=[0, 0, 1, 1]), 0.1, 1e-6) == 1
-        assert measures.monotone(trace([3, 2, 4, 9], attempt=[0, 0, 1, 1]), 0.1, 1e-6) == 0
+        assert path_metrics.monotone(trace([3, 2, 9, 4], attempt=[0, 0, 1, 1]), 0.1, 1e-6) == 1
+        assert path_metrics.monotone(trace([3, 4, 9, 4], attempt=[0, 0, 1, 1]), 0.1, 1e-6) == 1
+        assert path_metrics.monotone(trace([3, 2, 4, 9], attempt=[0, 0, 1, 1]), 0.1, 1e-6) == 0
 
     def test_nan_is_a_rise(self):
-        assert measures.monotone(trace([3, math.nan, 1]), 0.5, 1e-6) == 0
+        assert path_metrics.monotone(trace([3, math.nan, 1]), 0.5, 1e-6) == 0
 
     def test_a_trace_without_V_has_the_error(self):
         bare = jtik.Trace(q=np.arange(6.0).reshape(3, 2), error=np.array([1.0, 2.0, 0.5]), figures={})
-        assert measures.monotone(bare, 0.125, 1e-6) == 0
+        assert path_metrics.monotone(bare, 0.125, 1e-6) == 0
 
 
 class TestLeakage:
     def test_it_is_the_largest_of_the_steps_taken(self):
         leaks = {"leakage": [1e-3, 5e-2, math.nan], "accepted": [1, 0, 1]}
-        assert measures.leakage(trace([3, 2, 1], **leaks)) == 1e-3
+        assert path_metrics.leakage(trace([3, 2, 1], **leaks)) == 1e-3
 
     def test_without_a_null_space_step_there_is_none(self):
-        assert math.isnan(measures.leakage(trace([3, 2], leakage=[math.nan, math.nan])))
-        assert math.isnan(measures.leakage(trace([3, 2])))
+        assert math.isnan(path_metrics.leakage(trace([3, 2], leakage=[math.nan, math.nan])))
+        assert math.isnan(path_metrics.leakage(trace([3, 2])))
 
 
 class TestPaths:
     def test_length_is_that_of_the_way_in_joint_space(self):
-        assert measures.path_length(ARM, np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 5.0]])) == 6
-        assert measures.path_length(ARM, np.array([[1.0, 2.0]])) == 0
+        assert path_metrics.path_length(ARM, np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 5.0]])) == 6
+        assert path_metrics.path_length(ARM, np.array([[1.0, 2.0]])) == 0
 
     def test_only_the_last_attempt_has_led_to_the_answer(self):
         way = trace([1, 1, 1], q=[[9, 9], [8, 8], [0, 0], [3, 4]], attempt=[0, 0, 1])
-        np.testing.assert_array_equal(measures.iterates(way), [[0, 0], [3, 4]])
+        np.testing.assert_array_equal(path_metrics.iterates(way), [[0, 0], [3, 4]])
 
     def test_smoothness_is_the_mean_square_of_the_acceleration(self):
         dt, times = 0.1, 0.1 * np.arange(6)
         parabola = np.column_stack([1.5 * times**2, -2.0 * times**2])  # accelerations 3 and -4
-        assert measures.smoothness(ARM, parabola, dt) == pytest.approx(5.0)
-        assert measures.smoothness(ARM, np.column_stack([times, 3 * times]), dt) == pytest.approx(0, abs=1e-11)
+        assert path_metrics.smoothness(ARM, parabola, dt) == pytest.approx(5.0)
+        assert path_metrics.smoothness(ARM, np.column_stack([times, 3 * times]), dt) == pytest.approx(0, abs=1e-11)
 
     def test_smoothness_needs_three_postures_and_a_time(self):
-        assert math.isnan(measures.smoothness(ARM, np.zeros((2, 2)), 0.1))
-        assert math.isnan(measures.smoothness(ARM, np.zeros((3, 2)), None))
+        assert math.isnan(path_metrics.smoothness(ARM, np.zeros((2, 2)), 0.1))
+        assert math.isnan(path_metrics.smoothness(ARM, np.zeros((3, 2)), None))
 
     def test_drift_is_what_the_end_is_from_the_beginning(self):
-        assert measures.drift(ARM, np.array([[0.0, 1.0], [7.0, 7.0], [3.0, 5.0]])) == 5
+        assert path_metrics.drift(ARM, np.array([[0.0, 1.0], [7.0, 7.0], [3.0, 5.0]])) == 5
 
     def test_quaternions_are_measured_by_the_turn_between_them(self):
         ball = jtik.Robot([jtik.Joint("ball", jtik.JointType.BALL, "base", "hand")])
         turned = np.array([[1, 0, 0, 0], [math.cos(0.2), math.sin(0.2), 0, 0], [-1, 0, 0, 0]], dtype=float)
-        assert measures.path_length(ball, turned) == pytest.approx(0.8)
-        assert measures.drift(ball, turned) == pytest.approx(0, abs=1e-12)
+        assert path_metrics.path_length(ball, turned) == pytest.approx(0.8)
+        assert path_metrics.drift(ball, turned) == pytest.approx(0, abs=1e-12)
 
 
 def test_the_attempts_of_a_solve_with_restarts_are_told_apart():

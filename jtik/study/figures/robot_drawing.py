@@ -32,7 +32,7 @@ MOST = 12
 """Postures drawn of a longer sequence, evenly chosen."""
 
 
-def balls(case: Case) -> tuple[Ball, ...]:
+def obstacles_in(case: Case) -> tuple[Ball, ...]:
     """The circles or spheres of a case, none where it has none."""
     owners = [name.rsplit(".", 1)[0] for name in case.parameters if name.endswith(".centers")]
     for owner in owners:
@@ -48,7 +48,7 @@ def thinned(q: Array, most: int = MOST) -> Array:
     return chosen
 
 
-class Scenery:
+class RobotDrawing:
     """One robot's pictures: what a panel must show to hold all of these configurations.
 
     Args:

@@ -1,4 +1,4 @@
-"""The judge against closed forms, and against what it must not be fooled by."""
+"""The check against closed forms, and against what it must not be fooled by."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import pytest
 from scipy.spatial.transform import Rotation as Turn
 
 import jtik
-from jtik.study.judge import Judge
-from jtik.study.ruler import Ruler, condition
+from jtik.study.independent_check import IndependentCheck
+from jtik.study.metrics import ConfigurationMetrics, condition
 from jtik.task import TaskStack
 from jtik_formulations import JointCentering
 
@@ -19,7 +19,7 @@ EXACT = 1e-12
 
 def judge_of(robot, *tasks):
     stack = TaskStack.of(robot, tasks)
-    return Judge(robot, stack), stack
+    return IndependentCheck(robot, stack), stack
 
 
 class TestPlanar:
@@ -30,26 +30,26 @@ class TestPlanar:
         return np.array([np.cos(angles).sum(), np.sin(angles).sum()]), angles[-1]
 
     def test_a_pose_is_judged_by_the_closed_form(self):
-        judge, tasks = judge_of(jtik.Robot.planar(3), jtik.FrameTask("tip", "pose"))
+        check, tasks = judge_of(jtik.Robot.planar(3), jtik.FrameTask("tip", "pose"))
         position, angle = self.tip()
         target = [position[0] + 0.3, position[1] - 0.4, angle + 0.2 - 2 * math.pi]
-        found = judge.errors(self.Q, tasks.read_target(target))
+        found = check.errors(self.Q, tasks.read_target(target))
         np.testing.assert_allclose(found, (0.5, 0.2), atol=EXACT)
-        assert judge.independent
-        assert (judge.lengths, judge.angles) == (True, True)
+        assert check.independent
+        assert (check.has_position, check.has_orientation) == (True, True)
 
     @pytest.mark.parametrize(("kind", "expected"), [("position", (0.5, 0.0)), ("orientation", (0.0, 0.2))])
     def test_only_what_the_task_asks_for_counts(self, kind, expected):
-        judge, tasks = judge_of(jtik.Robot.planar(3), jtik.FrameTask("tip", kind))
+        check, tasks = judge_of(jtik.Robot.planar(3), jtik.FrameTask("tip", kind))
         position, angle = self.tip()
         target = [position[0] + 0.3, position[1] - 0.4] if kind == "position" else angle - 0.2
-        np.testing.assert_allclose(judge.errors(self.Q, tasks.read_target(target)), expected, atol=EXACT)
-        assert (judge.lengths, judge.angles) == (kind == "position", kind == "orientation")
+        np.testing.assert_allclose(check.errors(self.Q, tasks.read_target(target)), expected, atol=EXACT)
+        assert (check.has_position, check.has_orientation) == (kind == "position", kind == "orientation")
 
     def test_only_the_axes_that_are_kept_count(self):
-        judge, tasks = judge_of(jtik.Robot.planar(3), jtik.FrameTask("tip", axes="y"))
+        check, tasks = judge_of(jtik.Robot.planar(3), jtik.FrameTask("tip", axes="y"))
         position, _ = self.tip()
-        found = judge.errors(self.Q, tasks.read_target(position + np.array([7.0, 0.25])))
+        found = check.errors(self.Q, tasks.read_target(position + np.array([7.0, 0.25])))
         np.testing.assert_allclose(found, (0.25, 0.0), atol=EXACT)
 
 
@@ -61,50 +61,50 @@ class TestSpatial:
 
     @pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-3, 1.0, 3.0, math.pi - 1e-6])
     def test_turns_are_judged_by_their_angle(self, angle):
-        judge, tasks = judge_of(self.arm, jtik.FrameTask("tip", "pose"))
+        check, tasks = judge_of(self.arm, jtik.FrameTask("tip", "pose"))
         axis = np.array([2.0, -1.0, 2.0]) / 3
         target = self.pose.copy()
         target[:3, :3] = self.pose[:3, :3] @ Turn.from_rotvec(angle * axis).as_matrix()
         target[:3, 3] += [0.02, 0.0, -0.01]
-        position, orientation = judge.errors(self.q, tasks.read_target(target))
+        position, orientation = check.errors(self.q, tasks.read_target(target))
         assert position == pytest.approx(math.hypot(0.02, 0.01), abs=EXACT)
         assert orientation == pytest.approx(angle, abs=1e-8 if angle > 3 else 1e-11)
 
     def test_a_turn_about_an_axis_that_is_free_does_not_count(self):
-        judge, tasks = judge_of(self.arm, jtik.FrameTask("tip", "orientation", axes=("rx", "ry")))
+        check, tasks = judge_of(self.arm, jtik.FrameTask("tip", "orientation", axes=("rx", "ry")))
         target = self.pose[:3, :3] @ Turn.from_rotvec([0, 0, 0.8]).as_matrix()
-        assert judge.errors(self.q, tasks.read_target(target))[1] == pytest.approx(0, abs=EXACT)
+        assert check.errors(self.q, tasks.read_target(target))[1] == pytest.approx(0, abs=EXACT)
 
     def test_several_tasks_add_up_and_others_than_frames_count_by_their_own_numbers(self):
         elbow = jtik.FrameTask("forearm_link", name="elbow")
         up = jtik.AxisTask("tip", axis=(0, 0, 1), name="up")
-        judge, tasks = judge_of(self.arm, elbow, up)
+        check, tasks = judge_of(self.arm, elbow, up)
         there = self.arm.position(self.q, "forearm_link") + np.array([0.0, 0.03, 0.04])
         direction = self.pose[:3, :3] @ Turn.from_rotvec([0.3, 0, 0]).as_matrix() @ [0, 0, 1]
-        found = judge.errors(self.q, tasks.read_target({"elbow": there, "up": direction}))
+        found = check.errors(self.q, tasks.read_target({"elbow": there, "up": direction}))
         np.testing.assert_allclose(found, (0.05, 0.3), atol=1e-9)
-        assert not judge.independent
+        assert not check.independent
 
     def test_it_remembers_no_other_configuration(self):
-        judge, tasks = judge_of(self.arm, jtik.FrameTask("tip"))
+        check, tasks = judge_of(self.arm, jtik.FrameTask("tip"))
         here = tasks.read_target(self.pose[:3, 3])
         for q in (self.q, np.zeros(6), self.q):
             expected = np.linalg.norm(self.arm.position(q) - self.pose[:3, 3])
-            assert judge.errors(q, here)[0] == pytest.approx(expected, abs=EXACT)
+            assert check.errors(q, here)[0] == pytest.approx(expected, abs=EXACT)
 
     def test_nan_is_never_on_target(self):
-        judge, tasks = judge_of(self.arm, jtik.FrameTask("tip"))
-        assert math.isnan(judge.errors(np.full(6, np.nan), tasks.read_target(self.pose[:3, 3]))[0])
+        check, tasks = judge_of(self.arm, jtik.FrameTask("tip"))
+        assert math.isnan(check.errors(np.full(6, np.nan), tasks.read_target(self.pose[:3, 3]))[0])
 
 
 def test_a_robot_with_a_free_base_is_judged_by_quaternions():
     free = jtik.Robot([jtik.Joint("float", jtik.JointType.FREE, "base", "body")], name="brick")
-    judge, tasks = judge_of(free, jtik.FrameTask("body", "pose"))
+    check, tasks = judge_of(free, jtik.FrameTask("body", "pose"))
     q = np.array([1.0, 2.0, 3.0, *Turn.from_rotvec([0, 0.4, 0]).as_quat(scalar_first=True)])
-    found = judge.errors(q, tasks.read_target(np.eye(4)))
+    found = check.errors(q, tasks.read_target(np.eye(4)))
     np.testing.assert_allclose(found, (math.sqrt(14), 0.4), atol=EXACT)
-    assert math.isnan(judge.margin(q))
-    assert judge.within(q)
+    assert math.isnan(check.margin(q))
+    assert check.within(q)
 
 
 class TestLimits:
@@ -115,22 +115,22 @@ class TestLimits:
         [((1.0, 1.0), 0.5, True), ((0.0, 2.8), 0.05, True), ((-1.0, 1.0), 0.0, True), ((3.4, 1.0), -0.1, False)],
     )
     def test_the_margin_is_a_share_of_the_range(self, q, margin, within):
-        judge, _ = judge_of(self.ARM, jtik.FrameTask("tip"))
-        assert judge.margin(np.array(q)) == pytest.approx(margin)
-        assert judge.within(np.array(q)) == within
+        check, _ = judge_of(self.ARM, jtik.FrameTask("tip"))
+        assert check.margin(np.array(q)) == pytest.approx(margin)
+        assert check.within(np.array(q)) == within
 
     def test_rounding_is_no_offence(self):
-        judge, _ = judge_of(self.ARM, jtik.FrameTask("tip"))
-        assert judge.within(np.array([3.0 + 1e-12, 0.0]))
-        assert not judge.within(np.array([3.0 + 1e-7, 0.0]))
+        check, _ = judge_of(self.ARM, jtik.FrameTask("tip"))
+        assert check.within(np.array([3.0 + 1e-12, 0.0]))
+        assert not check.within(np.array([3.0 + 1e-7, 0.0]))
 
 
 def test_the_ruler_measures_H_V_and_the_condition_in_closed_form():
     arm, q = jtik.Robot.planar(2), np.array([0.7, math.pi / 2])
     tasks = TaskStack.of(arm, jtik.FrameTask("tip", stiffness=[4.0, 1.0]))
-    ruler = Ruler(arm, tasks, 3.0 * JointCentering(preferred=[0.5, 1.0]))
+    metrics = ConfigurationMetrics(arm, tasks, 3.0 * JointCentering(preferred=[0.5, 1.0]))
     away = np.array([0.1, -0.2])
-    H, V, number = ruler.at(q, tasks.read_target(arm.position(q) - away))
+    H, V, number = metrics.at(q, tasks.read_target(arm.position(q) - away))
     ik = jtik.InverseKinematics(arm, tasks.tasks, criteria=3.0 * JointCentering(preferred=[0.5, 1.0]))
     assert pytest.approx(ik.solve(arm.position(q), q0=q, max_iterations=0).cost) == H
     assert pytest.approx((4 * 0.1**2 + 0.2**2) / 2) == V

@@ -1,4 +1,4 @@
-"""Targets as values: copied in, read-only, and as plain data that JSON can carry without losing a bit."""
+"""Targets as plain values: read-only copies, and data that JSON stores without loss."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from jtik.types import Array
 
 
 def frozen_array(argument: str, value: object) -> Array:
-    """A read-only float64 copy of any shape. Raises ArgumentError for what is not finite numbers."""
+    """A read-only float64 copy of any shape. Raises ArgumentError unless all entries are finite numbers."""
     try:
         rank = np.ndim(value)  # type: ignore[arg-type]
     except ValueError:  # ragged
@@ -23,10 +23,10 @@ def frozen_array(argument: str, value: object) -> Array:
 
 
 def frozen_target(argument: str, target: Any) -> Any:
-    """A target in a form of its own: a float, a read-only array, a pair of arrays, or a dict of such by task name.
+    """A copy of a target: a float, a read-only array, a pair of arrays, or a dict of these by task name.
 
     Raises:
-        ArgumentError: for what is not finite numbers.
+        ArgumentError: unless all entries are finite numbers.
     """
     if isinstance(target, Mapping):
         return {str(name): frozen_target(f"{argument}[{name!r}]", value) for name, value in target.items()}
@@ -48,7 +48,7 @@ def plain_target(target: Any) -> Any:
 
 
 def _is_pair(target: Any) -> bool:
-    """Whether it is (position, quaternion): two vectors of different lengths."""
+    """Whether the target is (position, quaternion): two vectors of different lengths."""
     if not isinstance(target, (tuple, list)) or len(target) != 2:
         return False
     return all(isinstance(part, (tuple, list, np.ndarray)) for part in target) and len(target[0]) != len(target[1])

@@ -1,4 +1,4 @@
-"""Figures of a solved case that need the way there: from the iterations of a solve, or from the postures of a path."""
+"""Path metrics: figures from the iterations of a solve, or from the configurations along a path."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from jtik.robot import Robot
 from jtik.types import Array
 
 ROUNDING = 1e-12
-"""Share of V by which rounding may raise it."""
+"""Relative rise of V that is attributed to rounding."""
 
 NAN = float("nan")
 
 
 def last_attempt(trace: Trace) -> slice:
-    """The rows of the attempt that ended last: all of them where nothing was begun anew."""
+    """Rows of the last attempt; all rows without restarts."""
     attempt = trace.figures.get("attempt")
     if attempt is None or not len(attempt):
         return slice(0, len(trace))
@@ -26,17 +26,18 @@ def last_attempt(trace: Trace) -> slice:
 
 
 def iterates(trace: Trace) -> Array:
-    """Configurations from where the last attempt began to the answer, (k, nq)."""
+    """Configurations of the last attempt, from its start to the answer, (k, nq)."""
     return trace.q[last_attempt(trace).start :]
 
 
 def monotone(trace: Trace, V_end: float, tolerance: float) -> float:
-    """1 where V never rose at an accepted step of the last attempt, 0 where it did, NaN without a step.
+    """1 if V never rose at an accepted step of the last attempt, 0 if it did, NaN without a step.
 
     Args:
         trace: the iterations.
         V_end: V at the answer.
-        tolerance: an error up to here [m], [rad] is on target: what V does there, while H settles, counts for nothing.
+        tolerance: error up to which a configuration is on target [m], [rad]. Rises of V on target, while H is
+            minimised, are ignored.
     """
     rows = last_attempt(trace)
     own = trace.figures.get("V")
@@ -50,7 +51,7 @@ def monotone(trace: Trace, V_end: float, tolerance: float) -> float:
 
 
 def leakage(trace: Trace) -> float:
-    """The largest ``|J nu| / |nu|`` of an accepted null-space step nu of the last attempt; NaN where there was none."""
+    """Largest ``|J nu| / |nu|`` of an accepted null-space step nu of the last attempt; NaN without one."""
     rows, own = last_attempt(trace), trace.figures.get("leakage")
     if own is None:
         return NAN
@@ -60,25 +61,25 @@ def leakage(trace: Trace) -> float:
 
 
 def path_length(robot: Robot, q: Array) -> float:
-    """Sum of the distances in joint space between configurations that follow each other, (k, nq) [rad] and [m]."""
+    """Sum of the joint-space distances between consecutive configurations (k, nq) [rad] and [m]."""
     return float(np.linalg.norm(_steps(robot, q), axis=1).sum())
 
 
 def smoothness(robot: Robot, q: Array, dt: float | None) -> float:
-    """Root mean square of the accelerations along a path, (k, nq) at times dt apart [rad/s^2]; NaN below 3 postures."""
+    """Root mean square acceleration along a path (k, nq) with time step dt [rad/s^2]; NaN below 3 configurations."""
     if dt is None or len(q) < 3:
         return NAN
-    bends = np.diff(_steps(robot, q), axis=0) / dt**2
-    return float(np.sqrt((bends**2).sum(axis=1).mean()))
+    accelerations = np.diff(_steps(robot, q), axis=0) / dt**2
+    return float(np.sqrt((accelerations**2).sum(axis=1).mean()))
 
 
 def drift(robot: Robot, q: Array) -> float:
-    """Distance in joint space between the first and the last posture of a closed path [rad] and [m]."""
+    """Joint-space distance between the first and the last configuration of a closed path [rad] and [m]."""
     return float(np.linalg.norm(_steps(robot, q[[0, -1]])))
 
 
 def _accepted(trace: Trace) -> Any:
-    """Which steps were taken; those that moved where a trace does not say."""
+    """Which steps were accepted; where the trace has no such figure, the steps that changed q."""
     own = trace.figures.get("accepted")
     moved = (trace.q[1:] != trace.q[:-1]).any(axis=1)
     return moved if own is None else np.where(np.isfinite(own), own == 1.0, moved)

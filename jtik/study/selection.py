@@ -1,4 +1,4 @@
-"""The problems of a study, from whatever a caller names them by."""
+"""Selection of the problems of a study: given cases, or kinds of problems to draw."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from jtik import problems as generators
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.problems import Case, ProblemSet
 from jtik.study.contender import Setting
-from jtik.study.ruler import NamedMeasure
+from jtik.study.metrics import NamedMeasure
 
 KINDS: Mapping[str, Callable[..., ProblemSet]] = {
     name: getattr(generators, name)
@@ -27,47 +27,51 @@ KINDS: Mapping[str, Callable[..., ProblemSet]] = {
         "scene",
     )
 }
-"""The kinds of problems that are drawn by name."""
+"""Generators by the kind of problems that they draw."""
 
 
-def problems_of(given: Any, setting: Setting, measures: Iterable[NamedMeasure], *, count: int, seed: int) -> ProblemSet:
-    """The problems: those given, or drawn for the setting.
+def select_problems(
+    given: Any, setting: Setting, measures: Iterable[NamedMeasure], *, count: int, seed: int
+) -> ProblemSet:
+    """The problems of a study, as given or drawn for its setting.
 
     Args:
-        given: a ProblemSet, cases, the name of a kind, several, or a mapping from kind to count.
+        given: a ProblemSet, one case or several, one kind or several, or a mapping from kind to count.
         setting: robot and task.
-        measures: what tells distances to obstacles: scenes are drawn for them.
-        count: how many of each kind.
-        seed: of the random numbers.
+        measures: measures of distances to obstacles, for which scenes are drawn.
+        count: number of cases of each kind.
+        seed: seed of the random numbers.
 
     Raises:
-        ArgumentError: for none, or what cannot be drawn.
-        UnknownNameError: for a kind that nobody draws.
+        ArgumentError: for no problem, or problems that cannot be drawn.
+        UnknownNameError: for an unknown kind.
     """
     if isinstance(given, ProblemSet):
-        found = given
+        selected = given
     elif isinstance(given, Case):
-        found = ProblemSet(given.name, (given,))
+        selected = ProblemSet(given.name, (given,))
     elif isinstance(given, str):
-        found = _drawn({given: count}, setting, measures, seed)
+        selected = _drawn({given: count}, setting, measures, seed)
     elif isinstance(given, Mapping):
-        found = _drawn(given, setting, measures, seed)
+        selected = _drawn(given, setting, measures, seed)
     elif isinstance(given, Iterable):
         several = list(given)
         if several and all(isinstance(each, Case) for each in several):
-            found = ProblemSet("problems", tuple(several))
+            selected = ProblemSet("problems", tuple(several))
         elif several and all(isinstance(each, str) for each in several):
-            found = _drawn(dict.fromkeys(several, count), setting, measures, seed)
+            selected = _drawn(dict.fromkeys(several, count), setting, measures, seed)
         else:
             raise ArgumentError("problems", given, _ACCEPTED)
     else:
         raise ArgumentError("problems", given, _ACCEPTED)
-    if not len(found):
+    if not len(selected):
         raise ArgumentError("problems", given, "at least one case")
-    return found
+    return selected
 
 
-_ACCEPTED = f"a jtik.problems.ProblemSet, cases, or kinds from {', '.join(KINDS)}, perhaps with counts: {{kind: count}}"
+_ACCEPTED = (
+    f"a jtik.problems.ProblemSet, cases, or kinds from {', '.join(KINDS)}, optionally with counts: {{kind: count}}"
+)
 
 
 def _drawn(counts: Mapping[str, int], setting: Setting, measures: Iterable[NamedMeasure], seed: int) -> ProblemSet:
@@ -78,7 +82,7 @@ def _drawn(counts: Mapping[str, int], setting: Setting, measures: Iterable[Named
         raise ArgumentError("problems", counts, _ACCEPTED)
     sets = []
     for kind, count in counts.items():
-        options = _scenery(setting, measures) if kind == "scene" else {}
+        options = _obstacle_options(setting, measures) if kind == "scene" else {}
         sets.append(
             KINDS[kind](setting.robot, setting.task, count, seed=seed, joints=setting.joints, at=setting.at, **options)
         )
@@ -88,8 +92,8 @@ def _drawn(counts: Mapping[str, int], setting: Setting, measures: Iterable[Named
     return first
 
 
-def _scenery(setting: Setting, measures: Iterable[NamedMeasure]) -> dict[str, Any]:
-    """How many obstacles a scene must have, and whose centres they are."""
+def _obstacle_options(setting: Setting, measures: Iterable[NamedMeasure]) -> dict[str, Any]:
+    """The number of obstacles of a scene, and the criteria whose centres it sets."""
     robot, _ = setting.reduced()
     counts = {}
     for each in measures:
@@ -98,5 +102,5 @@ def _scenery(setting: Setting, measures: Iterable[NamedMeasure]) -> dict[str, An
             counts[each.name] = int(np.shape(centers)[0])
     if not counts:
         accepted = "criteria or clearances that measure distances to obstacles, such as ObstacleAvoidance(...)"
-        raise ArgumentError("problems", "scenes without anything that could see them", accepted)
+        raise ArgumentError("problems", "scenes without a criterion or clearance for their obstacles", accepted)
     return {"obstacles": max(counts.values()), "criteria": list(counts)}

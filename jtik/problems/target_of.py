@@ -1,4 +1,4 @@
-"""The target that a configuration meets: what makes a drawn target reachable by construction."""
+"""The target that a configuration meets exactly, which makes a drawn target reachable by construction."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from jtik.robot import Robot
 from jtik.task import AxisTask, CenterOfMassTask, LookAtTask, PlacementTask, RelativeFrameTask, Task
 from jtik.types import Array
 
-SIGHT = 1.0
-"""How far ahead of the frame a camera's target is put [m]."""
+LOOK_DISTANCE = 1.0
+"""Distance of the target of a `LookAtTask` from the frame [m]."""
 
 
 def target_of(task: Task, robot: Robot, q: Array) -> Any:
     """The target of ``task`` that ``q`` (nq,) meets exactly, up to rounding.
 
-    A task of your own takes part if it has a method ``target_at(robot, q)``.
+    A task of your own is supported if it has a method ``target_at(robot, q)``.
 
     Raises:
         ArgumentError: for any other task.
@@ -37,15 +37,15 @@ def target_of(task: Task, robot: Robot, q: Array) -> Any:
         return robot.center_of_mass(q)
     if isinstance(task, (AxisTask, LookAtTask)):
         pose = robot.pose(q, task.frame)
-        ahead = pose[:3, :3] @ task.axis
-        place = pose[:3, 3] + SIGHT * ahead
-        return (ahead if isinstance(task, AxisTask) else place)[: robot.dimension]
-    accepted = "tasks of jtik, such as jtik.FrameTask, or one with a method target_at(robot, q)"
+        direction = pose[:3, :3] @ task.axis
+        point = pose[:3, 3] + LOOK_DISTANCE * direction
+        return (direction if isinstance(task, AxisTask) else point)[: robot.dimension]
+    accepted = "a task of jtik, such as jtik.FrameTask, or a task with a method target_at(robot, q)"
     raise ArgumentError("task", task, accepted)
 
 
 def _kept(pose: Array, kind: str, dimension: int) -> Any:
-    """What a kind of placement keeps of a pose."""
+    """The part of a pose that a kind of placement task uses."""
     position = pose[:dimension, 3].copy()
     if kind == "position":
         return position
