@@ -1,4 +1,4 @@
-"""Studies small enough for a test, and contenders that misbehave."""
+"""Fixtures for small studies, and contenders that fail."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ TIMES = ("seconds", "seconds_low", "seconds_high", "seconds_per_iteration")
 
 
 class Fixed(Contender):
-    """Answers the same, whatever it is asked, and says that it is right."""
+    """Gives the same answer for every target and reports success."""
 
     def __init__(self, q, label="fixed", *, claimed=True):
         self.q, self.label, self.claimed = np.array(q, dtype=float), label, claimed
@@ -41,7 +41,7 @@ class Broken(Contender):
 
 class _Broken(PreparedContender):
     def solve(self, target, q0):
-        raise RuntimeError("the arm fell off")
+        raise RuntimeError("no answer")
 
 
 @pytest.fixture
@@ -66,7 +66,7 @@ def task():
 
 @pytest.fixture
 def assert_same():
-    """Two studies have the same numbers, but for times."""
+    """Check that two studies have the same figures except times."""
 
     def check(one, other):
         assert list(one.columns) == list(other.columns)

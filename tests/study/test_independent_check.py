@@ -1,4 +1,4 @@
-"""The check against closed forms, and against what it must not be fooled by."""
+"""The independent check against closed forms."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation as Turn
+from scipy.spatial.transform import Rotation as Rotation
 
 import jtik
 from jtik.study.independent_check import IndependentCheck
@@ -17,7 +17,7 @@ from jtik_formulations import JointCentering
 EXACT = 1e-12
 
 
-def judge_of(robot, *tasks):
+def check_of(robot, *tasks):
     stack = TaskStack.of(robot, tasks)
     return IndependentCheck(robot, stack), stack
 
@@ -29,8 +29,8 @@ class TestPlanar:
         angles = np.cumsum(self.Q)
         return np.array([np.cos(angles).sum(), np.sin(angles).sum()]), angles[-1]
 
-    def test_a_pose_is_judged_by_the_closed_form(self):
-        check, tasks = judge_of(jtik.Robot.planar(3), jtik.FrameTask("tip", "pose"))
+    def test_pose_errors_agree_with_the_closed_form(self):
+        check, tasks = check_of(jtik.Robot.planar(3), jtik.FrameTask("tip", "pose"))
         position, angle = self.tip()
         target = [position[0] + 0.3, position[1] - 0.4, angle + 0.2 - 2 * math.pi]
         found = check.errors(self.Q, tasks.read_target(target))
@@ -39,15 +39,15 @@ class TestPlanar:
         assert (check.has_position, check.has_orientation) == (True, True)
 
     @pytest.mark.parametrize(("kind", "expected"), [("position", (0.5, 0.0)), ("orientation", (0.0, 0.2))])
-    def test_only_what_the_task_asks_for_counts(self, kind, expected):
-        check, tasks = judge_of(jtik.Robot.planar(3), jtik.FrameTask("tip", kind))
+    def test_only_the_rows_of_the_task_count(self, kind, expected):
+        check, tasks = check_of(jtik.Robot.planar(3), jtik.FrameTask("tip", kind))
         position, angle = self.tip()
         target = [position[0] + 0.3, position[1] - 0.4] if kind == "position" else angle - 0.2
         np.testing.assert_allclose(check.errors(self.Q, tasks.read_target(target)), expected, atol=EXACT)
         assert (check.has_position, check.has_orientation) == (kind == "position", kind == "orientation")
 
-    def test_only_the_axes_that_are_kept_count(self):
-        check, tasks = judge_of(jtik.Robot.planar(3), jtik.FrameTask("tip", axes="y"))
+    def test_only_the_axes_of_the_task_count(self):
+        check, tasks = check_of(jtik.Robot.planar(3), jtik.FrameTask("tip", axes="y"))
         position, _ = self.tip()
         found = check.errors(self.Q, tasks.read_target(position + np.array([7.0, 0.25])))
         np.testing.assert_allclose(found, (0.25, 0.0), atol=EXACT)
@@ -60,47 +60,47 @@ class TestSpatial:
         self.pose = self.arm.pose(self.q)
 
     @pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-3, 1.0, 3.0, math.pi - 1e-6])
-    def test_turns_are_judged_by_their_angle(self, angle):
-        check, tasks = judge_of(self.arm, jtik.FrameTask("tip", "pose"))
+    def test_orientation_errors_are_rotation_angles(self, angle):
+        check, tasks = check_of(self.arm, jtik.FrameTask("tip", "pose"))
         axis = np.array([2.0, -1.0, 2.0]) / 3
         target = self.pose.copy()
-        target[:3, :3] = self.pose[:3, :3] @ Turn.from_rotvec(angle * axis).as_matrix()
+        target[:3, :3] = self.pose[:3, :3] @ Rotation.from_rotvec(angle * axis).as_matrix()
         target[:3, 3] += [0.02, 0.0, -0.01]
         position, orientation = check.errors(self.q, tasks.read_target(target))
         assert position == pytest.approx(math.hypot(0.02, 0.01), abs=EXACT)
         assert orientation == pytest.approx(angle, abs=1e-8 if angle > 3 else 1e-11)
 
-    def test_a_turn_about_an_axis_that_is_free_does_not_count(self):
-        check, tasks = judge_of(self.arm, jtik.FrameTask("tip", "orientation", axes=("rx", "ry")))
-        target = self.pose[:3, :3] @ Turn.from_rotvec([0, 0, 0.8]).as_matrix()
+    def test_a_rotation_about_a_free_axis_is_ignored(self):
+        check, tasks = check_of(self.arm, jtik.FrameTask("tip", "orientation", axes=("rx", "ry")))
+        target = self.pose[:3, :3] @ Rotation.from_rotvec([0, 0, 0.8]).as_matrix()
         assert check.errors(self.q, tasks.read_target(target))[1] == pytest.approx(0, abs=EXACT)
 
-    def test_several_tasks_add_up_and_others_than_frames_count_by_their_own_numbers(self):
+    def test_errors_of_several_tasks_are_combined(self):
         elbow = jtik.FrameTask("forearm_link", name="elbow")
         up = jtik.AxisTask("tip", axis=(0, 0, 1), name="up")
-        check, tasks = judge_of(self.arm, elbow, up)
+        check, tasks = check_of(self.arm, elbow, up)
         there = self.arm.position(self.q, "forearm_link") + np.array([0.0, 0.03, 0.04])
-        direction = self.pose[:3, :3] @ Turn.from_rotvec([0.3, 0, 0]).as_matrix() @ [0, 0, 1]
+        direction = self.pose[:3, :3] @ Rotation.from_rotvec([0.3, 0, 0]).as_matrix() @ [0, 0, 1]
         found = check.errors(self.q, tasks.read_target({"elbow": there, "up": direction}))
         np.testing.assert_allclose(found, (0.05, 0.3), atol=1e-9)
         assert not check.independent
 
-    def test_it_remembers_no_other_configuration(self):
-        check, tasks = judge_of(self.arm, jtik.FrameTask("tip"))
+    def test_errors_do_not_depend_on_earlier_calls(self):
+        check, tasks = check_of(self.arm, jtik.FrameTask("tip"))
         here = tasks.read_target(self.pose[:3, 3])
         for q in (self.q, np.zeros(6), self.q):
             expected = np.linalg.norm(self.arm.position(q) - self.pose[:3, 3])
             assert check.errors(q, here)[0] == pytest.approx(expected, abs=EXACT)
 
     def test_nan_is_never_on_target(self):
-        check, tasks = judge_of(self.arm, jtik.FrameTask("tip"))
+        check, tasks = check_of(self.arm, jtik.FrameTask("tip"))
         assert math.isnan(check.errors(np.full(6, np.nan), tasks.read_target(self.pose[:3, 3]))[0])
 
 
-def test_a_robot_with_a_free_base_is_judged_by_quaternions():
+def test_errors_of_a_free_base_use_its_quaternion():
     free = jtik.Robot([jtik.Joint("float", jtik.JointType.FREE, "base", "body")], name="brick")
-    check, tasks = judge_of(free, jtik.FrameTask("body", "pose"))
-    q = np.array([1.0, 2.0, 3.0, *Turn.from_rotvec([0, 0.4, 0]).as_quat(scalar_first=True)])
+    check, tasks = check_of(free, jtik.FrameTask("body", "pose"))
+    q = np.array([1.0, 2.0, 3.0, *Rotation.from_rotvec([0, 0.4, 0]).as_quat(scalar_first=True)])
     found = check.errors(q, tasks.read_target(np.eye(4)))
     np.testing.assert_allclose(found, (math.sqrt(14), 0.4), atol=EXACT)
     assert math.isnan(check.margin(q))
@@ -114,18 +114,18 @@ class TestLimits:
         ("q", "margin", "within"),
         [((1.0, 1.0), 0.5, True), ((0.0, 2.8), 0.05, True), ((-1.0, 1.0), 0.0, True), ((3.4, 1.0), -0.1, False)],
     )
-    def test_the_margin_is_a_share_of_the_range(self, q, margin, within):
-        check, _ = judge_of(self.ARM, jtik.FrameTask("tip"))
+    def test_the_limit_margin_is_relative_to_the_range(self, q, margin, within):
+        check, _ = check_of(self.ARM, jtik.FrameTask("tip"))
         assert check.margin(np.array(q)) == pytest.approx(margin)
         assert check.within(np.array(q)) == within
 
-    def test_rounding_is_no_offence(self):
-        check, _ = judge_of(self.ARM, jtik.FrameTask("tip"))
+    def test_rounding_beyond_a_limit_is_allowed(self):
+        check, _ = check_of(self.ARM, jtik.FrameTask("tip"))
         assert check.within(np.array([3.0 + 1e-12, 0.0]))
         assert not check.within(np.array([3.0 + 1e-7, 0.0]))
 
 
-def test_the_ruler_measures_H_V_and_the_condition_in_closed_form():
+def test_H_V_and_condition_have_closed_forms():
     arm, q = jtik.Robot.planar(2), np.array([0.7, math.pi / 2])
     tasks = TaskStack.of(arm, jtik.FrameTask("tip", stiffness=[4.0, 1.0]))
     metrics = ConfigurationMetrics(arm, tasks, 3.0 * JointCentering(preferred=[0.5, 1.0]))

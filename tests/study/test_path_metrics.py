@@ -1,4 +1,4 @@
-"""Figures of the way, from traces and paths made by hand."""
+"""Path metrics of traces and paths with known values."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ ARM = jtik.Robot.planar(2)
 
 
 def trace(V, *, accepted=None, error=None, q=None, **figures):
-    """A trace with those V at its iterations; all steps taken unless said otherwise."""
+    """A trace with these values of V; all steps are accepted by default."""
     steps = len(V)
     figures = {"V": V, "accepted": np.ones(steps) if accepted is None else accepted, **figures}
     return jtik.Trace(
@@ -25,31 +25,31 @@ def trace(V, *, accepted=None, error=None, q=None, **figures):
 
 
 class TestMonotone:
-    def test_a_fall_is_one(self):
+    def test_a_falling_V_is_monotone(self):
         assert path_metrics.monotone(trace([3, 2, 1]), 0.5, 1e-6) == 1
 
-    def test_a_rise_is_none(self):
+    def test_a_rising_V_is_not_monotone(self):
         assert path_metrics.monotone(trace([3, 1, 2]), 0.5, 1e-6) == 0
 
     def test_the_last_step_counts(self):
         assert path_metrics.monotone(trace([3, 2, 1]), 1.5, 1e-6) == 0
 
-    def test_no_step_at_all_is_nothing(self):
+    def test_monotone_is_nan_without_a_step(self):
         assert math.isnan(path_metrics.monotone(trace([]), 0.5, 1e-6))
 
-    def test_a_step_that_was_refused_does_not_count(self):
+    def test_rejected_steps_are_ignored(self):
         assert path_metrics.monotone(trace([3, 1, 2], accepted=[1, 0, 1]), 0.5, 1e-6) == 1
 
-    def test_nor_does_what_happens_on_target(self):
+    def test_rises_on_target_are_ignored(self):
         error = [1, 1e-7, 5e-7, 2e-7]
         assert path_metrics.monotone(trace([3, 1e-14, 1e-13], error=error), 2e-14, 1e-6) == 1
         assert path_metrics.monotone(trace([3, 1e-14, 1e-13], error=error), 2e-14, 1e-7) == 0
 
-    def test_nor_does_rounding(self):
+    def test_rounding_is_ignored(self):
         assert path_metrics.monotone(trace([1, 1 + 1e-15]), 0.5, 1e-6) == 1
         assert path_metrics.monotone(trace([1, 1 + 1e-9]), 0.5, 1e-6) == 0
 
-    def test_nor_does_the_jump_to_another_start(self):
+    def test_a_restart_is_ignored(self):
         assert path_metrics.monotone(trace([3, 2, 9, 4], attempt=[0, 0, 1, 1]), 0.1, 1e-6) == 1
         assert path_metrics.monotone(trace([3, 4, 9, 4], attempt=[0, 0, 1, 1]), 0.1, 1e-6) == 1
         assert path_metrics.monotone(trace([3, 2, 4, 9], attempt=[0, 0, 1, 1]), 0.1, 1e-6) == 0
@@ -57,13 +57,13 @@ class TestMonotone:
     def test_nan_is_a_rise(self):
         assert path_metrics.monotone(trace([3, math.nan, 1]), 0.5, 1e-6) == 0
 
-    def test_a_trace_without_V_has_the_error(self):
+    def test_a_trace_without_V_uses_the_error(self):
         bare = jtik.Trace(q=np.arange(6.0).reshape(3, 2), error=np.array([1.0, 2.0, 0.5]), figures={})
         assert path_metrics.monotone(bare, 0.125, 1e-6) == 0
 
 
 class TestLeakage:
-    def test_it_is_the_largest_of_the_steps_taken(self):
+    def test_leakage_is_the_largest_of_accepted_steps(self):
         leaks = {"leakage": [1e-3, 5e-2, math.nan], "accepted": [1, 0, 1]}
         assert path_metrics.leakage(trace([3, 2, 1], **leaks)) == 1e-3
 
@@ -73,11 +73,11 @@ class TestLeakage:
 
 
 class TestPaths:
-    def test_length_is_that_of_the_way_in_joint_space(self):
+    def test_path_length_is_the_length_in_joint_space(self):
         assert path_metrics.path_length(ARM, np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 5.0]])) == 6
         assert path_metrics.path_length(ARM, np.array([[1.0, 2.0]])) == 0
 
-    def test_only_the_last_attempt_has_led_to_the_answer(self):
+    def test_iterates_are_those_of_the_last_attempt(self):
         way = trace([1, 1, 1], q=[[9, 9], [8, 8], [0, 0], [3, 4]], attempt=[0, 0, 1])
         np.testing.assert_array_equal(path_metrics.iterates(way), [[0, 0], [3, 4]])
 
@@ -87,21 +87,21 @@ class TestPaths:
         assert path_metrics.smoothness(ARM, parabola, dt) == pytest.approx(5.0)
         assert path_metrics.smoothness(ARM, np.column_stack([times, 3 * times]), dt) == pytest.approx(0, abs=1e-11)
 
-    def test_smoothness_needs_three_postures_and_a_time(self):
+    def test_smoothness_needs_three_configurations_and_a_time_step(self):
         assert math.isnan(path_metrics.smoothness(ARM, np.zeros((2, 2)), 0.1))
         assert math.isnan(path_metrics.smoothness(ARM, np.zeros((3, 2)), None))
 
-    def test_drift_is_what_the_end_is_from_the_beginning(self):
+    def test_drift_is_the_distance_from_first_to_last_configuration(self):
         assert path_metrics.drift(ARM, np.array([[0.0, 1.0], [7.0, 7.0], [3.0, 5.0]])) == 5
 
-    def test_quaternions_are_measured_by_the_turn_between_them(self):
+    def test_quaternions_are_measured_by_their_rotation_angle(self):
         ball = jtik.Robot([jtik.Joint("ball", jtik.JointType.BALL, "base", "hand")])
         turned = np.array([[1, 0, 0, 0], [math.cos(0.2), math.sin(0.2), 0, 0], [-1, 0, 0, 0]], dtype=float)
         assert path_metrics.path_length(ball, turned) == pytest.approx(0.8)
         assert path_metrics.drift(ball, turned) == pytest.approx(0, abs=1e-12)
 
 
-def test_the_attempts_of_a_solve_with_restarts_are_told_apart():
+def test_traces_number_the_attempts_of_a_solve_with_restarts():
     arm = jtik.Robot.builtin("panda")
     ik = jtik.InverseKinematics(arm, jtik.FrameTask("tip", "pose"), strategy="newton")
     rng = np.random.default_rng(11)  # not the restarts' own seed

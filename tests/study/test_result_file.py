@@ -1,4 +1,4 @@
-"""Studies in files."""
+"""Result files of studies."""
 
 from __future__ import annotations
 
@@ -28,34 +28,34 @@ def study(arm, task):
     )
 
 
-def test_what_is_loaded_is_what_was_saved(study, tmp_path, assert_same):
+def test_a_loaded_study_equals_the_saved_one(study, tmp_path, assert_same):
     study.save(tmp_path / "study.npz")
-    twin = jtik.Comparison.load(tmp_path / "study.npz")
-    assert_same(study, twin)
+    loaded = jtik.Comparison.load(tmp_path / "study.npz")
+    assert_same(study, loaded)
     for name, column in study.columns.items():
-        np.testing.assert_array_equal(column, twin.columns[name])
-    assert twin.problems == study.problems
-    assert (twin.settings, twin.machine) == (study.settings, study.machine)
-    assert (twin.complete, twin.fingerprint) == (study.complete, study.fingerprint)
-    assert fingerprint(twin.robot, twin.task) == fingerprint(study.robot, study.task)
-    assert repr(twin) == repr(study)
+        np.testing.assert_array_equal(column, loaded.columns[name])
+    assert loaded.problems == study.problems
+    assert (loaded.settings, loaded.machine) == (study.settings, study.machine)
+    assert (loaded.complete, loaded.fingerprint) == (study.complete, study.fingerprint)
+    assert fingerprint(loaded.robot, loaded.task) == fingerprint(study.robot, study.task)
+    assert repr(loaded) == repr(study)
 
 
 def test_a_loaded_study_can_be_solved_again(study, tmp_path):
     study.save(tmp_path / "study.npz")
-    twin = jtik.Comparison.load(tmp_path / "study.npz")
-    again = jtik.compare(twin.robot, twin.task, strategies="hybrid", problems=twin.problems, repeats=1)
-    rows = twin.rows(contender="hybrid", criteria="none")
-    np.testing.assert_array_equal(again.answers, twin.answers[rows])
+    loaded = jtik.Comparison.load(tmp_path / "study.npz")
+    again = jtik.compare(loaded.robot, loaded.task, strategies="hybrid", problems=loaded.problems, repeats=1)
+    rows = loaded.rows(contender="hybrid", criteria="none")
+    np.testing.assert_array_equal(again.answers, loaded.answers[rows])
 
 
-def test_nothing_is_left_beside_it(study, tmp_path):
+def test_no_temporary_file_remains(study, tmp_path):
     for _ in range(2):
         study.save(tmp_path / "study.npz")
     assert [path.name for path in tmp_path.iterdir()] == ["study.npz"]
 
 
-def test_files_that_are_none_are_refused(tmp_path):
+def test_invalid_files_are_refused(tmp_path):
     path = tmp_path / "other.npz"
     np.savez(path, a=np.zeros(3))
     with pytest.raises(jtik.ArgumentError, match="path"):
@@ -69,7 +69,7 @@ def test_files_that_are_none_are_refused(tmp_path):
         jtik.Comparison.load(tmp_path / "absent.npz")
 
 
-def test_a_file_with_a_pickle_in_it_is_refused(tmp_path):
+def test_a_file_with_a_pickle_is_refused(tmp_path):
     path = tmp_path / "study.npz"
     np.savez(path, header=np.array([{"format": 1}], dtype=object))
     with pytest.raises(jtik.ArgumentError, match="path"):
@@ -77,7 +77,7 @@ def test_a_file_with_a_pickle_in_it_is_refused(tmp_path):
 
 
 class Level(Task):
-    """A task of somebody's own: the height of the tip."""
+    """A task of your own: the height of the tip."""
 
     name, priority = "level", 0
 
@@ -94,14 +94,14 @@ class Level(Task):
         return np.eye(rows)
 
 
-def test_a_task_of_somebody_s_own_is_not_in_the_file(arm, tmp_path):
+def test_a_custom_task_is_not_stored(arm, tmp_path):
     here = jtik.problems.Case(name="level", kind="level", q0=[0.1, 0.2, 0.3, 0.4], targets=[[1.5]])
     study = jtik.compare(arm, Level(), strategies="damped", problems=here)
     assert study.columns["success"].all()
     study.save(tmp_path / "study.npz")
-    twin = jtik.Comparison.load(tmp_path / "study.npz")
-    assert twin.tasks == ()
-    assert "Level" in twin.settings["task"]
+    loaded = jtik.Comparison.load(tmp_path / "study.npz")
+    assert loaded.tasks == ()
+    assert "Level" in loaded.settings["task"]
 
 
 class TestDescriptions:
@@ -117,11 +117,11 @@ class TestDescriptions:
         ],
         ids=repr,
     )
-    def test_they_survive_json(self, value):
-        twin = from_data(json.loads(json.dumps(as_data(value))))
-        assert fingerprint(twin) == fingerprint(value)
+    def test_descriptions_survive_json(self, value):
+        loaded = from_data(json.loads(json.dumps(as_data(value))))
+        assert fingerprint(loaded) == fingerprint(value)
 
-    def test_other_classes_are_neither_described_nor_made(self):
+    def test_other_classes_are_neither_described_nor_created(self):
         with pytest.raises(DescriptionError):
             as_data(Level())
         with pytest.raises(DescriptionError):

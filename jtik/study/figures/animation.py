@@ -1,4 +1,4 @@
-"""An arm that moves as a contender moved it."""
+"""Animation of the robot along a solve or a path."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from jtik.study.comparison import Comparison
 
 FRAMES = 60
-"""Pictures of an animation, at least."""
+"""Minimum number of frames."""
 
 
 def animation(
@@ -30,7 +30,19 @@ def animation(
     case: str | None = None,
     criteria: str | None = None,
 ) -> None:
-    """Write a GIF of one contender on one case, iterations joined by straight lines in joint space."""
+    """Write a GIF of one contender on one case, interpolated between iterations in joint space.
+
+    Args:
+        comparison: the study.
+        path: the file, which ends in .gif.
+        contender: label of the contender; the first by default.
+        case: name of the case; the first with a trace by default.
+        criteria: label of the criteria; the first by default.
+
+    Raises:
+        ArgumentError: for another suffix, or if nothing was recorded.
+        UnknownNameError: for an unknown name.
+    """
     if Path(path).suffix.lower() != ".gif":
         raise ArgumentError("path", path, "a file that ends in .gif")
     at = choose_case(comparison, criteria, case)
@@ -42,19 +54,19 @@ def animation(
 
     def draw(k: int) -> None:
         axes.clear()
-        scene.draw(axes, q[k : k + 1], f"{name}: {at.case}", way=q)
+        scene.draw(axes, q[k : k + 1], f"{name}: {at.case}", path=q)
 
     draw(0)
     figure.canvas.draw()
-    figure.set_layout_engine("none")  # found once; it is what takes long
+    figure.set_layout_engine("none")  # the layout is computed once, because it is slow
     write_animation(path, figure, draw, len(q))
 
 
 def _smooth(comparison: Comparison, q: Array) -> Array:
-    """The same way with more stations where there are few."""
+    """The same motion with more configurations, if there are few."""
     each = max(1, FRAMES // max(1, len(q) - 1))
     robot, frames = comparison.robot, [q[0]]
     for start, end in pairwise(q):
-        way = robot.difference(start, end)
-        frames += [robot.integrate(start, k / each * way) for k in range(1, each + 1)]
+        displacement = robot.difference(start, end)
+        frames += [robot.integrate(start, k / each * displacement) for k in range(1, each + 1)]
     return np.array(frames)

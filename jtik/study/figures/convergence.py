@@ -1,4 +1,4 @@
-"""Error by iteration."""
+"""Task error by iteration."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 LONG = 60
-"""Iterations from which on the axis is logarithmic beyond ten: some laws take ten times as many as others."""
+"""Number of iterations above which the axis is logarithmic beyond ten: some strategies need ten times as many."""
 
 
 def convergence(
@@ -26,9 +26,9 @@ def convergence(
     criteria: str | None = None,
     kind: str | None = None,
 ) -> Figure:
-    """The task error, kind by kind: its median over the cases kept, and a band that holds the middle half of them.
+    """Plot the task error by iteration for each kind: the median over the recorded cases, and the interquartile range.
 
-    A solve that has ended stays at its last error, so that the median goes on to the longest of them.
+    A solve that has ended keeps its last error, so that the median extends to the longest solve.
     """
     criteria, names = chosen_criteria(comparison, criteria), chosen_contenders(comparison, contenders)
     every = recorded_cases(comparison, kind)

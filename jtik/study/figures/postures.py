@@ -1,4 +1,4 @@
-"""The arm of one case, contender by contender."""
+"""Configurations of the robot on one case, for each contender."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def posture_panels(
     contenders: Iterable[str] | None = None,
     criteria: str | None = None,
 ) -> Figure:
-    """The way of the arm, from light (start) to dark (answer), a panel a contender; the line is the way of its tip."""
+    """Plot the robot from start (light) to answer (dark) with the end-effector path, one panel for each contender."""
     at = choose_case(comparison, criteria, case)
     found = configurations_of(comparison, at, contenders)
     scene = RobotDrawing(comparison.robot, list(found.values()), obstacles_in(case_named(comparison, at.case)))

@@ -1,4 +1,4 @@
-"""A robot on axes, flat or in space, with the obstacles of a case and the way of its tip."""
+"""Drawing of a planar or spatial robot with the obstacles of a case and the path of the end effector."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ from jtik.robot import Robot
 from jtik.types import Array
 
 MOST = 12
-"""Postures drawn of a longer sequence, evenly chosen."""
+"""Maximum number of configurations drawn from a sequence, evenly spaced."""
 
 
 def obstacles_in(case: Case) -> tuple[Ball, ...]:
-    """The circles or spheres of a case, none where it has none."""
+    """The circles or spheres of a case; empty if it has none."""
     owners = [name.rsplit(".", 1)[0] for name in case.parameters if name.endswith(".centers")]
     for owner in owners:
         if f"{owner}.radii" in case.parameters:
@@ -42,43 +42,43 @@ def obstacles_in(case: Case) -> tuple[Ball, ...]:
 
 
 def thinned(q: Array, most: int = MOST) -> Array:
-    """Some of many configurations, the first and the last among them."""
+    """Evenly spaced configurations of a sequence, including the first and the last."""
     places = np.unique(np.round(np.linspace(0, len(q) - 1, min(most, len(q)))).astype(int))
     chosen: Array = q[places]
     return chosen
 
 
 class RobotDrawing:
-    """One robot's pictures: what a panel must show to hold all of these configurations.
+    """Draws a robot on axes that are large enough for given configurations.
 
     Args:
-        robot: flat or in space.
-        configurations: all that will be drawn, (k, nq) each.
-        obstacles: to draw beside it.
+        robot: a planar or spatial robot.
+        configurations: all configurations to draw, (k, nq) each.
+        obstacles: circles or spheres to draw.
     """
 
     def __init__(self, robot: Robot, configurations: Sequence[Array], obstacles: Sequence[Ball] = ()) -> None:
         self.robot, self.skeleton, self.obstacles = robot, Skeleton(robot), tuple(obstacles)
         points = np.concatenate([self.skeleton.links(q).reshape(-1, robot.dimension) for q in configurations])
         self._points = points
-        self.flat = robot.dimension == 2
-        self.window: Window | None = window_around(points, self.obstacles) if self.flat else None
+        self.is_planar = robot.dimension == 2
+        self.window: Window | None = window_around(points, self.obstacles) if self.is_planar else None
 
     @property
     def projection(self) -> dict[str, Any]:
-        """What the axes are to be made with."""
-        return {} if self.flat else {"subplot_kw": {"projection": "3d"}}
+        """Options for creating the axes."""
+        return {} if self.is_planar else {"subplot_kw": {"projection": "3d"}}
 
-    def draw(self, axes: Axes, q: Array, title: str = "", *, way: Array | None = None) -> None:
-        """Configurations (k, nq) from light to dark, and the way of the tip through them, or through ``way``."""
-        line = self._tip(q if way is None else way)
-        if self.flat:
-            self._draw_flat(axes, q, line)
+    def draw(self, axes: Axes, q: Array, title: str = "", *, path: Array | None = None) -> None:
+        """Draw configurations (k, nq) from light to dark, and the end-effector path of ``path`` (of q by default)."""
+        line = self._tip(q if path is None else path)
+        if self.is_planar:
+            self._draw_planar(axes, q, line)
         else:
-            self._draw_deep(axes, q, line)
+            self._draw_spatial(axes, q, line)
         axes.set_title(title, color=INK, fontsize=10.5, loc="left")
 
-    def _draw_flat(self, axes: Axes, q: Array, line: Array) -> None:
+    def _draw_planar(self, axes: Axes, q: Array, line: Array) -> None:
         assert self.window is not None
         left, right, bottom, top = self.window
         axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
@@ -90,7 +90,7 @@ class RobotDrawing:
         draw_postures(axes, self.skeleton, thinned(q), width=size)
         draw_base(axes, self.skeleton.links(q[0])[0, 0], size)
 
-    def _draw_deep(self, axes: Axes, q: Array, line: Array) -> None:
+    def _draw_spatial(self, axes: Axes, q: Array, line: Array) -> None:
         some = thinned(q, 6)
         for configuration, color in zip(some, shades(len(some)), strict=True):
             for start, end in self.skeleton.links(configuration):

@@ -17,14 +17,19 @@ if TYPE_CHECKING:
 
 
 class Selection(NamedTuple):
-    """Which case of which criteria a figure shows."""
+    """The case and the criteria that a figure shows.
+
+    Attributes:
+        criteria: label of the criteria.
+        case: name of the case.
+    """
 
     criteria: str
     case: str
 
 
 def chosen_contenders(comparison: Comparison, contenders: Iterable[str] | None) -> tuple[str, ...]:
-    """The contenders to draw, all by default. Raises UnknownNameError for one that took no part."""
+    """The contenders to draw, all by default. Raises UnknownNameError for an unknown label."""
     if contenders is None:
         return comparison.contenders
     names = (contenders,) if isinstance(contenders, str) else tuple(contenders)
@@ -35,7 +40,7 @@ def chosen_contenders(comparison: Comparison, contenders: Iterable[str] | None) 
 
 
 def chosen_criteria(comparison: Comparison, criteria: str | None) -> str:
-    """The label of the criteria to draw, the first by default. Raises UnknownNameError for another."""
+    """The label of the criteria to draw, the first by default. Raises UnknownNameError for an unknown label."""
     if criteria is None:
         return comparison.criteria[0]
     if criteria not in comparison.criteria:
@@ -44,23 +49,23 @@ def chosen_criteria(comparison: Comparison, criteria: str | None) -> str:
 
 
 def recorded_cases(comparison: Comparison, kind: str | None = None) -> list[str]:
-    """Names of the cases whose iterations or postures the study kept, perhaps of one kind.
+    """Names of the cases with recorded iterations or configurations, optionally of one kind.
 
     Raises:
-        UnknownNameError: for a kind that the study has not.
-        ArgumentError: when there are none.
+        UnknownNameError: for an unknown kind.
+        ArgumentError: if nothing was recorded.
     """
     if kind is not None and kind not in comparison.problems.kinds:
         raise UnknownNameError("kind", kind, comparison.problems.kinds)
     seen = {case for _, _, case in [*comparison.traces, *comparison.paths]}
     names = [case.name for case in comparison.problems if case.name in seen and kind in (None, case.kind)]
     if not names:
-        raise ArgumentError("traces", "none kept", "a study with compare(..., traces=1) or more")
+        raise ArgumentError("traces", "none recorded", "a study with compare(..., traces=1) or more")
     return names
 
 
 def choose_case(comparison: Comparison, criteria: str | None, case: str | None) -> Selection:
-    """One case, the first that was kept by default. Raises UnknownNameError for one that was not."""
+    """A recorded case, the first by default. Raises UnknownNameError for a case that was not recorded."""
     names = recorded_cases(comparison)
     if case is not None and case not in names:
         raise UnknownNameError("case", case, names)
@@ -68,16 +73,16 @@ def choose_case(comparison: Comparison, criteria: str | None, case: str | None) 
 
 
 def traces_of_case(comparison: Comparison, at: Selection, contenders: Iterable[str] | None) -> dict[str, Trace]:
-    """The iterations on a case, of the contenders that have them. Raises ArgumentError when none has."""
+    """The traces of a case by contender. Raises ArgumentError if there is none."""
     keys = {name: (name, at.criteria, at.case) for name in chosen_contenders(comparison, contenders)}
     found = {name: comparison.traces[key] for name, key in keys.items() if key in comparison.traces}
     if not found:
-        raise ArgumentError("case", at.case, "a case of one target, solved by strategies that tell their iterations")
+        raise ArgumentError("case", at.case, "a case with one target, solved by a strategy that records iterations")
     return found
 
 
 def postures(comparison: Comparison, key: tuple[str, str, str]) -> Array | None:
-    """Configurations along a path, or from the start to the answer, (k, nq); None where they were not kept."""
+    """Configurations along a path, or from the start to the answer, (k, nq); None if not recorded."""
     if key in comparison.paths:
         return np.asarray(comparison.paths[key])
     trace = comparison.traces.get(key)
@@ -85,14 +90,14 @@ def postures(comparison: Comparison, key: tuple[str, str, str]) -> Array | None:
 
 
 def configurations_of(comparison: Comparison, at: Selection, contenders: Iterable[str] | None) -> dict[str, Array]:
-    """Configurations of each contender on a case, (k, nq). Raises ArgumentError when none were kept."""
+    """Configurations of each contender on a case, (k, nq). Raises ArgumentError if none were recorded."""
     pairs = ((name, postures(comparison, (name, *at))) for name in chosen_contenders(comparison, contenders))
     found = {name: q for name, q in pairs if q is not None}
     if not found:
-        raise ArgumentError("case", at.case, "a case whose postures were kept: compare(..., traces=)")
+        raise ArgumentError("case", at.case, "a recorded case; compare(..., traces=) sets their number")
     return found
 
 
 def case_named(comparison: Comparison, name: str) -> Case:
-    """The case of that name."""
+    """The case with a name."""
     return next(case for case in comparison.problems if case.name == name)

@@ -1,4 +1,4 @@
-"""What the figures of a study share: paper, colours that colour-blind readers tell apart, and choosing what to draw."""
+"""Style of the figures of a study: axes, labels, and colours that colour-blind readers can distinguish."""
 
 from __future__ import annotations
 
@@ -15,22 +15,24 @@ if TYPE_CHECKING:
     pass
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", INK)
-"""Okabe and Ito (2008) without yellow, which is lost on white."""
+"""Colours of Okabe and Ito (2008), without yellow, which is hard to see on white."""
 
 DASHES = ("-", (0, (5, 2)), (0, (1.2, 1.6)), (0, (6, 1.5, 1.2, 1.5)))
-"""What tells apart lines of the same colour, and all of them on a copy in grey."""
+"""Line styles that distinguish lines of the same colour."""
 
 FLOOR = 1e-17
-"""Logarithmic axes draw a zero here."""
+"""Value at which logarithmic axes draw zero."""
 
 
 def panels(rows: int, columns: int, *, width: float = 4.6, height: float = 3.4, **options: Any) -> tuple[Figure, Any]:
     """A figure and an array of axes (rows, columns), with a light grid.
 
     Args:
-        rows, columns: how many axes.
-        width, height: of each [inch].
-        options: of matplotlib's ``Figure.subplots``.
+        rows: number of rows.
+        columns: number of columns.
+        width: width of each axes [inch].
+        height: height of each axes [inch].
+        options: options of matplotlib's ``Figure.subplots``.
 
     Raises:
         MissingExtraError: without matplotlib.
@@ -48,7 +50,7 @@ def panels(rows: int, columns: int, *, width: float = 4.6, height: float = 3.4, 
 
 
 def lines(names: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Colour and dashes of each name, by its place."""
+    """Colour and line style of each name, by its index."""
     return {
         name: {"color": COLORS[i % len(COLORS)], "linestyle": DASHES[i // len(COLORS) % len(DASHES)], "linewidth": 1.7}
         for i, name in enumerate(names)
@@ -56,7 +58,7 @@ def lines(names: Sequence[str]) -> dict[str, dict[str, Any]]:
 
 
 def label(axes: Axes, x: str, y: str, title: str = "") -> None:
-    """What the axes are, with units."""
+    """Set axis labels with units, and the title."""
     axes.set_xlabel(x, color=INK, fontsize=10)
     axes.set_ylabel(y, color=INK, fontsize=10)
     if title:
@@ -64,19 +66,19 @@ def label(axes: Axes, x: str, y: str, title: str = "") -> None:
 
 
 def legend(figure: Figure, axes: Axes) -> None:
-    """To the right of everything, where it hides nothing."""
+    """Add a legend to the right of all axes."""
     handles, labels = axes.get_legend_handles_labels()
     if handles:
         figure.legend(handles, labels, loc="outside right upper", frameon=False, fontsize=9, labelcolor=INK)
 
 
 def padded(series: Sequence[Array]) -> Array:
-    """Series as rows of one table, the shorter ones staying at their last run."""
+    """Series as rows of one array; shorter series repeat their last value."""
     length = max(len(each) for each in series)
     return np.array([np.append(each, np.full(length - len(each), each[-1])) for each in series])
 
 
 def grid(count: int, widest: int = 4) -> tuple[int, int]:
-    """Rows and columns for so many panels."""
+    """Rows and columns for a number of panels."""
     columns = min(count, widest)
     return math.ceil(count / columns), columns

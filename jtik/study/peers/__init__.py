@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
+from typing import Any
+
 from jtik.errors import UnknownNameError
 from jtik.study.peers.base import NotInstalledError, Peer
 from jtik.study.peers.mink import MinkPeer
@@ -15,15 +18,15 @@ _PEERS: tuple[type[Peer], ...] = (MinkPeer, PinkPeer, PlacoPeer, ToolboxPeer, Op
 
 
 def names() -> tuple[str, ...]:
-    """What `named` knows."""
+    """Names of the peers."""
     return tuple(peer().label for peer in _PEERS)
 
 
 def named(name: str) -> Peer:
-    """The peer of that name with its default options: what "peer:NAME" means to a study.
+    """The peer that a study calls "peer:NAME", with its default options.
 
     Raises:
-        UnknownNameError: when there is none.
+        UnknownNameError: for an unknown name.
     """
     peers = {peer().label: peer for peer in _PEERS}
     if name not in peers:
@@ -43,3 +46,20 @@ __all__ = [
     "named",
     "names",
 ]
+
+_RENAMED: dict[str, type[Peer]] = {
+    "Mink": MinkPeer,
+    "Optik": OptikPeer,
+    "Pink": PinkPeer,
+    "Placo": PlacoPeer,
+    "Pyroki": PyrokiPeer,
+    "Toolbox": ToolboxPeer,
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _RENAMED:
+        message = f"jtik.study.peers.{name} is now jtik.study.peers.{name}Peer"
+        warnings.warn(message, DeprecationWarning, stacklevel=2)
+        return _RENAMED[name]
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,4 +1,4 @@
-"""mink: a quadratic program a step on MuJoCo's kinematics."""
+"""mink as a contender: one quadratic program for each step, on MuJoCo's kinematics."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from jtik.types import Array
 
 @dataclass(kw_only=True)
 class MinkPeer(DifferentialPeer):
-    """A loop round ``mink.solve_ik``: a frame task, position limits, and a criterion as `jtik.interop.mink` gives it.
+    """A loop over ``mink.solve_ik`` with a frame task, position limits, and a criterion from `jtik.interop.mink`.
 
-    Its defaults were found over seven arms with restarts: 10 to 25 steps an attempt, ``lm_damping`` 0 to 0.1,
-    orientation at cost 1 and 0.25, gains 0.95 and 0.999. It takes any robot and any kind of joint.
+    The defaults are the best of a search over seven arms with restarts: 10 to 25 steps for an attempt, ``lm_damping``
+    from 0 to 0.1, orientation costs 1 and 0.25, gains 0.95 and 0.999. All robots and joint types are supported.
     """
 
     label: str = "mink"
@@ -23,15 +23,15 @@ class MinkPeer(DifferentialPeer):
     package: ClassVar[str] = "mink"
 
     def check(self, goal: Goal) -> None:
-        """All robots will do."""
+        """All robots are supported."""
 
     def build(self, library: Any, goal: Goal) -> DifferentialLoop:
-        """On the robot as a MuJoCo model."""
+        """Build it on the robot as a MuJoCo model."""
         return _MinkLoop(library, goal, self)
 
 
 class _MinkLoop(DifferentialLoop):
-    """mink at work."""
+    """The loop of mink."""
 
     def __init__(self, library: Any, goal: Goal, options: MinkPeer) -> None:
         from jtik.interop.mink import criterion_task
@@ -54,13 +54,13 @@ class _MinkLoop(DifferentialLoop):
             self.minimise(criterion_task(goal.setting.criteria, goal.robot, model, curvature="convex"))
 
     def convert(self, target: Any) -> Any:
-        """An ``mink.SE3``."""
+        """The target as ``mink.SE3``."""
         return self._library.SE3.from_matrix(self.goal.pose(target))
 
     def library_configuration(self, q: Array) -> Array:
-        """The model's qpos."""
+        """Configuration as the model's qpos."""
         return self._places.qpos(q)
 
     def q(self) -> Array:
-        """Out of the model's qpos."""
+        """Configuration from the model's qpos."""
         return self._places.q(self.configuration.q)

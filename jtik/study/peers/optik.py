@@ -1,4 +1,4 @@
-"""optik: sequential quadratic programming in Rust from many starts."""
+"""optik as a contender: sequential quadratic programming in Rust from many starts."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from jtik.types import Array
 
 @dataclass(kw_only=True)
 class OptikPeer(Peer):
-    """``Robot.ik`` in its mode for speed. It tells neither iterations nor where it got when it fails.
+    """``Robot.ik`` in its speed mode. It reports no iterations, and no configuration if it fails.
 
-    Its defaults were found over seven arms: turns of pi and 2 pi for joints without limits, one and two threads,
-    weights of the rotation 1, 0.5 and 0.25.
+    The defaults are the best of a search over seven arms: pi and 2 pi for joints without limits, one and two threads,
+    orientation weights 1, 0.5 and 0.25.
 
     Attributes:
-        orientation_weight: weight of a radian where a metre has 1.
-        turn: limits -turn and turn [rad] of hinges that have none.
-        seconds: most time of a solve [s]; it has no limit of iterations.
-        threads: on how many it tries its starts.
+        orientation_weight: weight of one radian relative to one metre.
+        turn: limits -turn and turn of revolute joints without limits [rad].
+        seconds: maximum time of a solve [s]; it has no limit on iterations.
+        threads: number of threads for its starts.
     """
 
     label: str = "optik"
@@ -39,12 +39,12 @@ class OptikPeer(Peer):
     optimizes = False
 
     def build(self, library: Any, goal: Goal) -> PreparedContender:
-        """On the chain from the base to the frame, as a URDF."""
-        return _OptikReady(library, goal, self)
+        """Build it on the chain from the base to the frame, as a URDF."""
+        return _PreparedOptik(library, goal, self)
 
 
-class _OptikReady(PreparedContender):
-    """optik at work."""
+class _PreparedOptik(PreparedContender):
+    """The solver of optik."""
 
     def __init__(self, library: Any, goal: Goal, options: OptikPeer) -> None:
         from jtik.interop.urdf import to_urdf
@@ -71,11 +71,11 @@ class _OptikReady(PreparedContender):
         )
 
     def convert(self, target: Any) -> Any:
-        """A pose as lists."""
+        """The pose as nested lists."""
         return self._goal.pose(target).tolist()
 
     def solve(self, target: Any, q0: Array) -> Answer:
-        """By ``ik``."""
+        """Solve with ``ik``."""
         q = np.array(q0, dtype=float)
         start = np.clip(q[self._numbers], self._lower, self._upper)
         found = self._robot.ik(self._config, target, start.tolist())

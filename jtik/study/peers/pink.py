@@ -1,4 +1,4 @@
-"""pink: a quadratic program a step on Pinocchio's kinematics."""
+"""pink as a contender: one quadratic program for each step, on Pinocchio's kinematics."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from jtik.types import Array
 
 @dataclass(kw_only=True)
 class PinkPeer(DifferentialPeer):
-    """A loop round ``pink.solve_ik``: a frame task, position limits, and a criterion as `jtik.interop.pink` gives it.
+    """A loop over ``pink.solve_ik`` with a frame task, position limits, and a criterion from `jtik.interop.pink`.
 
-    Its defaults are those found for mink, whose program it shares.
+    The defaults are those of mink, which solves the same quadratic program.
     """
 
     label: str = "pink"
@@ -22,12 +22,12 @@ class PinkPeer(DifferentialPeer):
     package: ClassVar[str] = "pin-pink"
 
     def build(self, library: Any, goal: Goal) -> DifferentialLoop:
-        """On the robot as a URDF read by Pinocchio."""
+        """Build it on the robot as a URDF, which Pinocchio reads."""
         return _PinkLoop(library, goal, self)
 
 
 class _PinkLoop(DifferentialLoop):
-    """pink at work."""
+    """The loop of pink."""
 
     def __init__(self, library: Any, goal: Goal, options: PinkPeer) -> None:
         from jtik.interop.pink import Correspondence, criterion_task
@@ -51,17 +51,17 @@ class _PinkLoop(DifferentialLoop):
             self.minimise(criterion_task(goal.setting.criteria, goal.robot, model, curvature="convex"))
 
     def convert(self, target: Any) -> Any:
-        """A ``pinocchio.SE3``."""
+        """The target as ``pinocchio.SE3``."""
         return self._pinocchio.SE3(self.goal.pose(target))
 
     def library_configuration(self, q: Array) -> Array:
-        """Pinocchio's q."""
+        """Configuration as Pinocchio's q."""
         return self._places.theirs(q)
 
     def q(self) -> Array:
-        """Out of Pinocchio's q."""
+        """Configuration from Pinocchio's q."""
         return self._places.q(self.configuration.q)
 
     def displacement(self, tasks: list[Any], constraints: list[Any], **more: Any) -> Array | None:
-        """Also from a start outside the limits."""
+        """As in the base class, but also from a configuration outside the limits."""
         return super().displacement(tasks, constraints, safety_break=False, **more)

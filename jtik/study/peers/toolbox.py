@@ -1,4 +1,4 @@
-"""The Robotics Toolbox for Python: Levenberg-Marquardt in C++ on a sequence of elementary transforms."""
+"""Robotics Toolbox for Python as a contender: Levenberg-Marquardt in C++ on elementary transforms."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ Method = Literal["chan", "wampler", "sugihara"]
 
 @dataclass(kw_only=True)
 class ToolboxPeer(Peer):
-    """``ETS.ik_LM``. Its restarts are drawn by itself, others at every call.
+    """``ETS.ik_LM``. It draws its own restarts, which differ from call to call.
 
-    Its defaults were found over seven arms: Chan with k from 1 to 0.01, Sugihara from 0.1 to 0.0001, Wampler from 0.01
-    to 0.0001, 12 to 30 iterations an attempt, the rotation weighted 1 to 0.1. It turns hinges and slides alike into
-    (-pi, pi) before it looks at limits.
+    The defaults are the best of a search over seven arms: Chan with k from 1 to 0.01, Sugihara from 0.1 to 0.0001,
+    Wampler from 0.01 to 0.0001, 12 to 30 iterations for an attempt, orientation weights 1 to 0.1. It wraps both
+    revolute and prismatic joints to (-pi, pi) before it checks limits.
 
     Attributes:
-        method: how the damping follows the error.
-        k: its gain.
-        orientation_weight: weight of a squared radian where a squared metre has 1.
-        restarted: iterations of an attempt where restarts are allowed.
+        method: damping rule.
+        k: gain of the damping.
+        orientation_weight: weight of one squared radian relative to one squared metre.
+        restarted: maximum iterations of an attempt if restarts are allowed.
     """
 
     label: str = "rtb"
@@ -42,20 +42,22 @@ class ToolboxPeer(Peer):
     optimizes = False
 
     def check(self, goal: Goal) -> None:
-        """No slide may be longer than what it would turn into (-pi, pi)."""
+        """Raise ArgumentError for a prismatic joint whose limits exceed (-pi, pi) m."""
         super().check(goal)
         for joint in goal.robot.path(goal.frame):
             if joint.type is JointType.PRISMATIC and max(abs(joint.lower), abs(joint.upper)) > math.pi:
-                given = f"slide {joint.name!r}, from {joint.lower:g} to {joint.upper:g} m"
-                raise ArgumentError("robot", given, f"for {self.label}: slides within pi m, it wraps them as if angles")
+                given = f"prismatic joint {joint.name!r}, from {joint.lower:g} to {joint.upper:g} m"
+                raise ArgumentError(
+                    "robot", given, f"for {self.label}: prismatic joints within pi m, because it wraps them like angles"
+                )
 
     def build(self, library: Any, goal: Goal) -> PreparedContender:
-        """On the chain from the base to the frame."""
-        return _ToolboxReady(library, goal, self)
+        """Build it on the chain from the base to the frame."""
+        return _PreparedToolbox(library, goal, self)
 
 
-class _ToolboxReady(PreparedContender):
-    """The toolbox at work."""
+class _PreparedToolbox(PreparedContender):
+    """The solver of the toolbox."""
 
     def __init__(self, library: Any, goal: Goal, options: ToolboxPeer) -> None:
         setting, weight = goal.setting, options.orientation_weight
@@ -71,18 +73,18 @@ class _ToolboxReady(PreparedContender):
         self._options = {
             "ilimit": min(most, options.restarted) if setting.restarts else most,
             "slimit": setting.restarts + 1,
-            "tol": 0.5 * min(squares),  # its error is half the weighted square of all rows together
+            "tol": 0.5 * min(squares),  # its error is half the weighted sum of squares of all rows
             "mask": np.array(mask, dtype=float),
             "k": options.k,
             "method": options.method,
         }
 
     def convert(self, target: Any) -> Any:
-        """A pose (4, 4)."""
+        """The pose (4, 4)."""
         return self._goal.pose(target)
 
     def solve(self, target: Any, q0: Array) -> Answer:
-        """By ``ik_LM``."""
+        """Solve with ``ik_LM``."""
         start = self._goal.clamped(q0)
         found = self._ets.ik_LM(target, q0=start[self._numbers], **self._options)
         q = start.copy()
@@ -92,7 +94,7 @@ class _ToolboxReady(PreparedContender):
 
 
 def _chain(library: Any, goal: Goal) -> Any:
-    """The ETS of the chain, with constants only between the joints."""
+    """The ETS of the chain, with one constant transform between joints."""
     lower, upper = goal.bounds()
     parts, constant = [], np.eye(4)
     for joint in goal.robot.path(goal.frame):

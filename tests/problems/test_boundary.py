@@ -1,4 +1,4 @@
-"""Boundary and unreachable targets, next to closed forms and to SciPy's constrained search."""
+"""Boundary and unreachable targets against closed forms and SciPy's constrained optimiser."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from .conftest import gallery, model_of, mujoco_pose
 
 SHARE = 0.9999
 FOUND = 2e-5
-"""How exactly an edge is found, as a share of the summed lengths."""
+"""Accuracy of the boundary, relative to the total link length."""
 
 
-def test_the_boundary_of_a_free_planar_arm_is_its_length():
+def test_the_boundary_of_an_unlimited_planar_arm_is_its_length():
     lengths = [0.5, 0.3, 0.2]
     for case in problems.boundary(jtik.Robot.planar(lengths), jtik.FrameTask(), 5):
         assert np.linalg.norm(case.target) == pytest.approx(SHARE * 1.0, abs=1e-12)
         assert case.known["reach"] == pytest.approx(1.0, abs=1e-12)
 
 
-def test_the_boundary_with_the_last_link_turned_is_that_of_the_links_before():
+def test_the_boundary_of_a_planar_pose_has_a_closed_form():
     # a pose fixes the last link, so that two unit links carry its base: |p - (cos, sin)| = 2 at the edge
     robot = planar(3)
     for case in problems.boundary(robot, jtik.FrameTask(kind="pose"), 5):
@@ -36,7 +36,7 @@ def test_the_boundary_with_the_last_link_turned_is_that_of_the_links_before():
         assert np.hypot(x, y) == pytest.approx(SHARE * case.known["reach"], abs=1e-12)
 
 
-def test_the_boundary_within_limits_is_where_a_constrained_search_ends():
+def test_the_boundary_within_limits_agrees_with_slsqp():
     robot = jtik.Robot.planar(3, lower=[-1.0, 0.3, 0.2], upper=[1.0, 1.5, 1.2])
     for case in problems.boundary(robot, jtik.FrameTask(), 4):
         distance = np.linalg.norm(case.target)
@@ -65,7 +65,7 @@ def test_a_boundary_target_moves_only_in_the_coordinates_that_the_task_keeps():
         assert case.known["reach"] > 0.5
 
 
-def test_the_least_error_of_an_unreachable_target_is_what_a_straight_arm_leaves():
+def test_the_smallest_error_of_an_unreachable_target_is_that_of_a_straight_arm():
     robot = jtik.Robot.planar([0.5, 0.3, 0.2])
     for case in problems.unreachable(robot, jtik.FrameTask(), 10):
         distance = np.linalg.norm(case.target)
@@ -76,7 +76,7 @@ def test_the_least_error_of_an_unreachable_target_is_what_a_straight_arm_leaves(
 
 
 @pytest.mark.parametrize("kind", ["position", "pose"])
-def test_an_unreachable_target_is_beyond_the_summed_lengths_that_mujoco_has(kind):
+def test_an_unreachable_target_is_beyond_the_link_lengths_of_mujoco(kind):
     robot = gallery("panda")
     model, _, _ = model_of(robot)
     shoulder = model.body("panda_link1").pos
@@ -94,7 +94,7 @@ def test_an_unreachable_target_is_beyond_the_summed_lengths_that_mujoco_has(kind
     assert farthest < nearest
 
 
-def test_a_slide_adds_its_stroke_to_the_reach():
+def test_a_prismatic_joint_adds_its_stroke_to_the_reach():
     robot = jtik.Robot(
         [
             jtik.Joint("turn", jtik.JointType.REVOLUTE, "base", "arm"),
