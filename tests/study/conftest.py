@@ -64,6 +64,27 @@ def task():
     return jtik.FrameTask("tip")
 
 
+@pytest.fixture(scope="session")
+def figure_study(task):
+    """A study with a criterion, a path, recorded iterations, and an unknown strategy."""
+    return jtik.compare(
+        jtik.Robot.planar(3),
+        task,
+        strategies=["hybrid", "newton", "transpose", "nobody"],
+        criteria=jtik.criteria["joint_centering"](),
+        problems={"reachable": 4, "circle": 1},
+        until="stationary",
+        traces=3,
+        repeats=1,
+    )
+
+
+@pytest.fixture(scope="session")
+def bare_study(task):
+    """A study without a criterion, a path or recorded iterations."""
+    return jtik.compare(jtik.Robot.planar(3), task, strategies="newton", count=2, traces=0, repeats=1)
+
+
 @pytest.fixture
 def assert_same():
     """Check that two studies have the same figures except times."""

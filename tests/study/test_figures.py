@@ -1,8 +1,6 @@
-"""Figures of a study show its numbers, on labelled axes, in colours that can be reported apart."""
+"""Figures of a study show its data on labelled axes in distinct styles."""
 
 from __future__ import annotations
-
-import re
 
 import numpy as np
 import pytest
@@ -13,30 +11,19 @@ from jtik.errors import ArgumentError, UnknownNameError
 from jtik.study import Comparison, compare
 from jtik.study.figures import style
 from jtik.study.figures.profile import ratios
-from jtik_formulations import JointCentering, ObstacleAvoidance
+from jtik_formulations import ObstacleAvoidance
 
 pytest.importorskip("matplotlib")
 
 
-@pytest.fixture(scope="module")
-def study() -> Comparison:
-    return compare(
-        jtik.Robot.planar(3),
-        jtik.FrameTask("tip", kind="position"),
-        strategies=["hybrid", "newton", "transpose", "nobody"],
-        criteria=JointCentering(),
-        problems={"reachable": 4, "circle": 1},
-        until="stationary",
-        traces=3,
-        repeats=1,
-    )
+@pytest.fixture
+def study(figure_study):
+    return figure_study
 
 
-@pytest.fixture(scope="module")
-def bare() -> Comparison:
-    """Without a criterion, a path or recorded iterations."""
-    robot, task = jtik.Robot.planar(3), jtik.FrameTask("tip", kind="position")
-    return compare(robot, task, strategies="newton", count=2, traces=0, repeats=1)
+@pytest.fixture
+def bare(bare_study):
+    return bare_study
 
 
 PLOTS = ("convergence", "profile", "lyapunov", "criteria", "postures", "joints")
@@ -141,14 +128,3 @@ def test_missing_data_is_refused(study: Comparison, bare: Comparison, tmp_path) 
         bare.plot_convergence()
     with pytest.raises(ArgumentError, match="gif"):
         study.animate(tmp_path / "arm.mp4")
-
-
-def test_the_report_is_self_contained(study: Comparison, bare: Comparison, tmp_path) -> None:
-    for each, figures in ((study, 6), (bare, 1)):
-        each.to_html(tmp_path / "report.html")
-        page = (tmp_path / "report.html").read_text(encoding="utf-8")
-        assert all(name in page for name in each.contenders)
-        sources = re.findall(r'(?:src|href)="([^"]*)"', page)
-        assert len(sources) == figures
-        assert all(source.startswith("data:image/svg+xml;base64,") for source in sources)
-    assert "nobody" in page or "unknown strategy" not in page
