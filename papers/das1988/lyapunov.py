@@ -65,7 +65,7 @@ def continuous(beta: float, count: int) -> Row:
         energy_rises: the same for V2 = |beta h|^2/2 at this constant beta [%].
         slope_error: largest relative difference between dV/dt from differences and (2.7).
     """
-    rose, energy_rose, slopes = [], [], []
+    rose, energy_rose, derivative_errors = [], [], []
     for q0, target in problems("generic", count):
 
         def velocity(_: float, q: Array, target: Array = target) -> Array:
@@ -85,8 +85,8 @@ def continuous(beta: float, count: int) -> Row:
             e, J, _ = evaluated(motion(t), target)
             derivative = -float(np.sum((J.T @ e) ** 2))
             if derivative < -1e-3:  # later V hardly changes
-                slopes.append(abs((V(t + HALF_STEP) - V(t - HALF_STEP)) / (2 * HALF_STEP) / derivative - 1))
-    row: Row = {"case": f"continuous, beta = {beta:g}", "rises": percent(rose), "slope_error": max(slopes)}
+                derivative_errors.append(abs((V(t + HALF_STEP) - V(t - HALF_STEP)) / (2 * HALF_STEP) / derivative - 1))
+    row: Row = {"case": f"continuous, beta = {beta:g}", "rises": percent(rose), "slope_error": max(derivative_errors)}
     return row | ({"energy_rises": percent(energy_rose)} if beta else {})
 
 
@@ -128,7 +128,7 @@ def discrete(family: str, strategy: Transpose, case: str, count: int) -> Row:
     }
 
 
-def slides() -> jtik.Robot:
+def prismatic_arm() -> jtik.Robot:
     """Three prismatic joints with axes 40 degrees apart: J is constant, and (A.12) is exact."""
     joints = []
     for k in range(3):
@@ -141,12 +141,12 @@ def slides() -> jtik.Robot:
 def prismatic(count: int) -> Row:
     """As `discrete`, for the arm of prismatic joints; ``off`` is the largest of all steps, relative to the first V."""
     strategy = Transpose(backtracking=False)
-    ik = jtik.InverseKinematics(slides(), jtik.FrameTask("slide3"), strategy=strategy)
+    ik = jtik.InverseKinematics(prismatic_arm(), jtik.FrameTask("slide3"), strategy=strategy)
     rng = np.random.default_rng(7)
     rose, off = [], []
     for _ in range(count):
         q0, goal = rng.uniform(-1, 1, 3), rng.uniform(-1, 1, 3)
-        target = slides().position(goal, "slide3")
+        target = prismatic_arm().position(goal, "slide3")
         trace = ik.solve(target, q0=q0, trace=True).trace
         assert trace is not None
         rose.append(bool((trace.actual_decrease < -RISE * trace.V).any()))

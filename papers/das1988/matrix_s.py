@@ -67,7 +67,7 @@ def steps(robot: jtik.Robot, strategy: str, starts: list[tuple[Array, Array]]) -
     return found
 
 
-def slides() -> jtik.Robot:
+def prismatic_arm() -> jtik.Robot:
     """Three prismatic joints in the plane."""
     axes = [np.array([math.cos(0.7 * k), math.sin(0.7 * k), 0.0]) for k in range(3)]
     frames = ["base", "slide1", "slide2", "tip"]
@@ -229,7 +229,7 @@ def compute(quick: bool) -> list[Row]:
     many, few = (40, 3) if quick else (400, 40)
     robots: dict[str, Callable[[], jtik.Robot]] = {
         "revolute, 10 links": lambda: jtik.Robot.planar(10),
-        "slides only": slides,
+        "slides only": prismatic_arm,
         "two slides, 3 unit links": lambda: mixed(3),
         "slides in line, 3 short links": rail,
     }

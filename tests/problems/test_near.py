@@ -22,9 +22,9 @@ def test_a_planar_near_singular_start_is_nearly_straight_with_its_target_on_its_
         # an offset of at most 1e-3 rad moves the columns of J by at most 1e-3 times the length beyond
         assert 0 < sigma[-1] < 1e-3 * n**1.5
         points = planar_points(case.q0)
-        way = case.target - points[-1]
-        assert 0.05 * n / 16 * 0.9 < np.linalg.norm(way) < 0.3 * n * 1.1
-        assert abs(way @ U[:, -1]) == pytest.approx(np.linalg.norm(way), rel=1e-3)
+        displacement = case.target - points[-1]
+        assert 0.05 * n / 16 * 0.9 < np.linalg.norm(displacement) < 0.3 * n * 1.1
+        assert abs(displacement @ U[:, -1]) == pytest.approx(np.linalg.norm(displacement), rel=1e-3)
         assert np.linalg.norm(case.target) <= n
 
 

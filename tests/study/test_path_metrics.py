@@ -78,8 +78,8 @@ class TestPaths:
         assert path_metrics.path_length(ARM, np.array([[1.0, 2.0]])) == 0
 
     def test_iterates_are_those_of_the_last_attempt(self):
-        way = trace([1, 1, 1], q=[[9, 9], [8, 8], [0, 0], [3, 4]], attempt=[0, 0, 1])
-        np.testing.assert_array_equal(path_metrics.iterates(way), [[0, 0], [3, 4]])
+        attempts = trace([1, 1, 1], q=[[9, 9], [8, 8], [0, 0], [3, 4]], attempt=[0, 0, 1])
+        np.testing.assert_array_equal(path_metrics.iterates(attempts), [[0, 0], [3, 4]])
 
     def test_smoothness_is_the_mean_square_of_the_acceleration(self):
         dt, times = 0.1, 0.1 * np.arange(6)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
@@ -43,6 +45,23 @@ def test_a_loaded_study_can_be_solved_again(study, tmp_path):
     again = jtik.compare(loaded.robot, loaded.task, strategies="hybrid", problems=loaded.problems, repeats=1)
     rows = loaded.rows(contender="hybrid", criteria="none")
     np.testing.assert_array_equal(again.answers, loaded.answers[rows])
+
+
+def test_the_file_format_keeps_its_names(study, tmp_path):
+    """A renamed key or column would make existing files unreadable."""
+    study.save(tmp_path / "study.npz")
+    with np.load(tmp_path / "study.npz", allow_pickle=False) as archive:
+        header, names = json.loads(str(archive["header"])), set(archive.files)
+    assert header["format"] == 1
+    keys = "format robot tasks problems settings machine complete fingerprint traces paths"
+    assert set(header) == set(keys.split())
+    columns = """
+        contender criteria case kind success status note iterations seconds seconds_low seconds_high
+        seconds_per_iteration position_error orientation_error H regret monotone clearance limit_margin leakage
+        path_length smoothness drift condition
+    """
+    assert {name for name in names if name.startswith("column/")} == {f"column/{name}" for name in columns.split()}
+    assert {"answers", "trace/0", "path/0"} <= names
 
 
 def test_no_temporary_file_remains(study, tmp_path):

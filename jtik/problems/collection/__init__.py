@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from jtik.errors import UnknownNameError
 from jtik.problems.collection import planar, spatial, worked
-from jtik.problems.collection.named import NamedProblem
+from jtik.problems.collection.named_problem import NamedProblem
 
 __all__ = ["NamedProblem", "named", "names"]
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from jtik.problems.case import Case, ProblemSet
-from jtik.problems.collection.named import NamedProblem
+from jtik.problems.collection.named_problem import NamedProblem
 from jtik.robot import Robot
 from jtik.task import FrameTask
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from jtik.problems.case import Case, ProblemSet
-from jtik.problems.collection.named import NamedProblem, centering
+from jtik.problems.collection.named_problem import NamedProblem, centering
 from jtik.problems.five_families import tip
 from jtik.robot import Robot
 from jtik.task import FrameTask

@@ -166,7 +166,7 @@ class DifferentialLoop(StepLoop):
         self.criterion = DampedCriterion(task)
         self._first = {name: np.array(value) for name, value in task.parameters.items()}
         if self.goal.setting.until == "stationary":
-            self.arrival = "CONVERGED"
+            self.success_status = "CONVERGED"
         else:
             self._low = CLOSE  # reaching the target is enough; a step on H would leave it again
 
@@ -186,7 +186,9 @@ class DifferentialLoop(StepLoop):
 
     def may_continue(self, position: float, orientation: float) -> bool:
         """Also near the target, which a step on H leaves slightly."""
-        return super().may_continue(position, orientation) or (self.arrival == "CONVERGED" and self._near <= NEAR)
+        return super().may_continue(position, orientation) or (
+            self.success_status == "CONVERGED" and self._near <= NEAR
+        )
 
     def step(self) -> float | None:
         """A step with the target as a constraint if there is a criterion and the target is near, else weighted."""

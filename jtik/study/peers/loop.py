@@ -34,10 +34,10 @@ class StepLoop(PreparedContender):
         restarted: maximum steps of an attempt that may not continue, if restarts are allowed; `PATIENCE` otherwise.
 
     Attributes:
-        arrival: status of a successful attempt.
+        success_status: status of a successful attempt.
     """
 
-    arrival = "REACHED"
+    success_status = "REACHED"
 
     def __init__(self, goal: Goal, *, restarted: int) -> None:
         self.goal = goal
@@ -82,7 +82,7 @@ class StepLoop(PreparedContender):
             self.set_configuration(start)
             outcome, steps, errors = self._attempt(number)
             taken += steps
-            if outcome == self.arrival:
+            if outcome == self.success_status:
                 return Answer(goal.clamped_rounding(self.q()), outcome, True, taken)
             distance = METRE * errors[0] + errors[1]
             if distance < smallest:
@@ -98,7 +98,7 @@ class StepLoop(PreparedContender):
                 self._recorded.append((number, self.q(), math.hypot(*errors)))
             reached = self.goal.is_reached(*errors)
             if reached and self.is_stationary():
-                return self.arrival, steps, errors
+                return self.success_status, steps, errors
             if length <= SETTLED:
                 return "STALLED", steps, errors
             if steps == self._most or (steps >= self._patience and not self.may_continue(*errors)):

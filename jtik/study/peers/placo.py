@@ -107,7 +107,7 @@ class _PlacoLoop(StepLoop):
 
 
 def _read(library: Any, goal: Goal) -> Any:
-    """placo's robot. Revolute joints without limits get wide limits, because placo requires limits."""
+    """placo's robot. Revolute joints without limits get wide limits, so that each has one entry in placo's q."""
     from jtik.interop.urdf import UNLIMITED, to_urdf
 
     with tempfile.TemporaryDirectory() as folder:
