@@ -1,12 +1,12 @@
-"""Ten links among four circles: a step with clearance rows for all 40 pairs of links and circles, DAQP.
+"""One step of ten links among four circles, with clearance constraints for all 40 pairs of links and circles, DAQP.
 
-jtik's strategies beside mink with its collision limit and placo with its collision constraint, round one closed path
-of the tip, in closed loop, in one process and interleaved. Every way that a step goes is judged in closed form: how
-near the links come to the circles, and how far the tip is from its target.
+It compares strategies of jtik with mink (collision limit) and placo (collision constraint), along one closed path of
+the tip, in closed loop, in one process and interleaved. Clearances along each step and the distance of the tip from its
+target are checked in closed form.
 
     python benchmarks/clearances.py [--strategies hybrid+qp weighted_qp] [--code C] [--cpu]
 
-The peers are those of qp_step.py; one that is missing is a row that says so.
+The other libraries are those of qp_step.py. A library that is not installed has a row that says so.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from qp_step import (  # sets the numbers of threads, so before NumPy
+from qp_step import (  # sets the number of threads, so it is imported before NumPy
     DT,
     POSTURE_COST,
     REPEATED,
@@ -40,7 +40,7 @@ from jtik_formulations import JointCentering, ObstacleAvoidance, WeightedQP
 
 Array = np.ndarray
 LINKS, LENGTH, RADIUS = 10, 0.1, 0.01
-"""How many links, how long and how thick [m]: each is a capsule."""
+"""Number, length [m] and radius [m] of the links, which are capsules."""
 CIRCLES = (
     jtik.Circle((0.02, 0.25), 0.05),
     jtik.Circle((0.33, 0.11), 0.06),
@@ -48,34 +48,42 @@ CIRCLES = (
     jtik.Circle((0.62, 0.12), 0.05),
 )
 SAFE = 0.01
-"""The clearance that all libraries are asked for [m]."""
-EVERYTHING = 10.0
-"""A distance that nothing here is beyond [m]: for libraries that ask from where on a pair counts."""
-NEARBY = 0.1
-"""The same where far pairs are to be left out [m]."""
+"""Required clearance [m]."""
+ALL_PAIRS = 10.0
+"""Detection distance that includes all pairs [m]."""
+CLOSE_PAIRS = 0.1
+"""Detection distance that includes close pairs only [m]."""
 HOME = np.array([1.3, -0.4, -0.4, -0.4, -0.4, 0.2, 0.4, 0.4, 0.4, 0.2])
-"""Where the path begins, and the posture to prefer [rad]."""
-PLACES = 100
-"""Targets on the path."""
-JUDGED = 3
-"""Times round the path that are judged."""
-SWEPT = 25
-"""Configurations on the way of a step at which the clearance is measured."""
-ALONE = 5
-"""Every how many places a call is timed alone."""
+"""Start of the path, and preferred posture [rad]."""
+TARGETS = 100
+"""Number of targets on the path."""
+CHECKED_LAPS = 3
+"""Number of laps of the path that are checked."""
+SAMPLES = 25
+"""Number of configurations along a step at which the clearance is measured."""
+EVERY = 5
+"""Every n-th target is used for the time of a call alone."""
 CODES = ("C", "machine")
 
 Step = Callable[[Array, Any], "Array | None"]
-"""(q, target) -> q (n,) after the step, None where there is no answer."""
+"""(q, target) -> q (n,) after the step; None if there is no answer."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """Figures of one way to step.
+    """Figures of one kind of step.
 
-    Attributes: times [us]; least clearance on the whole way [mm]; distance of the tip from the target after a step,
-    median and worst [mm]; the share of steps that end within 20 mm of a circle; steps without an answer; why there are
-    no figures.
+    Attributes:
+        name: name of the row.
+        median: median time [us].
+        p10: tenth percentile of the time [us].
+        p90: ninetieth percentile of the time [us].
+        clearance: smallest clearance along all steps [mm].
+        missed: median distance of the tip from the target after a step [mm].
+        worst: largest distance of the tip from the target after a step [mm].
+        near: share of steps that end within 21 mm of a circle.
+        unanswered: number of steps without an answer.
+        missing: why there are no figures.
     """
 
     name: str
@@ -91,7 +99,7 @@ class Row:
 
 
 def arm() -> jtik.Robot:
-    """Capsules in the plane, limits on positions and velocities."""
+    """Planar arm of capsules with position and velocity limits."""
     plain = jtik.Robot.planar([LENGTH] * LINKS, lower=-2.0, upper=2.0, velocity_limit=2.0)
     capsule = jtik.Capsule((0.0, 0.0, 0.0), (LENGTH, 0.0, 0.0), RADIUS)
     shapes = {f"link{i}": (capsule,) for i in range(1, LINKS + 1)}
@@ -116,20 +124,20 @@ def clearances(q: Array) -> Array:
 
 
 def targets() -> list[Array]:
-    """Once round, from the tip's place at home: through the gaps, half a centimetre a step."""
-    tip, angle = points(HOME)[-1], np.linspace(0, 2 * np.pi, PLACES, endpoint=False)
+    """One lap from the tip position at home, between the circles, half a centimetre for each step."""
+    tip, angle = points(HOME)[-1], np.linspace(0, 2 * np.pi, TARGETS, endpoint=False)
     return list(tip + np.stack([0.06 * (np.cos(angle) - 1), 0.10 * np.sin(angle)], axis=-1))
 
 
-def solver(robot: jtik.Robot, strategy: str, *, code: str, recover: bool = True) -> jtik.InverseKinematics:
-    """The problem as jtik has it: every pair has its row, from whatever distance."""
+def solver(robot: jtik.Robot, strategy: str, *, code: str, restore: bool = True) -> jtik.InverseKinematics:
+    """The problem for jtik, with a constraint row for every pair at any distance."""
     measure = ObstacleAvoidance(CIRCLES, bodies="shapes")
     ik = jtik.InverseKinematics(
         robot,
         jtik.FrameTask(),
         criteria=JointCentering(),
         strategy=WeightedQP(weight=POSTURE_COST**2) if strategy == "weighted_qp" else strategy,
-        clearances=jtik.Clearance(measure, safe=SAFE, influence=math.inf, recover=recover),
+        clearances=jtik.Clearance(measure, safe=SAFE, influence=math.inf, restore=restore),
         compiled=code == "C",
     )
     ik.parameters["joint_centering.preferred"] = HOME
@@ -145,8 +153,8 @@ def stepping(ik: jtik.InverseKinematics) -> Step:
     return step
 
 
-def minks(robot: jtik.Robot, *, gain: float = 0.85, within: float = EVERYTHING) -> Step:
-    """mink as its examples have it; its collision limit bounds displacements by gain (d - safe) / dt."""
+def minks(robot: jtik.Robot, *, gain: float = 0.85, within: float = ALL_PAIRS) -> Step:
+    """mink as in its examples. Its collision limit bounds displacements by gain (d - safe) / dt."""
     import mink
 
     from jtik.interop.mink import to_mujoco, velocity_limit
@@ -179,19 +187,28 @@ def minks(robot: jtik.Robot, *, gain: float = 0.85, within: float = EVERYTHING) 
     return step
 
 
-def slower(robot: jtik.Robot) -> Step:
-    """The same with a gain that makes up for the division: what its documentation describes."""
+def minks_scaled(robot: jtik.Robot) -> Step:
+    """mink with a gain that compensates the division by dt, as its documentation describes."""
     return minks(robot, gain=0.85 * DT)
 
 
-def nearby(robot: jtik.Robot) -> Step:
-    """The same with its broad phase at work: far pairs have no distance and an empty row."""
-    return minks(robot, gain=0.85 * DT, within=NEARBY)
+def minks_close(robot: jtik.Robot) -> Step:
+    """mink with its broad phase: distant pairs have no distance and an empty row."""
+    return minks(robot, gain=0.85 * DT, within=CLOSE_PAIRS)
 
 
 @dataclass(frozen=True)
-class Placo:
-    """placo with its collision constraint on all pairs of links and circles, which hang on the base."""
+class PlacoStep:
+    """A step of placo, with its collision constraint on the pairs of links and circles, which are fixed to the base.
+
+    Attributes:
+        wrapper: the robot.
+        kinematics: the solver.
+        tip: the task of the tip.
+        full: q of the floating-base robot.
+        offset: index of the first joint in q.
+        first: index of the first joint in the velocity.
+    """
 
     wrapper: Any
     kinematics: Any
@@ -201,8 +218,8 @@ class Placo:
     first: int
 
     @classmethod
-    def of(cls, robot: jtik.Robot, within: float) -> Placo:
-        """Reads a URDF of the arm and the circles."""
+    def of(cls, robot: jtik.Robot, within: float) -> PlacoStep:
+        """Build it from a URDF of the arm and the circles."""
         import placo
 
         with tempfile.TemporaryDirectory() as folder:
@@ -224,7 +241,7 @@ class Placo:
         tip.configure("tip", "soft", 1.0)
         posture = kinematics.add_joints_task()
         posture.set_joints(dict(zip(robot.joint_names, HOME.tolist(), strict=True)))
-        posture.configure("posture", "soft", POSTURE_COST**2)  # a weight where others have a cost
+        posture.configure("posture", "soft", POSTURE_COST**2)  # placo has weights, the other libraries have costs
         clear = kinematics.add_avoid_self_collisions_constraint()
         clear.self_collisions_margin, clear.self_collisions_trigger = SAFE, within
         clear.configure("clear", "hard")
@@ -235,7 +252,7 @@ class Placo:
         return cls(wrapper, kinematics, tip, wrapper.neutral_state().q.copy(), offset, first)
 
     def place(self, q: Array, target: Array) -> None:
-        """Configuration and target."""
+        """Set configuration and target."""
         self.full[self.offset :] = q
         self.wrapper.state.q = self.full
         self.tip.target_world = np.append(target, 0.0)
@@ -246,27 +263,27 @@ class Placo:
         self.wrapper.update_kinematics()
         try:
             return q + np.array(self.kinematics.solve(False)[self.first :])
-        except RuntimeError:  # what it raises where its program has no solution
+        except RuntimeError:  # raised if the quadratic program has no solution
             return None
 
     def alone(self) -> None:
-        """Kinematics and solve, with configuration and target in place already: the counterpart of a fused step."""
+        """Kinematics and solve with configuration and target already set: the counterpart of a fused step."""
         self.wrapper.update_kinematics()
         self.kinematics.solve(False)
 
 
 def placos(robot: jtik.Robot) -> Step:
-    """placo with a row for every pair."""
-    return Placo.of(robot, EVERYTHING)
+    """placo with a constraint row for every pair."""
+    return PlacoStep.of(robot, ALL_PAIRS)
 
 
-def placos_nearby(robot: jtik.Robot) -> Step:
-    """placo with rows for near pairs alone."""
-    return Placo.of(robot, NEARBY)
+def placos_close(robot: jtik.Robot) -> Step:
+    """placo with constraint rows for close pairs only."""
+    return PlacoStep.of(robot, CLOSE_PAIRS)
 
 
 def urdf(robot: jtik.Robot) -> str:
-    """The arm as capsules, which Pinocchio makes of cylinders that are said to be some, and the circles as spheres."""
+    """URDF of the arm with capsules, which Pinocchio makes from marked cylinders, and of the circles as spheres."""
     inertial = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
     parts = [f'<link name="{robot.base}">{inertial}</link>']
     for i, circle in enumerate(CIRCLES):
@@ -299,30 +316,30 @@ def urdf(robot: jtik.Robot) -> str:
 
 PEERS: dict[str, Callable[[jtik.Robot], Step]] = {
     "mink (DAQP)": minks,
-    "mink (DAQP), gain times dt": slower,
-    "mink (DAQP), gain times dt, near pairs": nearby,
+    "mink (DAQP), gain times dt": minks_scaled,
+    "mink (DAQP), gain times dt, near pairs": minks_close,
     "placo (C++)": placos,
-    "placo (C++), near pairs": placos_nearby,
+    "placo (C++), near pairs": placos_close,
 }
-"""The first of each library is what ratios are formed with; all of them ask for the same clearance."""
+"""Builders of the steps. Ratios refer to the first row of each library. All require the same clearance."""
 
 
-def judged(name: str, step: Step) -> Row:
-    """What becomes of the arm, JUDGED times round."""
-    q, least, missed, near, unanswered = HOME, math.inf, [], [], 0
-    share = np.linspace(0, 1, SWEPT)[:, None]
-    for target in JUDGED * targets():
+def checked(name: str, step: Step) -> Row:
+    """Run CHECKED_LAPS laps and check clearances and distances."""
+    q, smallest, missed, near, unanswered = HOME, math.inf, [], [], 0
+    share = np.linspace(0, 1, SAMPLES)[:, None]
+    for target in CHECKED_LAPS * targets():
         after = step(q, target)
         if after is None:
             unanswered, after = unanswered + 1, q
-        way = clearances(q + share * (after - q)).min(axis=(-1, -2))
-        least = min(least, float(way.min()))
-        near.append(way[-1] < 0.02 + 1e-3)
+        along_step = clearances(q + share * (after - q)).min(axis=(-1, -2))
+        smallest = min(smallest, float(along_step.min()))
+        near.append(along_step[-1] < 0.02 + 1e-3)
         missed.append(1e3 * float(np.linalg.norm(points(after)[-1] - target)))
         q = after
     return Row(
         name,
-        clearance=1e3 * least,
+        clearance=1e3 * smallest,
         missed=float(np.median(missed)),
         worst=float(np.max(missed)),
         near=float(np.mean(near)),
@@ -330,11 +347,11 @@ def judged(name: str, step: Step) -> Row:
     )
 
 
-def along(step: Step, home: Array, path: Sequence[Any], clock: Clock) -> Callable[[], float]:
-    """Time of one step [s], averaged once round, in closed loop; once round before, for what others left in caches."""
+def lap_time(step: Step, home: Array, path: Sequence[Any], clock: Clock) -> Callable[[], float]:
+    """Mean time of a step over one lap in closed loop [s], after one lap to fill the caches."""
     q = home
 
-    def round_it() -> None:
+    def run_lap() -> None:
         nonlocal q
         for target in path:
             after = step(q, target)
@@ -342,73 +359,79 @@ def along(step: Step, home: Array, path: Sequence[Any], clock: Clock) -> Callabl
                 q = after
 
     def batch() -> float:
-        round_it()
+        run_lap()
         begin = clock()
-        round_it()
+        run_lap()
         return (clock() - begin) / len(path)
 
     return batch
 
 
-def bare(ik: jtik.InverseKinematics, home: Array, path: Sequence[Any], clock: Clock) -> Callable[[], float]:
-    """The fused step alone, at places of its own closed loop and with what it remembered there."""
-    q, seen = home, []
+def step_alone(ik: jtik.InverseKinematics, home: Array, path: Sequence[Any], clock: Clock) -> Callable[[], float]:
+    """The fused step alone, at configurations of its own closed loop and with the state that it had there."""
+    q, recorded = home, []
     for i, target in enumerate([*path, *path]):
-        if i >= len(path) and i % ALONE == 0:
-            seen.append((q, target, runner_of(ik).state[runner_of(ik).at].copy()))
+        if i >= len(path) and i % EVERY == 0:
+            recorded.append((q, target, runner_of(ik).state[runner_of(ik).at].copy()))
         q = ik.step(q, target, dt=DT).q
     runner = runner_of(ik)
 
     def place(q: Array, target: Any, state: Array) -> None:
-        ik.step(q, target, dt=DT)  # which leaves target and box in memory
+        ik.step(q, target, dt=DT)  # writes target and limits to the inputs of the step
         runner.start(q)
         runner.state[0][:] = state
 
     again = runner.calls[0]
-    return repeated([lambda each=each: place(*each) for each in seen], again, clock)
+    return repeated([lambda each=each: place(*each) for each in recorded], again, clock)
 
 
 def runner_of(ik: jtik.InverseKinematics) -> Any:
-    """What ``ik.step`` with a time calls."""
+    """The runner that ``ik.step`` with dt uses."""
     return ik._timed[0]
 
 
 def placo_alone(robot: jtik.Robot, within: float, clock: Clock) -> Callable[[], float]:
-    """placo's kinematics and solve, at places of its own closed loop."""
-    placo, q, seen = Placo.of(robot, within), HOME, []
+    """Kinematics and solve of placo, at configurations of its own closed loop."""
+    placo, q, recorded = PlacoStep.of(robot, within), HOME, []
     for i, target in enumerate(2 * targets()):
-        if i >= PLACES and i % ALONE == 0:
-            seen.append((q, target))
+        if i >= TARGETS and i % EVERY == 0:
+            recorded.append((q, target))
         after = placo(q, target)
         q = q if after is None else after
-    return repeated([lambda each=each: placo.place(*each) for each in seen], placo.alone, clock)
+    return repeated([lambda each=each: placo.place(*each) for each in recorded], placo.alone, clock)
 
 
-def repeated(places: list[Callable[[], None]], call: Callable[[], None], clock: Clock) -> Callable[[], float]:
-    """Time of a call [s], REPEATED times in a row at every place."""
+def repeated(setups: list[Callable[[], None]], call: Callable[[], None], clock: Clock) -> Callable[[], float]:
+    """Mean time of a call [s], repeated REPEATED times at every configuration."""
 
     def batch() -> float:
         seconds = 0.0
-        for place in places:
-            place()
+        for set_up in setups:
+            set_up()
             call()
             begin = clock()
             for _ in range(REPEATED):
                 call()
             seconds += clock() - begin
-        return seconds / (REPEATED * len(places))
+        return seconds / (REPEATED * len(setups))
 
     return batch
 
 
 def main() -> None:
-    """Build, judge, time, print."""
+    """Build, check, time and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeats", type=int, default=40, help="rounds (default %(default)s)")
     parser.add_argument("--strategies", nargs="+", default=list(STRATEGIES))
-    parser.add_argument("--code", nargs="+", choices=CODES, default=list(CODES), help="what evaluates jtik's step")
-    parser.add_argument("--hold", action="store_true", help="jtik does not move out what is nearer than it should be")
-    parser.add_argument("--cpu", action="store_true", help="processor time in place of time: for a busy machine")
+    parser.add_argument(
+        "--code",
+        nargs="+",
+        choices=CODES,
+        default=list(CODES),
+        help="evaluation of jtik's step: generated C or virtual machine",
+    )
+    parser.add_argument("--hold", action="store_true", help="jtik keeps violated clearances instead of restoring them")
+    parser.add_argument("--cpu", action="store_true", help="processor time instead of wall time, for a busy machine")
     parser.add_argument("--json", metavar="FILE", help="also write the figures to FILE")
     arguments = parser.parse_args()
     if arguments.repeats < 1:
@@ -420,18 +443,18 @@ def main() -> None:
     timers: dict[str, Callable[[], float]] = {}
     for strategy in arguments.strategies:
         for code in arguments.code:
-            name, ways = f"jtik {strategy}, {code}", {"code": code, "recover": not arguments.hold}
-            rows[f"{name}, ik.step"] = judged(f"{name}, ik.step", stepping(solver(robot, strategy, **ways)))
-            timers[f"{name}, ik.step"] = along(stepping(solver(robot, strategy, **ways)), HOME, targets(), clock)
-            timers[f"{name}, fused"] = bare(solver(robot, strategy, **ways), HOME, targets(), clock)
+            name, options = f"jtik {strategy}, {code}", {"code": code, "restore": not arguments.hold}
+            rows[f"{name}, ik.step"] = checked(f"{name}, ik.step", stepping(solver(robot, strategy, **options)))
+            timers[f"{name}, ik.step"] = lap_time(stepping(solver(robot, strategy, **options)), HOME, targets(), clock)
+            timers[f"{name}, fused"] = step_alone(solver(robot, strategy, **options), HOME, targets(), clock)
     for name, build in PEERS.items():
         try:
-            rows[name] = judged(name, build(robot))
+            rows[name] = checked(name, build(robot))
         except ImportError as error:
             rows[name] = Row(name, missing=f"not installed: {error}")
             continue
-        timers[name] = along(build(robot), HOME, targets(), clock)
-    for name, within in (("placo (C++)", EVERYTHING), ("placo (C++), near pairs", NEARBY)):
+        timers[name] = lap_time(build(robot), HOME, targets(), clock)
+    for name, within in (("placo (C++)", ALL_PAIRS), ("placo (C++), near pairs", CLOSE_PAIRS)):
         if name in timers:
             timers[f"{name}, alone"] = placo_alone(robot, within, clock)
 
@@ -442,26 +465,26 @@ def main() -> None:
 
 
 def show(rows: list[Row]) -> None:
-    """A table with ratios to mink and to placo."""
+    """Print a table with ratios to mink and to placo."""
     times = {row.name: row.median for row in rows}
     mink, placo = times.get("mink (DAQP)", math.nan), times.get("placo (C++)", math.nan)
     width = max(len(row.name) for row in rows)
     print(
         f"{'':{width}}  median [us]    10 %    90 %  mink /  placo /  "
-        "clearance [mm]  tip off [mm]   worst  near  no answer"
+        "clearance [mm]  tip error [mm]   worst  near  no answer"
     )
     for row in rows:
         if row.missing:
             print(f"{row.name:{width}}  {row.missing}")
             continue
-        kept = ""
+        extra = ""
         if not math.isnan(row.clearance):
-            kept = (
-                f"  {row.clearance:14.3f}  {row.missed:12.3f}  {row.worst:6.2f}  {row.near:4.0%}  {row.unanswered:9d}"
+            extra = (
+                f"  {row.clearance:14.3f}  {row.missed:14.3f}  {row.worst:6.2f}  {row.near:4.0%}  {row.unanswered:9d}"
             )
         print(
             f"{row.name:{width}}  {row.median:11.2f}  {row.p10:6.2f}  {row.p90:6.2f}"
-            f"  {mink / row.median:6.1f}  {placo / row.median:7.2f}{kept}"
+            f"  {mink / row.median:6.1f}  {placo / row.median:7.2f}{extra}"
         )
 
 

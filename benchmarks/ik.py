@@ -1,13 +1,13 @@
-"""Global inverse kinematics by TRAC-IK's protocol: seven arms, jtik beside the solvers that its users would else take.
+"""Global inverse kinematics by the protocol of TRAC-IK: seven arms, jtik and other solvers.
 
-Targets are poses of configurations uniform within the limits, every solver starts from the middle of the limits and may
-restart, and an answer counts when Pinocchio finds it within the limits and both errors below the tolerance. All solvers
-run in one process, in rounds: each solves the same block of targets, in an order drawn anew for every round, so that a
-slow minute of the machine, and what a solver leaves in its caches, falls on all rows alike.
+Targets are poses of configurations uniform within the limits. Every solver starts at the middle of the limits and may
+restart. An answer counts if, according to Pinocchio, it is within the limits and both errors are below the tolerance.
+All solvers run in one process, in rounds. In each round every solver solves the same block of targets, in random order,
+so that slow periods of the machine and the state of the caches affect all rows alike.
 
     python benchmarks/ik.py [--targets 1000] [--arms panda ur5] [--solvers jtik rtb optik] [--tolerance 1e-5 1e-5]
 
-What jtik is compared with is installed by
+The other solvers are installed by
 
     python -m pip install roboticstoolbox-python optik-py mink pin pin-pink example-robot-data rich
 """
@@ -32,20 +32,26 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from ik_arms import FILE_SLACK, SOURCES, Arm, judge, read_arm
-from ik_solvers import CLOSED_FORM, OURS, SLOW, SOLVERS, Accuracy, NotBuiltError, Ready
+from ik_arms import FILE_SLACK, SOURCES, Arm, check, read_arm
+from ik_solvers import CLOSED_FORM, OURS, SLOW, SOLVERS, Accuracy, NotBuiltError, PreparedSolver
 
 Array = np.ndarray
 WARM_UP = 20
-"""Targets of their own that every solver solves before anything counts."""
-FAIR = 99.0
-"""A peer must solve so many targets [%] for its time to be one to compare with."""
+"""Additional targets that every solver solves first, without counting."""
+MIN_SOLVED = 99.0
+"""Share of targets that a peer must solve for its time to be compared with [%]."""
 PACKAGES = ("numpy", "casadi", "roboticstoolbox-python", "optik-py", "mink", "daqp", "pin-pink", "pin", "placo", "ssik")
 
 
 @dataclass
 class Tally:
-    """Times [s] and answers of a solver on an arm."""
+    """Times and answers of a solver on an arm.
+
+    Attributes:
+        times: time of each target [s].
+        targets: number of each target.
+        answers: answer for each target, or None.
+    """
 
     times: list[float] = field(default_factory=list)
     targets: list[int] = field(default_factory=list)
@@ -54,13 +60,21 @@ class Tally:
 
 @dataclass(frozen=True)
 class Row:
-    """Figures of a solver on an arm, or why there are none. Times are of all solves, failures included [us].
+    """Figures of a solver on an arm. Times include failed solves.
 
     Attributes:
-        solved: answers that the judge accepts [%].
-        wrong: answers that it refuses, of those the solver calls a success.
-        gave_up: targets without an answer.
-        median_ratio, mean_ratio: to the best peer's.
+        arm: name of the arm.
+        solver: name of the solver.
+        targets: number of targets.
+        solved: share of targets with an answer that the check accepts [%].
+        wrong: number of answers that the solver reports as a success and the check rejects.
+        gave_up: number of targets without an answer.
+        median: median time [us].
+        mean: mean time [us].
+        p90: ninetieth percentile of the time [us].
+        median_ratio: ratio to the smallest median of a peer.
+        mean_ratio: ratio to the smallest mean of a peer.
+        note: why there are no figures.
     """
 
     arm: str
@@ -77,21 +91,21 @@ class Row:
     note: str = ""
 
 
-def prepared(arm: Arm, names: Sequence[str], accuracy: Accuracy) -> tuple[dict[str, Ready], dict[str, str]]:
-    """Solvers built for the arm, and why the others are missing."""
-    ready, missing = {}, {}
+def prepared(arm: Arm, names: Sequence[str], accuracy: Accuracy) -> tuple[dict[str, PreparedSolver], dict[str, str]]:
+    """Solvers built for the arm, and the reasons why others are missing."""
+    solvers, missing = {}, {}
     for name in names:
         try:
-            ready[name] = SOLVERS[name](arm, accuracy)
+            solvers[name] = SOLVERS[name](arm, accuracy)
         except ImportError as error:
             missing[name] = f"not installed: {error.name or error}"
         except NotBuiltError as error:
             missing[name] = str(error)
-    return ready, missing
+    return solvers, missing
 
 
-def run_block(solver: Ready, tally: Tally, block: Sequence[int], targets: Sequence[Array]) -> None:
-    """Solve a block of targets and note times and answers; those of a batch have its mean time each."""
+def run_block(solver: PreparedSolver, tally: Tally, block: Sequence[int], targets: Sequence[Array]) -> None:
+    """Solve a block of targets and record times and answers. The targets of a batch get its mean time."""
     given = [solver.convert(targets[i]) for i in block]
     clock = time.perf_counter
     if solver.batch:
@@ -110,24 +124,24 @@ def run_block(solver: Ready, tally: Tally, block: Sequence[int], targets: Sequen
     tally.targets += block
 
 
-def race(
+def run_rounds(
     arm: Arm,
-    ready: dict[str, Ready],
+    solvers: dict[str, PreparedSolver],
     targets: Sequence[Array],
     *,
     block: int,
     thinned: int,
     watch: Callable[[Sequence[Any], str], Iterator[Any]],
 ) -> dict[str, Tally]:
-    """All solvers on all targets, in rounds; slow ones on every ``thinned``-th."""
-    tallies = {name: Tally() for name in ready}
-    names, generator = list(ready), np.random.default_rng(0)
-    for solver in ready.values():
+    """Run all solvers on all targets in rounds; slow solvers take every ``thinned``-th target."""
+    tallies = {name: Tally() for name in solvers}
+    names, generator = list(solvers), np.random.default_rng(0)
+    for solver in solvers.values():
         run_block(solver, Tally(), range(WARM_UP), targets[:WARM_UP])
     counted = targets[WARM_UP:]
     starts = range(0, len(counted), block)
     gc.collect()
-    gc.freeze()  # collecting the libraries' own objects again and again would take longer than the solving
+    gc.freeze()  # repeated collection of the libraries' objects would take longer than the solves
     gc.disable()
     try:
         for start in watch(starts, arm.name):
@@ -135,7 +149,7 @@ def race(
             for name in generator.permutation(names):
                 mine = [i for i in chosen if i % thinned == 0] if name in SLOW else chosen
                 if mine:
-                    run_block(ready[name], tallies[name], mine, counted)
+                    run_block(solvers[name], tallies[name], mine, counted)
             gc.collect()
     finally:
         gc.enable()
@@ -144,19 +158,19 @@ def race(
 
 
 def row(arm: Arm, name: str, tally: Tally, targets: Sequence[Array], accuracy: Accuracy) -> Row:
-    """The figures of a tally, with every answer judged."""
+    """The figures of a solver, with a check of every answer."""
     solved = wrong = gave_up = 0
     for i, answer in zip(tally.targets, tally.answers, strict=True):
         if answer is None:
             gave_up += 1
             continue
-        verdict = judge(arm, targets[WARM_UP + i], answer)
-        good = verdict.within and (
-            verdict.position <= accuracy.position + FILE_SLACK
-            and verdict.orientation <= accuracy.orientation + FILE_SLACK
+        result = check(arm, targets[WARM_UP + i], answer)
+        accepted = result.within and (
+            result.position <= accuracy.position + FILE_SLACK
+            and result.orientation <= accuracy.orientation + FILE_SLACK
         )
-        solved += good
-        wrong += not good
+        solved += accepted
+        wrong += not accepted
     times = 1e6 * np.array(tally.times)
     median, p90 = np.percentile(times, [50, 90])
     return Row(
@@ -173,12 +187,12 @@ def row(arm: Arm, name: str, tally: Tally, targets: Sequence[Array], accuracy: A
 
 
 def with_ratios(rows: list[Row]) -> list[Row]:
-    """The rows with their ratio to the best median and the best mean among peers that solve enough."""
-    apart = (*OURS, *CLOSED_FORM)
-    fair = [each for each in rows if each.solver not in apart and not each.note and each.solved >= FAIR]
-    if not fair:
+    """The rows with their ratios to the smallest median and mean of the peers that solve enough targets."""
+    excluded = (*OURS, *CLOSED_FORM)
+    compared = [each for each in rows if each.solver not in excluded and not each.note and each.solved >= MIN_SOLVED]
+    if not compared:
         return rows
-    median, mean = min(each.median for each in fair), min(each.mean for each in fair)
+    median, mean = min(each.median for each in compared), min(each.mean for each in compared)
     return [
         each if each.note else replace(each, median_ratio=each.median / median, mean_ratio=each.mean / mean)
         for each in rows
@@ -186,7 +200,7 @@ def with_ratios(rows: list[Row]) -> list[Row]:
 
 
 def show(rows: list[Row], out: Any) -> None:
-    """The table of an arm."""
+    """Print the table of an arm."""
     head = "targets  solved [%]  wrong  gave up  median [us]  mean [us]  90 % [us]  x best median  x best mean"
     print(f"\n{rows[0].arm:14} {head}", file=out)
     for each in rows:
@@ -200,7 +214,7 @@ def show(rows: list[Row], out: Any) -> None:
 
 
 def summary(rows: list[Row], out: Any) -> None:
-    """All arms in one table for a document: median / mean, and how many are solved where not all are."""
+    """Print a Markdown table of all arms: median / mean, and the share of solved targets if below 100 %."""
     arms, solvers = list(dict.fromkeys(each.arm for each in rows)), list(dict.fromkeys(each.solver for each in rows))
     cells = {}
     for each in rows:
@@ -214,7 +228,7 @@ def summary(rows: list[Row], out: Any) -> None:
 
 
 def watcher() -> Callable[[Sequence[Any], str], Iterator[Any]]:
-    """A bar on the terminal where there are rich and a terminal, nothing else."""
+    """A progress bar if rich is installed and the output is a terminal."""
     try:
         progress = importlib.import_module("rich.progress")
         console = importlib.import_module("rich.console").Console(stderr=True)
@@ -226,7 +240,7 @@ def watcher() -> Callable[[Sequence[Any], str], Iterator[Any]]:
 
 
 def versions() -> dict[str, str]:
-    """Versions of what took part."""
+    """Versions of the installed packages."""
     found = {}
     for package in PACKAGES:
         try:
@@ -237,13 +251,15 @@ def versions() -> dict[str, str]:
 
 
 def parsed() -> argparse.Namespace:
-    """The command line."""
-    parser = argparse.ArgumentParser(description="Global inverse kinematics by TRAC-IK's protocol, beside the peers.")
-    parser.add_argument("--targets", type=int, default=1000, help="targets an arm (default %(default)s)")
-    parser.add_argument("--slow-targets", type=int, default=100, help=f"targets of {', '.join(SLOW)} (%(default)s)")
-    parser.add_argument("--block", type=int, default=50, help="targets a solver solves in a row (default %(default)s)")
-    parser.add_argument("--arms", nargs="+", choices=list(SOURCES), default=list(SOURCES), help="which arms")
-    parser.add_argument("--solvers", nargs="+", choices=list(SOLVERS), default=list(SOLVERS), help="which solvers")
+    """Parsed command line."""
+    parser = argparse.ArgumentParser(description="Global inverse kinematics by the protocol of TRAC-IK.")
+    parser.add_argument("--targets", type=int, default=1000, help="targets for each arm (default %(default)s)")
+    parser.add_argument(
+        "--slow-targets", type=int, default=100, help=f"targets for {', '.join(SLOW)} (default %(default)s)"
+    )
+    parser.add_argument("--block", type=int, default=50, help="consecutive targets of a solver (default %(default)s)")
+    parser.add_argument("--arms", nargs="+", choices=list(SOURCES), default=list(SOURCES), help="arms")
+    parser.add_argument("--solvers", nargs="+", choices=list(SOLVERS), default=list(SOLVERS), help="solvers")
     parser.add_argument(
         "--tolerance",
         nargs=2,
@@ -252,7 +268,7 @@ def parsed() -> argparse.Namespace:
         metavar=("POSITION", "ORIENTATION"),
         help="norms of the errors to reach [m] [rad] (default 1e-5 1e-5)",
     )
-    parser.add_argument("--seed", type=int, default=0, help="of the targets (default %(default)s)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the targets (default %(default)s)")
     parser.add_argument("--json", metavar="FILE", help="also write the figures to FILE, '-' for standard output")
     arguments = parser.parse_args()
     if min(arguments.targets, arguments.slow_targets, arguments.block) < 1:
@@ -261,7 +277,7 @@ def parsed() -> argparse.Namespace:
 
 
 def main() -> None:
-    """Measure, print, and perhaps write."""
+    """Measure, print, and optionally write the figures."""
     arguments = parsed()
     accuracy = Accuracy(*arguments.tolerance)
     thinned = -(-arguments.targets // arguments.slow_targets)
@@ -276,8 +292,8 @@ def main() -> None:
             continue
         generator = np.random.default_rng(arguments.seed)
         targets = [arm.pose(arm.draw(generator)) for _ in range(WARM_UP + arguments.targets)]
-        ready, missing = prepared(arm, arguments.solvers, accuracy)
-        tallies = race(arm, ready, targets, block=arguments.block, thinned=thinned, watch=watch)
+        solvers, missing = prepared(arm, arguments.solvers, accuracy)
+        tallies = run_rounds(arm, solvers, targets, block=arguments.block, thinned=thinned, watch=watch)
         table = [
             row(arm, each, tallies[each], targets, accuracy)
             if each in tallies

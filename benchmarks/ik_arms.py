@@ -1,7 +1,7 @@
-"""Seven arms out of the URDF files of installed packages, and the judge: forward kinematics by Pinocchio.
+"""Seven arms from URDF files of installed packages, and the check of answers by Pinocchio's forward kinematics.
 
-Every solver gets the same chain, from the root of the file to the tip with all other joints locked at zero: jtik reads
-the file itself, the peers a URDF text of the chain alone, whose only links are those that move.
+Every solver gets the same chain, from the root of the file to the tip, with all other joints locked at zero. jtik reads
+the file itself. The other solvers get a URDF of the chain alone, which contains only the moving links.
 """
 
 from __future__ import annotations
@@ -17,12 +17,21 @@ import numpy as np
 
 Array = np.ndarray
 FILE_SLACK = 1e-9
-"""Limits and tolerances are judged with this slack [rad], [m]: the peers read other roundings of the same arm."""
+"""Tolerance of the check of limits and errors [rad], [m]: the solvers read different roundings of the same arm."""
 
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A hinge of a chain: where it sits on the one before, its axis there, its limits [rad] and speed [rad/s]."""
+    """A revolute joint of a chain.
+
+    Attributes:
+        name: name of the joint.
+        placement: its pose on the previous link, (4, 4).
+        axis: its axis there, (3,).
+        lower: lower limit [rad].
+        upper: upper limit [rad].
+        speed: velocity limit [rad/s].
+    """
 
     name: str
     placement: Array
@@ -33,21 +42,21 @@ class Link:
 
     @property
     def continuous(self) -> bool:
-        """Whether it turns without end."""
+        """Whether it has no position limits."""
         return math.isinf(self.lower)
 
 
 @dataclass(frozen=True, eq=False)
 class Arm:
-    """A chain of hinges from the root frame to the tip.
+    """A chain of revolute joints from the root frame to the tip.
 
     Attributes:
         name: as in ``--arms``.
         path: the URDF file.
-        tip: the frame that is to be placed.
-        links: the hinges.
-        tool: the tip on the last hinge, (4, 4).
-        pose: forward kinematics of the file by Pinocchio, (n,) to (4, 4).
+        tip: the end-effector frame.
+        links: the joints.
+        tool: pose of the tip on the last link, (4, 4).
+        pose: forward kinematics of the file by Pinocchio, (n,) -> (4, 4).
     """
 
     name: str
@@ -59,16 +68,16 @@ class Arm:
 
     @property
     def lower(self) -> Array:
-        """Lower limits, (n,) [rad]; -inf where there is none."""
+        """Lower limits, (n,) [rad]; -inf if there is none."""
         return np.array([link.lower for link in self.links])
 
     @property
     def upper(self) -> Array:
-        """Upper limits, (n,) [rad]; inf where there is none."""
+        """Upper limits, (n,) [rad]; inf if there is none."""
         return np.array([link.upper for link in self.links])
 
     def bounds(self, *, turn: float = math.pi) -> tuple[Array, Array]:
-        """Limits with -turn and turn [rad] where there is none."""
+        """Limits, with -turn and turn for those that are infinite [rad]."""
         lower, upper = self.lower, self.upper
         return np.where(np.isinf(lower), -turn, lower), np.where(np.isinf(upper), turn, upper)
 
@@ -81,7 +90,7 @@ class Arm:
         return generator.uniform(*self.bounds())
 
     def urdf(self, *, turn: float = math.inf) -> str:
-        """The chain alone, from "base" to "tip"; joints without limits get -turn and turn [rad] unless infinite."""
+        """The chain alone, from "base" to "tip". Joints without limits get -turn and turn [rad], unless infinite."""
         lower, upper = self.bounds(turn=turn)
         parts = ['<robot name="chain"><mujoco><compiler fusestatic="false"/></mujoco>', _body("base")]
         for k, link in enumerate(self.links):
@@ -130,7 +139,7 @@ SOURCES = {
     "baxter": (ROBOTS, "baxter_description/urdf/baxter.urdf", "left_gripper", 7),
     "pr2": (ROBOTS, "pr2_description/urdf/pr2.urdf", "r_wrist_roll_link", 7),
 }
-"""Arm: package, file, tip, and how many joints before the tip belong to it."""
+"""Package, file, tip, and number of joints of each arm."""
 
 
 def _installed(package: str, file: str) -> Path:
@@ -142,7 +151,7 @@ def _installed(package: str, file: str) -> Path:
 
 
 def read_arm(name: str) -> Arm:
-    """An arm of SOURCES. Raises PackageNotFoundError or FileNotFoundError when its file is not installed."""
+    """Read an arm of SOURCES. Raises PackageNotFoundError or FileNotFoundError if its file is not installed."""
     import pinocchio as pin
 
     package, file, tip, count = SOURCES[name]
@@ -154,7 +163,7 @@ def read_arm(name: str) -> Arm:
     chain = [int(i) for i in model.supports[model.frames[frame].parentJoint]][1:][-count:]
     pin.framesForwardKinematics(model, data, neutral)
 
-    # a continuous joint is (cos, sin) to Pinocchio
+    # Pinocchio represents a continuous joint by (cos, sin)
     turning = [model.joints[i].nq == 2 for i in chain]
     places = [model.joints[i].idx_q for i in chain]
 
@@ -187,7 +196,7 @@ def read_arm(name: str) -> Arm:
 
 
 def _axis(model: Any, i: int) -> Array:
-    """The axis of a hinge in its own frame: the way it turns by a small angle."""
+    """The axis of a revolute joint in its own frame, from its angular velocity."""
     import pinocchio as pin
 
     joint = model.joints[i]
@@ -199,22 +208,28 @@ def _axis(model: Any, i: int) -> Array:
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """Errors of an answer [m], [rad], and whether it lies within the limits."""
+class CheckResult:
+    """Result of the check of an answer.
+
+    Attributes:
+        position: norm of the position error [m].
+        orientation: norm of the orientation error [rad].
+        within: whether it is within the limits.
+    """
 
     position: float
     orientation: float
     within: bool
 
 
-def judge(arm: Arm, target: Array, q: Array) -> Verdict:
-    """What Pinocchio says of an answer, by the norms of both errors."""
+def check(arm: Arm, target: Array, q: Array) -> CheckResult:
+    """Check an answer with Pinocchio."""
     import pinocchio as pin
 
     q = np.asarray(q, dtype=float)
     if q.shape != arm.lower.shape or not np.isfinite(q).all():
-        return Verdict(math.inf, math.inf, False)
+        return CheckResult(math.inf, math.inf, False)
     T = arm.pose(q)
     turn = pin.log3(T[:3, :3].T @ target[:3, :3])
     within = bool((q >= arm.lower - FILE_SLACK).all() and (q <= arm.upper + FILE_SLACK).all())
-    return Verdict(float(np.linalg.norm(T[:3, 3] - target[:3, 3])), float(np.linalg.norm(turn)), within)
+    return CheckResult(float(np.linalg.norm(T[:3, 3] - target[:3, 3])), float(np.linalg.norm(turn)), within)

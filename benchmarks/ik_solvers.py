@@ -1,7 +1,7 @@
-"""What each library needs to solve one arm: built once, then a call from a target (4, 4) to a configuration or None.
+"""Solvers of each library for one arm: built once, then called with a target (4, 4) for a configuration or None.
 
-Peers are set up as their documentation says, with options that a small search beforehand found fast over all arms
-together; each docstring says which were tried. A restart is drawn within the limits.
+Other libraries are set up as in their documentation, with options that a small search found fast over all arms. Each
+docstring lists the options that were tried. Restarts are drawn within the limits.
 """
 
 from __future__ import annotations
@@ -20,25 +20,30 @@ from ik_arms import Arm
 
 Array = np.ndarray
 RESTARTS = 100
-"""Other starts a solver may try."""
+"""Maximum number of restarts of a solver."""
 
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Norms of the errors that an answer may have [m], [rad]."""
+    """Tolerances of an answer.
+
+    Attributes:
+        position: norm of the position error [m].
+        orientation: norm of the orientation error [rad].
+    """
 
     position: float
     orientation: float
 
 
 @dataclass(frozen=True)
-class Ready:
+class PreparedSolver:
     """A solver built for an arm.
 
     Attributes:
-        convert: a target (4, 4) as the library wants it, not timed.
-        solve: from that to a configuration (n,), or None for no answer; timed.
-        batch: many targets at once to a configuration each; instead of ``solve`` where there is one.
+        solve: a converted target -> a configuration (n,), or None for no answer; timed.
+        convert: a target (4, 4) -> the target in the library's form; not timed.
+        batch: many converted targets -> a configuration for each; used instead of ``solve`` if given.
     """
 
     solve: Callable[[Any], Array | None]
@@ -46,19 +51,19 @@ class Ready:
     batch: Callable[[Sequence[Any]], Sequence[Array | None]] | None = None
 
 
-Builder = Callable[[Arm, Accuracy], Ready]
+Builder = Callable[[Arm, Accuracy], PreparedSolver]
 
 
-def _jtik(arm: Arm, accuracy: Accuracy, strategy: Any, *, compiled: bool, batch: bool = False) -> Ready:
+def _jtik(arm: Arm, accuracy: Accuracy, strategy: Any, *, compiled: bool, batch: bool = False) -> PreparedSolver:
     import jtik
 
     robot = jtik.Robot.from_urdf(arm.path, tip=arm.tip)
-    # a quarter of a metre counts as one radian
+    # a quarter of a metre has the weight of one radian
     task = jtik.FrameTask(arm.tip, kind="pose", stiffness=[1, 1, 1, 0.06, 0.06, 0.06])
     joints = [link.name for link in arm.links]
     ik = jtik.InverseKinematics(robot, task, strategy=strategy, joints=joints, at=np.zeros(robot.nq), compiled=compiled)
     if list(ik.robot.joint_names) != joints:
-        raise RuntimeError(f"joints in another order: {ik.robot.joint_names}")
+        raise RuntimeError(f"unexpected joint order: {ik.robot.joint_names}")
     q0 = arm.middle()
     options: dict[str, Any] = {
         "q0": q0,
@@ -76,7 +81,7 @@ def _jtik(arm: Arm, accuracy: Accuracy, strategy: Any, *, compiled: bool, batch:
         solutions = ik.solve_batch(targets, **options)
         return [q if good else None for q, good in zip(solutions.q, solutions.converged, strict=True)]
 
-    return Ready(solve, batch=many if batch else None)
+    return PreparedSolver(solve, batch=many if batch else None)
 
 
 def _damped() -> Any:
@@ -85,33 +90,33 @@ def _damped() -> Any:
     return Damped(backtracking=False)
 
 
-def jtik_damped(arm: Arm, accuracy: Accuracy) -> Ready:
-    """The strategy for *some* posture, as generated C."""
+def jtik_damped(arm: Arm, accuracy: Accuracy) -> PreparedSolver:
+    """The damped strategy without backtracking, for any solution, as generated C."""
     return _jtik(arm, accuracy, _damped(), compiled=True)
 
 
-def jtik_batch(arm: Arm, accuracy: Accuracy) -> Ready:
-    """The same through ``solve_batch``."""
+def jtik_batch(arm: Arm, accuracy: Accuracy) -> PreparedSolver:
+    """The same by ``solve_batch``."""
     return _jtik(arm, accuracy, _damped(), compiled=True, batch=True)
 
 
-def jtik_machine(arm: Arm, accuracy: Accuracy) -> Ready:
+def jtik_machine(arm: Arm, accuracy: Accuracy) -> PreparedSolver:
     """The same on CasADi's virtual machine, for which no C compiler is needed."""
     return _jtik(arm, accuracy, _damped(), compiled=False)
 
 
-def jtik_hybrid(arm: Arm, accuracy: Accuracy) -> Ready:
+def jtik_hybrid(arm: Arm, accuracy: Accuracy) -> PreparedSolver:
     """The default strategy, as generated C."""
     return _jtik(arm, accuracy, "hybrid", compiled=True)
 
 
 def toolbox(
     arm: Arm, accuracy: Accuracy, *, method: str = "chan", k: float = 0.1, ilimit: int = 30, weight: float = 1.0
-) -> Ready:
-    """The Robotics Toolbox's Levenberg-Marquardt in C++, on a chain without a needless constant.
+) -> PreparedSolver:
+    """Levenberg-Marquardt of the Robotics Toolbox in C++, on a chain without unnecessary constants.
 
-    Tried: Chan with k = 1 to 0.01, Sugihara with 0.1 to 0.0001, Wampler with 0.01 to 0.0001, 12 to 30 iterations a
-    start, the rotation weighted 1 to 0.1. It turns joints without limits into (-pi, pi).
+    Tried: Chan with k = 1 to 0.01, Sugihara with 0.1 to 0.0001, Wampler with 0.01 to 0.0001, 12 to 30 iterations for
+    each start, orientation weights 1 to 0.1. It wraps joints without limits to (-pi, pi).
     """
     from roboticstoolbox import ET, ETS
 
@@ -123,7 +128,7 @@ def toolbox(
     ets = ETS([*parts, ET.SE3(left @ arm.tool)])
     q0 = arm.middle()
     mask = np.array([1.0, 1.0, 1.0, weight, weight, weight])
-    # its error is half the weighted square of all six together
+    # its error is half the weighted sum of squares of all six rows
     tolerance = 0.5 * min(accuracy.position**2, weight * accuracy.orientation**2)
 
     def solve(target: Array) -> Array | None:
@@ -132,7 +137,7 @@ def toolbox(
         )
         return solution.q if solution.success else None
 
-    return Ready(solve)
+    return PreparedSolver(solve)
 
 
 def _axis_to_z(axis: Array) -> Array:
@@ -145,11 +150,13 @@ def _axis_to_z(axis: Array) -> Array:
     return T
 
 
-def optik(arm: Arm, accuracy: Accuracy, *, turn: float = 2 * math.pi, threads: int = 0, weight: float = 0.5) -> Ready:
-    """optik in its mode for speed, for up to a second, on half of the cores, as its README advises.
+def optik(
+    arm: Arm, accuracy: Accuracy, *, turn: float = 2 * math.pi, threads: int = 0, weight: float = 0.5
+) -> PreparedSolver:
+    """optik in its speed mode, for up to one second, on half of the cores, as its README recommends.
 
-    It wants limits and targets as lists. Tried: turns of pi and 2 pi for joints without limits, one and two threads,
-    weights of the rotation 1, 0.5 and 0.25.
+    It takes limits and targets as lists. Tried: pi and 2 pi for joints without limits, one and two threads, orientation
+    weights 1, 0.5 and 0.25.
     """
     import optik as library
 
@@ -170,15 +177,15 @@ def optik(arm: Arm, accuracy: Accuracy, *, turn: float = 2 * math.pi, threads: i
         found = robot.ik(config, target, q0)
         return None if found is None else np.array(found[0])
 
-    return Ready(solve, convert=lambda target: target.tolist())
+    return PreparedSolver(solve, convert=lambda target: target.tolist())
 
 
 def mink(
     arm: Arm, accuracy: Accuracy, *, calls: int = 15, damping: float = 0.1, cost: float = 0.25, gain: float = 0.999
-) -> Ready:
-    """A loop around ``mink.solve_ik`` with DAQP and position limits.
+) -> PreparedSolver:
+    """A loop over ``mink.solve_ik`` with DAQP and position limits.
 
-    Tried: 10 to 25 calls a start, ``lm_damping`` 0 to 0.1, the rotation at cost 1 and 0.25, gains 0.95 and 0.999.
+    Tried: 10 to 25 calls for each start, ``lm_damping`` 0 to 0.1, orientation costs 1 and 0.25, gains 0.95 and 0.999.
     """
     import mink as library
     import mujoco
@@ -206,13 +213,13 @@ def mink(
                 return configuration.q
         return None
 
-    return Ready(solve, convert=library.SE3.from_matrix)
+    return PreparedSolver(solve, convert=library.SE3.from_matrix)
 
 
 def pink(
     arm: Arm, accuracy: Accuracy, *, calls: int = 15, damping: float = 0.1, cost: float = 0.25, gain: float = 0.999
-) -> Ready:
-    """A loop around ``pink.solve_ik`` with DAQP and position limits, with the options of mink's."""
+) -> PreparedSolver:
+    """A loop over ``pink.solve_ik`` with DAQP and position limits, with the options of mink."""
     import pink as library
     import pinocchio as pin
 
@@ -254,7 +261,7 @@ def pink(
                 return plain(configuration.q)
         return None
 
-    return Ready(solve, convert=lambda target: pin.SE3(target))
+    return PreparedSolver(solve, convert=lambda target: pin.SE3(target))
 
 
 def _draws(arm: Arm) -> Callable[[], Array]:
@@ -268,11 +275,11 @@ def _small(error: Array, accuracy: Accuracy) -> bool:
 
 
 PREBUILT = {"panda": "franka.panda_ik", "ur5": "universal_robots.ur5_ik", "xarm7": "ufactory.xarm7_ik"}
-"""Arms that ssik brings a solver for, made beforehand from the same figures."""
+"""Arms for which ssik has a prebuilt solver."""
 
 
-def ssik(arm: Arm, accuracy: Accuracy) -> Ready:
-    """ssik's closed form of an arm, one solution asked for; its flange is moved to the tip outside the timed part."""
+def ssik(arm: Arm, accuracy: Accuracy) -> PreparedSolver:
+    """ssik's closed form of an arm with one solution; the transform of the target to its flange is not timed."""
     if arm.name not in PREBUILT:
         raise NotBuiltError("no prebuilt solver for this arm")
     module = importlib.import_module(f"ssik.prebuilt.{PREBUILT[arm.name]}")
@@ -286,11 +293,11 @@ def ssik(arm: Arm, accuracy: Accuracy) -> Ready:
         found = module.solve(target, max_solutions=1, respect_limits=True)
         return found[0].q if found else None
 
-    return Ready(solve, convert=lambda target: target @ back)
+    return PreparedSolver(solve, convert=lambda target: target @ back)
 
 
 class NotBuiltError(Exception):
-    """A library that has nothing for this arm."""
+    """A library has no solver for this arm."""
 
 
 SOLVERS: dict[str, Builder] = {
@@ -306,6 +313,6 @@ SOLVERS: dict[str, Builder] = {
 }
 OURS = tuple(name for name in SOLVERS if name.startswith("jtik"))
 CLOSED_FORM = ("ssik",)
-"""Made for one arm; shown, but no peer of a solver for any arm."""
+"""Solvers for one arm only; they are shown, but not used as the reference of ratios."""
 SLOW = ("mink", "pink")
-"""Loops of Python that solve only some of the targets."""
+"""Loops in Python, which solve only some of the targets."""

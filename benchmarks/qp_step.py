@@ -1,15 +1,15 @@
-"""One differential step of a Panda: a pose task, a posture beside or below it, position and velocity limits, DAQP.
+"""One differential step of a Panda: pose task, weighted or lower-priority posture, position and velocity limits, DAQP.
 
-jtik's strategies beside mink, pink and placo, on one URDF, along one path of configurations and targets, in one process
-and interleaved. Every answer is judged by MuJoCo: what the step leaves of the error, and whether limits hold.
+It compares strategies of jtik with mink, pink and placo, on one URDF, along one path of configurations and targets, in
+one process and interleaved. MuJoCo checks every answer: the remaining error, and violations of limits.
 
-    python benchmarks/qp_step.py [--compiled] [--path hurried] [--strategies newton+qp weighted_qp] [--cpu]
+    python benchmarks/qp_step.py [--compiled] [--path saturated] [--strategies newton+qp weighted_qp] [--cpu]
 
-The peers are installed by
+The other libraries are installed by
 
     python -m pip install mink pin-pink "placo==0.10.2"
 
-which brings Pinocchio 3.8; a peer that is missing is left out, and said to be.
+which installs Pinocchio 3.8. A library that is not installed has a row that says so.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from importlib import metadata
 from typing import Any
 
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(variable, "1")  # matrices of seven rows gain nothing from threads, and mink loses by them
+    os.environ.setdefault(variable, "1")  # threads do not speed up matrices of seven rows, and slow mink down
 
 import mujoco  # noqa: E402
 import numpy as np  # noqa: E402
@@ -40,14 +40,14 @@ from jtik_formulations import JointCentering, WeightedQP  # noqa: E402
 Array = np.ndarray
 DT = 0.02
 """Time of a step [s]."""
-PLACES = 50
-"""Configurations on the path, each with the target that a joint motion of the speed of the path leads to."""
+TARGETS = 50
+"""Number of configurations on the path; the target of each is one step of the path ahead."""
 REPEATED = 50
-"""Calls in a row of what is called alone."""
+"""Consecutive calls in the time of a call alone."""
 POSTURE_COST = 1e-2
-"""Of the posture against 1 of the pose, where a library weighs the two."""
+"""Cost of the posture relative to 1 for the pose, if a library weighs the two."""
 ACCURACY = 1e-6
-"""How far beyond a limit [rad] a step may end."""
+"""Allowed violation of a limit at the end of a step [rad]."""
 STRATEGIES = ("newton+qp", "hybrid+qp", "weighted_qp")
 PACKAGES = ("numpy", "casadi", "daqp", "mink", "pin-pink", "pin", "placo", "mujoco")
 
@@ -55,15 +55,22 @@ Step = Callable[[Array, Array], Array]
 """(q, target (4, 4)) -> displacement (n,)."""
 
 Clock = Callable[[], float]
-"""Seconds."""
+"""() -> time [s]."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """Figures of one way to step.
+    """Figures of one kind of step.
 
-    Attributes: times [us]; the share of the pose error that is left after the step, median over the path; farthest
-    beyond a position or velocity limit [rad]; the share of steps with a joint at a limit; why there are no figures.
+    Attributes:
+        name: name of the row.
+        median: median time [us].
+        p10: tenth percentile of the time [us].
+        p90: ninetieth percentile of the time [us].
+        left: median share of the pose error that remains after a step.
+        beyond: largest violation of a position or velocity limit [rad].
+        active: share of steps with a joint at a limit.
+        missing: why there are no figures.
     """
 
     name: str
@@ -77,7 +84,7 @@ class Row:
 
 
 def urdf(robot: jtik.Robot) -> str:
-    """Kinematics and limits as a URDF that all libraries read; masses are all alike."""
+    """Kinematics and limits as a URDF for all libraries; all masses are equal."""
     inertial = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
     links = "".join(f'<link name="{frame}">{inertial}</link>' for frame in robot.frame_names)
     joints = "".join(_joint(joint) for joint in robot.joints)
@@ -88,7 +95,8 @@ def _joint(joint: jtik.Joint) -> str:
     R, p = joint.origin[:3, :3], joint.origin[:3, 3]
     rpy = (np.arctan2(R[2, 1], R[2, 2]), np.arcsin(np.clip(-R[2, 0], -1, 1)), np.arctan2(R[1, 0], R[0, 0]))
     xyz, turn, axis = (" ".join(repr(float(x)) for x in values) for values in (p, rpy, joint.axis))
-    name = joint.name if joint.is_moving else f"{joint.name} mount"  # a frame of pink's must not be called like a joint
+    # pink requires different names for frames and joints
+    name = joint.name if joint.is_moving else f"{joint.name} mount"
     limit = ""
     if joint.is_moving:
         limit = (
@@ -103,7 +111,13 @@ def _joint(joint: jtik.Joint) -> str:
 
 @dataclass(frozen=True)
 class Path:
-    """Configurations (n,) each, and for each a target (4, 4) to step towards; the posture to prefer."""
+    """Configurations and the targets of their steps.
+
+    Attributes:
+        home: preferred posture, (n,).
+        q: configurations, (n,) each.
+        targets: target of each configuration, (4, 4).
+    """
 
     home: Array
     q: list[Array]
@@ -111,44 +125,43 @@ class Path:
 
     @classmethod
     def tracked(cls, robot: jtik.Robot, home: Array) -> Path:
-        """As a controller sees it: the tip goes round, the arm follows and has settled near its posture.
+        """Tracking as in a controller: the tip follows a closed curve, and the arm is close to its preferred posture.
 
-        Position and velocity limits hold, but few joints are at them. The arm follows by `hybrid`, as a judge that is
-        none of the rows.
+        Few joints are at position or velocity limits. The path is tracked by `hybrid`, which is not among the rows.
         """
         ik = jtik.InverseKinematics(robot, jtik.FrameTask(robot.tip, kind="pose"), criteria=JointCentering())
         ik.parameters["joint_centering.preferred"] = home
-        lap = [robot.pose(q) for q in _curve(robot, home, PLACES)]
-        q, seen = home, []
+        lap = [robot.pose(q) for q in _curve(robot, home, TARGETS)]
+        q, recorded = home, []
         for target in 3 * lap:
-            seen.append(q)
+            recorded.append(q)
             q = ik.track([target], q0=q, dt=DT, until="stationary", max_iterations=20).q[0]
-        return cls(home, seen[-PLACES:], lap)
+        return cls(home, recorded[-TARGETS:], lap)
 
     @classmethod
-    def hurried(cls, robot: jtik.Robot, home: Array) -> Path:
-        """Everywhere about the posture: its pull is larger than the velocity limits allow, and they are active."""
-        q = _curve(robot, home, PLACES)
+    def saturated(cls, robot: jtik.Robot, home: Array) -> Path:
+        """Configurations away from the preferred posture, so that velocity limits are active."""
+        q = _curve(robot, home, TARGETS)
         return cls(home, q, [robot.pose(ahead) for ahead in [*q[1:], q[0]]])
 
 
 def _curve(robot: jtik.Robot, home: Array, count: int) -> list[Array]:
-    """A closed curve about ``home``, as fast as half the velocity limits at most."""
+    """A closed curve around ``home`` with at most half of the velocity limits."""
     generator = np.random.default_rng(0)
     phase, widest = generator.uniform(0, 2 * np.pi, robot.n), 0.5 * DT * robot.velocity_limit * count / (2 * np.pi)
-    reach = np.minimum(generator.uniform(0.2, 0.5, robot.n), widest)
+    amplitude = np.minimum(generator.uniform(0.2, 0.5, robot.n), widest)
     angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
-    return [np.clip(home + reach * np.sin(a + phase), robot.lower + 0.05, robot.upper - 0.05) for a in angle]
+    return [np.clip(home + amplitude * np.sin(a + phase), robot.lower + 0.05, robot.upper - 0.05) for a in angle]
 
 
-PATHS: dict[str, Callable[[jtik.Robot, Array], Path]] = {"tracked": Path.tracked, "hurried": Path.hurried}
+PATHS: dict[str, Callable[[jtik.Robot, Array], Path]] = {"tracked": Path.tracked, "saturated": Path.saturated}
 
 
 def solver(robot: jtik.Robot, path: Path, strategy: str, *, compiled: bool) -> jtik.InverseKinematics:
-    """The problem as jtik has it."""
-    law = WeightedQP(weight=POSTURE_COST**2) if strategy == "weighted_qp" else strategy
+    """The problem for jtik."""
+    chosen = WeightedQP(weight=POSTURE_COST**2) if strategy == "weighted_qp" else strategy
     ik = jtik.InverseKinematics(
-        robot, jtik.FrameTask(robot.tip, kind="pose"), criteria=JointCentering(), strategy=law, compiled=compiled
+        robot, jtik.FrameTask(robot.tip, kind="pose"), criteria=JointCentering(), strategy=chosen, compiled=compiled
     )
     ik.parameters["joint_centering.preferred"] = path.home
     return ik
@@ -164,7 +177,7 @@ def stepping(ik: jtik.InverseKinematics) -> Step:
 
 
 def minks(robot: jtik.Robot, path: Path) -> Step:
-    """mink as its examples have it: limits given, everything else default."""
+    """mink as in its examples, with limits and other options at their defaults."""
     import mink
 
     from jtik.interop.mink import to_mujoco, velocity_limit
@@ -185,7 +198,7 @@ def minks(robot: jtik.Robot, path: Path) -> Step:
 
 
 def pinks(robot: jtik.Robot, path: Path) -> Step:
-    """pink as its examples have it: limits are its default."""
+    """pink as in its examples, which include limits by default."""
     import pink
     import pinocchio
 
@@ -205,7 +218,7 @@ def pinks(robot: jtik.Robot, path: Path) -> Step:
 
 
 def placos(robot: jtik.Robot, path: Path) -> Step:
-    """placo as its documentation has it; it has a solver of its own, eiquadprog."""
+    """placo as in its documentation, with its own solver eiquadprog."""
     wrapper, kinematics, tip, full, offset, first = _placo(robot, path)
 
     def step(q: Array, target: Array) -> Array:
@@ -219,7 +232,7 @@ def placos(robot: jtik.Robot, path: Path) -> Step:
 
 
 def placo_alone(robot: jtik.Robot, path: Path, clock: Clock) -> Callable[[], float]:
-    """placo's kinematics and solve, with configuration and target in place already: its counterpart of a fused step."""
+    """Kinematics and solve of placo with configuration and target already set: the counterpart of a fused step."""
     wrapper, kinematics, tip, full, offset, _ = _placo(robot, path)
 
     def place(q: Array, target: Array) -> None:
@@ -252,7 +265,7 @@ def _placo(robot: jtik.Robot, path: Path) -> tuple[Any, ...]:
     tip.configure("tip", "soft", 1.0, 1.0)
     posture = kinematics.add_joints_task()
     posture.set_joints(dict(zip(robot.joint_names, path.home.tolist(), strict=True)))
-    posture.configure("posture", "soft", POSTURE_COST**2)  # a weight where others have a cost
+    posture.configure("posture", "soft", POSTURE_COST**2)  # placo has weights, the other libraries have costs
     offset = wrapper.get_joint_offset(robot.joint_names[0])
     first = wrapper.get_joint_v_offset(robot.joint_names[0])
     full = wrapper.neutral_state().q.copy()
@@ -266,8 +279,8 @@ PEERS: dict[str, Callable[[jtik.Robot, Path], Step]] = {
 }
 
 
-def along(step: Step, path: Path, clock: Clock) -> Callable[[], float]:
-    """Time of one step [s], averaged over the path; once round it before, for what the others left in the caches."""
+def path_time(step: Step, path: Path, clock: Clock) -> Callable[[], float]:
+    """Mean time of a step over the path [s], after one lap to fill the caches."""
     pairs = list(zip(path.q, path.targets, strict=True))
 
     def batch() -> float:
@@ -281,8 +294,8 @@ def along(step: Step, path: Path, clock: Clock) -> Callable[[], float]:
     return batch
 
 
-def bare(ik: jtik.InverseKinematics, path: Path, clock: Clock) -> Callable[[], float]:
-    """The fused step alone: configuration, target and box are in its memory already."""
+def step_alone(ik: jtik.InverseKinematics, path: Path, clock: Clock) -> Callable[[], float]:
+    """The fused step alone, with configuration, target and limits already set."""
     ik.step(path.q[0], path.targets[0], dt=DT)
     runner, _ = ik._timed
 
@@ -296,7 +309,7 @@ def bare(ik: jtik.InverseKinematics, path: Path, clock: Clock) -> Callable[[], f
 def _alone(
     place: Callable[[Array, Array], None], call: Callable[[], Callable[[], None]], path: Path, clock: Clock
 ) -> Callable[[], float]:
-    """Time of a call [s], REPEATED times in a row at every fifth place."""
+    """Mean time of a call [s], repeated REPEATED times at every fifth configuration."""
     pairs = list(zip(path.q, path.targets, strict=True))[::5]
 
     def batch() -> float:
@@ -314,7 +327,7 @@ def _alone(
 
 
 def independent_pose(robot: jtik.Robot) -> Callable[[Array], Array]:
-    """The tip's pose by MuJoCo, which reads the URDF by itself."""
+    """Pose of the tip by MuJoCo, which reads the URDF itself."""
     spec = mujoco.MjSpec.from_string(urdf(robot))
     spec.compiler.fusestatic = False
     model = spec.compile()
@@ -331,8 +344,8 @@ def independent_pose(robot: jtik.Robot) -> Callable[[Array], Array]:
     return pose
 
 
-def judged(step: Step, robot: jtik.Robot, path: Path, pose: Callable[[Array], Array]) -> tuple[float, float, float]:
-    """What a step leaves of the error, median; how far beyond a limit one ended, at worst [rad]; steps at a limit."""
+def checked(step: Step, robot: jtik.Robot, path: Path, pose: Callable[[Array], Array]) -> tuple[float, float, float]:
+    """Median remaining share of the error, largest violation of a limit [rad], and share of steps at a limit."""
     left, over = [], []
     for q, target in zip(path.q, path.targets, strict=True):
         dq = step(q, target)
@@ -344,14 +357,14 @@ def judged(step: Step, robot: jtik.Robot, path: Path, pose: Callable[[Array], Ar
 
 
 def _error(pose: Array, target: Array) -> float:
-    """Distance [m] and angle [rad] as one number."""
+    """Distance [m] and angle [rad] combined to one norm."""
     cosine = (np.trace(target[:3, :3].T @ pose[:3, :3]) - 1) / 2
     turn = np.linalg.norm(target[:3, :3] - pose[:3, :3]) / np.sqrt(2) if cosine > 0.99 else np.arccos(cosine)
     return float(np.hypot(np.linalg.norm(pose[:3, 3] - target[:3, 3]), turn))
 
 
 def interleaved(timers: dict[str, Callable[[], float]], rounds: int) -> dict[str, Array]:
-    """Times [us] of every round, by name; each round begins with another timer, the first two are thrown away."""
+    """Times of every round by name [us]. Each round begins with another timer; the first two rounds are discarded."""
     times: dict[str, list[float]] = {name: [] for name in timers}
     names = list(timers)
     gc.disable()
@@ -366,14 +379,14 @@ def interleaved(timers: dict[str, Callable[[], float]], rounds: int) -> dict[str
 def add_times(
     rows: dict[str, Any], timers: dict[str, Callable[[], float]], repeats: int, row: Callable[[str], Any]
 ) -> None:
-    """Time everything in turns, into its row or a new one."""
+    """Run all timers interleaved and add their times to the rows."""
     for name, times in interleaved(timers, repeats).items():
         p10, median, p90 = (float(x) for x in np.percentile(times, [10, 50, 90]))
         rows[name] = replace(rows.get(name) or row(name), median=median, p10=p10, p90=p90)
 
 
 def write_json(rows: list[Any], arguments: argparse.Namespace) -> None:
-    """Rows, options and machine, into the file asked for or, for '-', to standard output."""
+    """Write rows, options and machine to a file, or to standard output for '-'."""
     record = {
         "machine": f"{platform.machine()}, {platform.system()}",
         "python": platform.python_version(),
@@ -389,13 +402,15 @@ def write_json(rows: list[Any], arguments: argparse.Namespace) -> None:
 
 
 def main() -> None:
-    """Build, judge, time, print."""
+    """Build, check, time and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeats", type=int, default=60, help="rounds (default %(default)s)")
     parser.add_argument("--compiled", action="store_true", help="jtik's step as generated C")
-    parser.add_argument("--path", choices=list(PATHS), default="tracked", help="where to step (default %(default)s)")
+    parser.add_argument(
+        "--path", choices=list(PATHS), default="tracked", help="path of configurations (default %(default)s)"
+    )
     parser.add_argument("--strategies", nargs="+", default=list(STRATEGIES))
-    parser.add_argument("--cpu", action="store_true", help="processor time in place of time: for a busy machine")
+    parser.add_argument("--cpu", action="store_true", help="processor time instead of wall time, for a busy machine")
     parser.add_argument("--json", metavar="FILE", help="also write the figures to FILE, '-' for standard output")
     arguments = parser.parse_args()
     if arguments.repeats < 1:
@@ -410,14 +425,14 @@ def main() -> None:
     timers: dict[str, Callable[[], float]] = {}
 
     def add(name: str, step: Step) -> None:
-        left, beyond, active = judged(step, robot, path, pose)
+        left, beyond, active = checked(step, robot, path, pose)
         rows[name] = Row(name, left=left, beyond=beyond, active=active)
-        timers[name] = along(step, path, clock)
+        timers[name] = path_time(step, path, clock)
 
     for strategy in arguments.strategies:
         ik = solver(robot, path, strategy, compiled=arguments.compiled)
         add(f"jtik {strategy}, ik.step", stepping(ik))
-        timers[f"jtik {strategy}, fused"] = bare(
+        timers[f"jtik {strategy}, fused"] = step_alone(
             solver(robot, path, strategy, compiled=arguments.compiled), path, clock
         )
     for name, build in PEERS.items():
@@ -435,7 +450,7 @@ def main() -> None:
 
 
 def show(rows: list[Row]) -> None:
-    """A table with ratios to mink and to placo alone."""
+    """Print a table with ratios to mink and to placo alone."""
     by_name = {row.name: row.median for row in rows}
     mink, placo = by_name.get("mink (DAQP)", np.nan), by_name.get("placo (C++), alone", np.nan)
     width = max(len(row.name) for row in rows)
@@ -444,19 +459,19 @@ def show(rows: list[Row]) -> None:
         if row.missing:
             print(f"{row.name:{width}}  {row.missing}")
             continue
-        kept = (
+        extra = (
             ""
             if np.isnan(row.left)
             else f"  {row.left:10.1e}  {row.beyond if row.beyond > ACCURACY else 0:13.1e}  {row.active:9.0%}"
         )
         print(
             f"{row.name:{width}}  {row.median:11.2f}  {row.p10:6.2f}  {row.p90:6.2f}"
-            f"  {mink / row.median:6.1f}  {placo / row.median:7.2f}{kept}"
+            f"  {mink / row.median:6.1f}  {placo / row.median:7.2f}{extra}"
         )
 
 
 def package_versions() -> dict[str, str]:
-    """Of what the figures depend on."""
+    """Versions of the packages that the figures depend on."""
     found = {}
     for package in PACKAGES:
         try:

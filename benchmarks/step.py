@@ -1,7 +1,7 @@
-"""What one fused step costs, and what the loop in ``solve`` and the call ``ik.step`` add to it.
+"""Time of one fused step, and the time that the loop of ``solve`` and the call of ``ik.step`` add to it.
 
-Ten unit links in the plane, six circles to avoid and joint centring. Every figure is the median over interleaved
-rounds, with the tenth and the ninetieth percentile, so that a slow minute of the machine falls on all rows alike.
+The problem has ten unit links in the plane, six circles to avoid, and joint centring. Figures are medians over
+interleaved rounds with the tenth and ninetieth percentile, so that slow periods of the machine affect all rows alike.
 
     python benchmarks/step.py [--repeats 60] [--compiled] [--json FILE]
 """
@@ -26,20 +26,28 @@ from jtik_formulations import JointCentering, ObstacleAvoidance
 
 LINKS = 10
 CALLS = 2000
-"""Calls timed together: some milliseconds, far above the resolution of the clock."""
+"""Calls timed together, which take milliseconds, far above the clock resolution."""
 ITERATIONS = 1000
-"""Length of the solve that the overhead of the loop is taken from."""
-EDGE = (9.999, 0.0)
-"""A target the transpose method approaches for thousands of iterations."""
+"""Iterations of the solve from which the overhead of the loop is computed."""
+BOUNDARY = (9.999, 0.0)
+"""A target at the boundary, which the transpose method approaches for thousands of iterations [m]."""
 REACHED = (6.0, 3.0)
+"""A target inside the workspace [m]."""
 
 Timer = Callable[[], float]
-"""Runs a batch and returns the time of one call [s]."""
+"""Runs a batch of calls and returns the time of one call [s]."""
 
 
 @dataclass(frozen=True)
 class Figure:
-    """Time of one call [us]: median, tenth and ninetieth percentile over the rounds."""
+    """Time of one call [us].
+
+    Attributes:
+        name: name of the row.
+        median: median over the rounds.
+        p10: tenth percentile.
+        p90: ninetieth percentile.
+    """
 
     name: str
     median: float
@@ -48,7 +56,7 @@ class Figure:
 
 
 def field() -> list[jtik.Circle]:
-    """Six circles about the arm."""
+    """Six circles around the arm."""
     return [jtik.Circle(center=(1.0 + 1.4 * k, 2.5 if k % 2 else -2.0), radius=0.3 + 0.05 * k) for k in range(6)]
 
 
@@ -60,7 +68,7 @@ def solver(strategy: str, options: dict[str, bool], *, criteria: bool = True) ->
 
 
 def repeated(call: Callable[[], object]) -> Timer:
-    """Time of one call out of CALLS in a row."""
+    """Mean time of CALLS consecutive calls."""
 
     def batch() -> float:
         begin = time.perf_counter()
@@ -71,16 +79,16 @@ def repeated(call: Callable[[], object]) -> Timer:
     return batch
 
 
-def bare(ik: jtik.InverseKinematics, q: np.ndarray, target: tuple[float, float]) -> Timer:
-    """The fused step alone, always from the same configuration and the first state."""
-    ik.solve(target, q0=q, max_iterations=0)  # puts target and tolerances where the step reads them
+def step_alone(ik: jtik.InverseKinematics, q: np.ndarray, target: tuple[float, float]) -> Timer:
+    """The fused step alone, always from the same configuration and initial state."""
+    ik.solve(target, q0=q, max_iterations=0)  # writes target and tolerances to the inputs of the step
     runner = ik._runner
     runner.start(q)
     return repeated(runner.calls[0])
 
 
-def base(ik: jtik.InverseKinematics, q: np.ndarray, target: tuple[float, float], *, compiled: bool) -> Timer:
-    """Residual, its Jacobian, H and grad H in one function: what any method that uses them has to pay."""
+def model_alone(ik: jtik.InverseKinematics, q: np.ndarray, target: tuple[float, float], *, compiled: bool) -> Timer:
+    """Residual, Jacobian, H and grad H in one function: the minimum that any method with them must evaluate."""
     problem = ik._problem
     at, goal, parameters = problem.symbols()
     residual, H = problem.residual(at, goal), problem.criterion(at, parameters)
@@ -91,43 +99,43 @@ def base(ik: jtik.InverseKinematics, q: np.ndarray, target: tuple[float, float],
     return repeated(bind(model, [q.copy(), np.array(target), ik.parameters.memory], results))
 
 
-def looped(ik: jtik.InverseKinematics, q: np.ndarray) -> Timer:
-    """One iteration of a long solve: ITERATIONS of them less a solve of one, which costs the same around the loop."""
+def one_iteration(ik: jtik.InverseKinematics, q: np.ndarray) -> Timer:
+    """One iteration of a long solve: ITERATIONS minus a solve of one iteration, whose overhead is the same."""
 
     def seconds(iterations: int) -> tuple[float, int]:
         begin = time.perf_counter()
-        solution = ik.solve(EDGE, q0=q, max_iterations=iterations)
+        solution = ik.solve(BOUNDARY, q0=q, max_iterations=iterations)
         return time.perf_counter() - begin, solution.iterations
 
     def batch() -> float:
         (long, spent), (short, one) = seconds(ITERATIONS), seconds(1)
         if spent != ITERATIONS or one != 1:
-            raise RuntimeError(f"the solve stopped after {spent} iterations; it was to run {ITERATIONS}")
+            raise RuntimeError(f"the solve stopped after {spent} iterations instead of {ITERATIONS}")
         return (long - short) / (ITERATIONS - 1)
 
     return batch
 
 
-def once(ik: jtik.InverseKinematics, q: np.ndarray) -> Timer:
-    """A solve of one iteration: reading the arguments, one step, the diagnosis and the Solution."""
+def one_solve(ik: jtik.InverseKinematics, q: np.ndarray) -> Timer:
+    """A solve of one iteration: arguments, one step, diagnosis and Solution."""
 
     def batch() -> float:
         begin = time.perf_counter()
         for _ in range(CALLS // 50):
-            ik.solve(EDGE, q0=q, max_iterations=1)
+            ik.solve(BOUNDARY, q0=q, max_iterations=1)
         return (time.perf_counter() - begin) / (CALLS // 50)
 
     return batch
 
 
-def stepped(ik: jtik.InverseKinematics, q: np.ndarray, target: tuple[float, float]) -> Timer:
-    """``ik.step`` as a controller calls it, with arrays."""
+def one_step_call(ik: jtik.InverseKinematics, q: np.ndarray, target: tuple[float, float]) -> Timer:
+    """``ik.step`` with arrays, as a controller calls it."""
     goal = np.array(target)
     return repeated(lambda: ik.step(q, goal))
 
 
 def interleaved(timers: dict[str, Timer], rounds: int) -> dict[str, np.ndarray]:
-    """Times [us] of every round, by name: each round runs every timer once, in turn, the first round is thrown away."""
+    """Times of every round by name [us]. Each round runs every timer once; the first round is discarded."""
     times: dict[str, list[float]] = {name: [] for name in timers}
     names = list(timers)
     for k in range(rounds + 1):
@@ -137,13 +145,13 @@ def interleaved(timers: dict[str, Timer], rounds: int) -> dict[str, np.ndarray]:
 
 
 def figure(name: str, times: np.ndarray) -> Figure:
-    """Median and spread."""
+    """Median and percentiles."""
     p10, median, p90 = np.percentile(times, [10, 50, 90])
     return Figure(name, float(median), float(p10), float(p90))
 
 
 def show(title: str, rows: list[Figure], reference: Figure, column: str) -> None:
-    """A table with the ratio to ``reference``."""
+    """Print a table with the ratio to ``reference``."""
     width = max(len(row.name) for row in rows)
     print(f"\n{title}\n{'':{width}}  median [us]     10 %     90 %  {column}")
     for row in rows:
@@ -154,8 +162,8 @@ def show(title: str, rows: list[Figure], reference: Figure, column: str) -> None
 
 
 def main() -> None:
-    """Measure, print, and perhaps write."""
-    parser = argparse.ArgumentParser(description="Cost of a fused step and of what surrounds it.")
+    """Measure, print, and optionally write the figures."""
+    parser = argparse.ArgumentParser(description="Time of a fused step and of the calls around it.")
     parser.add_argument("--repeats", type=int, default=60, help="rounds (default %(default)s)")
     parser.add_argument("--compiled", action="store_true", help="generate C and compile it")
     parser.add_argument("--json", metavar="FILE", help="also write the figures to FILE, '-' for standard output")
@@ -167,31 +175,31 @@ def main() -> None:
 
     names = list(jtik.strategies)
     steps = {name: solver(name, options) for name in names}
-    alone = base(steps[names[0]], q, REACHED, compiled=arguments.compiled)
+    alone = model_alone(steps[names[0]], q, REACHED, compiled=arguments.compiled)
     timers = {"kinematics, H and grad H alone": alone}
-    timers |= {name: bare(ik, q, REACHED) for name, ik in steps.items()}
+    timers |= {name: step_alone(ik, q, REACHED) for name, ik in steps.items()}
     times = interleaved(timers, arguments.repeats)
     fused = [figure(name, each) for name, each in times.items()]
     kind = "compiled C" if arguments.compiled else "virtual machine"
     show(f"ten links, six circles, two criteria: one step ({kind})", fused, fused[0], "x alone")
 
     plain = solver("transpose", options, criteria=False)
-    apart = solver("transpose", options, criteria=False)
+    separate = solver("transpose", options, criteria=False)
     timers = {
-        "the step, called bare": bare(plain, q, EDGE),
-        "one iteration of solve": looped(plain, q),
-        "one ik.step": stepped(apart, q, EDGE),
-        "a solve of one iteration": once(plain, q),
+        "the step alone": step_alone(plain, q, BOUNDARY),
+        "one iteration of solve": one_iteration(plain, q),
+        "one ik.step": one_step_call(separate, q, BOUNDARY),
+        "a solve of one iteration": one_solve(plain, q),
     }
     times = interleaved(timers, arguments.repeats)
     around = [figure(name, each) for name, each in times.items()]
-    show(f"ten links, transpose, no criterion: what surrounds a step ({kind})", around, around[0], "x bare")
-    bare_times = times["the step, called bare"]
+    show(f"ten links, transpose, no criterion: calls around a step ({kind})", around, around[0], "x step")
+    step_times = times["the step alone"]
     added = [
-        figure("added by the loop, an iteration", times["one iteration of solve"] - bare_times),
-        figure("added by ik.step, a call", times["one ik.step"] - bare_times),
+        figure("added by the loop, per iteration", times["one iteration of solve"] - step_times),
+        figure("added by ik.step, per call", times["one ik.step"] - step_times),
     ]
-    show("differences, round by round", added, around[0], "x bare")
+    show("differences, round by round", added, around[0], "x step")
 
     if arguments.json:
         record = {

@@ -1,12 +1,12 @@
-"""Two questions about `jtik.compare`: how long does a study take, and are its times those of a solve by itself?
+"""Wall time of `jtik.compare`, and comparison of its times with those of the same solves outside a study.
 
     python benchmarks/study.py [--cases 200] [--processes 2] [--compiled] [--cpu]
 
-Twelve strategies on the ten-link arm and on the Panda, once on a process pool for the wall time. Then a smaller study
-in this process, taking turns with loops of plain ``ik.solve`` calls of each strategy over the same problems, timed from
-outside. Printed are ratios of sums over the cases: of the median of the rounds, which is what a study reports, and of
-the least, which a busy machine disturbs less; with --cpu both read the processor's time of their thread instead, which
-other programs hardly touch. Nothing is asserted.
+Twelve strategies solve problems of the ten-link arm and of the Panda, first on a process pool for the wall time. Then a
+smaller study in this process alternates with loops of ``ik.solve`` calls of each strategy on the same problems. The
+script prints ratios of sums over the cases: of the median over the rounds, which a study reports, and of the minimum,
+which other load disturbs less. With --cpu both measure the processor time of their thread, which other programs hardly
+influence. Nothing is asserted.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ STRATEGIES = (
 )
 
 TURNS = 4
-"""How often study and loop take turns; the better turn of each counts."""
+"""Number of alternations of study and loop; the shorter time of each counts."""
 
 ARMS = {
     "ten links": (jtik.Robot.planar(10), jtik.FrameTask("tip")),
@@ -46,10 +46,10 @@ ARMS = {
 }
 
 
-def alone(
+def solve_times(
     ik: jtik.InverseKinematics, problems: ProblemSet, rounds: int, options: dict[str, object]
 ) -> list[list[float]]:
-    """Times of each case in each round, of nothing but the solves [s]."""
+    """Times of the solves alone, for each case and round [s]."""
     times: list[list[float]] = [[] for _ in problems]
     for _ in range(rounds):
         ik.solve(problems[0].target, q0=problems[0].q0, **options)
@@ -65,7 +65,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cases", type=int, default=200)
     parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--alone", type=int, default=40, help="cases to time alone, too (default %(default)s)")
+    parser.add_argument(
+        "--alone", type=int, default=40, help="cases to time outside the study as well (default %(default)s)"
+    )
     parser.add_argument("--compiled", action="store_true")
     parser.add_argument("--cpu", action="store_true")
     arguments = parser.parse_args()
@@ -82,25 +84,28 @@ def main() -> None:
         print(result)
 
         if arguments.cpu:
-            time.perf_counter = time.thread_time  # of study and loop alike
+            time.perf_counter = time.thread_time  # for the study and the loop
         some, rounds = problems[: arguments.alone], 5
         build = {"criteria": study["criteria"], "compiled": arguments.compiled}
-        solvers = {law: jtik.InverseKinematics(robot, task, strategy=law, **build) for law in STRATEGIES}
-        studied: dict[str, list[np.ndarray]] = {law: [] for law in STRATEGIES}
-        looped: dict[str, list[np.ndarray]] = {law: [] for law in STRATEGIES}
+        solvers = {name: jtik.InverseKinematics(robot, task, strategy=name, **build) for name in STRATEGIES}
+        studied: dict[str, list[np.ndarray]] = {name: [] for name in STRATEGIES}
+        looped: dict[str, list[np.ndarray]] = {name: [] for name in STRATEGIES}
         for _ in range(TURNS):
             result = jtik.compare(robot, task, problems=some, repeats=rounds, **study)
-            for law, ik in solvers.items():
-                rows, own = result.rows(contender=law), alone(ik, some, rounds, options)
-                studied[law].append(np.array([result.columns[name][rows] for name in ("seconds", "seconds_low")]))
-                looped[law].append(np.array([[statistics.median(each), min(each)] for each in own]).T)
+            for strategy, ik in solvers.items():
+                rows, own = result.rows(contender=strategy), solve_times(ik, some, rounds, options)
+                studied[strategy].append(np.array([result.columns[name][rows] for name in ("seconds", "seconds_low")]))
+                looped[strategy].append(np.array([[statistics.median(each), min(each)] for each in own]).T)
         time.perf_counter = clock
-        print(f"\n{'':22}   study    alone     ratio   of the least")
-        for law in STRATEGIES:
-            (study_median, study_low), (median, low) = np.min(studied[law], axis=0), np.min(looped[law], axis=0)
+        print(f"\n{'':22}   study    alone     ratio   ratio of minima")
+        for strategy in STRATEGIES:
+            (study_median, study_low), (median, low) = (
+                np.min(studied[strategy], axis=0),
+                np.min(looped[strategy], axis=0),
+            )
             sums = f"{1e3 * study_median.sum():7.1f}  {1e3 * median.sum():7.1f} ms"
             ratios = f"{study_median.sum() / median.sum():6.2f}  {study_low.sum() / low.sum():6.2f}"
-            print(f"{law:22} {sums}  {ratios}", flush=True)
+            print(f"{strategy:22} {sums}  {ratios}", flush=True)
 
 
 if __name__ == "__main__":

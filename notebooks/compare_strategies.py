@@ -9,14 +9,13 @@
 # %% [markdown]
 # # Compare strategies
 #
-# Which update law is best depends on the robot, on the problems and on what you count. `jtik.compare` puts any number
-# of strategies on the same problems, with the same starts and tolerances, and judges what they hand in by kinematics of
-# its own.
+# The best strategy depends on the robot, the problems and the measure. `jtik.compare` runs any number of strategies on
+# the same problems, with the same starts and tolerances. One independent check of the answers decides about success.
 #
 # ## A ten-link arm
 #
-# Eight degrees of freedom are left over. Every strategy has to reach the target *and* to bring the joint centering
-# criterion down until it is stationary. Half of the problems start near a singular posture.
+# The arm has eight redundant degrees of freedom. Every strategy must reach the target *and* minimise the joint
+# centering criterion until it is stationary. Half of the problems start close to a singular posture.
 
 # %%
 import jtik
@@ -34,40 +33,42 @@ on_arm = jtik.compare(
 on_arm
 
 # %% [markdown]
-# A row is one strategy. Iterations, times and H are medians of the solved cases; `on_arm.table()` is the same in
-# pandas. *Regret* is how far H ended above the best that anybody found for the same case: a strategy may converge to a
-# local minimum of H, and then others show it. *Monotone* is the share of cases in which V never rose. It is low here:
-# a step that lowers H may move the tip a little, and near the target these strategies weigh one against the other.
+# Each row is one strategy. Iterations, times and H are medians over the solved cases; `on_arm.table()` is the same
+# table in pandas. *Regret* is the difference between the final H and the best H of all strategies for the same case. It
+# is positive if a strategy converges to a worse local minimum of H. *Monotone* is the share of cases in which V never
+# rose. It is low here, because a step that lowers H may move the tip slightly, and near the target these strategies
+# trade one for the other.
 #
-# Medians hide the hard cases. A performance profile (Dolan and Moré) does not: for every strategy it shows the share of
-# cases that it solved within a factor of the best time for that case. On the left, who is often the fastest; on the
-# right end, who solves the most.
+# Medians hide difficult cases. A performance profile (Dolan and Moré) shows them: for every strategy it plots the share
+# of cases solved within a factor of the best time for that case. The left end shows which strategy is often the
+# fastest, the right end which one solves most cases.
 
 # %%
 on_arm.plot_profile()
 
 # %% [markdown]
-# Iterations tell another story than time: a step of one strategy may cost ten of another's.
+# The profile of iterations differs, because one step of a strategy may take as long as ten of another.
 
 # %%
 on_arm.plot_profile(measure="iterations")
 
 # %% [markdown]
-# The error by iteration, median and middle half. The plateau is the phase in which the tip stays near the target while
-# H falls.
+# The task error by iteration: median and interquartile range. The plateau is the phase in which the tip stays close to
+# the target while H decreases.
 
 # %%
 on_arm.plot_convergence(contenders=["hybrid", "hybrid+second_order", "transpose", "transpose_bb"])
 
 # %% [markdown]
-# The criterion: as it falls in one case, and how far above the best of its case each strategy ended. What is left at
-# the right edge are cases in which a strategy ended in another, worse minimum.
+# The criterion by iteration in one case (left), and the regret of each strategy on all cases (right). The points at the
+# right edge are cases in which a strategy ended in a worse minimum.
 
 # %%
 on_arm.plot_criteria()
 
 # %% [markdown]
-# The way of the arm in one case, from light to dark: strategies that end in the same minimum do not take the same way.
+# The configurations of the arm in one case, from light to dark. Strategies that end in the same minimum take different
+# paths to it.
 
 # %%
 on_arm.plot_postures(contenders=["hybrid", "hybrid+second_order", "transpose", "mink"])
@@ -75,9 +76,9 @@ on_arm.plot_postures(contenders=["hybrid", "hybrid+second_order", "transpose", "
 # %% [markdown]
 # ## A Panda
 #
-# A pose in space, joint limits, no criterion: arrive. Each strategy has one attempt from one start, so that what it can
-# do by itself is seen. A strategy may be a name, an object with options, or another library, `"peer:mink"`. One that
-# does not exist, or is not installed, does not stop the study: its rows say so.
+# The task is a pose in space with joint limits and without a criterion. Each strategy has one attempt from one start,
+# without restarts. A strategy may be a name, an object with options, or another library, such as `"peer:mink"`. An
+# unknown strategy, or one that is not installed, does not stop the study; its rows give the reason.
 
 # %%
 panda = jtik.Robot.builtin("panda")
@@ -97,8 +98,8 @@ on_panda
 on_panda.table(by=("kind", "contender")).pivot(index="contender", columns="kind", values="success [%]")
 
 # %% [markdown]
-# Why the others failed. All rows, one a strategy and case, are a pandas frame; `to_csv`, `to_markdown`, `to_html` and
-# `save` write them.
+# The reasons for failures. All rows, one for each strategy and case, are available as a pandas frame. `to_csv`,
+# `to_markdown`, `to_html` and `save` write them to files.
 
 # %%
 frame = on_panda.frame()
@@ -107,8 +108,8 @@ frame[~frame["success"]].groupby(["contender", "status"]).size()
 # %% [markdown]
 # ## With restarts
 #
-# In use, a failed attempt costs a restart and not the answer. The same problems again, with up to 50 other starts
-# within the limits:
+# In practice, a failed attempt is followed by a restart. Here are the same problems with up to 50 restarts within the
+# limits:
 
 # %%
 restarted = jtik.compare(
@@ -122,9 +123,8 @@ restarted = jtik.compare(
 restarted
 
 # %% [markdown]
-# What to take away: the profile starts with who is fast and ends with who arrives. With one attempt these were not the
-# same strategies. With restarts nearly everything is solved, and what counts is how soon an attempt arrives or is given
-# up.
+# Without restarts, the fastest strategies and those that solve most cases are different ones. With restarts nearly all
+# cases are solved. The time then depends on how soon an attempt succeeds or is abandoned.
 
 # %%
 restarted.plot_profile()

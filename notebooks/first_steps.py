@@ -9,10 +9,10 @@
 # %% [markdown]
 # # First steps
 #
-# A robot, a task, a criterion, and what a solve tells you.
+# A robot, a task, a criterion, and the result of a solve.
 #
-# Five hinges move the tip of a planar arm, and a position is two numbers. Three degrees of freedom are left over, and
-# the question this library is about is what to do with them.
+# Five revolute joints move the tip of a planar arm, and a position task has two rows. Three degrees of freedom are
+# redundant. This library resolves that redundancy: it uses them to minimise criteria.
 
 # %%
 import matplotlib.pyplot as plt
@@ -25,8 +25,8 @@ from jtik_formulations import JointCentering, ObstacleAvoidance
 # %% [markdown]
 # ## Robot and task
 #
-# A robot is a tree of joints with limits; it cannot change. `Robot.builtin("panda")`, `Robot.from_urdf(...)` and
-# `Robot.from_mjcf(...)` give real ones. A planar arm lies stretched along x at q = 0.
+# A robot is an immutable tree of joints with limits. `Robot.builtin("panda")`, `Robot.from_urdf(...)` and
+# `Robot.from_mjcf(...)` load real robots. A planar arm is stretched along x at q = 0.
 
 # %%
 arm = jtik.Robot.planar([1.0, 1.0, 0.8, 0.6, 0.4], lower=-2.5, upper=2.5)  # lengths [m], limits [rad]
@@ -36,7 +36,7 @@ arm
 # %% [markdown]
 # ## Solve
 #
-# Building a solver compiles one step of the strategy, here `"hybrid"`, the default. After that, targets are numbers.
+# Building a solver compiles one step of the strategy, here the default `"hybrid"`. Targets are inputs of that step.
 
 # %%
 target, start = [1.6, 1.4], [1.2, 0.8, -0.4, -0.6, 0.5]  # [m], [rad]
@@ -45,8 +45,8 @@ plain = ik.solve(target, q0=start)
 plain
 
 # %% [markdown]
-# The first line is the status, and it is a sentence. `solve` never raises because a target is hard: it says what
-# happened. This target is farther away than the arm is long, 3.8 m:
+# The first line is the status as a sentence. `solve` does not raise if a target cannot be reached; the status says why
+# it stopped. This target is beyond the arm's length of 3.8 m:
 
 # %%
 ik.solve([5.0, 0.0], q0=start)
@@ -54,8 +54,8 @@ ik.solve([5.0, 0.0], q0=start)
 # %% [markdown]
 # ## A criterion
 #
-# A criterion is a function H(q) that the freedom left over is to minimise. Criteria add and scale. Here springs pull
-# every joint to zero, and a disc repels the joints and the tip.
+# A criterion is a function H(q) that is minimised in the null space of the task. Criteria can be added and scaled. Here
+# joint centering attracts every joint to zero, and obstacle avoidance repels the joints and the tip from a disc.
 
 # %%
 disc = jtik.Circle(center=(0.75, 1.0), radius=0.25)  # [m]
@@ -65,9 +65,9 @@ solution = ik.solve(target, q0=start, trace=True)
 solution
 
 # %% [markdown]
-# *Converged* now means two things: the tip is on target, and H cannot fall further without leaving it. The null-space
-# residual is the part of the gradient of H that the self-motions of the arm could still follow, the norm of
-# (I − J⁺J)∇H. Where it is zero H is stationary; second derivatives tell whether it is a minimum there:
+# *Converged* now means that the tip is on target and H is stationary on it. The null-space residual is the norm of (I −
+# J⁺J)∇H, the projection of the gradient of H onto the null space. If it is zero, H is stationary. Second derivatives
+# show whether it is a minimum:
 
 # %%
 print("second order:       ", solution.second_order)
@@ -76,26 +76,26 @@ print("null-space residual:", f"{solution.null_space_residual:.1e}")
 print("without criterion H would be", round(ik.solve(target, q0=plain.q, max_iterations=0).cost, 4))
 
 # %% [markdown]
-# The last line used `max_iterations=0`, which evaluates a configuration and does not move.
+# The last line uses `max_iterations=0`, which only evaluates a configuration.
 #
 # ## Live parameters
 #
-# Weights, gains, preferred angles, obstacles: they are all inputs of the compiled step. Changing one compiles nothing.
+# Weights, gains, preferred angles and obstacles are inputs of the compiled step. A change needs no compilation.
 
 # %%
 print(ik.parameters)
 
 # %%
 ik.parameters["obstacle_avoidance.weight"] = 3.0
-wary = ik.solve(target, q0=start)
+weighted = ik.solve(target, q0=start)
 ik.parameters["obstacle_avoidance.weight"] = 0.5
-print(wary)
+print(weighted)
 
 # %% [markdown]
 # ## A real robot
 #
-# A real robot changes only the first lines; limits come with it, and `restarts` tries other starts where the first one
-# does not lead to the target.
+# Only the first lines change for a real robot, which includes its joint limits. `restarts` tries other starts if the
+# first one does not lead to the target.
 
 # %%
 panda = jtik.Robot.builtin("panda")
@@ -106,18 +106,18 @@ panda_ik.solve(goal, q0=panda.keyframes["home"], restarts=20)
 # %% [markdown]
 # ## The trace
 #
-# With `trace=True` a Solution keeps every iteration: q, the error, and figures such as V = ½ eᵀKp e, H, the step
-# lengths and the smallest singular value of J. (The first trace takes longer: it compiles a step that records.)
+# With `trace=True` a Solution stores every iteration: q, the error, and figures such as V = ½ eᵀKp e, H, the step
+# lengths and the smallest singular value of J. (The first trace takes longer, because it compiles a step that records.)
 
 # %%
 trace = solution.trace
 print(len(trace), "iterations;", ", ".join(trace.figures))
 
 # %% [markdown]
-# The picture to take away. On the left, two postures with the tip in the same place: the arm that was only told where
-# the tip belongs runs through the disc, the other one goes round it. On the right, how the second one got there: the
-# first steps bring the tip near, and H rises, since the comfortable start did not reach that far; then H falls along
-# the self-motions until nothing is left of its gradient there. The solve ends when both lines are below the tolerance.
+# The left figure shows two configurations with the same tip position: without a criterion the arm passes through the
+# disc, with the criterion it avoids it. The right figure shows the iterations of the second solve. The first steps move
+# the tip close to the target, and H rises. Then H decreases along the self-motion until its projected gradient
+# vanishes. The solve ends when both lines are below the tolerance.
 
 # %%
 figure = plt.figure(figsize=(11, 5), layout="constrained")

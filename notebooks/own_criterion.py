@@ -9,11 +9,11 @@
 # %% [markdown]
 # # Plug in your own criterion
 #
-# A criterion is a function of q made of operations that CasADi can trace. Its derivatives follow by themselves, its
-# keyword arguments are parameters that can change while a program runs, and it works with every strategy.
+# A criterion is a function of q that CasADi can trace. Its derivatives are computed automatically, its keyword
+# arguments are live parameters, and it works with every strategy.
 #
-# The example: a Panda holds a tool at a fixed pose, six numbers. Seven joints leave one degree of freedom, on which
-# the elbow swings. We want to say how high the elbow is to be.
+# In this example a Panda holds a tool at a fixed pose, a task with six rows. Seven joints leave one redundant degree of
+# freedom, along which the elbow moves. The criterion sets the height of the elbow.
 
 # %%
 import casadi
@@ -32,8 +32,8 @@ pose = panda.pose(start)  # the tool stays here
 # %% [markdown]
 # ## Write it
 #
-# `q` is the configuration as an expression, `robot` gives positions, poses and Jacobians of any frame at it, and what
-# comes after the asterisk is a live parameter with its first value.
+# `q` is the configuration as an expression. `robot` gives positions, poses and Jacobians of any frame. An argument
+# after the asterisk is a live parameter with its initial value.
 
 
 # %%
@@ -46,16 +46,16 @@ def elbow_height(q, robot, *, height=0.6):
 # %% [markdown]
 # ## Check it
 #
-# `check_criterion` is the contract that jtik's own criteria pass: one scalar, finite everywhere, with a gradient that
-# agrees with differences; every parameter is really read; a solve with it ends. It is made for your tests. It returns
-# nothing when all is well.
+# `check_criterion` checks the contract of a criterion: it is one scalar, finite everywhere, its gradient agrees with
+# finite differences, every parameter has an effect, and a solve with it ends. Use it in your tests. It returns None if
+# all checks pass.
 
 # %%
 check_criterion(elbow_height, panda)
 
 # %% [markdown]
-# What cannot be traced is refused when the solver is built, with the line it is about. A Python `if` on an expression
-# is the usual mistake; `casadi.if_else`, `casadi.fmax` and NumPy's functions are the way to write it.
+# A function that cannot be traced is refused when the solver is built, with the line number. A Python `if` on an
+# expression is the usual mistake. Use `casadi.if_else`, `casadi.fmax` and NumPy's functions instead.
 
 
 # %%
@@ -83,7 +83,7 @@ check_criterion(only_above, panda)
 # %% [markdown]
 # ## Use it
 #
-# Like any other. A small weight on joint centering settles what the elbow leaves open.
+# It is used like any other criterion. A small weight on joint centering makes the minimum unique.
 
 # %%
 ik = jtik.InverseKinematics(panda, tool, criteria=elbow_height + 1e-5 * JointCentering())
@@ -94,28 +94,28 @@ print(f"elbow at {panda.position(solution.q, 'panda_link4')[2]:.3f} m")
 # %% [markdown]
 # ## Change it while it runs
 #
-# The parameters are inputs of the compiled step. A sweep over forty heights compiles nothing, and every solve starts
-# where the last one ended.
+# The parameters are inputs of the compiled step. A sweep over forty heights needs no compilation. Every solve starts
+# from the previous solution.
 
 # %%
 print(ik.parameters)
 
 # %%
-asked = np.linspace(0.1, 0.75, 40)  # [m]
+requested = np.linspace(0.1, 0.75, 40)  # [m]
 postures = []
-for height in asked:
+for height in requested:
     ik.parameters["elbow_height.height"] = height
     solution = ik.solve(pose, q0=solution.q if postures else start)
     postures.append(solution.q)
     assert solution.converged, solution
     assert not solution.active_limits, solution
-got = np.array([panda.position(q, "panda_link4")[2] for q in postures])
+reached = np.array([panda.position(q, "panda_link4")[2] for q in postures])
 
 # %% [markdown]
 # ## Any strategy
 #
-# A criterion knows nothing of strategies. Newton's step on the criterion (`+second_order`) takes the second derivatives
-# from CasADi, too.
+# A criterion is independent of the strategy. The Newton step on the criterion (`+second_order`) also takes its second
+# derivatives from CasADi.
 
 # %%
 ik.parameters["elbow_height.height"] = 0.5
@@ -126,16 +126,16 @@ for strategy in ("hybrid", "newton", "hybrid+qp", "hybrid+second_order", "mink")
     print(f"{strategy:20} {found.status.name:10} {found.iterations:3} iterations, elbow at {elbow:.6f} m")
 
 # %% [markdown]
-# ## What it does to the posture
+# ## Its effect on the posture
 #
-# Left: the tool stays, the elbow goes where it is asked to. Right: as far as it can. Between 0.36 m and 0.64 m the
-# self-motion passes through every height, and H falls to zero. Below and above, the flat ends are the lowest and the
-# highest point that the elbow has with the tool in this place: H cannot be zero there, and the solver ends where it is
-# least. No joint is at a limit.
+# Left: the tool keeps its pose while the elbow moves to the requested heights. Right: requested and reached heights.
+# Between 0.36 m and 0.64 m the self-motion passes through every height, and H falls to zero. The flat ends are the
+# lowest and the highest elbow position for this pose of the tool. H is not zero there, and the solver ends at its
+# minimum. No joint is at a limit.
 
 # %%
 figure, (front, axes) = plt.subplots(1, 2, figsize=(11, 5), layout="constrained", width_ratios=[1, 1.3])
-colors = plt.colormaps["viridis"](np.linspace(0, 0.9, len(asked)))
+colors = plt.colormaps["viridis"](np.linspace(0, 0.9, len(requested)))
 frames = [panda.base, *panda.moving_frames]
 for q, color in list(zip(postures, colors, strict=True))[::4]:
     y, z = np.array([panda.position(q, frame)[1:] for frame in frames]).T
@@ -144,8 +144,8 @@ for q, color in list(zip(postures, colors, strict=True))[::4]:
 front.plot(*pose[1:3, 3], "kx", markersize=10, markeredgewidth=2)
 front.set(xlabel="y [m]", ylabel="z [m]", aspect="equal", title="front view: dots are elbows, the cross is the tool")
 
-axes.plot(asked, asked, ":", color="gray", label="asked for")
-axes.scatter(asked, got, c=colors, zorder=3, label="reached")
-axes.set(xlabel="height asked for [m]", ylabel="height of the elbow [m]")
+axes.plot(requested, requested, ":", color="gray", label="requested")
+axes.scatter(requested, reached, c=colors, zorder=3, label="reached")
+axes.set(xlabel="requested height [m]", ylabel="elbow height [m]")
 axes.legend(frameon=False)
 axes.grid(alpha=0.3)

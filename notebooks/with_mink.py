@@ -9,9 +9,9 @@
 # %% [markdown]
 # # Use it with mink
 #
-# mink solves differential inverse kinematics on MuJoCo models, with tasks and limits in one quadratic program a step.
-# The two fit together both ways: a criterion of jtik's as a task of mink's, tasks and limits of mink's in a solver of
-# jtik's, and mink itself as a strategy, on the very same problem.
+# mink solves differential inverse kinematics on MuJoCo models, with tasks and limits in one quadratic program for each
+# step. Both directions work: a criterion of jtik as a task of mink, tasks and limits of mink in a solver of jtik, and
+# the step of mink as a strategy, on the same problem.
 
 # %%
 import matplotlib.pyplot as plt
@@ -29,8 +29,8 @@ start = panda.keyframes["home"] + [0.5, 0.1, -0.3, 0.3, 0.3, 0.1, 0.0]  # [rad]
 # %% [markdown]
 # ## One robot, two libraries
 #
-# `to_mujoco` makes a MuJoCo model of any robot of jtik's: every frame a body of its name, every joint a joint of its
-# name. The other way round, `Robot.from_mujoco(model)` reads a model you have. Obstacles may come along.
+# `to_mujoco` creates a MuJoCo model of any robot of jtik, with a body for every frame and a joint for every joint, of
+# the same names. It can include obstacles. `Robot.from_mujoco(model)` reads an existing model.
 
 # %%
 ball = jtik.Sphere(center=(0.34, 0.21, 0.47), radius=0.08)  # [m]
@@ -38,10 +38,10 @@ model = to_mujoco(panda, obstacles=[ball])
 mink.Configuration(model, start).get_transform_frame_to_world("panda_hand_tcp", "body").as_matrix() - panda.pose(start)
 
 # %% [markdown]
-# ## A criterion of jtik's in mink
+# ## A criterion of jtik in mink
 #
-# The tool keeps its pose, as a constraint, and H is lowered by what is left. `mink.solve_ik` returns a displacement
-# when `dt` is 1. Pass its arguments by keyword.
+# The pose of the tool is a constraint, and H is minimised in its null space. `mink.solve_ik` returns a displacement if
+# `dt` is 1. Pass its arguments by keyword.
 
 # %%
 pose = panda.pose(start)
@@ -60,7 +60,7 @@ for _ in range(25):
     H_mink.append(centre.value(configuration))
 
 # %% [markdown]
-# jtik on the same problem ends in the same posture, and says that this is a minimum:
+# jtik finds the same posture on the same problem, and confirms that it is a minimum:
 
 # %%
 tool = jtik.FrameTask("panda_hand_tcp", kind="pose")
@@ -72,20 +72,20 @@ print(f"second order: {solution.second_order}; mink ends {np.abs(configuration.q
 # %% [markdown]
 # ## mink as a strategy
 #
-# `strategy="mink"` takes mink's own step on the same task, criterion and limits, with jtik's statuses and traces round
-# it. A step goes through Python and mink, and takes accordingly longer.
+# `strategy="mink"` uses the step of mink with the same task, criterion and limits, and with the statuses and traces of
+# jtik. A step runs in Python and in mink, so it takes longer.
 
 # %%
-theirs = jtik.InverseKinematics(panda, tool, criteria=JointCentering(), strategy="mink")
-theirs_solution = theirs.solve(pose, q0=start, trace=True)
-theirs_solution
+mink_ik = jtik.InverseKinematics(panda, tool, criteria=JointCentering(), strategy="mink")
+mink_solution = mink_ik.solve(pose, q0=start, trace=True)
+mink_solution
 
 # %% [markdown]
-# ## A task of mink's in jtik
+# ## A task of mink in jtik
 #
-# Any task of mink's can stand below those of jtik in `Mink(tasks=[...])`. A solve does not wait for it, it acts in
-# every step that is taken: that fits a path. The tool moves 0.3 m along y and back, and mink's task wants the elbow in
-# one place meanwhile.
+# `Mink(tasks=[...])` adds tasks of mink with lower priority than those of jtik. A solve does not wait for their
+# convergence, but they act in every step, which suits a path. The tool moves 0.3 m along y and back, and the task of
+# mink keeps the elbow close to one position.
 
 # %%
 there = np.linspace(0.0, -0.3, 60)
@@ -102,19 +102,19 @@ for name, strategy in {"mink": Mink(), "mink with a task for the elbow": Mink(ta
     motion = jtik.InverseKinematics(panda, tool, strategy=strategy).track(path, q0=start, dt=0.05)
     elbows[name] = np.array([panda.position(q, "panda_link4") for q in motion.q])
     away = np.linalg.norm(elbows[name] - [0.0, -0.2, 0.6], axis=1)
-    print(f"{name}: {motion}; elbow {away.mean():.3f} m from its place on average")
+    print(f"{name}: {motion}; elbow {away.mean():.3f} m from its target on average")
 
 # %% [markdown]
-# ## A limit of mink's in jtik
+# ## A limit of mink in jtik
 #
-# A limit of mink's is G dq ≤ h. `limit_rows` gives these rows for a robot of jtik's, and a strategy puts them into its
-# program. Here is such a strategy in full: it goes to the target by damped least squares, within the joint limits and
-# the rows. jtik does the rest, such as stopping and saying why.
+# A limit of mink has the form G dq ≤ h. `limit_rows` gives these rows for a robot of jtik, and a strategy adds them to
+# its quadratic program. The strategy below moves to the target by damped least squares, within the joint limits and the
+# rows. jtik provides everything else, such as stopping and the status.
 
 
 # %%
-class Kept(jtik.Strategy):
-    """min 1/2 |J dq + r|^2 + 1/2 mu |dq|^2 under a limit of mink's."""
+class LimitedLeastSquares(jtik.Strategy):
+    """min 1/2 |J dq + r|^2 + 1/2 mu |dq|^2, subject to a limit of mink."""
 
     def __init__(self, limit=None, mu=0.05):
         self._limit, self._mu = limit, mu
@@ -123,20 +123,18 @@ class Kept(jtik.Strategy):
         return True
 
     def update(self, model, state):
-        J, r = model.full_J, model.here.residual
+        J, r = model.J, model.here.residual
         low, high = model.box
         rows = [] if self._limit is None else [self._limit.rows(model)]
         P = J.T @ J + self._mu * np.eye(model.robot.n)
         dq = model.solve(jtik.qp.QuadraticProgram(P=P, q=J.T @ r, lower=low, upper=high, rows=rows)).x
-        return jtik.strategy.Update(
-            point=model.moved(-dq), accepted=1, state={}, term=-dq, wanted=-dq, null_term=0 * dq
-        )
+        return jtik.strategy.Update(dq)
 
 
 # %% [markdown]
-# The hand has to get from one side of the ball to the other. What mink bounds is the approach of every pair of geoms:
-# with a gain of 0.5 a step may take half of the way to the least distance. The rows are linear in dq, which holds for
-# short steps only: mu keeps them short.
+# The hand must move from one side of the ball to the other. The limit of mink bounds the approach of every pair of
+# geoms: with a gain of 0.5, a step may use half of the distance to the minimum distance. The rows are linear in dq,
+# which is accurate for short steps only. The damping mu keeps the steps short.
 
 # %%
 geoms = [name for name in (model.geom(i).name for i in range(model.ngeom)) if name.startswith("panda_")]
@@ -154,44 +152,46 @@ data = mujoco.MjData(model)
 
 
 def clearance(q):
-    """Distance of the ball from the nearest of these geoms [m], negative inside."""
+    """Smallest distance of these geoms from the ball [m], negative for a collision."""
     data.qpos[:] = q
     mujoco.mj_forward(model, data)
     ball_id = model.geom("obstacle0").id
     return min(mujoco.mj_geomDistance(model, data, model.geom(name).id, ball_id, 2.0, None) for name in moving)
 
 
-from_here, to_there = (panda.keyframes["home"] + [side, 0.45, 0, 0.2, 0, 0, 0] for side in (0.0, 1.1))
-goal = panda.pose(to_there)
-ways = {}
-for name, strategy in {"without the limit": Kept(), "with mink's limit": Kept(rows)}.items():
+first, last = (panda.keyframes["home"] + [side, 0.45, 0, 0.2, 0, 0, 0] for side in (0.0, 1.1))
+goal = panda.pose(last)
+clearances = {}
+for name, strategy in {
+    "without the limit": LimitedLeastSquares(),
+    "with mink's limit": LimitedLeastSquares(rows),
+}.items():
     solver = jtik.InverseKinematics(panda, tool, strategy=strategy)
-    found = solver.solve(goal, q0=from_here, max_iterations=300, trace=True)
-    ways[name] = np.array([clearance(q) for q in found.trace.q])
-    print(f"{name:18} {found.status.value}; {found.iterations} iterations, least {ways[name].min():.3f} m")
-assert ways["without the limit"].min() < 0 < ways["with mink's limit"].min()
+    found = solver.solve(goal, q0=first, max_iterations=300, trace=True)
+    clearances[name] = np.array([clearance(q) for q in found.trace.q])
+    print(f"{name:18} {found.status.value}; {found.iterations} iterations, minimum {clearances[name].min():.3f} m")
+assert clearances["without the limit"].min() < 0 < clearances["with mink's limit"].min()
 
 # %% [markdown]
-# What the three have done. Left: one criterion in two libraries ends in one minimum. Middle: the same tool path, with
-# the elbow left to itself and drawn to its place by a task of mink's. Right: the same target, with and without a limit
-# of mink's.
+# Left: the same criterion in both libraries leads to the same minimum. Middle: the same tool path without and with a
+# task of mink for the elbow. Right: the same target without and with a limit of mink.
 
 # %%
 figure, (left, middle, right) = plt.subplots(1, 3, figsize=(14, 4.2), layout="constrained")
-left.plot(H_mink, "o-", color="#d55e00", markersize=5, label="mink, with jtik's criterion as a task")
-left.plot([*theirs_solution.trace.H, theirs_solution.cost], "s--", color="#009e73", label='jtik, strategy="mink"')
+left.plot(H_mink, "o-", color="#d55e00", markersize=5, label="mink, criterion of jtik as a task")
+left.plot([*mink_solution.trace.H, mink_solution.cost], "s--", color="#009e73", label='jtik, strategy="mink"')
 left.plot([*solution.trace.H, solution.cost], "^-", color="#0072b2", markersize=5, label='jtik, strategy="hybrid"')
 left.set(xlabel="iteration", ylabel="criterion H [rad²]")
 time = motion.times
-for (name, way), color, dashes in zip(elbows.items(), ("#d55e00", "#0072b2"), ("--", "-"), strict=True):
-    middle.plot(time, np.linalg.norm(way - [0.0, -0.2, 0.6], axis=1), dashes, color=color, label=name)
-middle.set(xlabel="time [s]", ylabel="elbow from its place [m]", ylim=(0, None))
-for (name, way), color, dashes in zip(ways.items(), ("#d55e00", "#0072b2"), ("--", "-"), strict=True):
-    right.plot(way, dashes, color=color, label=name)
+for (name, values), color, dashes in zip(elbows.items(), ("#d55e00", "#0072b2"), ("--", "-"), strict=True):
+    middle.plot(time, np.linalg.norm(values - [0.0, -0.2, 0.6], axis=1), dashes, color=color, label=name)
+middle.set(xlabel="time [s]", ylabel="elbow distance from its target [m]", ylim=(0, None))
+for (name, values), color, dashes in zip(clearances.items(), ("#d55e00", "#0072b2"), ("--", "-"), strict=True):
+    right.plot(values, dashes, color=color, label=name)
 right.set_ylim(-0.07, None)
 right.axhspan(-0.07, 0.0, color="gray", alpha=0.25, linewidth=0, label="inside the ball")
-right.axhline(0.02, color="gray", linestyle=":", label="least distance asked of mink")
-right.set(xlabel="iteration", ylabel="hand and forearm from the ball [m]")
+right.axhline(0.02, color="gray", linestyle=":", label="minimum distance of mink")
+right.set(xlabel="iteration", ylabel="clearance of hand and forearm [m]")
 for axes in (left, middle, right):
     axes.legend(frameon=False)
     axes.grid(alpha=0.3)

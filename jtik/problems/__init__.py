@@ -1,14 +1,18 @@
-"""Problems to compare strategies on: generators of seeded sets, and a collection with known answers.
+"""Inverse kinematics problems for comparing strategies: seeded generators, and a collection with known solutions.
 
-A generator draws a `ProblemSet` for any robot and task; `named` gives problems from papers and examples, whose answers
-are known. The same arguments draw the same set; where a solver decides whether a target can be reached (`boundary`,
-`near_singular`, paths), another version of the solver may decide otherwise, which is why a set can be saved as data.
+A generator draws a `ProblemSet` for any robot and task. `named` returns problems from papers and examples whose
+solutions are known. The same arguments give the same set. `boundary`, `near_singular` and the path generators use a
+solver to decide whether a target can be reached. Another version of the solver may decide differently, so a set can be
+saved as data.
 """
+
+import warnings
+from typing import Any
 
 from jtik.problems.boundary import boundary
 from jtik.problems.case import Case, ProblemSet
 from jtik.problems.circle import circle
-from jtik.problems.collection import Named, named, names
+from jtik.problems.collection import NamedProblem, named, names
 from jtik.problems.five_families import five_families
 from jtik.problems.line import line
 from jtik.problems.lissajous import lissajous
@@ -21,7 +25,7 @@ from jtik.problems.unreachable import unreachable
 
 __all__ = [
     "Case",
-    "Named",
+    "NamedProblem",
     "ProblemSet",
     "boundary",
     "circle",
@@ -38,3 +42,10 @@ __all__ = [
     "scene",
     "unreachable",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "Named":
+        warnings.warn("jtik.problems.Named is now jtik.problems.NamedProblem", DeprecationWarning, stacklevel=2)
+        return NamedProblem
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

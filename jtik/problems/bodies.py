@@ -1,4 +1,4 @@
-"""A robot's links as segments with a radius, in numbers: where they are and how far from a point."""
+"""A robot's links as segments with a radius: their positions and their distance to a point."""
 
 from __future__ import annotations
 
@@ -17,14 +17,20 @@ from jtik.types import Array
 
 @dataclass(frozen=True)
 class Links:
-    """Links at one configuration: ends (k, dimension) [m] and radii (k,) [m]."""
+    """The links at one configuration.
+
+    Attributes:
+        start: first ends of the segments, (k, dimension) [m].
+        end: second ends of the segments, (k, dimension) [m].
+        radius: radii, (k,) [m].
+    """
 
     start: Array
     end: Array
     radius: Array
 
     def distance(self, point: Array) -> float:
-        """From the nearest surface of a link to a point [m]."""
+        """Distance from a point to the nearest link surface [m]."""
         along = self.end - self.start
         squared = np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
         share = np.clip(((point - self.start) * along).sum(axis=1) / squared, 0, 1)
@@ -32,17 +38,21 @@ class Links:
         return float((np.linalg.norm(point - nearest, axis=1) - self.radius).min())
 
     def point(self, generator: np.random.Generator) -> Array:
-        """A point of a link: the link uniform, and the place along it, too."""
+        """A random point on the axis of a link: both the link and the position along it are uniform."""
         i, share = int(generator.integers(len(self.start))), generator.random()
         point: Array = self.start[i] + share * (self.end[i] - self.start[i])
         return point
 
 
 class Bodies:
-    """The links of a robot: the lines of its skeleton, or its own solids that move, enclosed in capsules.
+    """The links of a robot: the segments of its skeleton, or its moving solids enclosed in capsules.
+
+    Args:
+        robot: the robot.
+        shapes: whether to use the solids instead of the skeleton.
 
     Raises:
-        ArgumentError: when solids are asked for and none moves, or the skeleton has no line.
+        ArgumentError: if ``shapes`` is True and no solid moves, or if the skeleton has no segment.
     """
 
     def __init__(self, robot: Robot, *, shapes: bool) -> None:
@@ -53,8 +63,8 @@ class Bodies:
             self._ends = [(frame, frame, first, last) for frame, (first, last, _) in solids]
             self._radius = np.array([radius for _, (_, _, radius) in solids])
         else:
-            here = np.zeros(3)
-            self._ends = [(inner, outer, here, here) for inner, outer in robot.segments]
+            origin = np.zeros(3)
+            self._ends = [(inner, outer, origin, origin) for inner, outer in robot.segments]
             self._radius = np.zeros(len(self._ends))
         if not self._ends:
             accepted = "False: the robot has no solids that move" if shapes else "a robot with links"
@@ -67,7 +77,7 @@ class Bodies:
 
     @cached_property
     def _measured(self) -> CompiledFunction:
-        """q -> first and last ends (dimension, k) [m]."""
+        """q -> first and second ends (dimension, k) [m]."""
         robot, q = self._robot, symbol("q", self._robot.nq)
         kinematics = robot.at(q)
         start = [kinematics.point(inner, first)[: robot.dimension] for inner, _, first, _ in self._ends]

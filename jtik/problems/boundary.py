@@ -1,4 +1,4 @@
-"""Targets at the edge of the workspace, where the Jacobian loses its rank."""
+"""Generator of targets at the boundary of the workspace, where the Jacobian loses rank."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ from numpy.typing import ArrayLike
 
 from jtik.errors import ArgumentError, finite_array
 from jtik.problems.case import Case, ProblemSet
-from jtik.problems.mover import Mover
-from jtik.problems.start import Starts
-from jtik.problems.subject import STEPS, Subject, drawn
+from jtik.problems.position_task import PositionTask
+from jtik.problems.problem_setup import MAX_ITERATIONS, ProblemSetup, draw_set
+from jtik.problems.start_sampler import StartSampler
 from jtik.problems.unreachable import bounded
 from jtik.robot import Robot
 from jtik.task import Task
 from jtik.types import Array
 
 RESOLUTION = 1e-5
-"""How exactly the edge is found, as a share of the summed lengths of the links."""
+"""Accuracy of the boundary distance, relative to the total link length."""
 
 COARSE = 1e-2
-"""Share above which a target that was not reached is tried from other starts, too."""
+"""Interval width, relative to the total link length, above which failed attempts are restarted."""
 
 RESTARTS = 10
-"""Those other starts."""
+"""Number of restarts."""
 
-QUICK = 100
-"""Most iterations of an attempt that others can replace."""
+RESTARTED_ITERATIONS = 100
+"""Maximum iterations of an attempt when restarts follow it."""
 
 ATTEMPTS = 50
-"""Goals tried for one case."""
+"""Maximum number of goals drawn for one case."""
 
 
 def boundary(
@@ -45,86 +45,91 @@ def boundary(
     joints: str | Iterable[str] | None = None,
     at: ArrayLike | None = None,
 ) -> ProblemSet:
-    """Problems at the edge of the workspace: reachable, but only just, and only by a nearly singular posture.
+    """Draw problems at the boundary of the workspace, which only nearly singular postures reach.
 
-    Drawn for each case: a start and a goal as in `reachable`. A ray goes from the arm's first joint through the goal's
-    position, that of the first `FrameTask` that has one; other coordinates, orientations and tasks stay as the goal
-    has them. Where the ray leaves what can be reached is found by solving: bisection between the goal and the summed
-    lengths of the links, each try from the last arrival and, while the interval is wide, from ten other starts. The
-    target is at ``share`` of that distance, and was reached. ``known["reach"]`` is the distance of the edge from the
-    first joint [m], exact for a planar chain of hinges without limits and otherwise found to about 1e-5 of the summed
-    lengths. It is the edge for that search: about one ray in twenty of a Panda's poses goes on beyond it.
+    For each case, a start and a goal are drawn as in `reachable`. A ray starts at the arm's first joint and passes
+    through the goal position of the first `FrameTask` that has a position. All other coordinates, orientations and
+    tasks keep their values at the goal. Bisection along the ray finds the boundary, between the goal and the total
+    link length. Each bisection step starts from the last posture found; while the interval is wide it also tries ten
+    other starts. The target lies at ``share`` of the boundary distance and has been reached by the solver.
+
+    ``known["reach"]`` is the distance of the boundary from the first joint [m]. It is exact for a planar chain of
+    revolute joints without limits, and otherwise accurate to about 1e-5 of the total link length. It is the boundary
+    that the search finds: for poses of a Panda, about one ray in twenty continues beyond it.
 
     Args:
-        robot, task, joints, at: as `InverseKinematics` takes them; starts are of its reduced robot.
-        count: how many cases.
-        seed: of the random numbers; case i is the same for every count.
-        share: how far out on the way to the edge, in (0, 1).
-        q0: start of every case (nq,); drawn when None.
+        robot: the robot.
+        task: a Task, or several.
+        count: number of cases.
+        seed: seed of the random numbers; case i is the same for every count.
+        share: distance of the target as a share of the boundary distance, in (0, 1).
+        q0: start of every case, (nq,) of the reduced robot; drawn when None.
+        joints: joints that move, as in `InverseKinematics`.
+        at: configuration at which the other joints are locked, as in `InverseKinematics`.
 
     Raises:
-        ArgumentError: for tasks none of which reads a position, a robot without bounds or without an edge that can be
-            found, or an argument that cannot be used.
+        ArgumentError: if no task has a position, the robot's reach is unbounded, no boundary is found, or an argument
+            is invalid.
     """
-    subject = Subject(robot, task, joints, at)
-    mover, starts = Mover.of(subject), Starts(subject, q0)
+    setup = ProblemSetup(robot, task, joints, at)
+    position_task, starts = PositionTask.of(setup), StartSampler(setup, q0)
     part = float(finite_array("share", share, ()))
     if not 0 < part < 1:
         raise ArgumentError("share", share, "a number between 0 and 1")
-    bounded(mover)
-    origin = f"{100 * part:g} % of the way from the first joint to the edge of the workspace, which was solved for"
+    bounded(position_task)
+    origin = f"{100 * part:g} % of the distance from the first joint to the boundary of the workspace, found by solving"
 
     def draw(name: str, generator: np.random.Generator) -> Case:
         start = starts.draw(generator)
         for _ in range(ATTEMPTS):
-            found = _edge(mover, subject.robot.random_configuration(generator), part)
+            found = _boundary_target(position_task, setup.robot.random_configuration(generator), part)
             if found is None:
                 continue
-            target, edge = found
+            target, reach = found
             return Case(
                 name=name,
                 kind="boundary",
                 q0=start,
                 targets=(target,),
                 reachable=True,
-                known={"error": 0.0, "reach": edge},
+                known={"error": 0.0, "reach": reach},
                 origin=origin,
             )
-        raise ArgumentError("robot", subject.robot, f"one with an edge that {ATTEMPTS} rays can find")
+        raise ArgumentError("robot", setup.robot, f"a robot whose workspace boundary is found with {ATTEMPTS} rays")
 
-    return drawn("boundary", count, seed, draw, origin)
+    return draw_set("boundary", count, seed, draw, origin)
 
 
-def _edge(mover: Mover, goal: Array, share: float) -> tuple[Any, float] | None:
-    """The target on the ray through the goal, and the distance of the edge [m]; None where the ray is of no use."""
-    subject, bound = mover.subject, mover.bound
-    away = mover.only(mover.position(goal) - mover.center)
+def _boundary_target(position_task: PositionTask, goal: Array, share: float) -> tuple[Any, float] | None:
+    """The target on the ray through the goal and the boundary distance [m]; None if the ray is unusable."""
+    setup, bound = position_task.setup, position_task.bound
+    away = position_task.only(position_task.position(goal) - position_task.center)
     begin = float(np.linalg.norm(away))
     if begin <= COARSE * bound:
         return None
-    direction, target = away / begin, subject.target_at(goal)
+    direction, target = away / begin, setup.target_at(goal)
 
     def at(distance: float) -> Any:
-        return mover.moved(target, (distance - begin) * direction)
+        return position_task.moved(target, (distance - begin) * direction)
 
-    low, q = (bound, goal) if mover.is_exact else _bisected(subject, at, begin, bound, goal)
-    arrived = subject.arrival(at(share * low), q, restarts=RESTARTS)
-    return None if arrived is None else (at(share * low), low)
+    low, q = (bound, goal) if position_task.is_exact else _bisected(setup, at, begin, bound, goal)
+    reached = setup.solve(at(share * low), q, restarts=RESTARTS)
+    return None if reached is None else (at(share * low), low)
 
 
 def _bisected(
-    subject: Subject, at: Callable[[float], Any], begin: float, bound: float, q: Array
+    setup: ProblemSetup, at: Callable[[float], Any], begin: float, bound: float, q: Array
 ) -> tuple[float, Array]:
-    """The edge between ``begin``, which q reaches, and ``bound`` [m], and where it was reached."""
+    """The boundary distance between ``begin``, which q reaches, and ``bound`` [m], and the last posture found."""
     low, high = begin, bound
     while high - low > RESOLUTION * bound:
         middle = (low + high) / 2
         wide = high - low > COARSE * bound
-        found = subject.arrival(
+        found = setup.solve(
             at(middle),
             q,
             restarts=RESTARTS if wide else 0,
-            steps=QUICK if wide else STEPS,
+            max_iterations=RESTARTED_ITERATIONS if wide else MAX_ITERATIONS,
             tolerance=0.1 * RESOLUTION * bound,
         )
         low, high, q = (low, middle, q) if found is None else (middle, high, found)

@@ -1,4 +1,4 @@
-"""One problem, and an ordered set of them: what a study solves, as plain data that can be saved with its result."""
+"""One problem (`Case`) and an ordered set of problems (`ProblemSet`), as plain data that can be saved."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from jtik._loop.options import positive
 from jtik.errors import ArgumentError, UnknownNameError, finite_array
-from jtik.problems.plain import frozen_array, frozen_target, plain_target
+from jtik.problems.plain_values import frozen_array, frozen_target, plain_target
 from jtik.robot import Robot
 from jtik.task import Task
 from jtik.task.reduction import reduced
@@ -20,26 +20,27 @@ from jtik.types import Array
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Case:
-    """One problem: from a start to one target, or along a path of targets.
+    """One inverse kinematics problem: a start and one target, or a start and a path of targets.
 
-    Everything is copied in; arrays are read-only. Cases are equal when all they hold is equal.
+    All values are copied. Arrays are read-only. Two cases are equal if all their values are equal.
 
     Attributes:
-        name: unique in its set, such as "reachable-007".
-        kind: what sort of problem it is: "reachable", "near_singular", "boundary", "unreachable", "near_limits",
-            "circle", "line", "lissajous", "path", "scene", or a word of your own.
-        q0: where to start, (nq,) [rad] and [m], of the robot that `InverseKinematics.robot` is: without locked joints.
-        targets: what the task reads as a target: one, or those of a path in order.
-        dt: time from one target of a path to the next [s].
-        closed: whether the path ends where it began, so that what the joints drift can be measured.
-        parameters: values of live parameters of criteria, by name, such as "obstacle_avoidance.centers".
-        reachable: whether the targets can be reached with the joint limits kept; None where nobody knows.
-        known: answers that are known, by name: "error" (least norm of the task error [m], or [rad] of an orientation),
-            "H" (least value of the criterion on the target), or what the origin of the case speaks of.
-        origin: where it comes from: how it was drawn, or a paper.
+        name: unique name in the set, such as "reachable-007".
+        kind: kind of problem: "reachable", "near_singular", "boundary", "unreachable", "near_limits", "circle", "line",
+            "lissajous", "path", "scene", or a name of your own.
+        q0: start configuration of the reduced robot (`InverseKinematics.robot`), (nq,) [rad] and [m].
+        targets: one target, or the targets of a path in order, in any form that the task accepts.
+        dt: time between consecutive targets of a path [s].
+        closed: whether the path ends at its first target, so that joint drift can be measured.
+        parameters: values of live parameters of criteria by name, such as "obstacle_avoidance.centers".
+        reachable: whether the targets can be reached within the joint limits; None if unknown.
+        known: known results by name: "error" (smallest norm of the task error [m], or [rad] for an orientation),
+            "H" (smallest value of the criterion on the target), or names that ``origin`` explains.
+        origin: how the case was drawn, or the paper it comes from.
 
     Raises:
-        ArgumentError: for numbers that are not finite, no target, a negative dt, or a closed path of one target.
+        ArgumentError: for non-finite numbers, no target, a non-positive dt, or a closed path of fewer than three
+            targets.
     """
 
     name: str
@@ -56,16 +57,16 @@ class Case:
     def __post_init__(self) -> None:
         for argument in ("name", "kind"):
             if not isinstance(getattr(self, argument), str) or not getattr(self, argument):
-                raise ArgumentError(argument, getattr(self, argument), "a word or two")
+                raise ArgumentError(argument, getattr(self, argument), "a non-empty string")
         q0 = finite_array("q0", self.q0, (None,))
         q0.flags.writeable = False
         if isinstance(self.targets, (str, Mapping)) or not isinstance(self.targets, Iterable):
-            raise ArgumentError("targets", self.targets, "a sequence of targets, even of one: targets=[target]")
+            raise ArgumentError("targets", self.targets, "a sequence of targets; for a single target: targets=[target]")
         targets = tuple(frozen_target(f"targets[{i}]", target) for i, target in enumerate(self.targets))
         if not targets:
-            raise ArgumentError("targets", "none", "one target, or those of a path")
+            raise ArgumentError("targets", "none", "at least one target")
         if self.closed and len(targets) < 3:
-            raise ArgumentError("closed", True, f"False for {len(targets)} targets: a closed path has three or more")
+            raise ArgumentError("closed", True, f"False for {len(targets)} targets: a closed path needs at least three")
         own = {
             "q0": q0,
             "targets": targets,
@@ -82,12 +83,12 @@ class Case:
 
     @property
     def target(self) -> Any:
-        """The first target, which is the only one unless this is a path."""
+        """The first target."""
         return self.targets[0]
 
     @property
     def is_path(self) -> bool:
-        """Whether there are several targets to follow."""
+        """Whether there is more than one target."""
         return len(self.targets) > 1
 
     def __eq__(self, other: object) -> bool:
@@ -101,7 +102,7 @@ class Case:
         return f"Case({self.name!r}, {self.kind!r}, {what})"
 
     def as_data(self) -> dict[str, Any]:
-        """All of it as strings, numbers, lists and dicts; JSON keeps every bit."""
+        """All values as strings, numbers, lists and dicts, which JSON stores without loss."""
         return {
             "name": self.name,
             "kind": self.kind,
@@ -117,25 +118,24 @@ class Case:
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Case:
-        """The case that `as_data` wrote. Raises ArgumentError for anything else."""
+        """The case that `as_data` described. Raises ArgumentError for other data."""
         return cls(**_entries("case", data, set(cls.__dataclass_fields__), {"name", "kind", "q0", "targets"}))
 
 
 @dataclass(frozen=True)
 class ProblemSet(Sequence[Case]):
-    """Cases in order, each with a name of its own.
+    """An ordered set of cases with unique names.
 
-    ``problems[3]`` and ``problems["reachable-003"]`` are cases, ``problems[:10]`` is a set again, and so is the sum of
-    two sets.
+    ``problems[3]`` and ``problems["reachable-003"]`` are cases. ``problems[:10]`` and the sum of two sets are sets.
 
     Attributes:
-        name: what to call it.
+        name: name of the set.
         cases: the cases.
-        seed: what the random numbers were drawn from, where there were any.
-        origin: how the cases came about.
+        seed: seed of the random numbers; None if none were used.
+        origin: how the cases were generated.
 
     Raises:
-        ArgumentError: when two cases have the same name, or something is not a case.
+        ArgumentError: if two cases have the same name, or an element is not a case.
     """
 
     name: str
@@ -150,7 +150,7 @@ class ProblemSet(Sequence[Case]):
             if not isinstance(case, Case):
                 raise ArgumentError(f"cases[{i}]", case, "a jtik.problems.Case")
             if case.name in seen:
-                raise ArgumentError(f"cases[{i}].name", case.name, "a name no other case has; see ProblemSet.renamed")
+                raise ArgumentError(f"cases[{i}].name", case.name, "a unique name; see ProblemSet.renamed")
             seen.add(case.name)
 
     def __len__(self) -> int:
@@ -186,18 +186,21 @@ class ProblemSet(Sequence[Case]):
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """The kinds of its cases, in the order they first appear."""
+        """The kinds of its cases, in order of first appearance."""
         return tuple(dict.fromkeys(case.kind for case in self.cases))
 
     def of(self, *kinds: str) -> ProblemSet:
-        """Its cases of those kinds. Raises UnknownNameError for a kind it has none of."""
+        """The cases of these kinds. Raises UnknownNameError for a kind that has no case."""
         for kind in kinds:
             if kind not in self.kinds:
                 raise UnknownNameError("kind of case", kind, self.kinds)
         return replace(self, cases=tuple(case for case in self.cases if case.kind in kinds))
 
     def renamed(self, name: str) -> ProblemSet:
-        """The same cases as ``name``-000, ``name``-001 ...: sets of one kind and several seeds can then be added."""
+        """The same cases with the names ``name``-000, ``name``-001 ...
+
+        Sets of one kind and several seeds can then be added.
+        """
         cases = tuple(replace(case, name=case_name(name, i)) for i, case in enumerate(self.cases))
         return replace(self, name=name, cases=cases)
 
@@ -210,15 +213,17 @@ class ProblemSet(Sequence[Case]):
         at: ArrayLike | None = None,
         parameters: Mapping[str, ArrayLike] | None = None,
     ) -> None:
-        """See that every case fits.
+        """Check that every case fits a robot, its tasks and its live parameters.
 
         Args:
-            robot, task, joints, at: as `InverseKinematics` takes them; a robot that is reduced already will do.
-            parameters: live parameters of the criteria, such as ``ik.parameters``, for cases that set any; None does
-                not look at them.
+            robot: the robot, or its reduced robot.
+            task: a Task, or several.
+            joints: joints that move, as in `InverseKinematics`.
+            at: configuration at which the other joints are locked, as in `InverseKinematics`.
+            parameters: live parameters of the criteria, such as ``ik.parameters``; None skips their check.
 
         Raises:
-            ArgumentError: naming the first case that does not fit, and in what: ``problems['circle-000'].q0``.
+            ArgumentError: naming the first value that does not fit, such as ``problems['circle-000'].q0``.
         """
         robot, tasks = reduced(robot, task, joints, at)
         for case in self.cases:
@@ -232,24 +237,24 @@ class ProblemSet(Sequence[Case]):
                     raise ArgumentError(_place(case, f"parameters[{name!r}]"), f"shape {value.shape}", accepted)
 
     def as_data(self) -> dict[str, Any]:
-        """All of it as strings, numbers, lists and dicts; JSON keeps every bit."""
+        """All values as strings, numbers, lists and dicts, which JSON stores without loss."""
         cases = [case.as_data() for case in self.cases]
         return {"name": self.name, "seed": self.seed, "origin": self.origin, "cases": cases}
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> ProblemSet:
-        """The set that `as_data` wrote. Raises ArgumentError for anything else."""
+        """The set that `as_data` described. Raises ArgumentError for other data."""
         entries = _entries("problems", data, {"name", "seed", "origin", "cases"}, {"name", "cases"})
         return cls(**{**entries, "cases": tuple(Case.from_data(case) for case in entries["cases"])})
 
 
 def case_name(name: str, index: int) -> str:
-    """The name of the case with that index in a set: "reachable-007"."""
+    """The name of the case at an index of a set, such as "reachable-007"."""
     return f"{name}-{index:03d}"
 
 
 def _joined(glue: str, *texts: str) -> str:
-    """The texts that say something, each once."""
+    """The non-empty texts without duplicates, joined."""
     return glue.join(dict.fromkeys(text for text in texts if text))
 
 
@@ -258,20 +263,22 @@ def _place(case: Case, inner: str) -> str:
 
 
 def _checked(case: Case, inner: str, check: Callable[[], object]) -> None:
-    """Run a check of one part of a case, and say in its error where that part is."""
+    """Run a check of one value of a case; its error names the case and the value."""
     try:
         check()
     except ArgumentError as error:
-        # of a dict of targets the error says which
+        # for a dict of targets, the error names the task
         deeper = error.argument.removeprefix("target") if error.argument.startswith("target[") else ""
         raise ArgumentError(_place(case, inner + deeper), error.given, error.accepted) from None
 
 
 def _entries(argument: str, data: Mapping[str, Any], known: set[str], needed: set[str]) -> dict[str, Any]:
-    """The entries of a mapping, all of them known and none of the needed ones missing."""
+    """The entries of a mapping, after a check that all are known and none is missing."""
     if not isinstance(data, Mapping) or not needed <= data.keys() <= known:
         given = sorted(data) if isinstance(data, Mapping) else type(data).__name__
-        raise ArgumentError(argument, given, f"a mapping with {sorted(needed)}, and maybe {sorted(known - needed)}")
+        raise ArgumentError(
+            argument, given, f"a mapping with {sorted(needed)}, and optionally {sorted(known - needed)}"
+        )
     return dict(data)
 
 

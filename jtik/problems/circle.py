@@ -1,4 +1,4 @@
-"""Circles to follow: closed paths, after which a law that is not cyclic finds its joints elsewhere."""
+"""Generator of circles: closed paths, after which the joints have drifted if the strategy is not cyclic."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik.problems.case import ProblemSet
-from jtik.problems.tour import Curve, angles, closed_up, toured
+from jtik.problems.path_problem import Curve, angles, closed_exactly, path_problems
 from jtik.robot import Robot
 from jtik.task import Task
 from jtik.types import Array
@@ -16,7 +16,7 @@ from jtik.types import Array
 
 def _shape(points: int, radius: float) -> Array:
     angle = angles(points)
-    return closed_up(radius * np.column_stack([np.cos(angle) - 1, np.sin(angle)]))
+    return closed_exactly(radius * np.column_stack([np.cos(angle) - 1, np.sin(angle)]))
 
 
 CURVE = Curve(
@@ -25,7 +25,7 @@ CURVE = Curve(
     shape=_shape,
     closed=True,
     sizes=(0.05, 0.15),
-    origin="a circle through the start's own position, evenly spaced, that was followed to its end",
+    origin="a circle through the start position, with even spacing, which a solver followed to its end",
 )
 
 
@@ -42,26 +42,41 @@ def circle(
     joints: str | Iterable[str] | None = None,
     at: ArrayLike | None = None,
 ) -> ProblemSet:
-    """Circles once round, with the first target where the start already is.
+    """Draw circles whose first target is met by the start.
 
-    Drawn for each case: a start as in `reachable`; a radius, uniform from 5 to 15 % of the robot's size (the summed
-    lengths of its links); a plane and the way to the centre, uniform over rotations. All is drawn again, each time
-    with a radius smaller by a tenth unless it is given, until a solver that starts each target from the last arrival
-    follows the whole circle. The position of the first `FrameTask` that has one goes round; orientations and other
-    tasks stay as the start has them. ``known["size"]`` is the radius [m].
+    For each case, the start is drawn as in `reachable`. The radius is uniform from 5 to 15 % of the robot's size (the
+    total length of its links). The plane and the direction to the centre are uniform over rotations. All of them are
+    drawn again until a solver, started at each target from the previous solution, follows the whole circle. Each new
+    draw reduces the radius by a tenth, unless it is given. The position of the first `FrameTask` that has a position
+    follows the circle. Orientations and other tasks keep their values at the start. ``known["size"]`` is the radius
+    [m].
 
     Args:
-        robot, task, joints, at: as `InverseKinematics` takes them; starts are of its reduced robot.
-        count: how many cases.
-        seed: of the random numbers; case i is the same for every count.
-        radius: of every circle [m]; drawn when None.
-        points: intervals of a circle; it has one target more, and the last is the first.
-        dt: time from target to target [s].
-        q0: start of every case (nq,); drawn when None.
+        robot: the robot.
+        task: a Task, or several.
+        count: number of cases.
+        seed: seed of the random numbers; case i is the same for every count.
+        radius: radius of every circle [m]; drawn when None.
+        points: number of intervals of a circle; it has one more target, and the last equals the first.
+        dt: time between consecutive targets [s].
+        q0: start of every case, (nq,) of the reduced robot; drawn when None.
+        joints: joints that move, as in `InverseKinematics`.
+        at: configuration at which the other joints are locked, as in `InverseKinematics`.
 
     Raises:
-        ArgumentError: for tasks none of which reads two coordinates of a position, circles that cannot be followed,
-            or an argument that cannot be used.
+        ArgumentError: if no task has two coordinates of a position, no circle can be followed, or an argument is
+            invalid.
     """
-    size = ("radius", radius)
-    return toured(robot, task, count, CURVE, seed=seed, size=size, points=points, dt=dt, q0=q0, joints=joints, at=at)
+    return path_problems(
+        robot,
+        task,
+        count,
+        CURVE,
+        seed=seed,
+        size=("radius", radius),
+        points=points,
+        dt=dt,
+        q0=q0,
+        joints=joints,
+        at=at,
+    )

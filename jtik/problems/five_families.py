@@ -1,7 +1,7 @@
-"""Five families of problems for an arm of ten unit links, and one out of its reach: the table of papers/das1988.
+"""Five families of problems for an arm of ten unit links, and one unreachable family: the table of papers/das1988.
 
-The families are those of the study behind `Das, Slotine and Sheridan 1988 <papers/das1988>`: ordinary, far and nearly
-straight starts, to targets inside, on the edge of and beyond the reach.
+The families are those of the study behind `Das, Slotine and Sheridan 1988 <papers/das1988>`: generic, far and nearly
+straight starts, with targets inside, at the boundary of and beyond the workspace.
 """
 
 from __future__ import annotations
@@ -15,38 +15,39 @@ from jtik.problems.case import Case, ProblemSet, case_name
 from jtik.types import Array
 
 LINKS = 10
-"""Links of the arm, of 1 m each."""
+"""Number of links of the arm, each 1 m long."""
 
 SEED = 1988
+"""Seed of the published problems."""
 
 Drawn = tuple[Array, Array]
 """Start (10,) [rad] and target (2,) [m]."""
 
 
 def tip(q: Array) -> Array:
-    """The tip of an arm of unit links at q [m], in closed form."""
+    """Tip position of an arm of unit links at q [m], in closed form."""
     angle = np.cumsum(q)
     return np.array([np.cos(angle).sum(), np.sin(angle).sum()])
 
 
 def _around(radius: float, generator: np.random.Generator) -> Array:
-    """A point at that distance from the base, in a random direction [m]."""
+    """A point at distance ``radius`` from the base in a random direction [m]."""
     direction = generator.uniform(-np.pi, np.pi)
     return radius * np.array([np.cos(direction), np.sin(direction)])
 
 
 def anywhere(spread: float) -> Callable[[np.random.Generator], Drawn]:
-    """Start and goal configuration uniform in (-spread, spread); the target is the goal's tip."""
+    """Start and goal configuration uniform in (-spread, spread); the target is the tip position at the goal."""
     return lambda drawn: (drawn.uniform(-spread, spread, LINKS), tip(drawn.uniform(-spread, spread, LINKS)))
 
 
 def straight(bend: float) -> Callable[[np.random.Generator], Drawn]:
-    """Joint angles normal with deviation ``bend``, the target on the x axis between 3 and 9 m."""
+    """Joint angles normal with standard deviation ``bend``; the target on the x axis between 3 and 9 m."""
     return lambda drawn: (bend * drawn.standard_normal(LINKS), np.array([drawn.uniform(3, 9), 0.0]))
 
 
 def ring(radius: float) -> Callable[[np.random.Generator], Drawn]:
-    """A start uniform in (-1, 1), the target at that distance from the base in a random direction."""
+    """A start uniform in (-1, 1); the target at distance ``radius`` from the base in a random direction."""
     return lambda drawn: (drawn.uniform(-1, 1, LINKS), _around(radius, drawn))
 
 
@@ -58,24 +59,24 @@ FAMILIES: dict[str, Callable[[np.random.Generator], Drawn]] = {
     "boundary 9.999": ring(9.999),
     "unreachable 10.5": ring(10.5),
 }
-"""How each family draws a start and a target; only the last has targets out of reach."""
+"""Generator of start and target by family; only the last family is unreachable."""
 
-LEAST_ERROR = {"unreachable 10.5": 0.5}
-"""The least possible error of a family [m]; 0 for the others."""
+SMALLEST_ERROR = {"unreachable 10.5": 0.5}
+"""Smallest possible error of a family [m]; 0 for the others."""
 
 
 def family(name: str, count: int = 200) -> ProblemSet:
-    """The first ``count`` problems of a family, as cases of that kind; the same ones for every count.
+    """The first ``count`` problems of a family, which do not depend on count.
 
     Raises:
-        UnknownNameError: when there is no such family.
-        ArgumentError: when count is not a whole number from 1.
+        UnknownNameError: for an unknown family.
+        ArgumentError: unless count is a positive integer.
     """
     if name not in FAMILIES:
         raise UnknownNameError("family", name, FAMILIES)
     if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 1:
-        raise ArgumentError("count", count, "an integer from 1")
-    place, error = list(FAMILIES).index(name), LEAST_ERROR.get(name, 0.0)
+        raise ArgumentError("count", count, "a positive integer")
+    place, error = list(FAMILIES).index(name), SMALLEST_ERROR.get(name, 0.0)
     origin = "five families of ten unit links, papers/das1988"
     cases = []
     for index in range(count):
@@ -95,10 +96,10 @@ def family(name: str, count: int = 200) -> ProblemSet:
 
 
 def five_families(count: int = 200) -> ProblemSet:
-    """All families one after the other, ``count`` problems each, for ``Robot.planar(10)`` and a position of its tip.
+    """``count`` problems of each family, for ``Robot.planar(10)`` and a position task of its tip.
 
     Raises:
-        ArgumentError: when count is not a whole number from 1.
+        ArgumentError: unless count is a positive integer.
     """
     cases = tuple(case for name in FAMILIES for case in family(name, count))
     return ProblemSet("five families", cases, SEED, cases[0].origin)

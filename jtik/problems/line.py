@@ -1,4 +1,4 @@
-"""Straight lines to follow."""
+"""Generator of straight lines to follow."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik.problems.case import ProblemSet
-from jtik.problems.tour import Curve, closed_up, toured
+from jtik.problems.path_problem import Curve, closed_exactly, path_problems
 from jtik.robot import Robot
 from jtik.task import Task
 from jtik.types import Array
@@ -20,7 +20,7 @@ def _shape(points: int, length: float) -> Array:
 
 
 def _there_and_back(points: int, length: float) -> Array:
-    return closed_up(length * (1 - np.abs(np.linspace(-1, 1, points + 1)))[:, None])
+    return closed_exactly(length * (1 - np.abs(np.linspace(-1, 1, points + 1)))[:, None])
 
 
 CURVE = Curve(
@@ -29,7 +29,7 @@ CURVE = Curve(
     shape=_shape,
     closed=False,
     sizes=(0.1, 0.4),
-    origin="a straight line from the start's own position, evenly spaced, that was followed to its end",
+    origin="a straight line from the start position, with even spacing, which a solver followed to its end",
 )
 
 
@@ -47,26 +47,40 @@ def line(
     joints: str | Iterable[str] | None = None,
     at: ArrayLike | None = None,
 ) -> ProblemSet:
-    """Straight lines, with the first target where the start already is.
+    """Draw straight lines whose first target is met by the start.
 
-    Drawn for each case: a start as in `reachable`; a length, uniform from 10 to 40 % of the robot's size (the summed
-    lengths of its links); a direction, uniform. All is drawn again as in `circle` until the line can be followed. The
-    position of the first `FrameTask` that has one moves; orientations and other tasks stay as the start has them.
+    For each case, the start is drawn as in `reachable`. The length is uniform from 10 to 40 % of the robot's size (the
+    total length of its links). The direction is uniform. All of them are drawn again, as in `circle`, until the line
+    can be followed. The position of the first `FrameTask` that has a position follows the line. Orientations and other
+    tasks keep their values at the start. ``known["size"]`` is the length [m].
 
     Args:
-        robot, task, joints, at: as `InverseKinematics` takes them; starts are of its reduced robot.
-        count: how many cases.
-        seed: of the random numbers; case i is the same for every count.
-        length: of every line [m]; drawn when None.
-        back: whether the path comes back, and is closed.
-        points: intervals of a path; it has one target more.
-        dt: time from target to target [s].
-        q0: start of every case (nq,); drawn when None.
+        robot: the robot.
+        task: a Task, or several.
+        count: number of cases.
+        seed: seed of the random numbers; case i is the same for every count.
+        length: length of every line [m]; drawn when None.
+        back: whether the path returns to its first target.
+        points: number of intervals of a path; it has one more target.
+        dt: time between consecutive targets [s].
+        q0: start of every case, (nq,) of the reduced robot; drawn when None.
+        joints: joints that move, as in `InverseKinematics`.
+        at: configuration at which the other joints are locked, as in `InverseKinematics`.
 
     Raises:
-        ArgumentError: for tasks none of which reads a position, lines that cannot be followed, or an argument that
-            cannot be used.
+        ArgumentError: if no task has a position, no line can be followed, or an argument is invalid.
     """
-    size = ("length", length)
     curve = replace(CURVE, shape=_there_and_back, closed=True) if back else CURVE
-    return toured(robot, task, count, curve, seed=seed, size=size, points=points, dt=dt, q0=q0, joints=joints, at=at)
+    return path_problems(
+        robot,
+        task,
+        count,
+        curve,
+        seed=seed,
+        size=("length", length),
+        points=points,
+        dt=dt,
+        q0=q0,
+        joints=joints,
+        at=at,
+    )

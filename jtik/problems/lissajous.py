@@ -1,4 +1,4 @@
-"""Lissajous figures to follow: closed paths that cross themselves and turn both ways."""
+"""Generator of Lissajous figures: closed paths that cross themselves and curve in both directions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from jtik.errors import ArgumentError
 from jtik.problems.case import ProblemSet
-from jtik.problems.tour import Curve, angles, closed_up, toured
+from jtik.problems.path_problem import Curve, angles, closed_exactly, path_problems
 from jtik.robot import Robot
 from jtik.task import Task
 from jtik.types import Array
@@ -19,7 +19,7 @@ from jtik.types import Array
 
 def _shape(points: int, amplitude: float, *, frequencies: tuple[int, int] = (1, 2)) -> Array:
     angle, (first, second) = angles(points), frequencies
-    return closed_up(amplitude * np.column_stack([np.sin(first * angle), np.sin(second * angle) / 2]))
+    return closed_exactly(amplitude * np.column_stack([np.sin(first * angle), np.sin(second * angle) / 2]))
 
 
 CURVE = Curve(
@@ -28,7 +28,7 @@ CURVE = Curve(
     shape=_shape,
     closed=True,
     sizes=(0.05, 0.15),
-    origin="a Lissajous figure about the start's own position, that was followed to its end",
+    origin="a Lissajous figure around the start position, which a solver followed to its end",
 )
 
 
@@ -46,31 +46,45 @@ def lissajous(
     joints: str | Iterable[str] | None = None,
     at: ArrayLike | None = None,
 ) -> ProblemSet:
-    """Figures x = a sin(f1 s), y = a/2 sin(f2 s), s from 0 to 2 pi, about the place where the start already is.
+    """Draw figures x = a sin(f1 s), y = a/2 sin(f2 s), s from 0 to 2 pi, around the start position.
 
-    Drawn for each case: a start as in `reachable`; a, uniform from 5 to 15 % of the robot's size (the summed lengths
-    of its links); the directions of x and y, uniform over rotations. All is drawn again as in `circle` until the
-    figure can be followed. The position of the first `FrameTask` that has one moves; orientations and other tasks stay
-    as the start has them.
+    For each case, the start is drawn as in `reachable`. The amplitude a is uniform from 5 to 15 % of the robot's size
+    (the total length of its links). The directions of x and y are uniform over rotations. All of them are drawn again,
+    as in `circle`, until the figure can be followed. The position of the first `FrameTask` that has a position follows
+    the figure. Orientations and other tasks keep their values at the start. ``known["size"]`` is a [m].
 
     Args:
-        robot, task, joints, at: as `InverseKinematics` takes them; starts are of its reduced robot.
-        count: how many cases.
-        seed: of the random numbers; case i is the same for every count.
-        amplitude: a of every figure [m]; drawn when None.
-        frequencies: f1 and f2, whole numbers; (1, 2) is a figure of eight.
-        points: intervals of a figure; it has one target more, and the last is the first.
-        dt: time from target to target [s].
-        q0: start of every case (nq,); drawn when None.
+        robot: the robot.
+        task: a Task, or several.
+        count: number of cases.
+        seed: seed of the random numbers; case i is the same for every count.
+        amplitude: amplitude a of every figure [m]; drawn when None.
+        frequencies: positive integers f1 and f2; (1, 2) is a figure of eight.
+        points: number of intervals of a figure; it has one more target, and the last equals the first.
+        dt: time between consecutive targets [s].
+        q0: start of every case, (nq,) of the reduced robot; drawn when None.
+        joints: joints that move, as in `InverseKinematics`.
+        at: configuration at which the other joints are locked, as in `InverseKinematics`.
 
     Raises:
-        ArgumentError: for tasks none of which reads two coordinates of a position, figures that cannot be followed,
-            or an argument that cannot be used.
+        ArgumentError: if no task has two coordinates of a position, no figure can be followed, or an argument is
+            invalid.
     """
     numbers = np.asarray(frequencies)
     if numbers.shape != (2,) or numbers.dtype.kind not in "iu" or numbers.min() < 1:
-        raise ArgumentError("frequencies", frequencies, "two whole numbers from 1, such as (1, 2)")
+        raise ArgumentError("frequencies", frequencies, "two positive integers, such as (1, 2)")
     first, second = (int(number) for number in numbers)
     curve = replace(CURVE, shape=partial(_shape, frequencies=(first, second)))
-    size = ("amplitude", amplitude)
-    return toured(robot, task, count, curve, seed=seed, size=size, points=points, dt=dt, q0=q0, joints=joints, at=at)
+    return path_problems(
+        robot,
+        task,
+        count,
+        curve,
+        seed=seed,
+        size=("amplitude", amplitude),
+        points=points,
+        dt=dt,
+        q0=q0,
+        joints=joints,
+        at=at,
+    )

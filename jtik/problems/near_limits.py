@@ -1,4 +1,4 @@
-"""Targets met by configurations that have joints next to their limits."""
+"""Generator of targets whose goal configurations have joints close to their limits."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from jtik.errors import ArgumentError, finite_array
 from jtik.problems.case import Case, ProblemSet
-from jtik.problems.start import Starts
-from jtik.problems.subject import Subject, drawn
+from jtik.problems.problem_setup import ProblemSetup, draw_set
+from jtik.problems.start_sampler import StartSampler
 from jtik.robot import Robot
 from jtik.task import Task
 
@@ -26,24 +26,28 @@ def near_limits(
     joints: str | Iterable[str] | None = None,
     at: ArrayLike | None = None,
 ) -> ProblemSet:
-    """Problems on which a law that forgets its limits, or gives way to them too soon, fails.
+    """Draw problems whose goals have joints close to their limits, which test how a strategy handles limits.
 
-    Drawn for each case: a start and a goal as in `reachable`; then how many joints are at a limit, uniform from 1 to
-    all that have two limits; which ones; at which end, evenly; and how far from it, uniform in (0, share) of the
-    range. The target is what the tasks read at that goal. For every task of jtik.
+    For each case, a start and a goal are drawn as in `reachable`. The number of joints to move to a limit is uniform,
+    from 1 to the number of joints with two limits. The joints and the side (lower or upper) are uniform. The distance
+    to the limit is uniform in (0, share) of the range. The target is the task value at that goal. All tasks of jtik
+    are supported.
 
     Args:
-        robot, task, joints, at: as `InverseKinematics` takes them; starts are of its reduced robot.
-        count: how many cases.
-        seed: of the random numbers; case i is the same for every count.
-        share: greatest distance from the limit as a share of the joint's range, in (0, 0.5].
-        q0: start of every case (nq,); drawn when None.
+        robot: the robot.
+        task: a Task, or several.
+        count: number of cases.
+        seed: seed of the random numbers; case i is the same for every count.
+        share: largest distance to the limit as a share of the joint's range, in (0, 0.5].
+        q0: start of every case, (nq,) of the reduced robot; drawn when None.
+        joints: joints that move, as in `InverseKinematics`.
+        at: configuration at which the other joints are locked, as in `InverseKinematics`.
 
     Raises:
-        ArgumentError: for a robot of which no joint has two limits, or an argument that cannot be used.
+        ArgumentError: if no joint has two limits, or an argument is invalid.
     """
-    subject = Subject(robot, task, joints, at)
-    starts, arm = Starts(subject, q0), subject.robot
+    setup = ProblemSetup(robot, task, joints, at)
+    starts, arm = StartSampler(setup, q0), setup.robot
     part = float(finite_array("share", share, ()))
     if not 0 < part <= 0.5:
         raise ArgumentError("share", share, "a share of the range in (0, 0.5]")
@@ -56,18 +60,18 @@ def near_limits(
     def draw(name: str, generator: np.random.Generator) -> Case:
         start, goal = starts.draw(generator), arm.random_configuration(generator)
         number = int(generator.integers(1, len(bounded) + 1))
-        pressed = generator.permutation(bounded)[:number]
+        at_limit = generator.permutation(bounded)[:number]
         high = generator.random(number) < 0.5
-        away = part * width[pressed] * generator.random(number)
-        goal[pressed] = np.where(high, arm.upper[pressed] - away, arm.lower[pressed] + away)
+        away = part * width[at_limit] * generator.random(number)
+        goal[at_limit] = np.where(high, arm.upper[at_limit] - away, arm.lower[at_limit] + away)
         return Case(
             name=name,
             kind="near_limits",
             q0=start,
-            targets=(subject.target_at(goal),),
+            targets=(setup.target_at(goal),),
             reachable=True,
             known={"error": 0.0},
             origin=origin,
         )
 
-    return drawn("near_limits", count, seed, draw, origin)
+    return draw_set("near_limits", count, seed, draw, origin)

@@ -1,4 +1,4 @@
-"""Starts next to a singular posture, with the target in the direction that the tip cannot start out in."""
+"""Generator of starts close to a singular posture, with the target in the singular direction of the task."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ from numpy.typing import ArrayLike
 from jtik.errors import ArgumentError, finite_array
 from jtik.problems import reach
 from jtik.problems.case import Case, ProblemSet
-from jtik.problems.spin import turn
-from jtik.problems.subject import Subject, drawn
+from jtik.problems.problem_setup import ProblemSetup, draw_set
+from jtik.problems.rotation import rotation_about
 from jtik.robot import Robot
 from jtik.task import FrameTask, Task
 from jtik.types import Array
 
 SINGULAR = 1e-12
-"""Share of the largest singular value below which the smallest one is zero."""
+"""Ratio of the smallest to the largest singular value below which a posture counts as singular."""
 
 ITERATIONS = 60
-"""Most Newton steps to a singular posture."""
+"""Maximum number of Newton steps to a singular posture."""
 
 PATIENCE = 15
-"""Steps after which the residual must have halved."""
+"""Number of steps within which the residual must halve."""
 
-LONGEST = 0.5
-"""Longest such step [rad] or [m]."""
+MAX_STEP = 0.5
+"""Maximum length of a Newton step [rad] or [m]."""
 
 ATTEMPTS = 50
-"""Postures tried for one case."""
+"""Maximum number of postures tried for one case."""
 
 HALVINGS = 4
-"""How often a target that was not reached is brought nearer."""
+"""How often the distance of a target that was not reached is halved."""
 
 
 def near_singular(
@@ -47,49 +47,60 @@ def near_singular(
     joints: str | Iterable[str] | None = None,
     at: ArrayLike | None = None,
 ) -> ProblemSet:
-    """Problems on which an undamped inverse takes enormous steps, and a transpose hardly any.
+    """Draw problems that start close to a singular posture.
 
-    Drawn for each case: a configuration as in `reachable`, from which Newton's method on J' u = 0, |u| = 1 goes to a
-    singular posture within the limits; an arm stretched out or folded, a wrist whose axes meet. The start is that
-    posture, bent by a random direction of a length [rad or m] drawn evenly in its logarithm from ``bend``. The target
-    lies along u, the direction of the task that is lost there, at a distance drawn uniformly from ``far``, a share of
-    the robot's size (of a radian, where the task is an orientation); to that side, and as far at first and halved up
-    to four times, as it was in fact reached. Several tasks, and tasks other than `FrameTask`, take the target of
-    another drawn configuration instead. ``known`` has the least and the largest singular value of J at the start.
+    An undamped inverse takes very long steps there, a transpose very short ones.
+
+    For each case, a configuration is drawn as in `reachable`. Newton's method on J' u = 0, |u| = 1 moves it to a
+    singular posture within the limits, such as a stretched or folded arm, or a wrist with aligned axes. The start is
+    this posture plus a random displacement, whose length is log-uniform in ``bend``. The target lies along u, the
+    singular direction of the task. Its distance is uniform in ``far``, relative to the robot's size (to one radian for
+    an orientation task). The sign of the direction is drawn; the opposite sign is tried as well. The distance is
+    halved up to four times until the target is reached. With several tasks, or a task other than `FrameTask`, the
+    target is that of another drawn configuration.
+
+    ``known["sigma_min"]`` and ``known["sigma_max"]`` are the smallest and largest singular values of J at the start.
 
     Args:
-        robot, task, joints, at: as `InverseKinematics` takes them; starts are of its reduced robot.
-        count: how many cases.
-        seed: of the random numbers; case i is the same for every count.
-        bend: least and greatest distance of the start from the singular posture.
-        far: least and greatest distance of the target.
+        robot: the robot.
+        task: a Task, or several.
+        count: number of cases.
+        seed: seed of the random numbers; case i is the same for every count.
+        bend: smallest and largest distance of the start from the singular posture [rad] or [m].
+        far: smallest and largest distance of the target, as shares of the robot's size.
+        joints: joints that move, as in `InverseKinematics`.
+        at: configuration at which the other joints are locked, as in `InverseKinematics`.
 
     Raises:
-        ArgumentError: for a robot in whose limits no singular posture is found, a task with more rows than the robot
-            has joints, or an argument that cannot be used.
+        ArgumentError: if no singular posture is found within the limits, the task has more rows than the robot has
+            joints, or an argument is invalid.
     """
-    subject = Subject(robot, task, joints, at)
-    arm = subject.robot
+    setup = ProblemSetup(robot, task, joints, at)
+    arm = setup.robot
     bends = _range("bend", bend)
     distances = _range("far", far)
-    rows = sum(each.row_count(arm) for each in subject.tasks.tasks)
+    rows = sum(each.row_count(arm) for each in setup.tasks.tasks)
     if rows > arm.n:
-        raise ArgumentError("task", subject.tasks.tasks, f"at most as many rows as joints: {rows} are not {arm.n}")
-    origin = f"bent by {bends[0]:g} to {bends[1]:g} from a singular posture; the target along the direction lost there"
+        raise ArgumentError(
+            "task",
+            setup.tasks.tasks,
+            f"a task with at most as many rows as the robot has joints ({arm.n}); it has {rows}",
+        )
+    origin = f"{bends[0]:g} to {bends[1]:g} from a singular posture; the target along the singular direction"
 
     def draw(name: str, generator: np.random.Generator) -> Case:
         for _ in range(ATTEMPTS):
-            found = _posture(subject, arm.random_configuration(generator))
+            found = _posture(setup, arm.random_configuration(generator))
             if found is None:
                 continue
             posture, u = found
             away = generator.standard_normal(arm.n)
             length = float(np.exp(generator.uniform(*np.log(bends))))
-            start = subject.led_in(arm.integrate(posture, length * away / np.linalg.norm(away)))
-            target = _target(subject, posture, u, start, float(generator.uniform(*distances)), generator)
+            start = setup.clamped(arm.integrate(posture, length * away / np.linalg.norm(away)))
+            target = _target(setup, posture, u, start, float(generator.uniform(*distances)), generator)
             if target is None:
                 continue
-            sigma = np.linalg.svd(subject.jacobian(start), compute_uv=False)
+            sigma = np.linalg.svd(setup.jacobian(start), compute_uv=False)
             return Case(
                 name=name,
                 kind="near_singular",
@@ -99,21 +110,23 @@ def near_singular(
                 known={"error": 0.0, "sigma_min": float(sigma[-1]), "sigma_max": float(sigma[0])},
                 origin=origin,
             )
-        raise ArgumentError("robot", arm, f"one of which {ATTEMPTS} attempts find a singular posture in its limits")
+        raise ArgumentError(
+            "robot", arm, f"a robot with a singular posture within its limits; {ATTEMPTS} attempts found none"
+        )
 
-    return drawn("near_singular", count, seed, draw, origin)
+    return draw_set("near_singular", count, seed, draw, origin)
 
 
 def _range(argument: str, given: tuple[float, float]) -> tuple[float, float]:
     low, high = finite_array(argument, given, (2,)).tolist()
     if not 0 < low <= high:
-        raise ArgumentError(argument, given, "two positive numbers, the lower one first")
+        raise ArgumentError(argument, given, "two positive numbers in ascending order")
     return low, high
 
 
-def _posture(subject: Subject, q: Array) -> tuple[Array, Array] | None:
-    """A singular configuration near q within the limits, and the unit vector u (m,) with J' u = 0; None if none."""
-    J, n = subject.jacobian(q), subject.robot.n
+def _posture(setup: ProblemSetup, q: Array) -> tuple[Array, Array] | None:
+    """A singular configuration close to q within the limits, and the unit vector u (m,) with J' u = 0, or None."""
+    J, n = setup.jacobian(q), setup.robot.n
     u = np.linalg.svd(J)[0][:, -1]
     history: list[float] = []
     for _ in range(ITERATIONS):
@@ -123,45 +136,45 @@ def _posture(subject: Subject, q: Array) -> tuple[Array, Array] | None:
             return None
         if history[-1] <= SINGULAR * np.linalg.norm(J, 2):
             return q, u / np.linalg.norm(u)
-        rate = np.block([[subject.dual_rate(q, u), J.T], [np.zeros(n), u]])
+        rate = np.block([[setup.jacobian_rate(q, u), J.T], [np.zeros(n), u]])
         step = np.linalg.lstsq(rate, -residual, rcond=1e-10)[0]
-        step *= min(1.0, LONGEST / np.linalg.norm(step))
-        q = subject.led_in(subject.robot.integrate(q, step[:n]))
+        step *= min(1.0, MAX_STEP / np.linalg.norm(step))
+        q = setup.clamped(setup.robot.integrate(q, step[:n]))
         u = u + step[n:]
-        J = subject.jacobian(q)
+        J = setup.jacobian(q)
     return None
 
 
 def _target(
-    subject: Subject, posture: Array, u: Array, start: Array, distance: float, generator: np.random.Generator
+    setup: ProblemSetup, posture: Array, u: Array, start: Array, distance: float, generator: np.random.Generator
 ) -> Any | None:
-    """A target along u that is reached, or None."""
-    task = subject.tasks.tasks[0]
-    if len(subject.tasks.tasks) > 1 or not isinstance(task, FrameTask):
-        return subject.target_at(subject.robot.random_configuration(generator))
-    length = 1.0 if task.kind == "orientation" else reach.size(subject.robot, task.frame)
+    """A target along u that the solver reaches, or None."""
+    task = setup.tasks.tasks[0]
+    if len(setup.tasks.tasks) > 1 or not isinstance(task, FrameTask):
+        return setup.target_at(setup.robot.random_configuration(generator))
+    length = 1.0 if task.kind == "orientation" else reach.size(setup.robot, task.frame)
     first = 1.0 if generator.random() < 0.5 else -1.0
-    there = subject.target_at(posture)
+    there = setup.target_at(posture)
     for halving in range(HALVINGS + 1):
         for side in (first, -first):
-            target = _along(task, subject.robot, there, side * length * distance / 2**halving * u)
-            if subject.arrival(target, start, restarts=10) is not None:
+            target = _along(task, setup.robot, there, side * length * distance / 2**halving * u)
+            if setup.solve(target, start, restarts=10) is not None:
                 return target
     return None
 
 
 def _along(task: FrameTask, robot: Robot, target: Any, rows: Array) -> Any:
-    """The target moved so that its error changes by -rows: positions in world axes, turns in the target's own."""
+    """The target moved so that its error changes by -rows: positions in world axes, rotations in the target's axes."""
     dimension = robot.dimension
     position = [] if task.kind == "orientation" else [*"xyz"[:dimension]]
-    turns = [] if task.kind == "position" else ["rz"] if dimension == 2 else ["rx", "ry", "rz"]
-    names = position + turns
+    rotations = [] if task.kind == "position" else ["rz"] if dimension == 2 else ["rx", "ry", "rz"]
+    names = position + rotations
     full = np.zeros(len(names))
     full[[names.index(name) for name in task.axes or names]] = rows
     if dimension == 2 or task.kind == "position":
         return float(target + full[0]) if task.kind == "orientation" else np.asarray(target) + full
     moved = np.array(target)
-    moved[:3, :3] = moved[:3, :3] @ turn(full[len(position) :])
+    moved[:3, :3] = moved[:3, :3] @ rotation_about(full[len(position) :])
     if position:
         moved[:3, 3] += full[:3]
     return moved

@@ -1,4 +1,4 @@
-"""A path of the caller's own as a problem."""
+"""A path problem from the caller's own targets."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik.problems.case import Case, ProblemSet
-from jtik.problems.subject import Subject
+from jtik.problems.problem_setup import ProblemSetup
 from jtik.robot import Robot
 from jtik.task import Task
 
 RESTARTS = 20
+"""Number of restarts when the start is solved for."""
 
 
 def path(
@@ -29,23 +30,29 @@ def path(
     parameters: Mapping[str, ArrayLike] | None = None,
     origin: str = "the caller's own path",
 ) -> ProblemSet:
-    """Targets of your own, to be followed in order: a set of one case, closed where the last target is the first.
+    """A set with one case that follows the given targets in order.
+
+    The path is closed if its last target equals the first.
 
     Args:
-        robot, task, joints, at: as `InverseKinematics` takes them.
-        targets: what the task reads as one, each; at least one.
-        q0: where to start, (nq,) of the reduced robot; when None, where a solver meets the first target, from the
-            neutral configuration or up to 20 others, and the neutral one where it does not.
-        dt: time from target to target [s].
-        name: of the case and the set.
-        parameters: values of live parameters of criteria, by name.
-        origin: where the path comes from.
+        robot: the robot.
+        task: a Task, or several.
+        targets: at least one target, in any form that the task accepts.
+        q0: start, (nq,) of the reduced robot. When None, a solver looks for a configuration that meets the first
+            target, from the neutral configuration and up to 20 others. The neutral configuration is used if it finds
+            none.
+        dt: time between consecutive targets [s].
+        name: name of the case and of the set.
+        joints: joints that move, as in `InverseKinematics`.
+        at: configuration at which the other joints are locked, as in `InverseKinematics`.
+        parameters: values of live parameters of criteria by name.
+        origin: source of the path.
 
     Raises:
-        ArgumentError: for a target or start that does not fit, naming it, and for no targets.
+        ArgumentError: for no target, or naming the target or start that does not fit.
     """
-    subject = Subject(robot, task, joints, at)
-    arm = subject.robot
+    setup = ProblemSetup(robot, task, joints, at)
+    arm = setup.robot
     given = tuple(targets)
     start = arm.neutral if q0 is None else arm.configuration(q0, argument="q0")
 
@@ -63,10 +70,10 @@ def path(
         return ProblemSet(name, (case,), origin=origin)
 
     closed = False
-    made(start).check(arm, subject.tasks.tasks, joints="all")
-    first, last = (subject.tasks.read_target(target) for target in (given[0], given[-1]))
+    made(start).check(arm, setup.tasks.tasks, joints="all")
+    first, last = (setup.tasks.read_target(target) for target in (given[0], given[-1]))
     closed = len(given) > 2 and bool(np.array_equal(first, last))
     if q0 is None:
-        found = subject.arrival(given[0], start, restarts=RESTARTS)
+        found = setup.solve(given[0], start, restarts=RESTARTS)
         start = start if found is None else found
     return made(start)

@@ -1,4 +1,4 @@
-"""How far a robot's frames can be from its first joint: a bound that holds at every configuration."""
+"""Upper bound on the distance of a robot's frames from its first joint, valid at every configuration."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 from jtik.robot import Joint, JointType, Robot
 from jtik.types import Array
 
-VAST = 1.0
-"""What a slide without limits, or a free base, counts as in the size of a robot [m]."""
+UNBOUNDED_LENGTH = 1.0
+"""Length counted for a prismatic joint without limits, or a free base, in the size of a robot [m]."""
 
 
 def center(robot: Robot, frame: str) -> Array:
-    """Where the first joint that moves the frame is, in the base frame [m], (dimension,)."""
+    """Position of the first joint that moves the frame, in the base frame, (dimension,) [m]."""
     pose = np.eye(4)
     for joint in robot.path(frame):
         pose = pose @ joint.origin
@@ -24,32 +24,35 @@ def center(robot: Robot, frame: str) -> Array:
 
 
 def bound(robot: Robot, frame: str) -> float:
-    """A distance [m] from `center` that the frame's origin cannot pass; infinite with a free base or endless slide.
+    """Upper bound on the distance of the frame's origin from `center` [m].
 
-    The sum of the lengths between the joints and of the strokes of slides (triangle inequality). It is reached where
-    the joints let all links lie on one line.
+    It is the sum of the lengths between the joints and of the strokes of prismatic joints (triangle inequality). It is
+    infinite with a free base or an unlimited prismatic joint. It is attained if all links can lie on one line.
     """
     return sum(_lengths(robot, frame), 0.0)
 
 
 def size(robot: Robot, frame: str) -> float:
-    """The size of the robot as seen from the frame [m]: `bound`, with `VAST` for what has no bound."""
-    return sum((length if math.isfinite(length) else VAST for length in _lengths(robot, frame)), 0.0) or VAST
+    """Size of the robot [m]: `bound`, with `UNBOUNDED_LENGTH` for each length that has no bound."""
+    return (
+        sum((length if math.isfinite(length) else UNBOUNDED_LENGTH for length in _lengths(robot, frame)), 0.0)
+        or UNBOUNDED_LENGTH
+    )
 
 
 def is_free_chain(robot: Robot, frame: str) -> bool:
-    """Whether `bound` is the reach, in every direction: a planar chain of hinges without limits."""
+    """Whether `bound` is the exact reach in every direction: a planar chain of revolute joints without limits."""
     moving = [joint for joint in robot.path(frame) if joint.is_moving]
     free = all(
         joint.type is JointType.REVOLUTE and joint.mimic is None and not math.isfinite(joint.upper - joint.lower)
         for joint in moving
     )
-    # a joint with one limit has half a line of angles, which is every direction
+    # a joint with a single limit still reaches every direction
     return robot.dimension == 2 and free
 
 
 def _lengths(robot: Robot, frame: str) -> list[float]:
-    """The length that each moving joint on the way adds, with what is fixed behind it [m]."""
+    """Length that each moving joint on the path adds, including the fixed part after it [m]."""
     lengths: list[float] = []
     pose = np.eye(4)
     for joint in robot.path(frame):
@@ -57,12 +60,12 @@ def _lengths(robot: Robot, frame: str) -> list[float]:
         if joint.is_moving:
             lengths += [float(np.linalg.norm(pose[:3, 3])), _stroke(robot, joint)]
             pose = np.eye(4)
-    # up to the first joint nothing moves
+    # nothing moves before the first joint
     return [*lengths[1:], float(np.linalg.norm(pose[:3, 3]))]
 
 
 def _stroke(robot: Robot, joint: Joint) -> float:
-    """How far a joint itself can carry its child [m]."""
+    """Largest translation of a joint itself [m]."""
     if joint.type is JointType.FREE:
         return math.inf
     if joint.type is not JointType.PRISMATIC:

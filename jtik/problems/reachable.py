@@ -1,4 +1,4 @@
-"""Targets that can be reached, because a configuration that meets them was drawn first."""
+"""Generator of reachable targets, each taken from a drawn goal configuration."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik.problems.case import Case, ProblemSet
-from jtik.problems.start import Starts
-from jtik.problems.subject import Subject, drawn
+from jtik.problems.problem_setup import ProblemSetup, draw_set
+from jtik.problems.start_sampler import StartSampler
 from jtik.robot import Robot
 from jtik.task import Task
 
-ORIGIN = "start and goal uniform within the limits; the target is where the goal is"
+ORIGIN = "start and goal uniform within the limits; the target is the task value at the goal"
 
 
 def reachable(
@@ -26,35 +26,38 @@ def reachable(
     joints: str | Iterable[str] | None = None,
     at: ArrayLike | None = None,
 ) -> ProblemSet:
-    """Ordinary problems: from anywhere to anywhere.
+    """Draw general problems: random reachable targets from random starts.
 
-    Drawn for each case: a start, then a goal, by `Robot.random_configuration`: uniform within the limits; a hinge
-    without limits within (-pi, pi), a length without within 1 m, quaternions uniform. The target is what the tasks
-    read at the goal, so that it can be reached within the limits. For every task of jtik.
+    For each case, a start and then a goal are drawn by `Robot.random_configuration`: uniform within the limits,
+    unlimited revolute joints within (-pi, pi), unlimited prismatic joints within 1 m, quaternions uniform. The target
+    is the task value at the goal, so it can be reached within the limits. All tasks of jtik are supported.
 
     Args:
-        robot, task, joints, at: as `InverseKinematics` takes them; starts are of its reduced robot.
-        count: how many cases.
-        seed: of the random numbers; case i is the same for every count.
-        q0: start of every case (nq,); drawn when None.
+        robot: the robot.
+        task: a Task, or several.
+        count: number of cases.
+        seed: seed of the random numbers; case i is the same for every count.
+        q0: start of every case, (nq,) of the reduced robot; drawn when None.
+        joints: joints that move, as in `InverseKinematics`.
+        at: configuration at which the other joints are locked, as in `InverseKinematics`.
 
     Raises:
-        ArgumentError: for an argument that cannot be used, naming it.
+        ArgumentError: naming an invalid argument.
     """
-    subject = Subject(robot, task, joints, at)
-    starts = Starts(subject, q0)
+    setup = ProblemSetup(robot, task, joints, at)
+    starts = StartSampler(setup, q0)
 
     def draw(name: str, generator: np.random.Generator) -> Case:
         start = starts.draw(generator)
-        goal = subject.robot.random_configuration(generator)
+        goal = setup.robot.random_configuration(generator)
         return Case(
             name=name,
             kind="reachable",
             q0=start,
-            targets=(subject.target_at(goal),),
+            targets=(setup.target_at(goal),),
             reachable=True,
             known={"error": 0.0},
             origin=ORIGIN,
         )
 
-    return drawn("reachable", count, seed, draw, ORIGIN)
+    return draw_set("reachable", count, seed, draw, ORIGIN)

@@ -1,4 +1,4 @@
-"""Obstacles in the way between a start and a goal that are both clear of them."""
+"""Generator of scenes with obstacles between a collision-free start and a collision-free goal."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from jtik.geometry import Ball, Circle, Sphere
 from jtik.problems import reach
 from jtik.problems.bodies import Bodies
 from jtik.problems.case import Case, ProblemSet
-from jtik.problems.start import Starts
-from jtik.problems.subject import Subject, drawn
+from jtik.problems.problem_setup import ProblemSetup, draw_set
+from jtik.problems.start_sampler import StartSampler
 from jtik.robot import Robot
 from jtik.task import Task
 from jtik.types import Array
 
 ATTEMPTS = 200
-"""Places tried for one obstacle."""
+"""Maximum number of positions tried for one obstacle."""
 
 PAIRS = 10
-"""Pairs of start and goal tried for one case."""
+"""Maximum number of start and goal pairs tried for one case."""
 
 
 def scene(
@@ -40,62 +40,67 @@ def scene(
     joints: str | Iterable[str] | None = None,
     at: ArrayLike | None = None,
 ) -> ProblemSet:
-    """Scenes for a criterion or a `Clearance` with live centres: the same number of circles or spheres in each.
+    """Draw scenes for a criterion or a `Clearance` with live centres: each has the same number of circles or spheres.
 
-    Drawn for each case: a start and a goal as in `reachable`; then each obstacle: its radius, uniform; a configuration
-    on the straight way from start to goal in joint space, a link, and a point on it, all uniform; its centre a normal
-    deviate of one radius beside that point. An obstacle that comes nearer than ``clearance`` to a link at the start or
-    the goal is drawn again, and start and goal, too, where that does not help. The goal meets the target, so that the
-    target can be reached in the clear; whether a clear way leads there nobody knows. ``known`` has the least distance
-    of a link to an obstacle at start and goal [m], "clearance_start" and "clearance_goal". Distances scale with the
-    robot's size (the summed lengths of its links). For every task of jtik.
+    For each case, a start and a goal are drawn as in `reachable`. For each obstacle, a radius, a configuration on the
+    straight line from start to goal in joint space, a link and a point on it are drawn, all uniform. The centre is this
+    point plus a normal deviate with a standard deviation of one radius. An obstacle closer than ``clearance`` to a link
+    at the start or the goal is drawn again. If no position is found, start and goal are drawn again. The goal meets
+    the target, so a collision-free solution exists. Whether a collision-free path leads to it is unknown.
 
-    The criterion must have as many obstacles: ``ObstacleAvoidance(jtik.problems.obstacles_of(scenes[0]),
+    ``known["clearance_start"]`` and ``known["clearance_goal"]`` are the smallest distances of a link to an obstacle at
+    start and goal [m]. Distances scale with the robot's size (the total length of its links). All tasks of jtik are
+    supported.
+
+    The criterion must have the same number of obstacles: ``ObstacleAvoidance(jtik.problems.obstacles_of(scenes[0]),
     bodies="links")``.
 
     Args:
-        robot, task, joints, at: as `InverseKinematics` takes them; starts are of its reduced robot.
-        count: how many cases.
-        seed: of the random numbers; case i is the same for every count.
-        obstacles: how many in each.
-        radius: least and greatest radius, as shares of the robot's size.
-        clearance: least distance at start and goal, as a share of the robot's size.
-        shapes: whether links are the robot's own solids, enclosed in capsules, instead of the lines of its skeleton.
-        criteria: names whose parameters ".centers" and ".radii" a case sets: "obstacle_avoidance", "clearance", both.
-        q0: start of every case (nq,); drawn when None.
+        robot: the robot.
+        task: a Task, or several.
+        count: number of cases.
+        seed: seed of the random numbers; case i is the same for every count.
+        obstacles: number of obstacles in each scene.
+        radius: smallest and largest radius, as shares of the robot's size.
+        clearance: smallest distance at start and goal, as a share of the robot's size.
+        shapes: whether links are the robot's solids enclosed in capsules, instead of the segments of its skeleton.
+        criteria: names whose parameters ".centers" and ".radii" a case sets: "obstacle_avoidance", "clearance" or both.
+        q0: start of every case, (nq,) of the reduced robot; drawn when None.
+        joints: joints that move, as in `InverseKinematics`.
+        at: configuration at which the other joints are locked, as in `InverseKinematics`.
 
     Raises:
-        ArgumentError: for obstacles that find no place, a robot without solids, or an argument that cannot be used.
+        ArgumentError: if the obstacles cannot be placed, the robot has no solids, or an argument is invalid.
     """
-    subject = Subject(robot, task, joints, at)
-    starts, bodies = Starts(subject, q0), Bodies(subject.robot, shapes=shapes)
+    setup = ProblemSetup(robot, task, joints, at)
+    starts, bodies = StartSampler(setup, q0), Bodies(setup.robot, shapes=shapes)
     if isinstance(obstacles, bool) or not isinstance(obstacles, (int, np.integer)) or obstacles < 1:
-        raise ArgumentError("obstacles", obstacles, "an integer from 1")
+        raise ArgumentError("obstacles", obstacles, "a positive integer")
     low, high = finite_array("radius", radius, (2,)).tolist()
     if not 0 < low <= high:
-        raise ArgumentError("radius", radius, "two positive shares of the robot's size, the lower one first")
+        raise ArgumentError("radius", radius, "two positive shares of the robot's size, in ascending order")
     share = float(finite_array("clearance", clearance, ()))
     if share < 0:
-        raise ArgumentError("clearance", clearance, "a share of the robot's size from 0")
-    size = reach.size(subject.robot, subject.robot.tip)
+        raise ArgumentError("clearance", clearance, "a non-negative share of the robot's size")
+    size = reach.size(setup.robot, setup.robot.tip)
     names = (criteria,) if isinstance(criteria, str) else tuple(criteria)
-    origin = f"{obstacles} obstacles in the way from start to goal, {100 * share:g} % of the size clear of both"
+    origin = f"{obstacles} obstacles between start and goal, at least {100 * share:g} % of the robot's size from both"
 
     def place(start: Array, goal: Array, generator: np.random.Generator) -> tuple[Array, float] | None:
-        """Centre and radius of one obstacle, or None."""
-        way, still = subject.robot.difference(start, goal), [bodies.at(start), bodies.at(goal)]
+        """Centre and radius of one obstacle; None if it cannot be placed."""
+        displacement, ends = setup.robot.difference(start, goal), [bodies.at(start), bodies.at(goal)]
         for _ in range(ATTEMPTS):
             length = size * generator.uniform(low, high)
-            between = subject.robot.integrate(start, generator.random() * way)
+            between = setup.robot.integrate(start, generator.random() * displacement)
             center = bodies.at(between).point(generator)
             center = center + length * generator.standard_normal(len(center))
-            if all(links.distance(center) - length >= share * size for links in still):
+            if all(links.distance(center) - length >= share * size for links in ends):
                 return center, length
         return None
 
     def draw(name: str, generator: np.random.Generator) -> Case:
         for _ in range(PAIRS):
-            start, goal = starts.draw(generator), subject.robot.random_configuration(generator)
+            start, goal = starts.draw(generator), setup.robot.random_configuration(generator)
             placed: list[tuple[Array, float]] = []
             while len(placed) < obstacles:
                 found = place(start, goal, generator)
@@ -106,31 +111,37 @@ def scene(
                 continue
             centers, radii = np.array([center for center, _ in placed]), np.array([length for _, length in placed])
             values = {f"{each}.centers": centers for each in names} | {f"{each}.radii": radii for each in names}
-            least = [min(bodies.at(q).distance(c) - r for c, r in placed) for q in (start, goal)]
+            smallest = [min(bodies.at(q).distance(c) - r for c, r in placed) for q in (start, goal)]
             return Case(
                 name=name,
                 kind="scene",
                 q0=start,
-                targets=(subject.target_at(goal),),
+                targets=(setup.target_at(goal),),
                 parameters=values,
                 reachable=True,
-                known={"error": 0.0, "clearance_start": least[0], "clearance_goal": least[1]},
+                known={"error": 0.0, "clearance_start": smallest[0], "clearance_goal": smallest[1]},
                 origin=origin,
             )
-        raise ArgumentError("clearance", clearance, f"one at which {obstacles} obstacles of that radius find a place")
+        raise ArgumentError(
+            "clearance", clearance, f"a clearance at which {obstacles} obstacles of that radius can be placed"
+        )
 
-    return drawn("scene", count, seed, draw, origin)
+    return draw_set("scene", count, seed, draw, origin)
 
 
 def obstacles_of(case: Case, criterion: str = "obstacle_avoidance") -> tuple[Ball, ...]:
-    """The circles or spheres of a case, to build a criterion with.
+    """The circles or spheres of a case, for building a criterion.
+
+    Args:
+        case: a case of `scene`.
+        criterion: name of the criterion whose parameters hold them.
 
     Raises:
-        ArgumentError: when the case has none under that criterion's name.
+        ArgumentError: if the case has no obstacles under that name.
     """
     keys = [f"{criterion}.centers", f"{criterion}.radii"]
     if not all(key in case.parameters for key in keys):
-        raise ArgumentError("case", f"{case!r} with parameters {list(case.parameters)}", f"one with {keys}")
+        raise ArgumentError("case", f"{case!r} with parameters {list(case.parameters)}", f"a case with {keys}")
     centers, radii = (case.parameters[key] for key in keys)
     kind = Circle if centers.shape[1] == 2 else Sphere
     return tuple(kind(center, radius) for center, radius in zip(centers, radii.tolist(), strict=True))

@@ -1,4 +1,4 @@
-"""Targets that no configuration meets: they lie beyond the length of the arm."""
+"""Generator of unreachable targets, which lie beyond the total link length of the arm."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 
 from jtik.errors import ArgumentError, finite_array
 from jtik.problems.case import Case, ProblemSet
-from jtik.problems.mover import Mover
-from jtik.problems.start import Starts
-from jtik.problems.subject import Subject, drawn
+from jtik.problems.position_task import PositionTask
+from jtik.problems.problem_setup import ProblemSetup, draw_set
+from jtik.problems.start_sampler import StartSampler
 from jtik.robot import Robot
 from jtik.task import Task
 
@@ -28,53 +28,57 @@ def unreachable(
     joints: str | Iterable[str] | None = None,
     at: ArrayLike | None = None,
 ) -> ProblemSet:
-    """Problems without a solution: how near does a strategy come, and does it say so?
+    """Draw problems without a solution, which show the remaining error of a strategy and the status it reports.
 
-    Drawn for each case: a start and a goal as in `reachable`; a direction, uniform; a distance, uniform in ``beyond``.
-    The targets are those of the goal, except that the position of the first `FrameTask` that has one lies in that
-    direction at that distance from the arm's first joint. The distance is a share of the summed lengths of the links
-    and strokes of the slides, which nothing can pass, so the claim needs no search. ``known["error"]`` is the least
-    error [m] where it has a closed form: the position of a planar chain of hinges without limits.
+    For each case, a start and a goal are drawn as in `reachable`. The direction is uniform. The distance is uniform in
+    ``beyond``. The position target of the first `FrameTask` that has a position lies in that direction, at that
+    distance from the arm's first joint. All other targets are those of the goal. The distance is relative to the total
+    length of the links and of the strokes of the prismatic joints, an upper bound on the reach, so no search is needed.
+
+    ``known["error"]`` is the smallest error [m], for a position task on a planar chain of revolute joints without
+    limits. It is absent for other robots and tasks.
 
     Args:
-        robot, task, joints, at: as `InverseKinematics` takes them; starts are of its reduced robot.
-        count: how many cases.
-        seed: of the random numbers; case i is the same for every count.
-        beyond: least and greatest distance, as shares of the summed lengths, above 1.
-        q0: start of every case (nq,); drawn when None.
+        robot: the robot.
+        task: a Task, or several.
+        count: number of cases.
+        seed: seed of the random numbers; case i is the same for every count.
+        beyond: smallest and largest distance, relative to the total link length, above 1.
+        q0: start of every case, (nq,) of the reduced robot; drawn when None.
+        joints: joints that move, as in `InverseKinematics`.
+        at: configuration at which the other joints are locked, as in `InverseKinematics`.
 
     Raises:
-        ArgumentError: for tasks none of which reads a position, a robot without bounds, or an argument that cannot be
-            used.
+        ArgumentError: if no task has a position, the robot's reach is unbounded, or an argument is invalid.
     """
-    subject = Subject(robot, task, joints, at)
-    mover, starts = Mover.of(subject), Starts(subject, q0)
+    setup = ProblemSetup(robot, task, joints, at)
+    position_task, starts = PositionTask.of(setup), StartSampler(setup, q0)
     low, high = finite_array("beyond", beyond, (2,)).tolist()
     if not 1 < low <= high:
-        raise ArgumentError("beyond", beyond, "two shares above 1, such as (1.01, 1.2)")
-    bound, center = bounded(mover), mover.center
-    origin = f"{low:g} to {high:g} times the summed lengths of the links from the first joint"
+        raise ArgumentError("beyond", beyond, "two factors above 1 in ascending order, such as (1.01, 1.2)")
+    bound, center = bounded(position_task), position_task.center
+    origin = f"{low:g} to {high:g} times the total link length from the first joint"
 
     def draw(name: str, generator: np.random.Generator) -> Case:
-        start, goal = starts.draw(generator), subject.robot.random_configuration(generator)
-        direction, distance = mover.direction(generator), bound * generator.uniform(low, high)
-        there = mover.only(center + distance * direction - mover.position(goal))
+        start, goal = starts.draw(generator), setup.robot.random_configuration(generator)
+        direction, distance = position_task.direction(generator), bound * generator.uniform(low, high)
+        offset = position_task.only(center + distance * direction - position_task.position(goal))
         return Case(
             name=name,
             kind="unreachable",
             q0=start,
-            targets=(mover.moved(subject.target_at(goal), there),),
+            targets=(position_task.moved(setup.target_at(goal), offset),),
             reachable=False,
-            known={"error": distance - bound} if mover.is_exact else {},
+            known={"error": distance - bound} if position_task.is_exact else {},
             origin=origin,
         )
 
-    return drawn("unreachable", count, seed, draw, origin)
+    return draw_set("unreachable", count, seed, draw, origin)
 
 
-def bounded(mover: Mover) -> float:
-    """The mover's bound [m]; raises ArgumentError where there is none."""
-    if not math.isfinite(mover.bound):
-        accepted = "a robot whose reach ends: no free joint, and limits on every slide"
-        raise ArgumentError("robot", mover.subject.robot, accepted)
-    return mover.bound
+def bounded(position_task: PositionTask) -> float:
+    """The bound on the reach [m]. Raises ArgumentError if the reach is unbounded."""
+    if not math.isfinite(position_task.bound):
+        accepted = "a robot of bounded reach: no free joint, and limits on every prismatic joint"
+        raise ArgumentError("robot", position_task.setup.robot, accepted)
+    return position_task.bound

@@ -1,4 +1,4 @@
-"""compare: every strategy on the same problems, with the same starts, tolerances and judge."""
+"""`compare`: runs strategies and other libraries on the same problems with the same starts, tolerances and check."""
 
 from __future__ import annotations
 
@@ -20,15 +20,16 @@ from jtik.errors import ArgumentError
 from jtik.problems import Case, ProblemSet
 from jtik.progress import Progress, watched
 from jtik.robot import Robot
-from jtik.study.choose import problems_of
 from jtik.study.comparison import Comparison
 from jtik.study.contender import Setting
 from jtik.study.fingerprint import fingerprint
-from jtik.study.ruler import measures_of
+from jtik.study.metrics import measures_of
+from jtik.study.result_file import ResultFile
 from jtik.study.schedule import Schedule
-from jtik.study.store import Notebook
+from jtik.study.selection import select_problems
 from jtik.study.strategies import contenders_of
-from jtik.study.units import Bench, Plan
+from jtik.study.unit_runner import UnitRunner
+from jtik.study.work_units import StudyPlan
 from jtik.task import Task
 
 Criteria = Criterion | CriterionSum | None
@@ -61,44 +62,60 @@ def compare(
     save: str | Path | None = None,
     progress: Progress = False,
 ) -> Comparison:
-    """Solve the same problems with every strategy; what each did is judged by kinematics of its own.
+    """Compare strategies on the same problems, with the same starts and tolerances.
 
-    A strategy that is unknown, cannot be built, is not installed or fails has rows that say so, and the study goes on.
-    Ctrl-C ends it with what is done, ``complete=False``. Times are the medians of rounds in which the strategies take
-    turns; the same study gives the same numbers but for its times, on however many processes.
+    Success and errors come from one independent check for all strategies. A strategy that is unknown, not installed,
+    cannot be built or fails has rows that give the reason, and the study continues. After Ctrl-C the result has the
+    completed rows and ``complete=False``. Times are medians over rounds in which the strategies take turns. The same
+    study gives the same figures, except times, on any number of processes.
 
     Args:
         robot: the robot.
         task: a Task, or several.
-        strategies: names, Strategy objects, "peer:mink" or another of `jtik.study.peers.names`, contenders such as
-            ``jtik.study.Law("damped", compiled=True)``; one, several, or a mapping from label to any of these.
-        criteria: what to minimise with the freedom left; a mapping from label to criteria does the study with each.
+        strategies: names, Strategy objects, "peer:mink" or another name of `jtik.study.peers.names`, or contenders
+            such as ``jtik.study.StrategyContender("damped", compiled=True)``: one, several, or a mapping from label
+            to any of these.
+        criteria: criteria to minimise in the null space of the task. A mapping from label to criteria runs the study
+            with each of them.
         problems: a `jtik.problems.ProblemSet`, cases, or kinds of problems to draw: "reachable", "near_singular",
-            "boundary", "unreachable", "near_limits", "circle", "line", "lissajous", "scene"; ``{kind: count}``.
-        count: how many of each kind.
-        seed: of the problems, the restarts and the order of turns.
-        restarts, position_tolerance, orientation_tolerance, optimality_tolerance, max_iterations, until: of each
-            solve, as in `InverseKinematics.solve`.
-        limits: whether the robot's position limits hold.
-        clearances, joints, at, compiled: as in `InverseKinematics`.
-        repeats: how many rounds are timed; a case that takes more than 50 ms is timed once.
-        traces: of how many cases of each kind, strategy and criteria the iterations are kept.
-        executor: any `concurrent.futures.Executor` to spread the work: a process pool, Dask's
-            ``client.get_executor()``, an MPI pool. This process alone when None.
-        block: cases a unit of work.
-        save: a ``.npz`` file that is written as the study goes, and gone on from where it is there.
-        progress: True for a bar on the terminal, or a function called with (done, total) units.
+            "boundary", "unreachable", "near_limits", "circle", "line", "lissajous", "scene". ``{kind: count}`` sets
+            their numbers.
+        count: number of cases of each kind.
+        seed: seed of the problems, the restarts and the order within a timed round.
+        restarts: maximum number of restarts of a solve, as in `InverseKinematics.solve`.
+        position_tolerance: norm of the position error to reach [m].
+        orientation_tolerance: norm of the orientation error to reach [rad].
+        optimality_tolerance: norm of the projected gradient of H to reach, relative to max(1, |dH/dv|).
+        max_iterations: maximum number of iterations of an attempt.
+        until: "reached" stops on target; "stationary" continues until H is stationary.
+        limits: whether the robot's position limits apply.
+        clearances: distances to keep, as in `InverseKinematics`.
+        joints: joints that move, as in `InverseKinematics`.
+        at: configuration at which the other joints are locked, as in `InverseKinematics`.
+        compiled: whether steps run as generated C, as in `InverseKinematics`.
+        repeats: number of timed rounds; a case that takes more than 50 ms for each target is timed once.
+        traces: number of cases of each kind, strategy and criteria whose iterations are kept.
+        executor: a `concurrent.futures.Executor` for parallel work: a process pool, Dask's
+            ``client.get_executor()``, an MPI pool. None runs the study in this process.
+        block: number of cases of a work unit.
+        save: a ``.npz`` file that is written while the study runs. If it exists, the study resumes from it.
+        progress: True for a progress bar on the terminal, or a function called with (done, total) units.
+
+    Returns:
+        The comparison, with a row for each strategy, criteria and case.
 
     Raises:
-        ArgumentError: for an argument that cannot be used, naming it: before anything is solved.
-        UnknownNameError: for a kind of problems, a frame or a joint that does not exist.
-        CriterionError: for a criterion that cannot be used.
-        MissingExtraError: for a bar without rich.
+        ArgumentError: naming an invalid argument, before anything is solved.
+        UnknownNameError: for an unknown kind of problems, frame or joint.
+        CriterionError: for an invalid criterion.
+        MissingExtraError: for a progress bar without rich.
     """
     read_request(restarts, seed, max_iterations)
     read_settings(position_tolerance, orientation_tolerance, optimality_tolerance, until)
     if not isinstance(limits, (bool, np.bool_)):
-        raise ArgumentError("limits", limits, "True or False: whether position limits hold; a study has no others")
+        raise ArgumentError(
+            "limits", limits, "True or False: whether position limits apply; a study has no other limits"
+        )
     setting = Setting(
         robot=robot,
         task=task if isinstance(task, Task) or not isinstance(task, Iterable) else tuple(task),
@@ -120,32 +137,32 @@ def compare(
     labelled = _labelled(criteria)
     measures = [each for own in labelled.values() for each in measures_of(own, ())]
     measures += measures_of(None, setting.clearances)
-    plan = Plan(
+    plan = StudyPlan(
         setting=setting,
         contenders=contenders_of(strategies),
         criteria=labelled,
-        problems=problems_of(problems, setting, measures, count=count, seed=seed),
+        problems=select_problems(problems, setting, measures, count=count, seed=seed),
         repeats=_counted("repeats", repeats, 1),
         traces=_counted("traces", traces, 0),
         block=_counted("block", block, 1),
     )
     if executor is not None and not isinstance(executor, Executor):
         raise ArgumentError("executor", executor, "a concurrent.futures.Executor, or None")
-    bench = _fitting(plan)
+    runner = _checked_runner(plan)
     machine = _machine()
     known = {"settings": _settings(plan), "machine": machine, "fingerprint": _fingerprint(plan, machine)}
-    notebook = Notebook(save, plan, known)
-    schedule = Schedule(plan, notebook.blocks, executor, bench)
-    notebook.blocks = []
+    result_file = ResultFile(save, plan, known)
+    schedule = Schedule(plan, result_file.results, executor, runner)
+    result_file.results = []
     try:
-        for done in watched(schedule, progress, "units"):
-            notebook.add(done)
+        for result in watched(schedule, progress, "units"):
+            result_file.add(result)
     except KeyboardInterrupt:
-        notebook.blocks += schedule.leftover()
+        result_file.results += schedule.leftover()
     finally:
         schedule.cancel()
-        notebook.write()
-    return notebook.comparison()
+        result_file.write()
+    return result_file.comparison()
 
 
 def _checked(robot: Robot) -> Robot:
@@ -155,7 +172,7 @@ def _checked(robot: Robot) -> Robot:
 
 
 def _labelled(criteria: Any) -> dict[str, Criteria]:
-    """The criteria by label: "" for those that are alone."""
+    """The criteria by label; a single set of criteria has the label ""."""
     if not isinstance(criteria, Mapping):
         CriterionSum.of(criteria)
         return {"": criteria}
@@ -166,22 +183,22 @@ def _labelled(criteria: Any) -> dict[str, Criteria]:
     return {str(label): own for label, own in criteria.items()}
 
 
-def _counted(argument: str, value: Any, least: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-        raise ArgumentError(argument, value, f"an integer from {least}")
+def _counted(argument: str, value: Any, smallest: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < smallest:
+        raise ArgumentError(argument, value, "a positive integer" if smallest else "a non-negative integer")
     return int(value)
 
 
-def _fitting(plan: Plan) -> Bench:
-    """What judges the study, once the problems fit the robot, its task and its criteria."""
-    bench, setting = Bench(plan), plan.setting
-    parameters = {name: value for label in plan.criteria for name, value in bench.ruler(label).parameters.items()}
+def _checked_runner(plan: StudyPlan) -> UnitRunner:
+    """The runner of the study, after a check that the problems fit the robot, the task and the criteria."""
+    runner, setting = UnitRunner(plan), plan.setting
+    parameters = {name: value for label in plan.criteria for name, value in runner.metrics(label).parameters.items()}
     plan.problems.check(setting.robot, setting.task, joints=setting.joints, at=setting.at, parameters=parameters)
-    return bench
+    return runner
 
 
-def _settings(plan: Plan) -> dict[str, Any]:
-    """The options as words and numbers."""
+def _settings(plan: StudyPlan) -> dict[str, Any]:
+    """The options as strings and numbers."""
     setting, robot = plan.setting, plan.setting.robot
     return {
         "study": f"{len(plan.contenders)} strategies, {len(plan.problems)} problems on {robot.name!r}",
@@ -202,13 +219,13 @@ def _settings(plan: Plan) -> dict[str, Any]:
     }
 
 
-def _fingerprint(plan: Plan, machine: Mapping[str, str]) -> str:
-    """Of all that the numbers depend on: how they are divided into units is none of it."""
+def _fingerprint(plan: StudyPlan, machine: Mapping[str, str]) -> str:
+    """Fingerprint of everything that the figures depend on, which excludes the size of the units."""
     return fingerprint(replace(plan, block=0), machine.get("jtik"))
 
 
 def _machine() -> dict[str, str]:
-    """Platform and versions."""
+    """Platform and package versions."""
     versions = {}
     for package in ("jtik", "numpy", "casadi", "mujoco", "mink", "daqp"):
         try:

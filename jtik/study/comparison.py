@@ -1,4 +1,4 @@
-"""The result of a study: a row a contender and case, summed up as tables, kept in files."""
+"""The result of a study: one row for each contender and case, with summary tables, figures and files."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from jtik.problems import ProblemSet
 from jtik.result.solution import Trace
 from jtik.robot import Robot
 from jtik.study import display
-from jtik.study.rows import CLAIMS, COLUMNS, FAILURES, TEXTS
+from jtik.study.rows import COLUMNS, FAILURES, FALSE_SUCCESS, OLD_FALSE_SUCCESS, TEXTS
 from jtik.study.summary import summary
 from jtik.task import Task
 from jtik.types import Array
@@ -27,25 +27,25 @@ if TYPE_CHECKING:
     import pandas
 
     from jtik.plotting.planar import Figure
-    from jtik.study.units import Block, Key, Plan
+    from jtik.study.work_units import Key, StudyPlan, UnitResult
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Comparison:
-    """What `jtik.compare` found. Its rows are those of `jtik.study.rows.Row`, which says what every column is.
+    """The result of `jtik.compare`. A row is one contender with one set of criteria on one case.
 
     Attributes:
-        columns: an array a column, by name; a row is one contender with one set of criteria on one case.
-        answers: the configuration each row ends at, (rows, nq), NaN where there is none.
+        columns: arrays by column name, as documented in `jtik.study.Row`.
+        answers: final configuration of each row, (rows, nq), NaN if there is none.
         traces: iterations by (contender, criteria, case), for the first cases of each kind.
-        paths: postures (k, nq) along paths, by the same key, for those cases.
-        robot: the robot that q belongs to: without the joints that took no part.
-        tasks: what it had to do, one task or several; empty where a file could not keep a task that is not jtik's own.
+        paths: configurations along paths (k, nq) by the same key, for the first cases of each kind.
+        robot: the reduced robot, to which q belongs.
+        tasks: the tasks; empty if loaded from a file that could not store a custom task.
         problems: the cases.
-        settings: options of the study, as words and numbers.
-        machine: what it ran on: platform and versions.
-        complete: whether every unit of the study is in it.
-        fingerprint: the same for equal studies.
+        settings: options of the study, as strings and numbers.
+        machine: platform and package versions.
+        complete: whether all units of the study are included.
+        fingerprint: hash of the study; equal for equal studies.
     """
 
     columns: Mapping[str, NDArray[Any]]
@@ -65,48 +65,50 @@ class Comparison:
 
     @property
     def task(self) -> Task | tuple[Task, ...]:
-        """The task, or the tasks where there are several."""
+        """The task, or a tuple of several tasks."""
         return self.tasks[0] if len(self.tasks) == 1 else self.tasks
 
     @property
     def contenders(self) -> tuple[str, ...]:
-        """Who took part, in the order they were named."""
+        """The labels of the contenders in the given order."""
         return tuple(dict.fromkeys(self.columns["contender"].tolist()))
 
     @property
     def criteria(self) -> tuple[str, ...]:
-        """The labels of the criteria, in the order they were named."""
+        """The labels of the criteria in the given order."""
         return tuple(dict.fromkeys(self.columns["criteria"].tolist()))
 
     def rows(self, **chosen: str) -> NDArray[np.intp]:
-        """Places of the rows with these entries, such as ``rows(contender="hybrid", kind="reachable")``."""
+        """Indices of the rows with these values, such as ``rows(contender="hybrid", kind="reachable")``."""
         picked = np.ones(len(self), dtype=bool)
         for name, value in chosen.items():
             picked &= self.columns[name] == value
         return np.flatnonzero(picked)
 
     def summary(self, by: str | Sequence[str] | None = None) -> dict[str, list[Any]]:
-        """The figures of `table`, as lists by title, without pandas."""
+        """The columns of `table` as lists by title, without pandas."""
         if by is None:
             by = ("contender", "criteria") if len(self.criteria) > 1 else ("contender",)
         return summary(self.columns, (by,) if isinstance(by, str) else by)
 
     def table(self, by: str | Sequence[str] | None = None) -> pandas.DataFrame:
-        """A line a contender: success and, of the solved cases, medians of iterations, time, H, and so on.
+        """Summary table with one row for each contender: success, and medians of iterations, time, H and so on.
 
-        Errors, monotony and leakage are of all cases, clearance and limit margin the least, leakage and drift the
-        largest. Figures that nothing has are left out.
+        Success, errors, time per iteration, monotone and leakage include all cases; the other columns include solved
+        cases only. Clearance and limit margin are minima, leakage and drift maxima. Columns without values are left
+        out.
 
         Args:
-            by: what to group by instead: "contender", "criteria", "kind", "case", "status", or several of them.
+            by: other columns to group by: "contender", "criteria", "kind", "case", "status", or several of them.
 
         Raises:
+            ArgumentError: for another column.
             MissingExtraError: without pandas.
         """
         return _pandas().DataFrame(self.summary(by))
 
     def frame(self) -> pandas.DataFrame:
-        """All rows.
+        """All rows as a table.
 
         Raises:
             MissingExtraError: without pandas.
@@ -115,34 +117,34 @@ class Comparison:
 
     @property
     def notes(self) -> dict[str, int]:
-        """What went wrong, each sentence with the contender it is about, and in how many rows."""
-        told: Counter[str] = Counter()
+        """Number of rows by contender and note, for the rows with a note."""
+        counts: Counter[str] = Counter()
         own = (self.columns[name].tolist() for name in ("contender", "status", "note"))
         for contender, status, note in zip(*own, strict=True):
-            if note.startswith(CLAIMS):
-                told[f"{contender}: {CLAIMS} where it is not"] += 1
+            if note.startswith((FALSE_SUCCESS, OLD_FALSE_SUCCESS)):
+                counts[f"{contender}: {FALSE_SUCCESS}, but is off target by the independent check"] += 1
             elif note:
                 new = status in FAILURES and not note.startswith(status)
-                told[f"{contender}: {status}: {note}" if new else f"{contender}: {note}"] += 1
-        return dict(told)
+                counts[f"{contender}: {status}: {note}" if new else f"{contender}: {note}"] += 1
+        return dict(counts)
 
     def to_markdown(self, by: str | Sequence[str] | None = None) -> str:
-        """The table in Markdown."""
+        """The summary table in Markdown."""
         return display.markdown(self.summary(by))
 
     def to_csv(self, path: str | Path) -> None:
-        """Write all rows, numbers to the last bit, to a file. Raises OSError when it cannot be written."""
+        """Write all rows to a file without loss of precision. Raises OSError if it cannot be written."""
         with Path(path).open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(self.columns)
             writer.writerows(zip(*[column.tolist() for column in self.columns.values()], strict=True))
 
     def to_html(self, path: str | Path) -> None:
-        """Write a report that needs no other file: tables, figures, settings.
+        """Write a self-contained report with tables, figures and settings.
 
         Raises:
             MissingExtraError: without matplotlib.
-            OSError: when it cannot be written.
+            OSError: if it cannot be written.
         """
         from jtik.study.html import page
 
@@ -168,7 +170,7 @@ class Comparison:
         return lyapunov(self, **options)
 
     def plot_criteria(self, **options: Any) -> Figure:
-        """`jtik.study.figures.criteria`: H of one case, regret of all. Options: case, contenders, criteria."""
+        """`jtik.study.figures.criteria`: H of one case, regret of all cases. Options: case, contenders, criteria."""
         from jtik.study.figures.criteria import criteria
 
         return criteria(self, **options)
@@ -192,57 +194,63 @@ class Comparison:
         animation(self, path, **options)
 
     def save(self, path: str | Path) -> None:
-        """Write all of it to one file, a ``.npz``; `load` reads it back.
+        """Write the comparison to one ``.npz`` file, which `load` reads.
 
         Raises:
             ArgumentError: for another suffix.
-            OSError: when it cannot be written.
+            OSError: if it cannot be written.
         """
-        from jtik.study.store import write
+        from jtik.study.result_file import write
 
         write(self, path)
 
     @classmethod
     def load(cls, path: str | Path) -> Comparison:
-        """Read what `save` wrote, or what ``jtik.compare(save=path)`` did.
+        """Read a file of `save`, or of ``jtik.compare(save=path)``.
 
         Raises:
-            ArgumentError: for a file that is none.
-            OSError: when it cannot be read.
+            ArgumentError: for a file that holds no study.
+            OSError: if it cannot be read.
         """
-        from jtik.study.store import read
+        from jtik.study.result_file import read
 
         return read(path)
 
     def __repr__(self) -> str:
-        return "\n".join([self._title(), display.text(self.summary()), *self._told()])
+        return "\n".join([self._title(), display.text(self.summary()), *self._notes()])
 
     def _repr_html_(self) -> str:
-        notes = "".join(f"<li>{html.escape(note.strip())}</li>" for note in self._told())
+        notes = "".join(f"<li>{html.escape(note.strip())}</li>" for note in self._notes())
         return f"<p>{html.escape(self._title())}</p>{display.markup(self.summary())}<ul>{notes}</ul>"
 
     def _title(self) -> str:
         kinds = ", ".join(f"{len(self.problems.of(kind))} {kind}" for kind in self.problems.kinds)
-        state = "" if self.complete else "; not complete"
+        state = "" if self.complete else "; incomplete"
         return f"Comparison of {len(self.contenders)} strategies on {self.robot.name!r}: {kinds}{state}"
 
-    def _told(self) -> list[str]:
+    def _notes(self) -> list[str]:
         return [f"  {note} ({count} {'row' if count == 1 else 'rows'})" for note, count in self.notes.items()]
 
 
-def assembled(plan: Plan, blocks: Sequence[Block], **known: Any) -> Comparison:
-    """The comparison of what has been done of a plan, its rows by criteria, contender and case.
+def assembled(plan: StudyPlan, results: Sequence[UnitResult], **known: Any) -> Comparison:
+    """The comparison of the completed units of a plan, with rows ordered by criteria, contender and case.
 
     Args:
         plan: the study.
-        blocks: what its units found.
+        results: the results of its units.
         known: the attributes that do not follow from these.
     """
-    who = {name: i for i, name in enumerate(plan.contenders)}
-    label = {name: i for i, name in enumerate(plan.criteria)}
-    place = {case.name: i for i, case in enumerate(plan.problems)}
-    pairs = [pair for block in blocks for pair in zip(block.rows, block.answers, strict=True)]
-    pairs.sort(key=lambda pair: (label[pair[0].criteria], who[pair[0].contender], place[pair[0].case]))
+    contender_index = {name: i for i, name in enumerate(plan.contenders)}
+    criteria_index = {name: i for i, name in enumerate(plan.criteria)}
+    case_index = {case.name: i for i, case in enumerate(plan.problems)}
+    pairs = [pair for result in results for pair in zip(result.rows, result.answers, strict=True)]
+    pairs.sort(
+        key=lambda pair: (
+            criteria_index[pair[0].criteria],
+            contender_index[pair[0].contender],
+            case_index[pair[0].case],
+        )
+    )
     rows = [row for row, _ in pairs]
     columns: dict[str, NDArray[Any]] = {}
     for name in COLUMNS:
@@ -253,8 +261,8 @@ def assembled(plan: Plan, blocks: Sequence[Block], **known: Any) -> Comparison:
     return Comparison(
         columns=columns,
         answers=np.array([q for _, q in pairs]).reshape(len(pairs), robot.nq),
-        traces={key: trace for block in blocks for key, trace in block.traces.items()},
-        paths={key: path for block in blocks for key, path in block.paths.items()},
+        traces={key: trace for result in results for key, trace in result.traces.items()},
+        paths={key: path for result in results for key, path in result.paths.items()},
         robot=robot,
         tasks=tasks.tasks,
         problems=plan.problems,
@@ -263,14 +271,14 @@ def assembled(plan: Plan, blocks: Sequence[Block], **known: Any) -> Comparison:
 
 
 def regret(columns: Mapping[str, NDArray[Any]]) -> Array:
-    """H less the least H of those who solved the same case with the same criteria; NaN for who did not."""
+    """H minus the smallest H of the contenders that solved the case with the same criteria; NaN if not solved."""
     solved, H = columns["success"], columns["H"]
     keys = list(zip(columns["criteria"].tolist(), columns["case"].tolist(), strict=True))
-    least: dict[tuple[str, str], float] = {}
+    smallest: dict[tuple[str, str], float] = {}
     for key, value, good in zip(keys, H.tolist(), solved.tolist(), strict=True):
         if good and not np.isnan(value):
-            least[key] = min(least.get(key, np.inf), value)
-    best = np.array([least.get(key, np.nan) for key in keys], dtype=float).reshape(len(keys))
+            smallest[key] = min(smallest.get(key, np.inf), value)
+    best = np.array([smallest.get(key, np.nan) for key in keys], dtype=float).reshape(len(keys))
     difference: Array = np.where(solved, H - best, np.nan)
     return difference
 

@@ -1,7 +1,7 @@
-"""What takes part in a study: something that is prepared once for a setting, then solves problem after problem.
+"""Contenders of a study: solvers that are prepared once for a setting and then solve the problems one by one.
 
-A strategy of jtik is one (`jtik.study.strategies`), a library beside it is another (`jtik.study.peers`). A study knows
-no difference: the same targets, starts and tolerances, and one judge that believes none of them.
+Strategies of jtik (`jtik.study.strategies`) and other libraries (`jtik.study.peers`) are contenders. All of them get
+the same targets, starts and tolerances, and one independent check decides about success.
 """
 
 from __future__ import annotations
@@ -23,24 +23,24 @@ from jtik.types import Array
 
 @dataclass(frozen=True, kw_only=True)
 class Setting:
-    """What every contender of a study is asked to do: all but the problems.
+    """The setting of a study: everything that a contender must know except the problems.
 
     Attributes:
-        robot: the robot, before joints that take no part are locked.
-        task: a Task or several, as `jtik.InverseKinematics` takes them.
-        criteria: what to minimise with the freedom left.
+        robot: the full robot.
+        task: a Task or several, as in `jtik.InverseKinematics`.
+        criteria: criteria to minimise in the null space of the task.
         position_tolerance: norm of the position error to reach [m].
         orientation_tolerance: norm of the orientation error to reach [rad].
         optimality_tolerance: norm of the projected gradient of H to reach, relative to max(1, |dH/dv|).
-        max_iterations: most steps of an attempt.
-        until: "reached" stops on target, "stationary" goes on until H cannot fall further.
-        restarts: how many other starts may be tried.
-        seed: which other starts.
-        limits: whether the joint limits hold.
-        joints: names of the joints to move, "all", or None for those that move what the tasks are about.
-        at: configuration (nq,) of the robot at which the others are locked; its neutral one when None.
-        compiled: whether a contender that can run as generated C does.
-        clearances: distances that may not fall below their safe values.
+        max_iterations: maximum number of iterations of an attempt.
+        until: "reached" stops on target; "stationary" continues until H is stationary.
+        restarts: maximum number of restarts.
+        seed: seed of the restarts.
+        limits: whether the joint limits apply.
+        joints: names of the joints that move, "all", or None for those that move the frames of the tasks.
+        at: configuration (nq,) of the full robot at which the other joints are locked; None for the neutral one.
+        compiled: whether contenders that can run as generated C do so.
+        clearances: distances that must not fall below their safe values.
     """
 
     robot: Robot
@@ -60,18 +60,18 @@ class Setting:
     clearances: tuple[Clearance, ...] = ()
 
     def reduced(self) -> tuple[Robot, TaskStack]:
-        """The robot with only the joints that take part, which all configurations belong to, and the tasks on it."""
+        """The reduced robot, to which all configurations belong, and the tasks on it."""
         return reduced(self.robot, self.task, self.joints, self.at)
 
 
 class Answer(NamedTuple):
-    """What a contender says of one target.
+    """A contender's answer for one target.
 
     Attributes:
         q: configuration of the reduced robot, (nq,).
-        status: why it stopped, in its own words: the name of a `jtik.Status`, or a peer's.
-        claimed: whether it says that it has done what was asked.
-        iterations: steps tried; None where it does not tell.
+        status: why the solve stopped: the name of a `jtik.Status`, or a status of a peer.
+        claimed: whether the contender reports success.
+        iterations: number of iterations; None if unknown.
     """
 
     q: Array
@@ -80,43 +80,46 @@ class Answer(NamedTuple):
     iterations: int | None = None
 
 
-class Ready(ABC):
+class PreparedContender(ABC):
     """A contender built for one setting. It belongs to one process and one thread.
 
-    ``note`` says what of the setting it leaves out, for all of its rows.
+    Attributes:
+        note: parts of the setting that the contender ignores, as the note of all its rows.
     """
 
     note: str = ""
 
     def convert(self, target: Any) -> Any:
-        """The target in the form that `solve` and `traced` take; off the clock. As it is, unless overridden."""
+        """The target in the form that `solve` and `traced` take; not timed. Unchanged unless overridden."""
         return target
 
-    def set(self, parameters: Mapping[str, Array]) -> None:  # noqa: B027  (what has no parameters need not say so)
-        """Give live parameters of criteria and clearances these values; off the clock. Nothing, unless overridden."""
+    def set(self, parameters: Mapping[str, Array]) -> None:  # noqa: B027  (a contender without parameters need not override it)
+        """Set live parameters of criteria and clearances; not timed. Does nothing unless overridden."""
 
     @abstractmethod
     def solve(self, target: Any, q0: Array) -> Answer:
-        """Solve from ``q0`` (nq,) for a converted target. On the clock: nothing here that is not the solve."""
+        """Solve from ``q0`` (nq,) for a converted target. This call is timed, so it contains only the solve."""
 
     def traced(self, target: Any, q0: Array) -> tuple[Answer, Trace | None]:
-        """The same solve off the clock, with its iterations where the contender can tell them."""
+        """Solve without timing, with the iterations if the contender can record them."""
         return self.solve(target, q0), None
 
 
 class Contender(ABC):
-    """Something that can take part in a study. It must pickle, to travel to the processes of an executor.
+    """A solver that can take part in a study. It must be picklable, for the processes of an executor.
 
-    ``label`` is its name in tables, figures and files. ``optimizes`` says whether it heeds the criteria.
+    Attributes:
+        label: its name in tables, figures and files.
+        optimizes: whether it minimises the criteria.
     """
 
     label: str
     optimizes: bool = True
 
     @abstractmethod
-    def prepare(self, setting: Setting) -> Ready:
-        """Build it for a setting.
+    def prepare(self, setting: Setting) -> PreparedContender:
+        """Build the contender for a setting.
 
-        May raise: the study then has a row for each of its problems that carries the error's text, for instance how
-        to install what is missing.
+        It may raise. The study then has a row for each problem with the text of the error, for instance how to install
+        a missing package.
         """

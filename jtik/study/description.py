@@ -1,6 +1,6 @@
-"""jtik's own values as plain data and back: robots, tasks and what they are made of, for files without pickles.
+"""Robots, tasks and their parts as plain data and back, for files without pickles.
 
-Only classes that this module lists are ever made from a file.
+Only the classes that this module lists are created from a file.
 """
 
 from __future__ import annotations
@@ -31,7 +31,11 @@ _CLASSES: dict[str, type[Any]] = {
 
 
 class DescriptionError(JtikError):
-    """A value that has no description, or a description of no value. Attributes: given."""
+    """A value that cannot be described, or data that describes no value.
+
+    Attributes:
+        given: the value or the data.
+    """
 
     def __init__(self, given: object) -> None:
         super().__init__(given)
@@ -42,7 +46,7 @@ class DescriptionError(JtikError):
 
 
 def as_data(value: Any) -> Any:
-    """Strings, numbers, lists and dicts for a value. Raises DescriptionError for one that is not jtik's own."""
+    """A value as strings, numbers, lists and dicts. Raises DescriptionError for a class that is not jtik's."""
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
     if isinstance(value, (np.ndarray, np.generic)):
@@ -65,7 +69,7 @@ def as_data(value: Any) -> Any:
 
 
 def from_data(data: Any) -> Any:
-    """The value that `as_data` described. Raises DescriptionError for what describes none."""
+    """The value that `as_data` described. Raises DescriptionError for other data."""
     if isinstance(data, list):
         return [from_data(each) for each in data]
     if not isinstance(data, dict):
@@ -84,8 +88,8 @@ def from_data(data: Any) -> Any:
         options = {name: from_data(each) for name, each in data["robot"].items()}
         return Robot([from_data(joint) for joint in data["joints"]], **options)
     if data.get("class") in _CLASSES:
-        made = object.__new__(_CLASSES[data["class"]])
+        instance = object.__new__(_CLASSES[data["class"]])
         for name, each in data["state"].items():
-            object.__setattr__(made, name, from_data(each))
-        return made
+            object.__setattr__(instance, name, from_data(each))
+        return instance
     raise DescriptionError(data)

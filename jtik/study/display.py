@@ -11,7 +11,7 @@ Table = Mapping[str, Sequence[Any]]
 
 
 def cell(value: Any) -> str:
-    """One entry: three digits of a number, nothing for NaN."""
+    """The text of a cell: numbers with three digits, NaN as an empty cell."""
     if isinstance(value, float):
         if math.isnan(value):
             return ""
@@ -20,7 +20,7 @@ def cell(value: Any) -> str:
 
 
 def text(table: Table) -> str:
-    """For a terminal: words to the left, numbers to the right, titles broken over lines where that saves width."""
+    """A table for the terminal: text left-aligned, numbers right-aligned, long titles over several lines."""
     titles, rows = list(table), _rows(table)
     heads = [_stacked(title) for title in titles]
     height = max(len(head) for head in heads)
@@ -62,12 +62,12 @@ def _rows(table: Table) -> list[list[str]]:
 
 
 def _words(table: Table) -> list[bool]:
-    """Which columns are words."""
+    """Whether each column is text."""
     return [all(isinstance(value, str) for value in column) for column in table.values()]
 
 
 def _stacked(title: str) -> list[str]:
-    """A title over lines: its unit below, and its words below each other where they are long."""
+    """A title over several lines: long titles word by word, and the unit last."""
     name, bracket, unit = title.partition(" [")
     words = name.split(" ")
     lines = [name] if len(name) <= 9 else words

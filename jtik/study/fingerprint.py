@@ -1,7 +1,7 @@
-"""The fingerprint of a study: the same for the same robot, tasks, criteria, contenders, problems and options.
+"""Fingerprint of a study: a hash of its robot, tasks, criteria, contenders, problems and options.
 
-What was saved of a study is gone on with only under the same fingerprint. It is taken of values, not of a pickle's
-bytes, which tell apart what is equal.
+A saved study is resumed only if the fingerprints agree. The hash is that of the values. The bytes of a pickle would not
+do, because they can differ for equal values.
 """
 
 from __future__ import annotations
@@ -18,23 +18,23 @@ import numpy as np
 
 
 def fingerprint(*values: Any) -> str:
-    """64 hexadecimal digits."""
+    """Hash of the values, 64 hexadecimal digits."""
     digest = hashlib.sha256()
     _Reader(digest.update).read(values)
     return digest.hexdigest()
 
 
 class _Reader:
-    """Walks through values and tells their parts, in order, as bytes."""
+    """Traverses values and passes their parts to a hash, in order, as bytes."""
 
-    def __init__(self, tell: Any) -> None:
-        self._tell = tell
+    def __init__(self, update: Any) -> None:
+        self._update = update
         self._open: set[int] = set()
 
     def read(self, value: Any) -> None:
-        """One value and all that it holds."""
+        """A value and everything in it."""
         if id(value) in self._open:
-            self._say("itself")
+            self._add("itself")
             return
         self._open.add(id(value))
         try:
@@ -42,28 +42,28 @@ class _Reader:
         finally:
             self._open.discard(id(value))
 
-    def _say(self, *words: object) -> None:
+    def _add(self, *words: object) -> None:
         for word in words:
             text = word if isinstance(word, bytes) else str(word).encode()
-            self._tell(f"{len(text)}:".encode() + text)
+            self._update(f"{len(text)}:".encode() + text)
 
     def _read(self, value: Any) -> None:
         if isinstance(value, Enum):
-            self._say(type(value).__qualname__, value.name)
+            self._add(type(value).__qualname__, value.name)
         elif value is None or isinstance(value, (bool, int, float, complex, str, bytes)):
-            self._say(type(value).__name__, value if isinstance(value, bytes) else repr(value))
+            self._add(type(value).__name__, value if isinstance(value, bytes) else repr(value))
         elif isinstance(value, (np.ndarray, np.generic)):
             array = np.asarray(value)
-            self._say("array", array.dtype.str, array.shape, np.ascontiguousarray(array).tobytes())
+            self._add("array", array.dtype.str, array.shape, np.ascontiguousarray(array).tobytes())
         elif isinstance(value, type):
-            self._say("class", value.__module__, value.__qualname__)
+            self._add("class", value.__module__, value.__qualname__)
         elif isinstance(value, Mapping):
-            self._say("mapping", len(value))
+            self._add("mapping", len(value))
             for key in sorted(value, key=repr):
                 self.read(key)
                 self.read(value[key])
         elif isinstance(value, (list, tuple)):
-            self._say("sequence", len(value))
+            self._add("sequence", len(value))
             for item in value:
                 self.read(item)
         elif isinstance(value, Set):
@@ -73,13 +73,13 @@ class _Reader:
         elif isinstance(value, partial):
             self.read(("partial", value.func, value.args, value.keywords))
         elif isinstance(value, BuiltinFunctionType):
-            self._say("builtin", value.__module__, value.__qualname__)
+            self._add("builtin", value.__module__, value.__qualname__)
         else:
             self._object(value)
 
     def _function(self, function: Any) -> None:
-        """What a function does, as far as its own code tells."""
-        self._say("function", function.__name__)
+        """A function by its code, defaults and closure."""
+        self._add("function", function.__name__)
         self._code(function.__code__)
         cells = [cell.cell_contents for cell in function.__closure__ or ()]
         self.read([function.__defaults__, function.__kwdefaults__, cells])
@@ -87,7 +87,7 @@ class _Reader:
             self.read(function.__self__)
 
     def _code(self, code: CodeType) -> None:
-        self._say("code", code.co_code, code.co_names)
+        self._add("code", code.co_code, code.co_names)
         for constant in code.co_consts:
             if isinstance(constant, CodeType):
                 self._code(constant)
@@ -95,19 +95,19 @@ class _Reader:
                 self.read(constant)
 
     def _object(self, value: Any) -> None:
-        """By what it would be rebuilt from; by its looks where it cannot be."""
-        self._say("object", type(value).__module__, type(value).__qualname__)
+        """An object by the parts from which pickle rebuilds it; by its repr if it has none."""
+        self._add("object", type(value).__module__, type(value).__qualname__)
         try:
             parts = value.__reduce_ex__(4)
-        except Exception:  # whatever an object of somebody else's raises: its text has to do
-            self._say(repr(value))
+        except Exception:  # third-party objects may raise anything here; the repr is used instead
+            self._add(repr(value))
             return
         if isinstance(parts, str):
-            self._say(parts)
+            self._add(parts)
             return
-        made, arguments, *rest = parts
-        if made not in (copyreg.__newobj__, copyreg.__newobj_ex__):  # type: ignore[attr-defined]
-            self.read(made)
+        constructor, arguments, *rest = parts
+        if constructor not in (copyreg.__newobj__, copyreg.__newobj_ex__):  # type: ignore[attr-defined]
+            self.read(constructor)
         self.read(arguments)
         state, items, pairs = (*rest, None, None, None)[:3]
         self.read(_without_caches(type(value), state))
@@ -115,7 +115,7 @@ class _Reader:
 
 
 def _without_caches(kind: type[Any], state: Any) -> Any:
-    """The state without what cached properties have left in it."""
+    """The state without the values of cached properties."""
     from functools import cached_property
 
     if not isinstance(state, dict):

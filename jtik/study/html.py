@@ -1,4 +1,4 @@
-"""A study as one HTML page that needs no other file: table, figures, settings."""
+"""Report of a study as one self-contained HTML page with tables, figures and settings."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ th, td { padding: 0.3em 0.6em; } .wide { overflow-x: auto; } img { max-width: 10
 
 
 def page(comparison: Comparison) -> str:
-    """The page.
+    """The report as HTML.
 
     Raises:
         MissingExtraError: without matplotlib.
@@ -36,11 +36,11 @@ def page(comparison: Comparison) -> str:
     kinds = ", ".join(f"{len(comparison.problems.of(kind))} {kind}" for kind in comparison.problems.kinds)
     parts = [
         f"<h1>{html.escape(title)}</h1>",
-        f"<p>{len(comparison.problems)} problems: {html.escape(kinds)}. Times are medians of interleaved rounds;"
-        " success is judged by one forward kinematics for all.</p>",
+        f"<p>{len(comparison.problems)} problems: {html.escape(kinds)}. Times are medians over interleaved rounds."
+        " Success is decided by one independent check of all answers.</p>",
     ]
     if not comparison.complete:
-        parts.append("<p><strong>The study was interrupted: these are the rows that were done.</strong></p>")
+        parts.append("<p><strong>The study was interrupted. The report shows the completed rows.</strong></p>")
     parts += [_table(comparison.summary()), _notes(comparison)]
     if len(comparison.problems.kinds) > 1:
         parts += ["<h2>By kind of problem</h2>", _table(comparison.summary(("kind", "contender")))]
@@ -72,19 +72,19 @@ def _pairs(values: dict[str, Any]) -> str:
 
 
 def _figures(comparison: Comparison) -> Iterator[tuple[str, Figure]]:
-    """The figures that this study has something for."""
+    """The figures for which this study has data."""
     wanted: list[tuple[str, Callable[[], Figure]]] = [
-        ("How often within a factor of the fastest", comparison.plot_profile),
-        ("Error by iteration", comparison.plot_convergence),
-        ("The Lyapunov function of one case", comparison.plot_lyapunov),
-        ("The criterion", comparison.plot_criteria),
+        ("Performance profile", comparison.plot_profile),
+        ("Task error by iteration", comparison.plot_convergence),
+        ("Lyapunov function of one case", comparison.plot_lyapunov),
+        ("Criterion", comparison.plot_criteria),
         ("Postures of one case", comparison.plot_postures),
-        ("Joints of one case", comparison.plot_joints),
+        ("Joint positions of one case", comparison.plot_joints),
     ]
     for heading, draw in wanted:
         try:
             figure = draw()
-        except ArgumentError:  # nothing of that kind in this study
+        except ArgumentError:  # the study has no data for this figure
             continue
         yield heading, figure
 

@@ -1,4 +1,4 @@
-"""A row of a study: one contender, one set of criteria, one case, and every figure of it."""
+"""Rows of a study: the results of one contender with one set of criteria on one case."""
 
 from __future__ import annotations
 
@@ -10,48 +10,58 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.result.solution import Trace
-from jtik.study import measures
-from jtik.study.judge import SLACK
-from jtik.study.ruler import Ruler
+from jtik.study import path_metrics
+from jtik.study.independent_check import SLACK
+from jtik.study.metrics import ConfigurationMetrics
 from jtik.types import Array
 
 if TYPE_CHECKING:
-    from jtik.study.units import Attempt, Bench
+    from jtik.study.case_run import CaseRun
+    from jtik.study.unit_runner import UnitRunner
 
 NAN = math.nan
 Flags = NDArray[np.bool_]
 
-CLAIMS = "says it is on target"
-"""How the note begins of an answer that its contender takes for one and the judge does not."""
+FALSE_SUCCESS = "reports success"
+"""Beginning of the note if a contender reports success but the independent check finds the answer off target."""
+
+OLD_FALSE_SUCCESS = "says it is on target"
+"""The same beginning in files of earlier versions."""
 
 FAILURES = ("not installed", "not built", "raised")
-"""The status of rows without figures; the note says more."""
+"""Status of rows without figures; the note gives the reason."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
-    """What is known of one case; NaN where there is nothing to measure.
+    """Results of one contender on one case. Figures that do not apply are NaN.
 
     Attributes:
-        contender, criteria, case, kind: which it is.
-        success: on target by the judge's measure, within the limits where they hold, and stationary if asked.
-        status: why the solve stopped, in the contender's words; of a path the first that failed, or the last.
-        note: what went wrong besides.
-        iterations: steps tried; of a path the mean of a target.
-        seconds: median time of a solve [s]; of a path of its mean over the targets.
-        seconds_low, seconds_high: the least and the largest of the rounds [s].
-        seconds_per_iteration: [s].
-        position_error, orientation_error: judged [m], [rad], where the task has such rows; of a path the worst.
-        H: the criteria's value at the answer; of a path the mean.
-        regret: H less the least that a contender reached which solved this case with these criteria.
-        monotone: 1 where V never rose at an accepted step, 0 where it did.
-        clearance: least distance to an obstacle at the iterates of the answer's attempt, or along the path [m].
-        limit_margin: least distance of a joint to a limit as a share of its range, negative outside.
+        contender: label of the contender.
+        criteria: label of the criteria.
+        case: name of the case.
+        kind: kind of the case.
+        success: whether the answer is on target by the independent check, within the limits if they apply, and
+            reported as stationary if ``until="stationary"``. For a path, all answers must be.
+        status: the contender's status. For a path, that of the first failure, or of the last target.
+        note: what else went wrong.
+        iterations: number of iterations. For a path, the mean over its targets.
+        seconds: median time of a solve [s]. For a path, the mean over its targets.
+        seconds_low: smallest time of the rounds [s].
+        seconds_high: largest time of the rounds [s].
+        seconds_per_iteration: time of an iteration [s].
+        position_error: norm of the position error by the independent check [m]. For a path, the largest.
+        orientation_error: norm of the orientation error by the independent check [rad]. For a path, the largest.
+        H: value of the criteria at the answer. For a path, the mean.
+        regret: H minus the smallest H of the contenders that solved this case with these criteria.
+        monotone: 1 if V never rose at an accepted step, 0 if it did.
+        clearance: smallest distance to an obstacle over the iterates of the last attempt, or along the path [m].
+        limit_margin: smallest distance of a joint to a limit relative to its range, negative outside the limits.
         leakage: largest ``|J nu| / |nu|`` of a null-space step.
-        path_length: length of the way in joint space [rad] and [m]: over accepted iterates, or along the path.
-        smoothness: root mean square of the acceleration along a path [rad/s^2].
-        drift: distance between first and last posture of a closed path [rad] and [m].
-        condition: condition number of the task's Jacobian at the answer; of a path the worst.
+        path_length: length in joint space of the accepted iterates, or of the path [rad] and [m].
+        smoothness: root mean square of the joint acceleration along a path [rad/s^2].
+        drift: joint-space distance between first and last configuration of a closed path [rad] and [m].
+        condition: condition number of the task Jacobian at the answer. For a path, the largest.
     """
 
     contender: str
@@ -81,105 +91,105 @@ class Row:
 
     @classmethod
     def failed(cls, key: tuple[str, str, str], kind: str, status: str, note: str) -> Row:
-        """The row of something that has no figures."""
+        """A row without figures."""
         contender, criteria, case = key
         return cls(contender=contender, criteria=criteria, case=case, kind=kind, status=status, note=note)
 
 
 COLUMNS = tuple(each.name for each in fields(Row))
-"""The columns of a study, in their order."""
+"""Names of the columns in order."""
 
 TEXTS = ("contender", "criteria", "case", "kind", "status", "note")
-"""Those that are words."""
+"""Names of the text columns."""
 
 
-def measured(key: tuple[str, str, str], bench: Bench, attempt: Attempt, postures: Array) -> Row:
-    """The row of a case that was solved, well or badly.
+def measured(key: tuple[str, str, str], runner: UnitRunner, run: CaseRun, postures: Array) -> Row:
+    """The row of a case for which the contender gave answers.
 
     Args:
-        key: contender, criteria and case.
-        bench: with the judge and the ruler.
-        attempt: what the contender did.
-        postures: its answers, one a target, (k, nq).
+        key: names of contender, criteria and case.
+        runner: the runner, with the independent check and the metrics.
+        run: what the contender did.
+        postures: the answers, one for each target, (k, nq).
     """
     contender, criteria, name = key
-    case, setting, judge, ruler = attempt.case, bench.plan.setting, bench.judge, bench.ruler(criteria)
-    ruler.set(case.parameters)
-    numbers = [bench.tasks.read_target(target) for target in case.targets]
+    case, setting, check, metrics = run.case, runner.plan.setting, runner.check, runner.metrics(criteria)
+    metrics.set(case.parameters)
+    numbers = [runner.tasks.read_target(target) for target in case.targets]
     pairs = list(zip(postures, numbers, strict=True))
-    errors = np.array([judge.errors(q, target) for q, target in pairs])
-    H, condition = np.array([ruler.at(q, target)[::2] for q, target in pairs]).T
+    errors = np.array([check.errors(q, target) for q, target in pairs])
+    H, condition = np.array([metrics.at(q, target)[::2] for q, target in pairs]).T
     allowed = np.array([setting.position_tolerance, setting.orientation_tolerance]) + SLACK
     on_target = np.array([(each <= allowed).all() for each in errors])
-    within = np.array([judge.within(q) or not setting.limits for q in postures])
-    claimed = np.array([answer.claimed for answer in attempt.answers])
-    good = on_target & within & (claimed | (setting.until == "reached"))
-    told = [NAN if answer.iterations is None else float(answer.iterations) for answer in attempt.answers]
-    iterations = float(np.mean(told))
-    seconds = float(np.median(attempt.seconds))
-    # with restarts an answer off target need not be where the last attempt ended
-    known = [trace if on or not setting.restarts else None for trace, on in zip(attempt.traces, on_target, strict=True)]
-    ends = [ruler.at(trace.q[-1], target)[1] if trace else NAN for trace, target in zip(known, numbers, strict=True)]
-    way = _way(bench, ruler, attempt, postures, known, ends)
+    within = np.array([check.within(q) or not setting.limits for q in postures])
+    claimed = np.array([answer.claimed for answer in run.answers])
+    solved = on_target & within & (claimed | (setting.until == "reached"))
+    iteration_counts = [NAN if answer.iterations is None else float(answer.iterations) for answer in run.answers]
+    iterations = float(np.mean(iteration_counts))
+    seconds = float(np.median(run.seconds))
+    # with restarts, an answer off target may come from an earlier attempt than the last
+    known = [trace if on or not setting.restarts else None for trace, on in zip(run.traces, on_target, strict=True)]
+    ends = [metrics.at(trace.q[-1], target)[1] if trace else NAN for trace, target in zip(known, numbers, strict=True)]
+    figures = _path_figures(runner, metrics, run, postures, known, ends)
     return Row(
         contender=contender,
         criteria=criteria,
         case=name,
         kind=case.kind,
-        success=bool(good.all()),
-        status=attempt.answers[int(np.argmin(good)) if not good.all() else -1].status,
+        success=bool(solved.all()),
+        status=run.answers[int(np.argmin(solved)) if not solved.all() else -1].status,
         note=_note(errors, on_target, within, claimed),
         iterations=iterations,
         seconds=seconds,
-        seconds_low=min(attempt.seconds),
-        seconds_high=max(attempt.seconds),
+        seconds_low=min(run.seconds),
+        seconds_high=max(run.seconds),
         seconds_per_iteration=seconds / iterations if iterations > 0 else NAN,
-        position_error=float(errors[:, 0].max()) if judge.lengths else NAN,
-        orientation_error=float(errors[:, 1].max()) if judge.angles else NAN,
+        position_error=float(errors[:, 0].max()) if check.has_position else NAN,
+        orientation_error=float(errors[:, 1].max()) if check.has_orientation else NAN,
         H=float(H.mean()),
-        limit_margin=min(judge.margin(q) for q in postures),
+        limit_margin=min(check.margin(q) for q in postures),
         condition=float(condition.max()),
-        **way,
+        **figures,
     )
 
 
-def _way(
-    bench: Bench,
-    ruler: Ruler,
-    attempt: Attempt,
+def _path_figures(
+    runner: UnitRunner,
+    metrics: ConfigurationMetrics,
+    run: CaseRun,
     postures: Array,
     traces: list[Trace | None],
     ends: list[float],
 ) -> dict[str, float]:
-    """The figures of the way: of the iterations of a solve, whose V ends at ``ends``, or of the postures of a path."""
-    setting, case, robot = bench.plan.setting, attempt.case, bench.robot
+    """Figures of the iterations of a solve, whose final V is in ``ends``, or of the configurations along a path."""
+    setting, case, robot = runner.plan.setting, run.case, runner.robot
     tolerance = min(setting.position_tolerance, setting.orientation_tolerance)
     followed = [(trace, end) for trace, end in zip(traces, ends, strict=True) if trace is not None]
-    falls = [measures.monotone(trace, end, tolerance) for trace, end in followed]
-    leaks = [measures.leakage(trace) for trace, _ in followed]
-    figures = {"monotone": _least(falls), "leakage": -_least([-leak for leak in leaks])}
+    falls = [path_metrics.monotone(trace, end, tolerance) for trace, end in followed]
+    leaks = [path_metrics.leakage(trace) for trace, _ in followed]
+    figures = {"monotone": _smallest(falls), "leakage": -_smallest([-leak for leak in leaks])}
     if case.is_path:
         own = postures
-        figures["path_length"] = measures.path_length(robot, own)
-        figures["smoothness"] = measures.smoothness(robot, own, case.dt)
-        figures["drift"] = measures.drift(robot, own) if case.closed else NAN
+        figures["path_length"] = path_metrics.path_length(robot, own)
+        figures["smoothness"] = path_metrics.smoothness(robot, own, case.dt)
+        figures["drift"] = path_metrics.drift(robot, own) if case.closed else NAN
     elif followed:
-        own = measures.iterates(followed[0][0])
-        figures["path_length"] = measures.path_length(robot, own)
+        own = path_metrics.iterates(followed[0][0])
+        figures["path_length"] = path_metrics.path_length(robot, own)
     else:
         own = postures
-    figures["clearance"] = ruler.clearance(own)
+    figures["clearance"] = metrics.clearance(own)
     return figures
 
 
-def _least(figures: list[float]) -> float:
-    """The least of those that are numbers; NaN where none is."""
+def _smallest(figures: list[float]) -> float:
+    """The smallest figure, ignoring NaN; NaN if there is no other."""
     return min((figure for figure in figures if not math.isnan(figure)), default=NAN)
 
 
 def _note(errors: Array, on_target: Flags, within: Flags, claimed: Flags) -> str:
-    """What the contender says and the judge does not find."""
+    """Differences between what the contender reports and what the independent check finds."""
     if (claimed & ~on_target).any():
         position, orientation = errors[claimed & ~on_target].max(axis=0)
-        return f"{CLAIMS}, but is {position:.3g} m and {orientation:.3g} rad off"
+        return f"{FALSE_SUCCESS}, but the error is {position:.3g} m and {orientation:.3g} rad"
     return "" if within.all() else "outside the joint limits"

@@ -1,4 +1,4 @@
-"""jtik's own strategies as contenders of a study."""
+"""Strategies of jtik as contenders of a study."""
 
 from __future__ import annotations
 
@@ -14,21 +14,24 @@ from jtik.registry import secondaries, strategies
 from jtik.result.solution import Trace
 from jtik.solver import InverseKinematics
 from jtik.strategy import Strategy
-from jtik.study.contender import Answer, Contender, Ready, Setting
+from jtik.study.contender import Answer, Contender, PreparedContender, Setting
 from jtik.types import Array
 
 PEER = "peer:"
-"""How the name of a contender from another library begins: "peer:mink"."""
+"""Prefix of the name of a contender from another library, such as "peer:mink"."""
 
 
-class Law(Contender):
-    """A strategy of jtik, where a study needs more of it than its name.
+class StrategyContender(Contender):
+    """A strategy of jtik as a contender, for options that a name or a Strategy object does not carry.
 
     Args:
         strategy: name of a registered strategy, or a Strategy object.
-        solver: what solves its programs, as in `jtik.InverseKinematics`.
-        compiled: whether it runs as generated C; as the rest of the study when None.
-        label: its name in the study; the strategy's by default, with the options that are not the usual ones.
+        solver: solver of its quadratic programs, as in `jtik.InverseKinematics`.
+        compiled: whether it runs as generated C; None takes the option of the study.
+        label: its name in the study; by default the name of the strategy and its non-default options.
+
+    Raises:
+        ArgumentError: if strategy is neither a name nor a Strategy.
     """
 
     def __init__(
@@ -48,9 +51,9 @@ class Law(Contender):
         self.label = label or ", ".join([own, *extra])
 
     def __repr__(self) -> str:
-        return f"Law({self.strategy!r}, label={self.label!r})"
+        return f"StrategyContender({self.strategy!r}, label={self.label!r})"
 
-    def prepare(self, setting: Setting) -> Ready:
+    def prepare(self, setting: Setting) -> PreparedContender:
         """Build the solver. Raises what `jtik.InverseKinematics` raises."""
         ik = InverseKinematics(
             setting.robot,
@@ -64,11 +67,11 @@ class Law(Contender):
             at=setting.at,
             compiled=setting.compiled if self.compiled is None else self.compiled,
         )
-        return ReadyLaw(ik, setting)
+        return PreparedStrategy(ik, setting)
 
 
-class ReadyLaw(Ready):
-    """A solver, with the options of a setting's solves."""
+class PreparedStrategy(PreparedContender):
+    """A solver with the options of a setting."""
 
     def __init__(self, ik: InverseKinematics, setting: Setting) -> None:
         self.ik = ik
@@ -85,37 +88,40 @@ class ReadyLaw(Ready):
         }
 
     def set(self, parameters: Mapping[str, Array]) -> None:
-        """These values; parameters that are not named get their first ones back."""
+        """Set live parameters; those that are not given return to their first values."""
         for name, value in self._first.items():
             self.ik.parameters[name] = parameters.get(name, value)
 
     def solve(self, target: Any, q0: Array) -> Answer:
-        """`InverseKinematics.solve`."""
+        """Solve by `InverseKinematics.solve`."""
         solution = self._solve(target, q0=q0, **self._options)
         return Answer(solution.q, solution.status.name, solution.converged, solution.iterations)
 
     def traced(self, target: Any, q0: Array) -> tuple[Answer, Trace | None]:
-        """The same, recorded."""
+        """Solve with a trace."""
         solution = self._solve(target, q0=q0, trace=True, **self._options)
         return Answer(solution.q, solution.status.name, solution.converged, solution.iterations), solution.trace
 
 
-class Unknown(Contender):
-    """What a study was given by a name that nobody has: it takes part by saying so."""
+class UnknownContender(Contender):
+    """A contender for an unknown name; its rows carry the error."""
 
     def __init__(self, label: str, error: Exception) -> None:
         self.label, self._error = label, error
 
-    def prepare(self, setting: Setting) -> Ready:
-        """Raises the error."""
+    def prepare(self, setting: Setting) -> PreparedContender:
+        """Raise the error."""
         raise self._error
 
 
 def contenders_of(given: Any) -> dict[str, Contender]:
-    """The contenders of a study by label, from names, objects, or a mapping from label to either.
+    """The contenders of a study by label.
+
+    Args:
+        given: names, Strategy objects, contenders, one or several, or a mapping from label to any of these.
 
     Raises:
-        ArgumentError: for none, or something that is neither name nor strategy nor contender.
+        ArgumentError: for no contender, or an element of another type.
     """
     if isinstance(given, (str, Strategy, Contender)):
         given = [given]
@@ -138,7 +144,7 @@ def contenders_of(given: Any) -> dict[str, Contender]:
 
 
 def _contender(given: Any) -> tuple[str, Contender]:
-    """A contender and what to call it."""
+    """A contender and its label."""
     if isinstance(given, Contender):
         return given.label, given
     if isinstance(given, str) and given.startswith(PEER):
@@ -147,13 +153,13 @@ def _contender(given: Any) -> tuple[str, Contender]:
         try:
             return given, peers.named(given.removeprefix(PEER))
         except UnknownNameError as error:
-            return given, Unknown(given, error)
-    law = Law(given)
-    return law.label, law
+            return given, UnknownContender(given, error)
+    contender = StrategyContender(given)
+    return contender.label, contender
 
 
 def described(strategy: Strategy) -> str:
-    """The registered name of a strategy with the options that are not its defaults: "damped(damping=0.3)"."""
+    """The registered name of a strategy with its non-default options, such as "damped(damping=0.3)"."""
     name = _registered(type(strategy))
     if not is_dataclass(strategy):
         return name

@@ -1,4 +1,4 @@
-"""The summary of a study: one line a contender, or whatever else the rows are grouped by."""
+"""Summary of a study: one row for each contender, or for each group of other columns."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from jtik.types import Array
 Columns = Mapping[str, NDArray[Any]]
 
 GROUPS = ("contender", "criteria", "kind", "case", "status")
-"""What rows can be grouped by."""
+"""Columns by which rows can be grouped."""
 
 
 @dataclass(frozen=True)
-class Figure:
+class SummaryColumn:
     """A column of the summary.
 
     Attributes:
-        title: what it is called, with its unit.
-        of: the column of the study that it summarises.
-        by: how: numbers without NaN, at least one of them -> one number.
-        solved: whether only solved cases count.
-        scale: what the number is multiplied by.
+        title: title with its unit.
+        of: column of the study that it summarises.
+        by: statistic of at least one number, without NaN.
+        solved: whether it includes solved cases only.
+        scale: factor on the result.
     """
 
     title: str
@@ -41,38 +41,38 @@ def _percentile(share: float) -> Callable[[Array], Any]:
     return lambda values: np.percentile(values, share)
 
 
-FIGURES = (
-    Figure("success [%]", "success", np.mean, False, 100.0),
-    Figure("iterations", "iterations", np.median),
-    Figure("time [ms]", "seconds", np.median, True, 1e3),
-    Figure("time 10 % [ms]", "seconds", _percentile(10), True, 1e3),
-    Figure("time 90 % [ms]", "seconds", _percentile(90), True, 1e3),
-    Figure("time/iteration [us]", "seconds_per_iteration", np.median, False, 1e6),
-    Figure("position error [m]", "position_error", np.median, False),
-    Figure("orientation error [rad]", "orientation_error", np.median, False),
-    Figure("H", "H", np.median),
-    Figure("regret", "regret", np.median),
-    Figure("monotone [%]", "monotone", np.mean, False, 100.0),
-    Figure("clearance [m]", "clearance", np.min),
-    Figure("limit margin [%]", "limit_margin", np.min, True, 100.0),
-    Figure("leakage", "leakage", np.max, False),
-    Figure("path length [rad]", "path_length", np.median),
-    Figure("acceleration [rad/s^2]", "smoothness", np.median),
-    Figure("drift [rad]", "drift", np.max),
-    Figure("condition", "condition", np.median),
+SUMMARY_COLUMNS = (
+    SummaryColumn("success [%]", "success", np.mean, False, 100.0),
+    SummaryColumn("iterations", "iterations", np.median),
+    SummaryColumn("time [ms]", "seconds", np.median, True, 1e3),
+    SummaryColumn("time 10 % [ms]", "seconds", _percentile(10), True, 1e3),
+    SummaryColumn("time 90 % [ms]", "seconds", _percentile(90), True, 1e3),
+    SummaryColumn("time/iteration [us]", "seconds_per_iteration", np.median, False, 1e6),
+    SummaryColumn("position error [m]", "position_error", np.median, False),
+    SummaryColumn("orientation error [rad]", "orientation_error", np.median, False),
+    SummaryColumn("H", "H", np.median),
+    SummaryColumn("regret", "regret", np.median),
+    SummaryColumn("monotone [%]", "monotone", np.mean, False, 100.0),
+    SummaryColumn("clearance [m]", "clearance", np.min),
+    SummaryColumn("limit margin [%]", "limit_margin", np.min, True, 100.0),
+    SummaryColumn("leakage", "leakage", np.max, False),
+    SummaryColumn("path length [rad]", "path_length", np.median),
+    SummaryColumn("acceleration [rad/s^2]", "smoothness", np.median),
+    SummaryColumn("drift [rad]", "drift", np.max),
+    SummaryColumn("condition", "condition", np.median),
 )
-"""Success, monotony, leakage and the errors are of all cases; the rest is of the solved ones."""
+"""Success, errors, time per iteration, monotone and leakage include all cases; the others solved cases only."""
 
 
 def summary(columns: Columns, by: Sequence[str]) -> dict[str, list[Any]]:
-    """Columns of the summary: what it is grouped by, how many cases, and every figure that there is.
+    """Columns of the summary: the groups, the number of cases, and all figures that have values.
 
     Args:
-        columns: those of a study.
+        columns: the columns of a study.
         by: names from `GROUPS`.
 
     Raises:
-        ArgumentError: for another name, or none.
+        ArgumentError: for another name, or no name.
     """
     names = (by,) if isinstance(by, str) else tuple(by)
     if not names or not set(names) <= set(GROUPS):
@@ -81,14 +81,14 @@ def summary(columns: Columns, by: Sequence[str]) -> dict[str, list[Any]]:
     groups = {key: np.array([each == key for each in keys]) for key in dict.fromkeys(keys)}
     table: dict[str, list[Any]] = {name: [key[i] for key in groups] for i, name in enumerate(names)}
     table["cases"] = [int(rows.sum()) for rows in groups.values()]
-    for figure in FIGURES:
+    for figure in SUMMARY_COLUMNS:
         values = [_summarised(columns, rows, figure) for rows in groups.values()]
         if not np.isnan(values).all():
             table[figure.title] = values
     return table
 
 
-def _summarised(columns: Columns, rows: NDArray[np.bool_], figure: Figure) -> float:
+def _summarised(columns: Columns, rows: NDArray[np.bool_], figure: SummaryColumn) -> float:
     if figure.solved:
         rows = rows & columns["success"]
     values = columns[figure.of][rows].astype(float)

@@ -1,9 +1,9 @@
-"""The rule for beta as printed, with the root it lacks, and the merit that replaced it.
+"""The rule for beta as printed, with the missing square root, and the merit function that replaces it.
 
-Appendix A sets beta_{k+1} = beta_k^2 |h_k|^2 / |h_{k+1}|^2 where that is below 1, so that V2 = |beta h|^2 / 2 falls. V2
-is quadratic in beta, and the ratio therefore squares itself from step to step. First on an arm whose |h| is constant,
-where the sequence is known; then on ten links among obstacles: how often, and how soon, the motion in the null space
-stands still before the criterion is stationary; and from a start at the optimum of the criterion, where V2 = 0.
+Appendix A sets beta_{k+1} = beta_k^2 |h_k|^2 / |h_{k+1}|^2 if that is below 1, so that V2 = |beta h|^2 / 2 falls. V2 is
+quadratic in beta, so the ratio squares itself from step to step. Three tests: an arm with constant |h|, for which the
+sequence is known; ten links among obstacles, to count how often and how soon the null-space motion stops before the
+criterion is stationary; and starts at the optimum of the criterion, where V2 = 0.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ import jtik
 from jtik_formulations import JointCentering, Newton, ObstacleAvoidance, ProjectedGradient
 
 FIELD = [jtik.Point((5.0, 4.5)), jtik.Point((6.0, -4.5))]
-"""At the edge of where the arm moves, so that no step lands next to one."""
+"""Obstacles at the boundary of the region in which the arm moves, so that no step ends close to one."""
 BETA_MAX = 0.3
-"""Below one over the largest curvature of the criteria on most of the way, so that a fixed beta would converge."""
+"""Below the inverse of the largest curvature of the criteria on most of the path, so that a fixed beta converges."""
 ITERATIONS = 600
 FROZEN = 1e-6
-"""|beta h| below which the null space does not move [rad] ..."""
+"""|beta h| below which the null-space motion counts as stopped [rad]."""
 UNFINISHED = 1e-3
-"""... although |h| is above this: H could still fall."""
+"""|h| above which H is not stationary."""
 
 RULES: dict[str, ProjectedGradient] = {
     "paper": ProjectedGradient(rule="paper", beta_max=BETA_MAX),
@@ -39,16 +39,16 @@ RULES: dict[str, ProjectedGradient] = {
 
 @jtik.criterion
 def downhill(q, robot):
-    """A slope that is 1 everywhere, along a joint that does not move the frame of the task."""
+    """A criterion with gradient 1 along a joint that does not move the frame of the task."""
     return q[3]
 
 
 def constant(rule: str) -> Row:
-    """beta at the first seven steps where |h| = 1 for ever and beta starts at 0.9."""
+    """beta at the first seven steps, with constant |h| = 1 and an initial beta of 0.9."""
     secondary = ProjectedGradient(rule=rule, beta_max=0.9, step_limit=10.0, floor=1e-12)
-    law = Newton(secondary=secondary, backtracking=False)
+    strategy = Newton(secondary=secondary, backtracking=False)
     robot = jtik.Robot.planar(4)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("link3"), criteria=downhill, strategy=law, joints="all")
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask("link3"), criteria=downhill, strategy=strategy, joints="all")
     q0 = np.array([0.3, 0.4, 0.5, 0.6])
     trace = ik.solve(robot.position(q0, "link3"), q0=q0, max_iterations=7, trace=True).trace
     assert trace is not None
@@ -56,14 +56,18 @@ def constant(rule: str) -> Row:
 
 
 def solved(rule: str, count: int, at_optimum: bool = False) -> Row:
-    """Ten links, Newton's step for the task, zero angles and obstacles for the rest.
+    """Ten links, Newton's step for the task, zero angles and obstacles as criteria.
 
-    frozen: solves that end with |beta h| below 1e-6 rad and |h| above 1e-3 [%]. freezes: median step from which on that
-    is so. h: median of |h| at the end. stationary: solves that end on target with H stationary [%]. V2_rises:
-    accepted steps at which V2 rose [%]. V_rises: the same for V.
+    Columns:
+        frozen: solves that end with |beta h| below 1e-6 rad and |h| above 1e-3 [%].
+        freezes: median step after which this holds.
+        h: median of |h| at the end.
+        stationary: solves that end on target with H stationary [%].
+        V2_rises: accepted steps at which V2 rose [%].
+        V_rises: accepted steps at which V rose [%].
     """
-    springs = JointCentering(1.0, np.linspace(0.4, -0.2, 10)) if at_optimum else JointCentering()
-    criteria = springs if at_optimum else springs + 0.3 * ObstacleAvoidance(FIELD)
+    centering = JointCentering(1.0, np.linspace(0.4, -0.2, 10)) if at_optimum else JointCentering()
+    criteria = centering if at_optimum else centering + 0.3 * ObstacleAvoidance(FIELD)
     ik = jtik.InverseKinematics(ARM, jtik.FrameTask("tip"), criteria=criteria, strategy=Newton(secondary=RULES[rule]))
     frozen, freezes, residuals, ended, V2_rises, V_rises = [], [], [], [], [], []
     for k in range(count):
@@ -75,9 +79,9 @@ def solved(rule: str, count: int, at_optimum: bool = False) -> Row:
         assert trace is not None
         length = np.sqrt(2 * trace.V2)
         h = solution.null_space_residual
-        stands = length[-1] < FROZEN and h > UNFINISHED
-        frozen.append(stands)
-        if stands:
+        stopped = length[-1] < FROZEN and h > UNFINISHED
+        frozen.append(stopped)
+        if stopped:
             moving = np.flatnonzero(length >= FROZEN)
             freezes.append(int(moving[-1]) + 1 if len(moving) else 0)
         residuals.append(h)
@@ -97,7 +101,7 @@ def solved(rule: str, count: int, at_optimum: bool = False) -> Row:
 
 
 def compute(quick: bool) -> list[Row]:
-    """All three."""
+    """The rows of all three tests."""
     few = 6 if quick else 60
     rows = [constant(rule) for rule in ("paper", "sqrt")]
     rows += [solved(rule, few) for rule in RULES]
@@ -105,7 +109,7 @@ def compute(quick: bool) -> list[Row]:
 
 
 def statements(rows: Sequence[Row]) -> dict[str, bool]:
-    """What these rows show."""
+    """Statements about these rows, and whether they hold."""
     at = by_key(rows, ["case"])
     printed, root = at["|h| = 1, paper"], at["|h| = 1, sqrt"]
 
@@ -116,29 +120,32 @@ def statements(rows: Sequence[Row]) -> dict[str, bool]:
         "as printed, beta squares itself: 0.9^(2^k)": all(
             math.isclose(float(printed[f"beta_{k}"]), 0.9**2**k, rel_tol=1e-9) for k in range(7)
         ),
-        "with the root, beta stays where |h| does": all(
+        "with the root, beta is constant if |h| is": all(
             math.isclose(float(root[f"beta_{k}"]), 0.9, rel_tol=1e-9) for k in range(7)
         ),
-        "as printed, most solves freeze before H is stationary": of("ten links, paper", "frozen") > 80,
-        "with the root or by merit none freezes": all(
+        "as printed, the null-space motion of most solves stops before H is stationary": of(
+            "ten links, paper", "frozen"
+        )
+        > 80,
+        "with the root or by merit it stops in none": all(
             of(f"ten links, {rule}", "frozen") == 0 for rule in ("sqrt", "merit")
         ),
-        "by merit every solve ends stationary": of("ten links, merit", "stationary") == 100,
-        "with the root more solves end stationary than as printed": of("ten links, sqrt", "stationary")
+        "by merit every solve ends with H stationary": of("ten links, merit", "stationary") == 100,
+        "with the root more solves end with H stationary than as printed": of("ten links, sqrt", "stationary")
         > of("ten links, paper", "stationary"),
-        "V2 never rises as printed, nor with the root and no floor": all(
+        "V2 never rises as printed, or with the root and no floor": all(
             of(f"{start}, {rule}", "V2_rises") == 0
             for start in ("ten links", "start at the optimum")
             for rule in ("paper", "sqrt, no floor")
         ),
-        "V2 rises by merit, which bounds it otherwise": of("ten links, merit", "V2_rises") > 0,
-        "from a start at the optimum of H the printed rule never moves the null space": of(
+        "V2 rises by merit, which limits beta differently": of("ten links, merit", "V2_rises") > 0,
+        "from a start at the optimum of H the printed rule never moves in the null space": of(
             "start at the optimum, paper", "frozen"
         )
         == 100
         and of("start at the optimum, paper", "freezes") <= 1,
-        "nor does the root without a floor": of("start at the optimum, sqrt, no floor", "frozen") == 100,
-        "the floor and the merit do": all(
+        "the root without a floor does not move either": of("start at the optimum, sqrt, no floor", "frozen") == 100,
+        "the floor and the merit function do": all(
             of(f"start at the optimum, {rule}", "frozen") == 0 for rule in ("sqrt", "merit")
         ),
     }

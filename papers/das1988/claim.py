@@ -1,8 +1,8 @@
-"""What the scripts of this folder share: expected numbers, how far one may be from them, statements, the command line.
+"""Shared code of the scripts in this folder: expected numbers, tolerances, statements, and the command line.
 
-A script computes rows, each a dictionary of text keys and numbers, and states in sentences what they show. Run, it
-prints both, writes the rows to ``results/`` and compares them with ``expected/``. The tests run it with ``quick``,
-on fewer problems, which has expected numbers of its own in ``expected/quick/`` where it differs.
+A script computes rows, each a dictionary of text keys and numbers, and checks statements about them. It prints both,
+writes the rows to ``results/`` and compares them with ``expected/``. The tests run it with ``quick``, on fewer
+problems. If the quick numbers differ, their expected values are in ``expected/quick/``.
 """
 
 from __future__ import annotations
@@ -18,18 +18,23 @@ from pathlib import Path
 HERE = Path(__file__).parent
 
 Row = dict[str, str | float]
-"""Columns by name; a row may lack columns that others have."""
+"""Values by column name; a row may lack columns of other rows."""
 
 
 @dataclass(frozen=True)
 class Within:
-    """How far a number may be from the expected one: ``absolute``, or ``relative`` of it, whichever allows more."""
+    """Tolerance of a number; the larger of both tolerances applies.
+
+    Attributes:
+        absolute: absolute tolerance.
+        relative: tolerance relative to the expected number.
+    """
 
     absolute: float = 0.0
     relative: float = 0.0
 
     def allows(self, now: float, expected: float, slack: float = 1.0) -> bool:
-        """Whether they agree; equal infinities and NaN do."""
+        """Whether two numbers agree; equal infinities agree, and NaN agrees with NaN."""
         if now == expected or (math.isnan(now) and math.isnan(expected)):
             return True
         if math.isinf(now) or math.isinf(expected):
@@ -38,20 +43,26 @@ class Within:
 
 
 EXACT = Within(relative=1e-6)
-"""For what rounding alone can change; csv files keep ten digits."""
+"""Tolerance of numbers that depend on rounding only; csv files have ten digits."""
 MEDIAN = Within(absolute=1.0, relative=0.1)
-"""For medians of iterations: mathematical libraries differ in the last place, and long runs amplify that."""
+"""Tolerance of medians of iterations: mathematical libraries differ in the last digit, and long runs amplify it."""
 SHARE = Within(absolute=3.0)
-"""For percentages of solves, for the same reason."""
+"""Tolerance of percentages of solves, for the same reason."""
 ROUNDING = Within(absolute=1e-9)
-"""For differences that are rounding and nothing else."""
+"""Tolerance of differences that are pure rounding."""
 FEW = 3.0
-"""How many times farther a number of the quick run may be: one problem of twenty is worth five percent."""
+"""Factor on the tolerances in a quick run, where one problem of twenty is five percent."""
 
 
 @dataclass(frozen=True)
-class Report:
-    """What a run found: its rows, its statements and whether they hold, and every number that is not as expected."""
+class ScriptReport:
+    """Result of a run.
+
+    Attributes:
+        rows: the computed rows.
+        statements: whether each statement holds.
+        differing: descriptions of the numbers that differ from the expected ones.
+    """
 
     rows: list[Row]
     statements: dict[str, bool]
@@ -60,23 +71,25 @@ class Report:
     @property
     def trouble(self) -> list[str]:
         """Statements that do not hold, and numbers that differ."""
-        return [f"does not hold: {said}" for said, holds in self.statements.items() if not holds] + self.differing
+        return [
+            f"does not hold: {statement}" for statement, holds in self.statements.items() if not holds
+        ] + self.differing
 
 
 @dataclass(frozen=True)
 class Script:
-    """One script: what it computes, what that shows, and how far it may differ.
+    """One script: its computation, its statements, and the tolerances of its numbers.
 
     Attributes:
-        name: of the script and its csv files.
-        keys: the columns that tell rows apart; all others are numbers.
-        tolerances: of every other column.
-        compute: the rows, of fewer problems if told to be quick.
-        statements: what the rows show: sentences, and whether they hold.
-        quick_differs: whether ``compute(True)`` answers anything but ``compute(False)``.
-        draw: writes the figures of these rows into a folder.
-        uncompared: rows, by their joined keys, that are shown and not compared, such as times.
-        show: the rows as text, where a plain table does not do.
+        name: name of the script and of its csv files.
+        keys: columns that identify a row; all other columns are numbers.
+        tolerances: tolerance of each other column.
+        compute: computes the rows, with fewer problems if its argument ``quick`` is True.
+        statements: rows -> statements, and whether they hold.
+        quick_differs: whether the rows of a quick run differ from those of a full run.
+        draw: writes the figures to a folder.
+        uncompared: whether a row, by its joined keys, is shown without comparison, such as times.
+        show: rows -> text, if a plain table is not suitable.
     """
 
     name: str
@@ -98,44 +111,44 @@ class Script:
         """The expected rows."""
         return read(self.expected(quick), self.keys)
 
-    def run(self, quick: bool, accept: bool = False) -> Report:
-        """Compute, state, and compare with, or replace, the expected numbers."""
+    def run(self, quick: bool, accept: bool = False) -> ScriptReport:
+        """Compute the rows, check the statements, and compare with the expected numbers or replace them."""
         rows = self.compute(quick)
         if accept:
             write(self.expected(quick), rows)
         slack = FEW if quick and self.quick_differs else 1.0
         differing = self.differing(rows, self.read_expected(quick), slack)
-        return Report(rows, self.statements(rows), differing)
+        return ScriptReport(rows, self.statements(rows), differing)
 
     def differing(self, rows: Sequence[Row], expected: Sequence[Row], slack: float = 1.0) -> list[str]:
-        """Every number that is not as expected, and every row that only one of both has, in words."""
+        """Descriptions of numbers that differ, and of rows that are missing or not expected."""
         now, then = by_key(rows, self.keys), by_key(expected, self.keys)
         found = [f"{key}: not expected" for key in now.keys() - then.keys()]
-        found += [f"{key}: expected, but not there" for key in then.keys() - now.keys()]
+        found += [f"{key}: expected, but missing" for key in then.keys() - now.keys()]
         for key in now.keys() & then.keys():
             if self.uncompared(key):
                 continue
             for column, tolerance in self.tolerances.items():
                 if (column in now[key]) != (column in then[key]):
-                    found.append(f"{key}: {column} is in one of both alone")
+                    found.append(f"{key}: {column} is in only one of both")
                 elif column in now[key]:
-                    a, b = float(now[key][column]), float(then[key][column])
-                    if not tolerance.allows(a, b, slack):
-                        found.append(f"{key}: {column} is {a:.7g}, expected {b:.7g}")
+                    value, wanted = float(now[key][column]), float(then[key][column])
+                    if not tolerance.allows(value, wanted, slack):
+                        found.append(f"{key}: {column} is {value:.7g}, expected {wanted:.7g}")
         return sorted(found)
 
     def main(self, description: str | None, arguments: Sequence[str] | None = None) -> int:
-        """The command line. Returns the exit status: 1 if a statement does not hold or a number differs."""
+        """Run from the command line. Returns 1 if a statement does not hold or a number differs, else 0."""
         parser = argparse.ArgumentParser(description=(description or "").split("\n\n")[0])
-        parser.add_argument("--quick", action="store_true", help="fewer problems, as the tests run it")
-        parser.add_argument("--accept", action="store_true", help="make these numbers the expected ones")
-        parser.add_argument("--no-figure", action="store_true", help="do not draw")
-        parser.add_argument("--out", type=Path, default=HERE / "results", help="where to write (default: results/)")
+        parser.add_argument("--quick", action="store_true", help="fewer problems, as in the tests")
+        parser.add_argument("--accept", action="store_true", help="replace the expected numbers by these")
+        parser.add_argument("--no-figure", action="store_true", help="write no figure")
+        parser.add_argument("--out", type=Path, default=HERE / "results", help="output folder (default: results/)")
         options = parser.parse_args(arguments)
         report = self.run(options.quick, options.accept)
         print(self.show(report.rows) if self.show else text(report.rows))
-        for said, holds in report.statements.items():
-            print(f"{'holds' if holds else 'DOES NOT HOLD'}: {said}")
+        for statement, holds in report.statements.items():
+            print(f"{'holds' if holds else 'DOES NOT HOLD'}: {statement}")
         write(options.out / f"{self.name}.csv", report.rows)
         if self.draw and not options.no_figure:
             self.draw(options.out, report.rows)
@@ -153,17 +166,17 @@ def by_key(rows: Iterable[Row], keys: Sequence[str]) -> dict[str, Row]:
 
 
 def columns(rows: Iterable[Row]) -> list[str]:
-    """All columns, in the order they first come."""
+    """All columns in order of first appearance."""
     return list(dict.fromkeys(name for row in rows for name in row))
 
 
 def number(value: str | float) -> str:
-    """Ten digits; text as it is."""
+    """A number with ten digits; text unchanged."""
     return value if isinstance(value, str) else f"{value:.10g}"
 
 
 def write(path: Path, rows: Sequence[Row]) -> None:
-    """Rows as csv."""
+    """Write rows to a csv file."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, columns(rows), lineterminator="\n")
@@ -172,7 +185,7 @@ def write(path: Path, rows: Sequence[Row]) -> None:
 
 
 def read(path: Path, keys: Sequence[str]) -> list[Row]:
-    """Rows from csv; an empty cell is no cell."""
+    """Read rows from a csv file; empty cells are left out."""
     with path.open(newline="", encoding="utf-8") as file:
         return [
             {name: cell if name in keys else float(cell) for name, cell in line.items() if cell}
@@ -181,7 +194,7 @@ def read(path: Path, keys: Sequence[str]) -> list[Row]:
 
 
 def text(rows: Sequence[Row]) -> str:
-    """A table."""
+    """Rows as a text table."""
     names = columns(rows)
     cells = [names] + [[_short(row[name]) if name in row else "" for name in names] for row in rows]
     widths = [max(len(line[i]) for line in cells) for i in range(len(names))]
@@ -193,12 +206,12 @@ def _short(value: str | float) -> str:
 
 
 def median(values: Sequence[float]) -> float:
-    """The median, where infinite values may stand in the middle."""
+    """The median; values may be infinite."""
     ordered, half = sorted(values), len(values) // 2
     return ordered[half] if len(values) % 2 or math.isinf(ordered[half]) else (ordered[half - 1] + ordered[half]) / 2
 
 
 def percent(flags: Iterable[bool]) -> float:
-    """The share of true ones [%]."""
+    """The share of true values [%]."""
     listed = [bool(flag) for flag in flags]
     return 100 * sum(listed) / len(listed)

@@ -1,7 +1,7 @@
-"""Writes the tables of the README: claims.toml and the csv files in, Markdown out.
+"""Writes the tables of README.md from claims.toml and the expected csv files.
 
-``python papers/das1988/claims.py`` rewrites what stands between the markers of README.md; ``--check`` exits with
-status 1 if that would change anything.
+``python papers/das1988/claims.py`` rewrites the tables between the markers of README.md. With ``--check`` it exits with
+status 1 if that would change the file.
 """
 
 from __future__ import annotations
@@ -51,12 +51,12 @@ SCRIPTS: dict[str, Script] = {
 
 
 def expected() -> dict[str, dict[str, Row]]:
-    """The expected numbers of every full run: script, row, column."""
+    """The expected numbers of every full run, by script, row and column."""
     return {name: by_key(script.read_expected(), script.keys) for name, script in SCRIPTS.items()}
 
 
 def listed() -> dict[str, list[dict[str, Any]]]:
-    """What claims.toml says."""
+    """The contents of claims.toml."""
     return tomllib.loads((HERE / "claims.toml").read_text(encoding="utf-8"))
 
 
@@ -67,7 +67,7 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def claims(numbers: Mapping[str, Mapping[str, Row]]) -> str:
-    """The claims, with the numbers they quote filled in."""
+    """The table of claims, with the expected numbers inserted."""
     rows = [
         [
             each["claim"],
@@ -83,7 +83,7 @@ def claims(numbers: Mapping[str, Mapping[str, Row]]) -> str:
 
 
 def beside(numbers: Mapping[str, Mapping[str, Row]]) -> str:
-    """The earlier study."""
+    """The table of the comparison with an earlier study."""
     rows = [
         [each["what"], each["study"], each["here"].format(**numbers), each["why"].format(**numbers)]
         for each in listed()["beside"]
@@ -92,7 +92,7 @@ def beside(numbers: Mapping[str, Mapping[str, Row]]) -> str:
 
 
 def families(numbers: Mapping[str, Mapping[str, Row]]) -> str:
-    """Five families: median iterations (targets reached, %) [solves in which V rose, %]."""
+    """The table of five families: median iterations (targets reached [%]) [solves in which V rose [%]]."""
     at = numbers["five_families"]
     rows = []
     for method in five_families.METHODS:
@@ -110,7 +110,7 @@ TABLES = {"claims": claims, "five families": families, "beside": beside}
 
 
 def rendered(text: str) -> str:
-    """The README with its tables written anew."""
+    """The README with its tables updated."""
     numbers = expected()
     for name, write in TABLES.items():
         begin, end = f"<!-- {name} -->\n", f"<!-- end of {name} -->"
@@ -121,9 +121,11 @@ def rendered(text: str) -> str:
 
 
 def main(arguments: Sequence[str] | None = None, path: Path = README) -> int:
-    """Write, or check. Returns the exit status."""
+    """Write or check README.md. Returns the exit status."""
     parser = argparse.ArgumentParser(description="Write the tables of README.md from claims.toml and expected/.")
-    parser.add_argument("--check", action="store_true", help="write nothing; exit with 1 if something would change")
+    parser.add_argument(
+        "--check", action="store_true", help="write nothing; exit with status 1 if the file would change"
+    )
     options = parser.parse_args(arguments)
     old = path.read_text(encoding="utf-8")
     new = rendered(old)

@@ -1,9 +1,9 @@
-"""The bound (B.7), what Appendix B makes of it, and how far a motion in the null space moves the tip.
+"""The bound (B.7), its use in Appendix B, and the motion of the tip by a null-space step.
 
 (B.7) takes |Jdot qdot| to be at most sigma_Jmax |qdot|^2, sigma_Jmax the largest singular value of J over all q. On
-straight arms of n unit links the true bound is found from jtik's second derivatives, and the printed one is violated.
-(B.10) sums the neglected terms to sigma_Jmax (e^Q - 1 - Q); the remainder of real steps is compared with it.
-Last, what "without affecting the motion of the end" is worth: how far the tip moves by a step in the null space of J.
+straight arms of n unit links, jtik's second derivatives give the true bound, which violates the printed one. (B.10)
+sums the neglected terms to sigma_Jmax (e^Q - 1 - Q); the remainder of actual steps is compared with it. The last test
+concerns "without affecting the motion of the end": the motion of the tip by a step in the null space of J.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from jtik.symbolic.compile import CompiledFunction
 Array = np.ndarray
 LINKS = (1, 2, 3, 5, 10, 20)
 LENGTHS = (1.0, 0.5, 0.25, 0.1)
-"""Q [rad]."""
+"""Step lengths Q [rad]."""
 
 
 class Arm:
-    """A planar arm of unit links, its tip to second order."""
+    """A planar arm of unit links with second derivatives of its tip position."""
 
     def __init__(self, links: int) -> None:
         self.links = links
@@ -38,7 +38,7 @@ class Arm:
         self._second = CompiledFunction(function("second", [q, v], [jacobian(J @ v, q)]))
 
     def tip(self, q: Array) -> Array:
-        """Position [m]."""
+        """Tip position [m]."""
         return self._first(q)[0][:, 0]
 
     def J(self, q: Array) -> Array:
@@ -50,9 +50,9 @@ class Arm:
         return self._second(q, v)[0] @ v
 
     def curvature(self) -> tuple[float, Array]:
-        """Largest |Jdot v| over unit v at the straight arm, and that v.
+        """Largest |Jdot v| over unit vectors v at the straight arm, and its v.
 
-        There the tip accelerates along the arm alone, by a quadratic form in v.
+        There the acceleration of the tip is along the arm, and is a quadratic form in v.
         """
         straight, eye = np.zeros(self.links), np.eye(self.links)
         form = np.array([self._second(straight, each)[0][0] for each in eye])
@@ -67,11 +67,15 @@ def sigma(arm: Arm, q: Array) -> float:
 
 
 def bound(links: int, count: int) -> Row:
-    """sigma_max: of the straight arm; elsewhere: the largest found at random configurations, as a share of it.
+    """The bound for one arm.
 
-    L: largest |Jdot v| / |v|^2 of the straight arm; ratio: L / sigma_max, by which (B.7) is violated. random:
-    share of random v at the straight arm that violate it [%]. closed: relative difference of L from the closed form
-    lambda_max(T'T), T lower triangular of ones.
+    Columns:
+        sigma_max: largest singular value of the straight arm [m/rad].
+        elsewhere: largest one at random configurations, relative to it.
+        L: largest |Jdot v| / |v|^2 of the straight arm.
+        ratio: L / sigma_max, the violation of (B.7).
+        random: share of random v at the straight arm that violate it [%].
+        closed: relative difference of L from the closed form lambda_max(T'T), T lower triangular of ones.
     """
     arm, rng = Arm(links), np.random.default_rng(7)
     straight = np.zeros(links)
@@ -95,12 +99,14 @@ def bound(links: int, count: int) -> Row:
 
 
 def remainder(Q: float, count: int) -> Row:
-    """Ten links, steps of that length.
+    """Remainder of steps of length Q, ten links.
 
-    neglected: (e^Q - 1 - Q) / Q, the terms (B.10) calls negligible beside those kept. printed: the largest |x(q + d) -
-    x - J d| found, beside sigma_Jmax (e^Q - 1 - Q); above 1 the bound is violated. curved: the same beside L Q^2 / 2.
-    null: median distance the tip moves by a step of that length in the null space of J, at random configurations [m];
-    null_worst: the largest.
+    Columns:
+        neglected: (e^Q - 1 - Q) / Q, the terms that (B.10) neglects, relative to those kept.
+        printed: largest |x(q + d) - x - J d| relative to sigma_Jmax (e^Q - 1 - Q); above 1 the bound is violated.
+        curved: the same relative to L Q^2 / 2.
+        null: median motion of the tip by a null-space step of that length at random configurations [m].
+        null_worst: largest motion of the tip by such a step [m].
     """
     arm, rng = Arm(10), np.random.default_rng(11)
     top, (L, worst) = sigma(arm, np.zeros(10)), arm.curvature()
@@ -124,19 +130,19 @@ def remainder(Q: float, count: int) -> Row:
 
 
 def compute(quick: bool) -> list[Row]:
-    """Both."""
+    """The rows of both tests."""
     return [bound(links, 1000) for links in LINKS] + [remainder(Q, 1000) for Q in LENGTHS]
 
 
 def statements(rows: Sequence[Row]) -> dict[str, bool]:
-    """What these rows show."""
+    """Statements about these rows, and whether they hold."""
     at = by_key(rows, ["case"])
     arms, steps = [row for case, row in at.items() if "link" in case], [at[f"Q = {Q:g}"] for Q in LENGTHS]
     ratios = [float(row["ratio"]) for row in arms]
     return {
         "(B.7) holds for one link": ratios[0] <= 1 + 1e-12,
         "(B.7) is violated by every arm of two links and more": min(ratios[1:]) > 1,
-        "the more links, the more": ratios == sorted(ratios),
+        "the violation grows with the number of links": ratios == sorted(ratios),
         "no random configuration has a larger singular value than the straight arm": all(
             float(row["elsewhere"]) <= 1 + 1e-12 for row in arms
         ),

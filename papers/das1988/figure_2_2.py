@@ -1,9 +1,9 @@
 """Figure 2.2: a ten-link arm moves through a field of obstacles.
 
-The copies in circulation lack the drawings. What the text says is drawn: ten links in the plane, the tip led along a
-way an operator might enter, obstacle avoidance and zero joint angles for the rest. The field is that of jtik's demo.
-Six postures of the sequence, and the clearances along it: of the joints, which is what the paper's potential keeps
-away, and of the links; beside zero angles alone, the law as printed, and links in the potential.
+The available copies lack the drawings. The figure here follows the text: ten links in the plane, a path of the tip as
+an operator might enter it, obstacle avoidance and zero joint angles as criteria. The field is that of jtik's demo. The
+script draws six configurations and computes the clearances of the joints, which the paper's potential repels, and of
+the links. It compares zero angles alone, the method as printed, and a potential that includes the links.
 """
 
 from __future__ import annotations
@@ -40,26 +40,31 @@ SHOWN = "joints and links, hybrid"
 
 
 @cache
-def led(case: str, targets: int) -> tuple[np.ndarray, tuple[int, ...], tuple[bool, ...]]:
-    """Configurations (targets, 10), iterations and whether each target was reached, from one target to the next."""
+def follow(case: str, targets: int) -> tuple[np.ndarray, tuple[int, ...], tuple[bool, ...]]:
+    """Configurations (targets, 10), iterations, and whether each target was reached."""
     criteria, strategy = CASES[case]
     ik = jtik.InverseKinematics(SCENE.robot, jtik.FrameTask("tip"), criteria=criteria, strategy=strategy)
-    q, way, iterations, reached = np.array(SCENE.start), [], [], []
+    q, path, iterations, reached = np.array(SCENE.start), [], [], []
     for target in SCENE.path(targets):
         solution = ik.solve(target, q0=q, max_iterations=1000)
         q = solution.q
-        way.append(q)
+        path.append(q)
         iterations.append(solution.iterations)
         reached.append(solution.position_error <= 1e-6)
-    return np.array(way), tuple(iterations), tuple(reached)
+    return np.array(path), tuple(iterations), tuple(reached)
 
 
 def row(case: str, targets: int) -> Row:
-    """joints, links: least clearance from a disc along the way [m], negative inside. bend: the median of |q| [rad].
+    """The path with one criterion and strategy.
 
-    reached: targets [%]. iterations: median for a target.
+    Columns:
+        joints: smallest clearance of a joint from a disc [m], negative inside.
+        links: smallest clearance of a link from a disc [m], negative inside.
+        bend: median of |q| [rad].
+        reached: targets reached [%].
+        iterations: median iterations for a target.
     """
-    q, iterations, reached = led(case, targets)
+    q, iterations, reached = follow(case, targets)
     joints, links = clearances(plotting.Skeleton(SCENE.robot).links(q), SCENE.obstacles)
     return {
         "case": case,
@@ -72,24 +77,24 @@ def row(case: str, targets: int) -> Row:
 
 
 def compute(quick: bool) -> list[Row]:
-    """The way with every criterion and law."""
+    """The path with every criterion and strategy."""
     return [row(case, FEW if quick else TARGETS) for case in CASES]
 
 
 def statements(rows: Sequence[Row]) -> dict[str, bool]:
-    """What these rows show."""
+    """Statements about these rows, and whether they hold."""
     at = by_key(rows, ["case"])
     none, joints, links = at["zero angles alone"], at["joints, hybrid"], at[SHOWN]
     printed, transpose = at["joints, as printed"], at["joints, transpose"]
     return {
         "the hybrid reaches every target": all(row["reached"] == 100 for row in (none, joints, links)),
-        "the transpose with jtik's rules reaches more than as printed": float(transpose["reached"])
+        "the transpose with jtik's rules reaches more targets than as printed": float(transpose["reached"])
         > float(printed["reached"]),
-        "the law as printed misses targets, winds the arm up and leads joints into discs": float(printed["reached"])
+        "the method as printed misses targets, winds the arm up and moves joints into discs": float(printed["reached"])
         < 100
         and float(printed["bend"]) > 10
         and float(printed["joints"]) < 0,
-        "zero angles alone lead joints and links through the discs": float(none["joints"]) < 0
+        "zero angles alone move joints and links through the discs": float(none["joints"]) < 0
         and float(none["links"]) < 0,
         "with the potential on the joints no joint touches a disc": float(joints["joints"]) > 0
         and float(transpose["joints"]) > 0,
@@ -99,11 +104,11 @@ def statements(rows: Sequence[Row]) -> dict[str, bool]:
 
 
 def draw(folder: Path, rows: Sequence[Row]) -> None:
-    """Six panels: where the arm is, light where it was in the panel before, and the way of the tip."""
+    """Six panels: the arm, its configuration of the previous panel in a light colour, and the path of the tip."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    q = led(SHOWN, TARGETS)[0]
+    q = follow(SHOWN, TARGETS)[0]
     path = SCENE.path(TARGETS)
     chosen = np.linspace(0, TARGETS - 1, PANELS).round().astype(int)
     left, right, bottom, top = WINDOW
@@ -123,7 +128,7 @@ def draw(folder: Path, rows: Sequence[Row]) -> None:
             axes.set_ylabel("y [m]", color=plotting.MUTED, fontsize=11)
         label = f"{panel + 1}   target {k + 1} of {TARGETS}"
         axes.text(0.02, 0.96, label, transform=axes.transAxes, va="top", fontsize=12, color=plotting.INK)
-    figure.draw_without_rendering()  # the width of a link is in metres: the layout has to be known
+    figure.draw_without_rendering()  # link widths are in metres, so the layout must be computed first
     for panel, (axes, k) in enumerate(zip(grid.flat, chosen, strict=True)):
         plotting.draw_obstacles(axes, SCENE.obstacles)
         plotting.draw_path(axes, path, color=plotting.THIN)

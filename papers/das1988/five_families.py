@@ -1,14 +1,13 @@
 # %% [markdown]
 # # Das, Slotine and Sheridan 1988: five families of problems for one ten-link arm
 #
-# The paper makes claims about convergence without a table. This script makes the table: transpose, Newton
-# and hybrid updates on an arm of ten unit links in the plane, from ordinary, far and nearly straight
-# starts, to targets inside, on the edge of and beyond its reach. No criterion takes part: this is about the
-# task alone.
+# The paper makes claims about convergence without a table. This script computes such a table: transpose, Newton
+# and hybrid updates for an arm of ten unit links in the plane, from generic, far and nearly straight starts, to
+# targets inside, at the boundary of and beyond its workspace. There is no criterion, only the task.
 #
 # Run `python papers/das1988/five_families.py`, with `--quick` for a tenth of the problems. It writes
-# `results/five_families.csv` and a figure beside it, compares the numbers with `expected/five_families.csv` and exits
-# with status 1 if one of them differs.
+# `results/five_families.csv` and a figure, compares the numbers with `expected/five_families.csv`, and exits with
+# status 1 if a number differs.
 
 # %%
 from __future__ import annotations
@@ -30,13 +29,13 @@ TOLERANCE = 1e-6
 """Position error [m] at which a target counts as reached."""
 MAX_ITERATIONS = 1000
 PROBLEMS = 200
-"""Problems a family; the expected numbers hold for this many."""
+"""Problems of each family, for which the expected numbers hold."""
 SEED = 1988
 ROUNDING = 1e-12
-"""Relative rise of V below which it is the rounding of two evaluations and not a rise."""
+"""Relative rise of V that is rounding of its evaluation."""
 
-# Agreement with the expected numbers. The problems are the same to the bit, so what can differ is rounding:
-# mathematical libraries disagree in the last place, and a long run of the transpose method amplifies that.
+# Agreement with the expected numbers. The problems are bit-identical, so only rounding can differ: mathematical
+# libraries disagree in the last digit, and long runs of the transpose method amplify this.
 TOLERANCES = {
     "success": Within(absolute=1.0),
     "iterations": Within(relative=0.1),
@@ -53,20 +52,20 @@ Problem = tuple[Array, Array]
 # %% [markdown]
 # ## The problems
 #
-# A target of the first two families is the tip of another configuration drawn like the start, so that it is
-# reachable by construction. Near the straight arm the target lies on the arm's own line, which is where a
-# first-order method feels almost no torque.
+# A target of the first two families is the tip position of another configuration drawn like the start, so that it
+# is reachable by construction. For nearly straight starts the target lies on the arm's own line, where the gradient
+# of a first-order method is almost zero.
 
 
 # %%
 def tip(q: Array) -> Array:
-    """The tip of the arm at q [m], in closed form."""
+    """Tip position of the arm at q [m], in closed form."""
     angle = np.cumsum(q)
     return np.array([np.cos(angle).sum(), np.sin(angle).sum()])
 
 
 def around(radius: float, rng: np.random.Generator) -> Array:
-    """A point at that distance from the base, in a random direction [m]."""
+    """A point at distance ``radius`` from the base in a random direction [m]."""
     direction = rng.uniform(-np.pi, np.pi)
     return radius * np.array([np.cos(direction), np.sin(direction)])
 
@@ -77,12 +76,12 @@ def anywhere(spread: float) -> Callable[[np.random.Generator], Problem]:
 
 
 def straight(bend: float) -> Callable[[np.random.Generator], Problem]:
-    """Joint angles normal with deviation ``bend``, the target on the x axis between 3 and 9 m."""
+    """Joint angles normal with standard deviation ``bend``; the target on the x axis between 3 and 9 m."""
     return lambda rng: (bend * rng.standard_normal(LINKS), np.array([rng.uniform(3, 9), 0.0]))
 
 
 def ring(radius: float) -> Callable[[np.random.Generator], Problem]:
-    """An ordinary start, the target at that distance from the base."""
+    """A generic start; the target at distance ``radius`` from the base."""
     return lambda rng: (rng.uniform(-1, 1, LINKS), around(radius, rng))
 
 
@@ -98,7 +97,7 @@ FAMILIES = REACHABLE | {BEYOND: ring(10.5)}
 
 
 def problems(family: str, count: int) -> Iterator[Problem]:
-    """The first ``count`` problems of a family: the same ones for every method and every count."""
+    """The first ``count`` problems of a family, the same for every method and count."""
     for index in range(count):
         yield FAMILIES[family](np.random.default_rng([SEED, list(FAMILIES).index(family), index]))
 
@@ -106,9 +105,9 @@ def problems(family: str, count: int) -> Iterator[Problem]:
 # %% [markdown]
 # ## The methods
 #
-# The row "S as printed" takes (B.11) literally: 1/Q for revolute joints where Q exceeds its limit of 1 rad,
-# and the same S inside N and D. On an arm of revolute joints alpha then undoes S exactly, so this row
-# repeats "alpha only" up to rounding.
+# The row "S as printed" takes (B.11) literally: 1/Q for revolute joints if Q exceeds its limit of 1 rad, and the
+# same S inside N and D. On an arm of revolute joints alpha cancels S exactly, so this row agrees with "alpha only"
+# up to rounding.
 
 # %%
 METHODS: dict[str, jtik.Strategy] = {
@@ -131,10 +130,13 @@ def raised(trace: jtik.Trace) -> bool:
 
 
 def row(family: str, method: str, ik: jtik.InverseKinematics, count: int) -> Row:
-    """``count`` problems of the family.
+    """One method on ``count`` problems of a family.
 
-    success: share of targets reached [%]. iterations: median over all problems, a failure counting as infinite.
-    rises: share of solves in which an accepted step raised V [%]. error: median distance to the target at the end [m].
+    Columns:
+        success: share of targets reached [%].
+        iterations: median over all problems, where a failure counts as infinite.
+        rises: share of solves in which an accepted step raised V [%].
+        error: median distance to the target at the end [m].
     """
     solutions = [
         ik.solve(target, q0=q0, max_iterations=MAX_ITERATIONS, position_tolerance=TOLERANCE, trace=True)
@@ -157,7 +159,7 @@ def table(
     methods: Iterable[str] = METHODS,
     tick: Callable[[str], None] = lambda label: None,
 ) -> list[Row]:
-    """Every method on every family; ``tick`` is told what was done."""
+    """Every method on every family; ``tick`` is called with each completed row."""
     solvers = {name: jtik.InverseKinematics(ARM, jtik.FrameTask("tip"), strategy=METHODS[name]) for name in methods}
     rows = []
     for family in families:
@@ -168,12 +170,12 @@ def table(
 
 
 # %% [markdown]
-# ## What must hold, and what is expected
+# ## Statements and expected numbers
 
 
 # %%
 def statements(rows: Iterable[Row]) -> dict[str, bool]:
-    """What the README says of these rows, in sentences, and whether it holds."""
+    """The statements of the README about these rows, and whether they hold."""
     at: dict[tuple[str, str], Row] = {(str(row["family"]), str(row["method"])): row for row in rows}
 
     def every(column: str, holds: Callable[[float], bool], families: Iterable[str], methods: Iterable[str]) -> bool:
@@ -196,7 +198,7 @@ def statements(rows: Iterable[Row]) -> dict[str, bool]:
         "near the straight arm undamped Newton raises V": every(
             "rises", lambda x: x > 50, straight, ["newton, undamped"]
         ),
-        "near the straight arm the Q limit alone ends that": every(
+        "near the straight arm the Q limit alone prevents this": every(
             "rises", lambda x: x == 0, straight, ["newton, Q limit"]
         ),
         "S as printed changes nothing on a revolute arm": all(
@@ -207,13 +209,15 @@ def statements(rows: Iterable[Row]) -> dict[str, bool]:
         "the transpose reaches no target at the boundary": every(
             "success", lambda x: x == 0, ["boundary 9.999"], ["transpose", *METHODS_AS_PRINTED]
         ),
-        "nothing claims to reach what is out of reach": every("success", lambda x: x == 0, beyond, METHODS),
-        "out of reach the hybrid ends as near as the arm comes, 0.5 m": math.isclose(closest, 0.5, abs_tol=1e-6),
+        "no method reaches the unreachable targets": every("success", lambda x: x == 0, beyond, METHODS),
+        "for unreachable targets the hybrid ends at the smallest error, 0.5 m": math.isclose(
+            closest, 0.5, abs_tol=1e-6
+        ),
     }
 
 
 def text(rows: Iterable[Row]) -> str:
-    """The table, one method a line and one family a column: median iterations (success %) [rises %]."""
+    """Table with a row for each method and a column for each family: median iterations (success %) [rises %]."""
     at: dict[tuple[str, str], Row] = {(str(row["family"]), str(row["method"])): row for row in rows}
     families = list(dict.fromkeys(family for family, _ in at))
     lines = [["median iterations (success %) [V rose, %]", *families]]
@@ -229,7 +233,7 @@ def text(rows: Iterable[Row]) -> str:
 
 
 # %% [markdown]
-# ## One nearly straight start, every method
+# ## All methods from one nearly straight start
 
 
 # %%
@@ -240,15 +244,15 @@ SHOWN = {
     "newton": ("#a9c6e3", "-", 5.0),
     "hybrid": ("#222222", "-", 1.4),
 }
-"""Colour, dash and width: where two lines coincide, both can be seen."""
+"""Colour, line style and width, so that coinciding lines are both visible."""
 SHOWN_ITERATIONS = 100
-"""Most iterations to draw."""
-LEAST = 1e-16
+"""Maximum number of iterations drawn."""
+SMALLEST = 1e-16
 """Smallest V drawn [m^2]; the tolerance is at 5e-13."""
 
 
 def draw(path: Path, family: str = "near-straight 1e-3") -> None:
-    """V after every iteration, from the family's first start where undamped methods raise V and all arrive soon."""
+    """Plot V by iteration, from the first start at which undamped methods raise V and all methods converge quickly."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -257,7 +261,7 @@ def draw(path: Path, family: str = "near-straight 1e-3") -> None:
     task = jtik.FrameTask("tip")
     solvers = {name: jtik.InverseKinematics(ARM, task, strategy=METHODS[name]) for name in SHOWN}
 
-    def telling(q0: Array, target: Array) -> bool:
+    def is_suitable(q0: Array, target: Array) -> bool:
         traces = {
             name: ik.solve(target, q0=q0, max_iterations=MAX_ITERATIONS, trace=True).trace
             for name, ik in solvers.items()
@@ -265,11 +269,11 @@ def draw(path: Path, family: str = "near-straight 1e-3") -> None:
         undamped = raised(traces["newton, undamped"]) and raised(traces["transpose, alpha only"])
         return undamped and max(map(len, traces.values())) <= SHOWN_ITERATIONS
 
-    q0, target = next(problem for problem in problems(family, PROBLEMS) if telling(*problem))
+    q0, target = next(problem for problem in problems(family, PROBLEMS) if is_suitable(*problem))
     figure, axes = pyplot.subplots(figsize=(7.5, 4.2), layout="constrained")
     for name, (color, dash, width) in SHOWN.items():
         trace = solvers[name].solve(target, q0=q0, trace=True).trace
-        V = np.maximum(trace.error**2 / 2, LEAST)
+        V = np.maximum(trace.error**2 / 2, SMALLEST)
         marker = "o" if len(trace) < 15 else None
         axes.semilogy(range(len(V)), V, dash, color=color, linewidth=width, marker=marker, label=name, ms=3.5)
     axes.axhline(TOLERANCE**2 / 2, color="#999999", linewidth=0.8)
@@ -291,7 +295,7 @@ def draw(path: Path, family: str = "near-straight 1e-3") -> None:
 # %%
 @contextmanager
 def progress(total: int) -> Iterator[Callable[[str], None]]:
-    """A progress bar where rich is installed, otherwise one line for each row done."""
+    """A progress bar if rich is installed, otherwise one line for each completed row."""
     try:
         from rich.progress import Progress
     except ImportError:
@@ -303,13 +307,13 @@ def progress(total: int) -> Iterator[Callable[[str], None]]:
 
 
 def compute(quick: bool) -> list[Row]:
-    """The table, of a tenth of the problems if ``quick``."""
+    """The table, with a tenth of the problems if ``quick``."""
     with progress(len(FAMILIES) * len(METHODS)) as tick:
         return table(PROBLEMS // 10 if quick else PROBLEMS, tick=tick)
 
 
 def figure(folder: Path, rows: Sequence[Row]) -> None:
-    """The figure, which has problems of its own."""
+    """The figure, which solves separate problems."""
     draw(folder / "near_straight.png")
 
 
@@ -324,4 +328,6 @@ SCRIPT = Script(
 )
 
 if __name__ == "__main__":
-    sys.exit(SCRIPT.main("Transpose, Newton and hybrid updates on five families of problems, and one out of reach."))
+    sys.exit(
+        SCRIPT.main("Transpose, Newton and hybrid updates on five families of problems, and one unreachable family.")
+    )

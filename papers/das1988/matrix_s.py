@@ -1,10 +1,11 @@
-"""The matrix S on arms of revolute joints, of slides, and of both; and whether "the vehicle approaches first".
+"""The matrix S on revolute, prismatic and mixed arms, and the claim that "the vehicle approaches first".
 
-Appendix B sets S = diag(1 for slides, 1/Q for revolute joints) where Q, the length of the revolute part of a step,
-exceeds a limit, and puts S into alpha = N/2D. On revolute arms that cancels. On mixed arms it does not hold the limit
-either. jtik takes alpha0 from S = I, then S, then the smaller of alpha0 and alpha*(S). The second half asks how much of
-the way the vehicle covers: with the paper's S, with jtik's, and if alpha were the best for the slides beside the
-limited rotation, (|g_p|^2 - a'b) / |a|^2 with a = J_p g_p and b the tip's motion by the revolute joints.
+Appendix B sets S = diag(1 for prismatic joints, 1/Q for revolute joints) if Q, the length of the revolute part of a
+step, exceeds a limit, and inserts S into alpha = N/2D. On revolute arms S cancels. On mixed arms the limit is not kept
+either. jtik computes alpha0 with S = I, then S, then takes the smaller of alpha0 and alpha*(S). The second half
+computes the share of the distance that the vehicle covers: with the paper's S, with that of jtik, and with the best
+alpha for the prismatic joints given the limited rotation, (|g_p|^2 - a'b) / |a|^2, where a = J_p g_p and b is the
+motion of the tip by the revolute joints.
 """
 
 from __future__ import annotations
@@ -22,12 +23,12 @@ from jtik_formulations import Hybrid, Transpose
 
 Array = np.ndarray
 LIMIT = 1.0
-"""Of Q [rad], for all rules: the one for which the printed 1/Q is continuous."""
+"""Limit of Q for all rules [rad]: the value for which the printed 1/Q is continuous."""
 FAR = 20.0
 """Distance of the vehicle's target [m]."""
-MOST = 5000
-"""Iterations."""
-LAWS = {
+MAX_ITERATIONS = 5000
+"""Maximum number of iterations."""
+STRATEGIES = {
     "no S": Transpose(q_limit=math.inf, backtracking=False),
     "S as printed": Transpose(rule="paper", q_limit=LIMIT, backtracking=False),
     "S after alpha": Transpose(q_limit=LIMIT, backtracking=False),
@@ -35,29 +36,29 @@ LAWS = {
 
 
 def mixed(links: int) -> jtik.Robot:
-    """Two slides under that many unit links."""
+    """Two prismatic joints followed by unit links."""
     return jtik.Robot.vehicle(links)
 
 
 def rail() -> jtik.Robot:
-    """A coarse and a fine slide, both along x, under three links of 0.1 m."""
+    """Two prismatic joints along x, followed by three links of 0.1 m."""
     x, link = np.array([1.0, 0.0, 0.0]), np.eye(4)
     link[0, 3] = 0.1
-    slide, hinge = jtik.JointType.PRISMATIC, jtik.JointType.REVOLUTE
+    prismatic, revolute = jtik.JointType.PRISMATIC, jtik.JointType.REVOLUTE
     joints = [
-        jtik.Joint("coarse", slide, "base", "sledge", axis=x),
-        jtik.Joint("fine", slide, "sledge", "shoulder", axis=x),
-        jtik.Joint("joint1", hinge, "shoulder", "link1"),
-        jtik.Joint("joint2", hinge, "link1", "link2", origin=link),
-        jtik.Joint("joint3", hinge, "link2", "link3", origin=link),
+        jtik.Joint("coarse", prismatic, "base", "sledge", axis=x),
+        jtik.Joint("fine", prismatic, "sledge", "shoulder", axis=x),
+        jtik.Joint("joint1", revolute, "shoulder", "link1"),
+        jtik.Joint("joint2", revolute, "link1", "link2", origin=link),
+        jtik.Joint("joint3", revolute, "link2", "link3", origin=link),
         jtik.Joint("end", jtik.JointType.FIXED, "link3", "tip", origin=link),
     ]
     return jtik.Robot(joints, name="rail", planar=True)
 
 
-def steps(robot: jtik.Robot, law: str, starts: list[tuple[Array, Array]]) -> list[tuple[Array, float, float]]:
-    """First steps dq, and the predicted decrease and V before them."""
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask(robot.frame(None)), strategy=LAWS[law])
+def steps(robot: jtik.Robot, strategy: str, starts: list[tuple[Array, Array]]) -> list[tuple[Array, float, float]]:
+    """First steps dq, their predicted decrease, and V before them."""
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask(robot.frame(None)), strategy=STRATEGIES[strategy])
     found = []
     for q0, target in starts:
         trace = ik.solve(target, q0=q0, max_iterations=1, trace=True).trace
@@ -66,8 +67,8 @@ def steps(robot: jtik.Robot, law: str, starts: list[tuple[Array, Array]]) -> lis
     return found
 
 
-def slides() -> jtik.Robot:
-    """Three slides in the plane."""
+def prismatic_arm() -> jtik.Robot:
+    """Three prismatic joints in the plane."""
     axes = [np.array([math.cos(0.7 * k), math.sin(0.7 * k), 0.0]) for k in range(3)]
     frames = ["base", "slide1", "slide2", "tip"]
     joints = [
@@ -78,13 +79,17 @@ def slides() -> jtik.Robot:
 
 
 def kind(name: str, robot: jtik.Robot, count: int) -> Row:
-    """One kind of arm, random starts and targets.
+    """One kind of arm with random starts and targets.
 
-    limited: problems where Q of the step without S is over the limit [%]. printed_changes: largest difference between
-    the steps with the printed S and without, relative to the step. printed_exceeds: limited problems where the printed
-    S leaves Q over the limit [%]; printed_longest: the longest Q it leaves [rad]. after_exceeds: the same share with S
-    after alpha. alone_rises: limited problems where alpha0 with S, without the minimum, is predicted to raise V [%];
-    alone_worst: the worst predicted V after / before. after_rises: with the minimum [%].
+    Columns:
+        limited: problems in which Q of the step without S exceeds the limit [%].
+        printed_changes: largest relative difference between the steps with and without the printed S.
+        printed_exceeds: limited problems in which Q with the printed S exceeds the limit [%].
+        printed_longest: largest Q with the printed S [rad].
+        after_exceeds: limited problems in which Q with S after alpha exceeds the limit [%].
+        alone_rises: limited problems in which alpha0 with S, without the minimum, is predicted to raise V [%].
+        alone_worst: largest predicted ratio of V after and before such a step.
+        after_rises: limited problems in which S after alpha, with the minimum, is predicted to raise V [%].
     """
     rng = np.random.default_rng(19)
     starts = []
@@ -94,22 +99,22 @@ def kind(name: str, robot: jtik.Robot, count: int) -> Row:
         if not robot.rotational.all():
             target = target + rng.uniform(-FAR, FAR, 2)
         starts.append((q0, target))
-    turning = robot.rotational
-    plain, printed, after = (steps(robot, law, starts) for law in LAWS)
+    revolute = robot.rotational
+    plain, printed, after = (steps(robot, strategy, starts) for strategy in STRATEGIES)
     ik = jtik.InverseKinematics(robot, jtik.FrameTask(robot.frame(None)), strategy=Hybrid())
     differences, limited, longest, after_longest, alone = [], [], [], [], []
     for (dq, _, V), (dq_printed, _, _), (dq_after, _, _), (q0, target) in zip(
         plain, printed, after, starts, strict=True
     ):
         differences.append(np.linalg.norm(dq_printed - dq) / np.linalg.norm(dq))
-        Q = np.linalg.norm(dq[turning])
+        Q = np.linalg.norm(dq[revolute])
         limited.append(Q > LIMIT)
         if Q <= LIMIT:
             continue
-        longest.append(np.linalg.norm(dq_printed[turning]))
-        after_longest.append(np.linalg.norm(dq_after[turning]))
+        longest.append(np.linalg.norm(dq_printed[revolute]))
+        after_longest.append(np.linalg.norm(dq_after[revolute]))
         at = ik.solve(target, q0=q0, max_iterations=0)
-        scaled = np.where(turning, dq * LIMIT / Q, dq)
+        scaled = np.where(revolute, dq * LIMIT / Q, dq)
         alone.append(float(np.sum((at.error + at.jacobian @ scaled) ** 2)) / 2 / V)
     row: Row = {"case": name, "limited": percent(limited), "printed_changes": max(differences)}
     if longest:
@@ -124,42 +129,49 @@ def kind(name: str, robot: jtik.Robot, count: int) -> Row:
     return row
 
 
-def exact(robot: jtik.Robot, q: Array, e: Array, J: Array) -> Array:
-    """The step whose rotation is limited as in jtik, and whose slides move as is best for V beside it."""
-    turning = robot.rotational
+def best_step(robot: jtik.Robot, q: Array, e: Array, J: Array) -> Array:
+    """The step with the rotation limited as in jtik, and the best motion of the prismatic joints for V given it."""
+    revolute = robot.rotational
     g = J.T @ e
     alpha = (g @ g) / np.sum((J @ g) ** 2)
-    theta = alpha * np.where(turning, g, 0.0)
+    theta = alpha * np.where(revolute, g, 0.0)
     Q = np.linalg.norm(theta)
     if Q <= LIMIT:
         return -alpha * g
     theta *= LIMIT / Q
-    g_p = np.where(turning, 0.0, g)
+    g_p = np.where(revolute, 0.0, g)
     a, b = J @ g_p, J @ theta
     return -theta - (g_p @ g_p - a @ b) / (a @ a) * g_p
 
 
 def approach(links: int, count: int) -> Row:
-    """A vehicle with that many links, its target 20 m away, the arm bent.
+    """A vehicle with an arm of that many links, 20 m from its target.
 
-    alpha0: median of the gain of the first step. share_printed, share, share_exact: median share of the distance that
-    the slides cover in the first step [%] with S as printed, after alpha, and with the best alpha for the slides.
-    iterations_printed, iterations, iterations_exact: median to 1e-6 m; iterations_hybrid: of the dogleg. turned,
-    turned_exact: median of the angles between the arm's first posture and that when the tip has come within 1 m [rad].
+    Columns:
+        alpha0: median gain of the first step.
+        share_printed: median share of the distance that the vehicle covers in the first step, S as printed [%].
+        share: the same with S after alpha [%].
+        share_exact: the same with the best alpha for the prismatic joints [%].
+        iterations_printed: median iterations to 1e-6 m, S as printed.
+        iterations: the same with S after alpha.
+        iterations_exact: the same with the best alpha for the prismatic joints.
+        iterations_hybrid: the same with the dogleg.
+        turned: median joint-space distance of the arm from its start when the tip is within 1 m, S after alpha [rad].
+        turned_exact: the same with the best alpha for the prismatic joints [rad].
     """
     robot = mixed(links)
-    turning = robot.rotational
+    revolute = robot.rotational
     task = jtik.FrameTask("tip")
-    solvers = {name: jtik.InverseKinematics(robot, task, strategy=law) for name, law in LAWS.items()}
+    solvers = {name: jtik.InverseKinematics(robot, task, strategy=strategy) for name, strategy in STRATEGIES.items()}
     solvers["hybrid"] = jtik.InverseKinematics(robot, task, strategy=Hybrid())
-    look = solvers["hybrid"]
+    evaluator = solvers["hybrid"]
     shares: dict[str, list[float]] = {"S as printed": [], "S after alpha": [], "exact": []}
     spent: dict[str, list[float]] = {"S as printed": [], "S after alpha": [], "exact": [], "hybrid": []}
     turned: dict[str, list[float]] = {"S after alpha": [], "exact": []}
     alphas = []
 
     def share(dq: Array, e: Array) -> float:
-        """Of the distance |e| that the slides bring the tip towards the target [%]."""
+        """Share of the distance |e| that the prismatic joints move the tip towards the target [%]."""
         return -100 * float(dq[:2] @ e) / float(e @ e)
 
     for k in range(count):
@@ -168,7 +180,7 @@ def approach(links: int, count: int) -> Row:
         direction = rng.uniform(-np.pi, np.pi)
         target = robot.position(q0) + FAR * np.array([math.cos(direction), math.sin(direction)])
         for name in ("S as printed", "S after alpha", "hybrid"):
-            solution = solvers[name].solve(target, q0=q0, max_iterations=MOST, trace=name != "hybrid")
+            solution = solvers[name].solve(target, q0=q0, max_iterations=MAX_ITERATIONS, trace=name != "hybrid")
             spent[name].append(solution.iterations if solution.position_error <= 1e-6 else math.inf)
             if solution.trace is None:
                 continue
@@ -176,22 +188,22 @@ def approach(links: int, count: int) -> Row:
             shares[name].append(share(q[1] - q[0], solution.trace.error[0] * _unit(robot, q0, target)))
             if name == "S after alpha":
                 alphas.append(float(solution.trace.alpha[0]))
-                near = int(np.argmax(solution.trace.error < 1.0))
-                turned[name].append(float(np.linalg.norm((q[near] - q0)[turning])))
+                close = int(np.argmax(solution.trace.error < 1.0))
+                turned[name].append(float(np.linalg.norm((q[close] - q0)[revolute])))
         q = q0.copy()
-        near_q = None
-        for step in range(MOST):
-            at = look.solve(target, q0=q, max_iterations=0)
+        close_q = None
+        for step in range(MAX_ITERATIONS):
+            at = evaluator.solve(target, q0=q, max_iterations=0)
             if at.position_error <= 1e-6:
                 break
-            if near_q is None and at.position_error < 1.0:
-                near_q = q
-            dq = exact(robot, q, at.error, at.jacobian)
+            if close_q is None and at.position_error < 1.0:
+                close_q = q
+            dq = best_step(robot, q, at.error, at.jacobian)
             if step == 0:
                 shares["exact"].append(share(dq, at.error))
             q = q + dq
         spent["exact"].append(step if at.position_error <= 1e-6 else math.inf)
-        turned["exact"].append(float(np.linalg.norm(((q if near_q is None else near_q) - q0)[turning])))
+        turned["exact"].append(float(np.linalg.norm(((q if close_q is None else close_q) - q0)[revolute])))
     return {
         "case": f"vehicle, {links} link{'s' if links > 1 else ''}",
         "alpha0": median(alphas),
@@ -213,11 +225,11 @@ def _unit(robot: jtik.Robot, q: Array, target: Array) -> Array:
 
 
 def compute(quick: bool) -> list[Row]:
-    """Three kinds of arm, and vehicles with longer and longer arms."""
+    """Kinds of arms, and vehicles with arms of increasing length."""
     many, few = (40, 3) if quick else (400, 40)
     robots: dict[str, Callable[[], jtik.Robot]] = {
         "revolute, 10 links": lambda: jtik.Robot.planar(10),
-        "slides only": slides,
+        "slides only": prismatic_arm,
         "two slides, 3 unit links": lambda: mixed(3),
         "slides in line, 3 short links": rail,
     }
@@ -226,7 +238,7 @@ def compute(quick: bool) -> list[Row]:
 
 
 def statements(rows: Sequence[Row]) -> dict[str, bool]:
-    """What these rows show."""
+    """Statements about these rows, and whether they hold."""
     at = by_key(rows, ["case"])
     revolute, prismatic = at["revolute, 10 links"], at["slides only"]
     both = [at["two slides, 3 unit links"], at["slides in line, 3 short links"]]
@@ -234,20 +246,21 @@ def statements(rows: Sequence[Row]) -> dict[str, bool]:
     return {
         "on a revolute arm the printed S changes nothing": float(revolute["printed_changes"]) < 1e-12
         and float(revolute["limited"]) > 0,
-        "so that it never holds the limit there": revolute["printed_exceeds"] == 100,
-        "on an arm of slides S is the identity": prismatic["limited"] == 0 and prismatic["printed_changes"] == 0,
+        "so the limit is never kept there": revolute["printed_exceeds"] == 100,
+        "on an arm of prismatic joints S is the identity": prismatic["limited"] == 0
+        and prismatic["printed_changes"] == 0,
         "on a mixed arm the printed S changes the step": all(float(row["printed_changes"]) > 0.1 for row in both),
-        "but it does not hold the limit there either": all(float(row["printed_exceeds"]) > 0 for row in both),
-        "S after alpha holds the limit on every arm": all(row["after_exceeds"] == 0 for row in (revolute, *both)),
+        "but the limit is not kept there either": all(float(row["printed_exceeds"]) > 0 for row in both),
+        "S after alpha keeps the limit on every arm": all(row["after_exceeds"] == 0 for row in (revolute, *both)),
         "on a mixed arm alpha0 with S can be predicted to raise V": float(both[1]["alone_rises"]) > 0,
         "the smaller of alpha0 and alpha*(S) never is": all(row["after_rises"] == 0 for row in both),
-        "the vehicle covers a smaller share of the way, the longer the arm": all(
+        "the longer the arm, the smaller the share of the distance that the vehicle covers": all(
             float(a["share"]) > float(b["share"]) for a, b in itertools.pairwise(vehicles)
         ),
-        "with the best alpha for the slides it covers more of it": all(
+        "with the best alpha for the prismatic joints the share is larger": all(
             float(row["share_exact"]) > float(row["share"]) for row in vehicles
         ),
-        "and takes no more iterations": all(
+        "and the number of iterations is no larger": all(
             float(row["iterations_exact"]) <= float(row["iterations"]) for row in vehicles
         ),
     }

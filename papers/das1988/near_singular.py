@@ -1,8 +1,9 @@
-"""Near singular poses: is the transpose method tractable there, and Newton's unsuitable?
+"""The transpose method and Newton's method near singular poses.
 
-Ten links bent by 1e-3 and by 1e-6 rad, targets a millimetre inside the reach, and an upright KUKA iiwa: longest step,
-share of solves in which V rises, share of targets reached. Then single steps where sigma_2 of J is 1e-4, with the
-error along the weak direction and at 45 degrees to it: what a variable alpha alone is worth.
+The problems are ten links bent by 1e-3 and by 1e-6 rad, targets one millimetre inside the reach, and an upright KUKA
+iiwa. The script computes the longest step, the share of solves in which V rises, and the share of targets reached. Then
+it computes single steps with sigma_2 of J at 1e-4, with the error along the weak direction and at 45 degrees to it, to
+show the effect of a variable alpha alone.
 """
 
 from __future__ import annotations
@@ -19,20 +20,25 @@ from scipy.optimize import brentq
 import jtik
 
 Array = np.ndarray
-LAWS = ("transpose, alpha only", "transpose", "newton, undamped", "newton, Q limit", "hybrid")
+STRATEGIES = ("transpose, alpha only", "transpose", "newton, undamped", "newton, Q limit", "hybrid")
 FAMILIES = ("near-straight 1e-3", "near-straight 1e-6", "boundary 9.999")
 LIMIT = 0.5
-"""Of Q, where a law has one [rad]."""
+"""Limit of Q, for strategies that have one [rad]."""
 WEAK = 1e-4
-"""The least singular value of J in the second half [m/rad]."""
+"""The smallest singular value of J in the single steps [m/rad]."""
 
 Given = list[tuple[Array, Array]]
 
 
-def solved(family: str, law: str, ik: jtik.InverseKinematics, given: Given) -> Row:
-    """longest: median over solves of the longest step [rad]; longest_of_all. rises: solves in which V rose [%].
+def solved(family: str, strategy: str, ik: jtik.InverseKinematics, given: Given) -> Row:
+    """One strategy on one family.
 
-    reached: targets reached to 1e-6 m in 1000 iterations [%]. iterations: median.
+    Columns:
+        longest: median over solves of the longest step [rad].
+        longest_of_all: longest step of all solves [rad].
+        rises: solves in which V rose [%].
+        reached: targets reached to 1e-6 m within 1000 iterations [%].
+        iterations: median iterations.
     """
     longest, rose, spent = [], [], []
     for q0, target in given:
@@ -44,7 +50,7 @@ def solved(family: str, law: str, ik: jtik.InverseKinematics, given: Given) -> R
         spent.append(solution.iterations if solution.position_error <= 1e-6 else math.inf)
     return {
         "case": family,
-        "law": law,
+        "law": strategy,
         "longest": median(longest),
         "longest_of_all": max(longest),
         "rises": percent(rose),
@@ -54,7 +60,7 @@ def solved(family: str, law: str, ik: jtik.InverseKinematics, given: Given) -> R
 
 
 def upright(count: int) -> tuple[jtik.Robot, Given]:
-    """An iiwa about 1e-3 rad from its stretched pose, where J of its position loses rank; targets straight below."""
+    """An iiwa about 1e-3 rad from its stretched pose, where the position Jacobian loses rank; targets below the tip."""
     robot = jtik.Robot.builtin("iiwa14")
     rng = np.random.default_rng(14)
     top = robot.position(np.zeros(robot.n))
@@ -62,7 +68,7 @@ def upright(count: int) -> tuple[jtik.Robot, Given]:
 
 
 def weak_pose() -> Array:
-    """Ten links on an arc so flat that the least singular value of J is 1e-4."""
+    """Ten links on a flat arc with a smallest singular value of J of 1e-4."""
 
     def sigma(bend: float) -> float:
         return float(np.linalg.svd(ARM.jacobian(np.full(10, bend), "tip")[:2], compute_uv=False)[1]) - WEAK
@@ -71,40 +77,40 @@ def weak_pose() -> Array:
 
 
 def along(case: str, share: float) -> list[Row]:
-    """One step of each method, the error of 1 m at that angle to the weak direction [rad]."""
+    """One step of each strategy, with an error of 1 m at an angle ``share`` to the weak direction [rad]."""
     q = weak_pose()
     U = np.linalg.svd(ARM.jacobian(q, "tip")[:2])[0]
     e = math.cos(share) * U[:, 1] + math.sin(share) * U[:, 0]
     rows: list[Row] = []
-    for law in LAWS:
-        ik = jtik.InverseKinematics(ARM, jtik.FrameTask("tip"), strategy=METHODS[law])
+    for strategy in STRATEGIES:
+        ik = jtik.InverseKinematics(ARM, jtik.FrameTask("tip"), strategy=METHODS[strategy])
         trace = ik.solve(ARM.position(q, "tip") - e, q0=q, max_iterations=1, trace=True).trace
         assert trace is not None
-        rows.append({"case": case, "law": law, "longest": float(trace.step_length[0])})
+        rows.append({"case": case, "law": strategy, "longest": float(trace.step_length[0])})
     return rows
 
 
 def compute(quick: bool) -> list[Row]:
-    """Families, the iiwa, single steps."""
+    """Rows of the families, the iiwa, and single steps."""
     count = 10 if quick else 200
     rows = []
-    for law in LAWS:
-        ik = jtik.InverseKinematics(ARM, jtik.FrameTask("tip"), strategy=METHODS[law])
-        rows += [solved(family, law, ik, list(problems(family, count))) for family in FAMILIES]
+    for strategy in STRATEGIES:
+        ik = jtik.InverseKinematics(ARM, jtik.FrameTask("tip"), strategy=METHODS[strategy])
+        rows += [solved(family, strategy, ik, list(problems(family, count))) for family in FAMILIES]
     robot, given = upright(count // 2)
-    for law in LAWS:
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=METHODS[law], limits=False)
-        rows.append(solved("iiwa14, upright", law, ik, given))
+    for strategy in STRATEGIES:
+        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=METHODS[strategy], limits=False)
+        rows.append(solved("iiwa14, upright", strategy, ik, given))
     return rows + along("error along the weak direction", 0.0) + along("error at 45 degrees", math.pi / 4)
 
 
 def statements(rows: Sequence[Row]) -> dict[str, bool]:
-    """What these rows show."""
+    """Statements about these rows, and whether they hold."""
     at = by_key(rows, ["case", "law"])
     near = (*FAMILIES[:2], "iiwa14, upright")
 
-    def of(case: str, law: str, column: str) -> float:
-        return float(at[f"{case} | {law}"][column])
+    def of(case: str, strategy: str, column: str) -> float:
+        return float(at[f"{case} | {strategy}"][column])
 
     weak, across = "error along the weak direction", "error at 45 degrees"
     return {
@@ -114,7 +120,7 @@ def statements(rows: Sequence[Row]) -> dict[str, bool]:
         "with backtracking V never rises": all(
             of(family, "transpose", "rises") == 0 for family in (*FAMILIES, near[2])
         ),
-        "undamped Newton steps are longer than 2 rad there and raise V in most solves": all(
+        "undamped Newton steps exceed 2 rad there and raise V in most solves": all(
             of(family, "newton, undamped", "longest") > 2 and of(family, "newton, undamped", "rises") > 50
             for family in FAMILIES[:2]
         ),
@@ -123,9 +129,10 @@ def statements(rows: Sequence[Row]) -> dict[str, bool]:
             and of(family, "newton, Q limit", "iterations") < of(family, "transpose", "iterations")
             for family in FAMILIES[:2]
         ),
-        "at the boundary the transpose arrives nowhere": of("boundary 9.999", "transpose", "reached") == 0,
-        "at the boundary Newton and the hybrid arrive everywhere": all(
-            of("boundary 9.999", law, "reached") == 100 for law in ("newton, undamped", "newton, Q limit", "hybrid")
+        "at the boundary the transpose reaches no target": of("boundary 9.999", "transpose", "reached") == 0,
+        "at the boundary Newton and the hybrid reach every target": all(
+            of("boundary 9.999", strategy, "reached") == 100
+            for strategy in ("newton, undamped", "newton, Q limit", "hybrid")
         ),
         "only the hybrid does so without raising V": of("boundary 9.999", "hybrid", "rises") == 0
         and of("boundary 9.999", "newton, Q limit", "rises") > 0,
@@ -136,9 +143,9 @@ def statements(rows: Sequence[Row]) -> dict[str, bool]:
         "alpha alone: at 45 degrees it is below a tenth of a radian": of(across, "transpose, alpha only", "longest")
         < 0.1,
         "the limit bounds both": all(
-            of(case, law, "longest") <= LIMIT * (1 + 1e-9)
+            of(case, strategy, "longest") <= LIMIT * (1 + 1e-9)
             for case in (weak, across)
-            for law in ("transpose", "newton, Q limit", "hybrid")
+            for strategy in ("transpose", "newton, Q limit", "hybrid")
         ),
     }
 

@@ -1,8 +1,9 @@
-"""The sign of the obstacle term: as printed it attracts.
+"""The sign of the obstacle term, which as printed attracts.
 
-(2.2) subtracts K_obs sum J_j' x_ij / |x_ij|^2 with x_ij "the vector from obstacle i to joint j": every joint is drawn
-to every obstacle. Ten links are led through the field of Figure 2.2, its discs shrunk to points, with zero angles
-alone, with the printed sign and with the sign that repels: least distance of a joint, and of a link, from a point.
+(2.2) subtracts K_obs sum J_j' x_ij / |x_ij|^2 with x_ij "the vector from obstacle i to joint j", so every joint is
+attracted by every obstacle. Ten links move through the field of Figure 2.2, with its discs reduced to points. The
+script computes the smallest distance of a joint, and of a link, from a point: with zero angles alone, with the printed
+sign, and with the repelling sign.
 """
 
 from __future__ import annotations
@@ -23,12 +24,12 @@ from jtik_formulations import JointCentering, ObstacleAvoidance
 SCENE = Scene()
 POINTS = [jtik.Point(disc.center) for disc in SCENE.obstacles]
 FLOOR = 1e-3
-"""Distance at which the attraction stops to grow [m], so that H has a lower bound."""
+"""Distance below which the attraction stops growing [m], so that H has a lower bound."""
 TARGETS = 31
 ITERATIONS = 300
-"""At each target."""
-FORCES = 200
-"""Random configurations at which the force on the joints is looked at."""
+"""Maximum iterations at each target."""
+GRADIENTS = 200
+"""Number of random configurations at which the gradient is evaluated."""
 
 
 @jtik.criterion
@@ -49,53 +50,55 @@ CRITERIA = {
 }
 
 
-def led(case: str) -> Row:
-    """Along the path: least distance of a joint or the tip, and of a link, from a point [m]; targets reached [%]."""
+def follow(case: str) -> Row:
+    """Smallest distance of a joint or the tip, and of a link, from a point along the path [m]; targets reached [%]."""
     ik = jtik.InverseKinematics(SCENE.robot, jtik.FrameTask("tip"), criteria=CRITERIA[case])
-    q, way, reached = np.array(SCENE.start), [], []
+    q, path, reached = np.array(SCENE.start), [], []
     for target in SCENE.path(TARGETS):
         solution = ik.solve(target, q0=q, max_iterations=ITERATIONS)
         q = solution.q
-        way.append(q)
+        path.append(q)
         reached.append(solution.position_error <= 1e-6)
-    joints, links = clearances(Skeleton(SCENE.robot).links(np.array(way)), POINTS)
+    joints, links = clearances(Skeleton(SCENE.robot).links(np.array(path)), POINTS)
     return {"case": case, "joints": joints.min(), "links": links.min(), "reached": percent(reached)}
 
 
-def force(case: str) -> float:
-    """Share of configurations where the step -grad H brings the joint nearest to an obstacle nearer to it [%]."""
+def approaching(case: str) -> float:
+    """Share of configurations in which a step along -grad H moves the joint closest to an obstacle towards it [%]."""
     criterion = attraction if case == "sign as printed" else ObstacleAvoidance(POINTS)
     ik = jtik.InverseKinematics(SCENE.robot, jtik.FrameTask("tip"), criteria=criterion)
-    skeleton, rng, nearer = Skeleton(SCENE.robot), np.random.default_rng(2), []
-    for _ in range(FORCES):
+    skeleton, rng, approaches = Skeleton(SCENE.robot), np.random.default_rng(2), []
+    for _ in range(GRADIENTS):
         q = rng.uniform(-1, 1, 10)
-        slope = ik.solve((5.0, 0.0), q0=q, max_iterations=0).gradient
+        gradient = ik.solve((5.0, 0.0), q0=q, max_iterations=0).gradient
         before, after = (
-            clearances(skeleton.links(at), POINTS)[0] for at in (q, q - 1e-6 * slope / np.linalg.norm(slope))
+            clearances(skeleton.links(at), POINTS)[0] for at in (q, q - 1e-6 * gradient / np.linalg.norm(gradient))
         )
-        least = np.unravel_index(np.argmin(before), before.shape)
-        nearer.append(after[least] < before[least])
-    return percent(nearer)
+        closest = np.unravel_index(np.argmin(before), before.shape)
+        approaches.append(after[closest] < before[closest])
+    return percent(approaches)
 
 
 def compute(quick: bool) -> list[Row]:
-    """The way through the field for every criterion, and the forces."""
-    rows = [led(case) for case in CRITERIA]
+    """The path through the field for every criterion, and the directions of the gradients."""
+    rows = [follow(case) for case in CRITERIA]
     for row in rows[1:3]:
-        row["nearer"] = force(str(row["case"]))
+        row["nearer"] = approaching(str(row["case"]))
     return rows
 
 
 def statements(rows: Sequence[Row]) -> dict[str, bool]:
-    """What these rows show."""
+    """Statements about these rows, and whether they hold."""
     at = by_key(rows, ["case"])
     none, printed, repels = (at[case] for case in CRITERIA)
     return {
-        "the printed sign brings the nearest joint nearer in most configurations": float(printed["nearer"]) > 80,
-        "the other sign takes it away in most": float(repels["nearer"]) < 20,
-        "along the path the printed sign leads joints nearer than no avoidance": float(printed["joints"])
+        "the printed sign moves the closest joint towards its obstacle in most configurations": float(printed["nearer"])
+        > 80,
+        "the other sign moves it away in most": float(repels["nearer"]) < 20,
+        "along the path joints come closer with the printed sign than without avoidance": float(printed["joints"])
         < float(none["joints"]),
-        "the sign that repels keeps joints farther away than none": float(repels["joints"]) > 2 * float(none["joints"]),
+        "with the repelling sign joints stay farther away than without avoidance": float(repels["joints"])
+        > 2 * float(none["joints"]),
     }
 
 

@@ -1,9 +1,10 @@
-"""Equal to Newton's method for one degree of freedom, and the same locally.
+"""Equality of the transpose step and Newton's step for one degree of freedom, and their local agreement.
 
-One joint: the transpose step with the optimal alpha is Newton's step. So it is for any number of joints when the task
-has one row, and wherever the error is an eigenvector of J J'. It is not for two rows in general. "Locally" both methods
-produce the same result: from an error of size eps they end at postures that differ by order eps^2, although the one
-gets there linearly, by at worst (kappa - 1)/(kappa + 1) a step, kappa = cond(J)^2, and the other quadratically.
+For one joint the transpose step with the optimal alpha is Newton's step. This also holds for any number of joints if
+the task has one row, or if the error is an eigenvector of J J'. It does not hold for two rows in general. "Locally"
+both methods produce the same result: from an error of size eps they end at postures that differ by order eps^2. The
+transpose method converges linearly, with a factor of at most (kappa - 1)/(kappa + 1) for each step, kappa = cond(J)^2,
+and Newton's method quadratically.
 """
 
 from __future__ import annotations
@@ -21,17 +22,25 @@ import jtik
 from jtik_formulations import Newton, Transpose
 
 Array = np.ndarray
-LAWS = {
+STRATEGIES = {
     "transpose": Transpose(q_limit=math.inf, backtracking=False),
     "newton": Newton(q_limit=math.inf, backtracking=False),
 }
 SIZES = (0.1, 0.01, 0.001)
-"""Of the first error [m]."""
+"""Initial errors [m]."""
 
 
 def steps(robot: jtik.Robot, task: jtik.FrameTask, draw: Callable[[np.random.Generator], tuple], count: int) -> Row:
-    """difference: largest of |dq_T - dq_N| / |dq_N| over random problems; typical: its median."""
-    solvers = {name: jtik.InverseKinematics(robot, task, strategy=law, limits=False) for name, law in LAWS.items()}
+    """Compare first steps on random problems.
+
+    Columns:
+        difference: largest |dq_T - dq_N| / |dq_N|.
+        typical: its median.
+    """
+    solvers = {
+        name: jtik.InverseKinematics(robot, task, strategy=strategy, limits=False)
+        for name, strategy in STRATEGIES.items()
+    }
     rng = np.random.default_rng(1)
     differences = []
     for _ in range(count):
@@ -46,7 +55,7 @@ def steps(robot: jtik.Robot, task: jtik.FrameTask, draw: Callable[[np.random.Gen
 
 
 def equality(count: int) -> list[Row]:
-    """One joint, one row, an eigenvector, and two rows."""
+    """Rows for one joint, one task row, an eigenvector, and two task rows."""
 
     def within(robot: jtik.Robot) -> Callable[[np.random.Generator], tuple]:
         return lambda rng: (rng.uniform(-1, 1, robot.n), robot.pose(rng.uniform(-1, 1, robot.n), "tip"))
@@ -68,13 +77,18 @@ def equality(count: int) -> list[Row]:
 
 
 def local(size: float, count: int) -> Row:
-    """From targets that far from the tip.
+    """Solves with targets at distance ``size`` from the tip.
 
-    apart: median of |q_T - q_N| / |q_N - q_0| of where both end [1]. slower: median factor by which |e| falls a step,
-    transpose; bound_kept: solves in which no step was slower than the bound at the end, with a tenth of its distance
-    from one to spare [%]. quadratic: median of |e_1| / |e_0|^2 of Newton's first step [1/m].
+    Columns:
+        apart: median of |q_T - q_N| / |q_N - q_0| of the final postures.
+        slower: median factor of |e| for each step of the transpose.
+        bound_kept: solves in which every factor is below the bound at the end, plus a tenth of its distance to one [%].
+        quadratic: median of |e_1| / |e_0|^2 of Newton's first step [1/m].
     """
-    solvers = {name: jtik.InverseKinematics(ARM, jtik.FrameTask("tip"), strategy=law) for name, law in LAWS.items()}
+    solvers = {
+        name: jtik.InverseKinematics(ARM, jtik.FrameTask("tip"), strategy=strategy)
+        for name, strategy in STRATEGIES.items()
+    }
     apart, factors, kept, quadratic = [], [], [], []
     for k in range(count):
         rng = np.random.default_rng([31, k])
@@ -95,8 +109,8 @@ def local(size: float, count: int) -> Row:
             slowest = (kappa - 1) / (kappa + 1)
             factors.append(float(np.exp(np.mean(np.log(each)))))
             kept.append(bool((each <= slowest + 0.1 * (1 - slowest)).all()))
-        way = np.linalg.norm(ends["newton"] - q0)
-        apart.append(float(np.linalg.norm(ends["transpose"] - ends["newton"]) / way))
+        length = np.linalg.norm(ends["newton"] - q0)
+        apart.append(float(np.linalg.norm(ends["transpose"] - ends["newton"]) / length))
     return {
         "case": f"error of {size:g} m",
         "apart": median(apart),
@@ -107,31 +121,31 @@ def local(size: float, count: int) -> Row:
 
 
 def compute(quick: bool) -> list[Row]:
-    """Both halves."""
+    """Rows of both tests."""
     return equality(20 if quick else 200) + [local(size, 20 if quick else 200) for size in SIZES]
 
 
 def statements(rows: Sequence[Row]) -> dict[str, bool]:
-    """What these rows show."""
+    """Statements about these rows, and whether they hold."""
     at = by_key(rows, ["case"])
     equal = ("one joint, one row", "10 joints, one row", "panda, one row", "10 joints, error an eigenvector")
     near = [at[f"error of {size:g} m"] for size in SIZES]
     return {
         "with one joint the transpose step is Newton's": float(at[equal[0]]["difference"]) < 1e-9,
-        "with one task row it is, for any number of joints": all(
+        "with one task row they are equal for any number of joints": all(
             float(at[case]["difference"]) < 1e-9 for case in equal[1:3]
         ),
-        "with an error along an eigenvector of J J' it is": float(at[equal[3]]["difference"]) < 1e-9,
-        "with two rows it is another step": float(at["10 joints, two rows"]["typical"]) > 0.1,
+        "with an error along an eigenvector of J J' they are equal": float(at[equal[3]]["difference"]) < 1e-9,
+        "with two rows they differ": float(at["10 joints, two rows"]["typical"]) > 0.1,
         "locally both end at the same posture: the relative distance shrinks with the error": all(
             5 < float(a["apart"]) / float(b["apart"]) < 20 for a, b in itertools.pairwise(near)
         ),
-        "but not at the same rate: the error of the transpose falls linearly": all(
+        "but at different rates: the error of the transpose falls linearly": all(
             0.1 < float(row["slower"]) < 1 for row in near
         ),
-        "and Newton's quadratically": max(float(row["quadratic"]) for row in near)
+        "and that of Newton quadratically": max(float(row["quadratic"]) for row in near)
         < 2 * min(float(row["quadratic"]) for row in near),
-        "the transpose keeps the bound of steepest descent": near[-1]["bound_kept"] > 95,
+        "the transpose satisfies the bound of steepest descent": near[-1]["bound_kept"] > 95,
     }
 
 

@@ -1,9 +1,9 @@
-"""alpha = N/2D is the minimiser: beside a scan, SciPy, and the true V.
+"""alpha = N/2D as the minimiser of C, compared with a scan, with SciPy, and with the best alpha for V itself.
 
-Appendix A sets alpha = N/2D because it minimises C = -alpha N + alpha^2 D. For random configurations of planar arms,
-of a Panda, of a vehicle with an arm, and with a stiffness Kp that is not the identity, the alpha of jtik's first step
-is compared with the minimum of C as a scan and SciPy find it. Where C is not the change of V, the alpha that is best
-for V itself is found by a scan, too.
+Appendix A sets alpha = N/2D because it minimises C = -alpha N + alpha^2 D. For random configurations of planar arms, of
+a Panda, of a vehicle with an arm, and with a stiffness Kp that is not the identity, the alpha of jtik's first step is
+compared with the minimiser of C from a scan and from SciPy. C is not the exact change of V, so a scan also finds the
+best alpha for V itself.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ BARE = Transpose(q_limit=math.inf, backtracking=False)
 SCAN = np.linspace(0.0, 2.0, 2001)
 """Multiples of alpha at which C is evaluated."""
 LONG = np.linspace(0.02, 6.0, 300)
-"""Multiples of alpha at which the true V is."""
+"""Multiples of alpha at which V is evaluated."""
 
 CASES: dict[str, tuple[jtik.Robot, jtik.FrameTask, tuple[float, ...]]] = {
     "planar 2": (jtik.Robot.planar(2), jtik.FrameTask("tip"), (1, 1)),
@@ -39,7 +39,7 @@ CASES: dict[str, tuple[jtik.Robot, jtik.FrameTask, tuple[float, ...]]] = {
 
 
 def worked() -> Row:
-    """Two unit links at (0, pi/2), target (0, 1.5): one step by hand gives alpha = 13/34."""
+    """Two unit links at (0, pi/2), target (0, 1.5): alpha = 13/34 by hand."""
     ik = jtik.InverseKinematics(jtik.Robot.planar(2), jtik.FrameTask("tip"), strategy=BARE)
     q0 = np.array([0.0, math.pi / 2])
     solution = ik.solve((0.0, 1.5), q0=q0, max_iterations=1, trace=True)
@@ -59,10 +59,14 @@ def worked() -> Row:
 def compared(case: str, count: int) -> Row:
     """One case.
 
-    scipy: largest relative difference between alpha and SciPy's minimiser of C. scan: of alpha and the best of the
-    scan, which has steps of 0.001. sign: whether C is negative just inside (0, N/D) and positive just outside. true_10,
-    true_50, true_90: percentiles of (the alpha best for V itself) / alpha. rises: share of problems where V is higher
-    after the step than before [%].
+    Columns:
+        scipy: largest relative difference between alpha and SciPy's minimiser of C.
+        scan: largest relative difference between alpha and the minimiser of the scan, which has steps of 0.001.
+        sign: whether C is negative just inside (0, N/D) and positive just outside.
+        true_10: tenth percentile of the best alpha for V, relative to alpha.
+        true_50: median of this ratio.
+        true_90: ninetieth percentile of this ratio.
+        rises: share of problems in which V is larger after the step [%].
     """
     robot, task, stiffness = CASES[case]
     Kp = np.diag(np.array(stiffness, dtype=float))
@@ -112,7 +116,7 @@ def compute(quick: bool) -> list[Row]:
 
 
 def statements(rows: Sequence[Row]) -> dict[str, bool]:
-    """What these rows show."""
+    """Statements about these rows, and whether they hold."""
     at = by_key(rows, ["case"])
     cases = [at[case] for case in CASES]
     step = at["worked step"]
@@ -120,9 +124,11 @@ def statements(rows: Sequence[Row]) -> dict[str, bool]:
     return {
         "alpha is SciPy's minimiser of C": all(float(row["scipy"]) < 1e-6 for row in cases),
         "alpha is the scan's minimiser of C": all(float(row["scan"]) <= 1e-3 for row in cases),
-        "C is negative on (0, N/D) and not beyond": all(row["sign"] == 1 for row in cases),
-        "the worked step is as by hand": all(abs(float(step[name]) - value) < 1e-9 for name, value in hand.items()),
-        "the alpha best for V itself is another one": all(
+        "C is negative on (0, N/D) and positive beyond": all(row["sign"] == 1 for row in cases),
+        "the worked step agrees with the calculation by hand": all(
+            abs(float(step[name]) - value) < 1e-9 for name, value in hand.items()
+        ),
+        "the best alpha for V itself is different": all(
             float(row["true_90"]) - float(row["true_10"]) > 0.01 for row in cases
         ),
     }

@@ -1,10 +1,11 @@
-"""Out of singular positions: do torques for shaping, and forces of obstacles, free a stuck arm?
+"""Escape from singular positions by the gradients of criteria.
 
-Section 2.1 says that in practice they do. Ten links lie exactly straight, the target on their line: the task exerts no
-torque. jtik leaves such a point by a step along the second derivative, before a criterion could. To see the paper's law
-alone, it is iterated here as printed, from jtik's error, Jacobian and gradient; where both can be compared it is
-jtik's `Transpose(rule="paper")` with `ProjectedGradient(rule="paper")`. It is stuck for ever where a step is exactly
-zero. Arms bent by about 1e-8 rad, without any criterion, are the comparison.
+Section 2.1 says that in practice the criteria for shaping and obstacles move the arm out of singular positions. Here
+ten links are exactly straight with the target on their line, so the gradient of the task error vanishes. jtik escapes
+from such a saddle point along a direction of negative curvature, before a criterion could have an effect. The paper's
+method alone is therefore iterated here as printed, with error, Jacobian and gradient from jtik. Where both can be
+compared, it agrees with `Transpose(rule="paper")` and `ProjectedGradient(rule="paper")`. It stops if a step is exactly
+zero. Arms bent by about 1e-8 rad, without a criterion, are the comparison.
 """
 
 from __future__ import annotations
@@ -24,12 +25,12 @@ from jtik_formulations import Hybrid, JointCentering, ObstacleAvoidance, Project
 Array = np.ndarray
 PAPER = Transpose(rule="paper", q_limit=1.0, backtracking=False, secondary=ProjectedGradient(rule="paper"))
 ZIGZAG = 0.3 * (-1.0) ** np.arange(10)
-"""Preferred angles that are not zero [rad]."""
+"""Non-zero preferred angles [rad]."""
 OWN = {"transpose": Transpose(), "hybrid": Hybrid()}
 RANK = 1e-9
 """Relative size below which a singular value of J counts as zero."""
-MOST = 3000
-"""Iterations."""
+MAX_ITERATIONS = 3000
+"""Maximum number of iterations."""
 
 CRITERIA: dict[str, Criterion | CriterionSum | None] = {
     "none": None,
@@ -41,30 +42,30 @@ CRITERIA: dict[str, Criterion | CriterionSum | None] = {
     "zigzag angles": JointCentering(preferred=ZIGZAG),
 }
 TARGETS = np.linspace(3.0, 9.0, 7)
-"""On the arm's line [m]."""
+"""Target positions on the arm's line [m]."""
 
 
 def solver(case: str, strategy: jtik.Strategy) -> jtik.InverseKinematics:
-    """Ten links beside one of the criteria."""
+    """Ten links with one of the criteria."""
     return jtik.InverseKinematics(ARM, jtik.FrameTask("tip"), criteria=CRITERIA[case], strategy=strategy)
 
 
 def as_printed(ik: jtik.InverseKinematics, target: Sequence[float], q: Array, most: int) -> list[Array]:
-    """The configurations (2.8) goes through: alpha and S (B.11) as printed, beta by its ratio.
+    """The iterates of (2.8), with alpha and S (B.11) as printed and beta by its ratio.
 
-    It ends on target, or where a step is exactly zero.
+    It ends on target, or if a step is exactly zero.
     """
-    way, energy = [q], math.inf
+    iterates, energy = [q], math.inf
     for _ in range(most):
         at = ik.solve(target, q0=q, max_iterations=0)
         if at.position_error <= 1e-6:
             break
-        J, e, slope = at.jacobian, at.error, at.gradient
+        J, e, gradient = at.jacobian, at.error, at.gradient
         g = J.T @ e
         image = J @ g
         # alpha(S) S = alpha(I): the printed S cancels on an arm of revolute joints
         alpha = g @ g / (image @ image) if g.any() else 0.0
-        h = slope - np.linalg.pinv(J, rcond=RANK) @ (J @ slope)
+        h = gradient - np.linalg.pinv(J, rcond=RANK) @ (J @ gradient)
         length = h @ h
         beta = energy / length if length > energy else 1.0
         energy = beta**2 * length
@@ -72,12 +73,12 @@ def as_printed(ik: jtik.InverseKinematics, target: Sequence[float], q: Array, mo
         if not dq.any():
             break
         q = q + dq
-        way.append(q)
-    return way
+        iterates.append(q)
+    return iterates
 
 
 def agreement() -> Row:
-    """Largest difference between that and jtik's iterations, over the first ten from bent starts [rad]."""
+    """Largest difference between these and jtik's iterates, over the first ten from bent starts [rad]."""
     differences = []
     for case in CRITERIA:
         ik = solver(case, PAPER)
@@ -90,32 +91,35 @@ def agreement() -> Row:
 
 
 def alone(case: str) -> Row:
-    """The paper's law from the straight arm.
+    """The paper's method from the straight arm.
 
-    moves: targets for which it moves the arm [%]. reached: in 3000 iterations [%]. iterations: median.
+    Columns:
+        moves: targets for which the arm moves [%].
+        reached: targets reached within 3000 iterations [%].
+        iterations: median iterations.
     """
     ik = solver(case, PAPER)
-    ways = [as_printed(ik, (target, 0.0), np.zeros(10), MOST) for target in TARGETS]
-    arrived = [
-        ik.solve((target, 0.0), q0=way[-1], max_iterations=0).position_error <= 1e-6
-        for way, target in zip(ways, TARGETS, strict=True)
+    paths = [as_printed(ik, (target, 0.0), np.zeros(10), MAX_ITERATIONS) for target in TARGETS]
+    reached = [
+        ik.solve((target, 0.0), q0=path[-1], max_iterations=0).position_error <= 1e-6
+        for path, target in zip(paths, TARGETS, strict=True)
     ]
     return {
         "case": case,
         "law": "as printed",
-        "moves": percent(len(way) > 1 for way in ways),
-        "reached": percent(arrived),
-        "iterations": median([len(way) - 1 if ok else math.inf for way, ok in zip(ways, arrived, strict=True)]),
+        "moves": percent(len(path) > 1 for path in paths),
+        "reached": percent(reached),
+        "iterations": median([len(path) - 1 if ok else math.inf for path, ok in zip(paths, reached, strict=True)]),
     }
 
 
-def escaping(case: str, law: str, strategy: jtik.Strategy) -> Row:
-    """As `alone`, of jtik's solve; escapes: median number of second-order steps."""
+def escaping(case: str, method: str, strategy: jtik.Strategy) -> Row:
+    """As `alone`, for a solve of jtik; ``escapes`` is the median number of saddle escapes."""
     ik = solver(case, strategy)
     solutions = [ik.solve((target, 0.0), q0=np.zeros(10), until="reached") for target in TARGETS]
     return {
         "case": case,
-        "law": law,
+        "law": method,
         "reached": percent(solution.converged for solution in solutions),
         "iterations": median([s.iterations if s.converged else math.inf for s in solutions]),
         "escapes": median([float(solution.escapes) for solution in solutions]),
@@ -131,29 +135,29 @@ def bent(count: int) -> list[Row]:
     for k in range(count):
         rng = np.random.default_rng([8, k])
         target, q0 = (rng.uniform(3, 9), 0.0), 1e-8 * rng.standard_normal(10)
-        way = as_printed(ik, target, q0, MOST)
-        there = ik.solve(target, q0=way[-1], max_iterations=0).position_error <= 1e-6
-        printed.append(len(way) - 1 if there else math.inf)
+        path = as_printed(ik, target, q0, MAX_ITERATIONS)
+        success = ik.solve(target, q0=path[-1], max_iterations=0).position_error <= 1e-6
+        printed.append(len(path) - 1 if success else math.inf)
         solution = hybrid.solve(target, q0=q0, until="reached")
         own.append(solution.iterations if solution.converged else math.inf)
         escapes.append(float(solution.escapes))
     rows: list[Row] = []
-    for law, spent in (("as printed", printed), ("hybrid", own)):
-        row: Row = {"case": "none, bent by 1e-8", "law": law, "reached": percent(map(math.isfinite, spent))}
+    for method, spent in (("as printed", printed), ("hybrid", own)):
+        row: Row = {"case": "none, bent by 1e-8", "law": method, "reached": percent(map(math.isfinite, spent))}
         rows.append(row | {"iterations": median(spent)})
     rows[1]["escapes"] = median(escapes)
     return rows
 
 
 def compute(quick: bool) -> list[Row]:
-    """The paper's law alone, jtik's solves, bent starts."""
+    """Rows of the paper's method alone, of jtik's solves, and of bent starts."""
     rows = [agreement()] + [alone(case) for case in CRITERIA]
-    rows += [escaping(case, law, strategy) for case in CRITERIA for law, strategy in OWN.items()]
+    rows += [escaping(case, method, strategy) for case in CRITERIA for method, strategy in OWN.items()]
     return rows + bent(10 if quick else 100)
 
 
 def statements(rows: Sequence[Row]) -> dict[str, bool]:
-    """What these rows show."""
+    """Statements about these rows, and whether they hold."""
     at = by_key(rows, ["case", "law"])
 
     def moves(*cases: str) -> set[float]:
@@ -161,18 +165,20 @@ def statements(rows: Sequence[Row]) -> dict[str, bool]:
 
     freeing = ("obstacle off the line", "zero angles, obstacle off the line", "zigzag angles")
     return {
-        "the law as printed is jtik's rule paper": float(at["all, bent start | difference"]["difference"]) < 1e-9,
+        "the method as printed agrees with jtik's rule 'paper'": float(at["all, bent start | difference"]["difference"])
+        < 1e-9,
         "without a criterion it never moves the straight arm": moves("none") == {0},
-        "nor beside zero angles, the criterion of Figure 2.2": moves("zero angles") == {0},
-        "nor beside an obstacle on the arm's line": moves("obstacle on the line", "zero angles, obstacle on the line")
+        "nor with zero angles, the criterion of Figure 2.2": moves("zero angles") == {0},
+        "nor with an obstacle on the arm's line": moves("obstacle on the line", "zero angles, obstacle on the line")
         == {0},
-        "obstacles off the line and angles other than zero free it": moves(*freeing) == {100}
+        "obstacles off the line and non-zero angles move it out": moves(*freeing) == {100}
         and all(at[f"{case} | as printed"]["reached"] == 100 for case in freeing),
-        "a bend of 1e-8 rad frees it without any torque": float(at["none, bent by 1e-8 | as printed"]["reached"]) > 95,
-        "jtik's escape and the hybrid bring it to the target in every case": all(
+        "a bend of 1e-8 rad moves it out without a criterion": float(at["none, bent by 1e-8 | as printed"]["reached"])
+        > 95,
+        "jtik's saddle escape and the hybrid reach the target in every case": all(
             at[f"{case} | hybrid"]["reached"] == 100 for case in CRITERIA
         ),
-        "one escape is enough": all(at[f"{case} | {law}"]["escapes"] == 1 for case in CRITERIA for law in OWN),
+        "one escape is enough": all(at[f"{case} | {method}"]["escapes"] == 1 for case in CRITERIA for method in OWN),
     }
 
 

@@ -1,9 +1,10 @@
-""" "About twice slower than Newton's method": iterations and time, at loose and tight tolerances.
+""" "About twice slower than Newton's method": iterations and time, with large and small tolerances.
 
-The transpose method (alpha = N/2D, S after alpha, backtracking) and Newton's (the same limit and backtracking) solve
-the same problems to tolerances from a metre, a tenth of the arm's reach, to a micrometre: medians of iterations and
-their ratio. Then the time of a step, as the difference of solves stopped after one and after many iterations, and of
-whole solves. A Panda, in position and in pose, shows the method in space.
+The transpose method (alpha = N/2D, S after alpha, backtracking) and Newton's method (with the same limit and
+backtracking) solve the same problems to tolerances from one metre, a tenth of the arm's reach, to one micrometre. The
+script computes medians of iterations and their ratio, and the time of a step, from the difference of solves stopped
+after one and after many iterations, and of complete solves. Position and pose tasks of a Panda show the methods in
+space.
 """
 
 from __future__ import annotations
@@ -24,17 +25,21 @@ from jtik_formulations import Newton, Transpose
 Array = np.ndarray
 TOLERANCES = (1.0, 0.1, 0.01, 1e-4, 1e-6)
 """Position error [m] at which a target counts as reached."""
-LAWS = {"transpose": Transpose(), "newton": Newton()}
+STRATEGIES = {"transpose": Transpose(), "newton": Newton()}
 ROUNDS = 15
-"""Of the timing."""
+"""Number of timed rounds."""
 
 Targets = list[tuple[Array, Array]]
 
 
 def counted(case: str, solvers: dict[str, jtik.InverseKinematics], given: Targets, tolerance: float) -> Row:
-    """Both methods on the same problems to one tolerance; a failure counts as infinitely many iterations.
+    """Both methods on the same problems with one tolerance; a failure counts as infinitely many iterations.
 
-    transpose, newton: median iterations. ratio: of the medians. reached: share of targets the transpose reaches [%].
+    Columns:
+        transpose: median iterations of the transpose method.
+        newton: median iterations of Newton's method.
+        ratio: ratio of the medians.
+        reached: share of targets that the transpose method reaches [%].
     """
     medians, reached = {}, {}
     for name, ik in solvers.items():
@@ -52,25 +57,25 @@ def counted(case: str, solvers: dict[str, jtik.InverseKinematics], given: Target
 
 
 def panda(kind: str, count: int) -> tuple[dict[str, jtik.InverseKinematics], Targets]:
-    """A Panda without limits, from and to configurations about its home."""
+    """A Panda without limits, with starts and goals around its home configuration."""
     robot = jtik.Robot.builtin("panda")
     rng = np.random.default_rng(7)
     solvers = {
-        name: jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), strategy=law, limits=False)
-        for name, law in LAWS.items()
+        name: jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), strategy=strategy, limits=False)
+        for name, strategy in STRATEGIES.items()
     }
     home = solvers["newton"].robot.neutral
     given = []
     for _ in range(count):
         q0, goal = (home + rng.uniform(-0.5, 0.5, len(home)) for _ in range(2))
-        whole = solvers["newton"].full_configuration(goal)
-        target = robot.position(whole) if kind == "position" else robot.pose(whole)
+        full = solvers["newton"].full_configuration(goal)
+        target = robot.position(full) if kind == "position" else robot.pose(full)
         given.append((q0, target))
     return solvers, given
 
 
 def elapsed(ik: jtik.InverseKinematics, given: Targets, **options: float) -> tuple[float, int]:
-    """Processor time [s] and iterations of all solves together."""
+    """Total processor time [s] and iterations of all solves."""
     begin, iterations = time.process_time(), 0
     for q0, target in given:
         iterations += ik.solve(target, q0=q0, until="reached", **options).iterations
@@ -78,10 +83,15 @@ def elapsed(ik: jtik.InverseKinematics, given: Targets, **options: float) -> tup
 
 
 def timed(solvers: dict[str, jtik.InverseKinematics], count: int) -> list[Row]:
-    """Processor time of a step and of a solve, least of interleaved rounds [us], in CasADi's virtual machine.
+    """Processor time of a step and of a solve, minimum of interleaved rounds [us], in CasADi's virtual machine.
 
-    A step: solves of targets out of reach, where both methods go on and on, of up to 300 iterations less solves of one,
-    so that what surrounds the loop cancels. transpose, newton: the times. ratio: transpose / newton.
+    The time of a step is the difference between solves of up to 300 iterations and of one, for unreachable targets at
+    which neither method stops early, so that the overhead around the loop cancels.
+
+    Columns:
+        transpose: time of the transpose method [us].
+        newton: time of Newton's method [us].
+        ratio: their ratio.
     """
     beyond, far = list(problems(BEYOND, 50)), list(problems("far", count))
     runs = {
@@ -90,28 +100,31 @@ def timed(solvers: dict[str, jtik.InverseKinematics], count: int) -> list[Row]:
         "solve to 0.1": (far, {"position_tolerance": 0.1}),
         "solve to 1e-06": (far, {"position_tolerance": 1e-6}),
     }
-    least = {(run, name): (math.inf, 0) for run in runs for name in solvers}
+    smallest = {(run, name): (math.inf, 0) for run in runs for name in solvers}
     for _ in range(ROUNDS):
         for name, ik in solvers.items():
             for run, (given, options) in runs.items():
-                least[run, name] = min(least[run, name], elapsed(ik, given, **options))
+                smallest[run, name] = min(smallest[run, name], elapsed(ik, given, **options))
     rows: list[Row] = []
     for label in ("step", "solve to 0.1", "solve to 1e-06"):
         times = {}
         for name in solvers:
             if label == "step":
-                (long, most), (short, few) = least["many", name], least["one", name]
+                (long, most), (short, few) = smallest["many", name], smallest["one", name]
                 times[name] = 1e6 * (long - short) / (most - few)
             else:
-                times[name] = 1e6 * least[label, name][0] / count
+                times[name] = 1e6 * smallest[label, name][0] / count
         rows.append({"case": "time in us", "tolerance": label, **times, "ratio": times["transpose"] / times["newton"]})
     return rows
 
 
 def compute(quick: bool) -> list[Row]:
-    """Iterations on five families and a Panda; times on one family, unless quick."""
+    """Rows of iterations on five families and a Panda, and of times on one family unless quick."""
     count = 20 if quick else 200
-    solvers = {name: jtik.InverseKinematics(ARM, jtik.FrameTask("tip"), strategy=law) for name, law in LAWS.items()}
+    solvers = {
+        name: jtik.InverseKinematics(ARM, jtik.FrameTask("tip"), strategy=strategy)
+        for name, strategy in STRATEGIES.items()
+    }
     rows = []
     for family in REACHABLE:
         given = list(problems(family, count))
@@ -123,35 +136,37 @@ def compute(quick: bool) -> list[Row]:
 
 
 def statements(rows: Sequence[Row]) -> dict[str, bool]:
-    """What these rows show."""
+    """Statements about these rows, and whether they hold."""
     at = by_key(rows, ["case", "tolerance"])
 
     def ratios(tolerance: str, families: Iterable[str] = REACHABLE) -> list[float]:
         return [float(at[f"{family} | {tolerance}"]["ratio"]) for family in families]
 
-    said = {
+    found = {
         "to 1e-6 m the transpose takes more than three times as many iterations in every family": min(ratios("1e-06"))
         > 3,
-        "to 0.1 m, from far starts, it takes about twice as many": 1.5 <= at["far | 0.1"]["ratio"] <= 2.5,
+        "to 0.1 m, from far starts, it takes about twice as many iterations": 1.5 <= at["far | 0.1"]["ratio"] <= 2.5,
         "to 0.1 m it takes at least three times as many in every other family": all(
             ratio >= 3 for ratio in ratios("0.1", [family for family in REACHABLE if family != "far"])
         ),
-        "from ordinary starts the ratio grows with every digit asked for": all(
+        "from generic and far starts the ratio grows with every digit of the tolerance": all(
             a < b
             for family in ("far", "generic")
             for a, b in itertools.pairwise(ratios(f"{tolerance:g}", [family])[0] for tolerance in TOLERANCES)
         ),
         "targets at the boundary are not reached to 1e-6 m": at["boundary 9.999 | 1e-06"]["reached"] == 0,
         "in space it reaches positions to 1e-6 m as well": at["panda, position | 1e-06"]["reached"] > 95,
-        "but hardly any pose": float(at["panda, pose | 1e-06"]["reached"]) < 10,
+        "but hardly any poses": float(at["panda, pose | 1e-06"]["reached"]) < 10,
         "to 0.01 it reaches most poses": float(at["panda, pose | 0.01"]["reached"]) > 75,
     }
     times = at.get("time in us | step")
     if times is None:
-        return said
-    return said | {
-        "a step of the transpose costs less than one of Newton's, but more than half": 0.5 < float(times["ratio"]) < 1,
-        "so that the time of a solve to 1e-6 m is more than twice Newton's": float(
+        return found
+    return found | {
+        "a step of the transpose takes less time than one of Newton, but more than half": 0.5
+        < float(times["ratio"])
+        < 1,
+        "so a solve to 1e-6 m takes more than twice the time of Newton": float(
             at["time in us | solve to 1e-06"]["ratio"]
         )
         > 2,

@@ -1,6 +1,6 @@
-"""The five-family study in small: ten unit links, 1e-6, the hybrid beside its two parents.
+"""A small version of the five-family study: ten unit links, tolerance 1e-6, the hybrid, transpose and newton.
 
-The full study has 200 problems a family; the medians of its dogleg row are the yardstick here.
+The full study has 200 problems of each family. The medians of its dogleg row are the reference here.
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ DOGLEG_MEDIAN = {"generic": 5, "far": 6, "near-straight 1e-3": 5, "near-straight
 """Median iterations of the reference dogleg in the full study."""
 
 ALLOWANCE = 1.2
+"""Factor on the reference medians."""
 
 
 def problems(family):
-    """(q0, target) pairs."""
+    """(q0, target) pairs of a family."""
     rng = np.random.default_rng(sorted(DOGLEG_MEDIAN).index(family))
     for _ in range(PROBLEMS):
         if family == "generic":
@@ -45,12 +46,12 @@ def study(family, strategy):
 
 
 def median(family, strategy):
-    """A solve that fails counts with the limit."""
+    """Median iterations; a failed solve counts with the maximum."""
     return float(np.median([s.iterations if s.converged else ITERATIONS for s in study(family, strategy)]))
 
 
 @pytest.mark.parametrize("family", DOGLEG_MEDIAN)
-def test_the_hybrid_solves_all_and_V_never_rises(family):
+def test_the_hybrid_solves_all_problems_and_V_never_rises(family):
     solutions = study(family, "hybrid")
     assert [solution.status for solution in solutions] == [jtik.Status.CONVERGED] * PROBLEMS
     for solution, (_, target) in zip(solutions, problems(family), strict=True):
@@ -63,7 +64,7 @@ def test_the_hybrid_needs_no_more_iterations_than_the_reference(family):
     assert median(family, "hybrid") <= ALLOWANCE * DOGLEG_MEDIAN[family]
 
 
-def test_in_order_of_iterations_transpose_newton_hybrid():
+def test_hybrid_needs_fewest_and_transpose_most_iterations():
     transpose, newton, hybrid = (median("generic", name) for name in ("transpose", "newton", "hybrid"))
     assert transpose > 5 * newton
     assert newton >= hybrid
@@ -71,11 +72,11 @@ def test_in_order_of_iterations_transpose_newton_hybrid():
 
 @pytest.mark.parametrize("strategy", ["transpose", "newton"])
 @pytest.mark.parametrize("family", DOGLEG_MEDIAN)
-def test_with_backtracking_V_never_rises_either(family, strategy):
+def test_V_never_rises_with_backtracking(family, strategy):
     for solution in study(family, strategy)[:10]:
         assert rises(solution.trace).max() <= ACCEPTED_RISE
 
 
-def test_newton_solves_all_within_reach():
+def test_newton_solves_all_reachable_families():
     for family in ("generic", "far", "near-straight 1e-3", "near-straight 1e-6"):
         assert all(solution.converged for solution in study(family, "newton"))

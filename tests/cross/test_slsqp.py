@@ -1,4 +1,4 @@
-"""Constrained optima beside SciPy's SLSQP: the same H or lower, and the conditions of Karush, Kuhn and Tucker."""
+"""Constrained optima against SciPy's SLSQP: H is equal or smaller, and the Karush-Kuhn-Tucker conditions hold."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from jtik_formulations import JointCentering, ObstacleAvoidance
 from ..conftest import dh_arm, planar_jacobian, planar_points
 
 SAME = 1e-6
-"""Difference in H that two solvers, each stopped at 1e-6, may have."""
+"""Allowed difference in H of two solvers with tolerance 1e-6."""
 
 STATIONARY = 2e-5
 """Norm of the gradient of the Lagrangian: the tolerance 1e-6 relative to a gradient of up to 20."""
 
 DISTANCE = 0.02
-"""Clearance [m] above which the obstacle potential is the plain logarithm."""
+"""Clearance above which the obstacle potential is the plain logarithm [m]."""
 
 FIELD = np.array([[4.0, 2.5], [6.5, -1.0]])
 RADII = np.array([0.5, 0.8])
@@ -26,7 +26,7 @@ GAIN = 0.3
 
 
 FLOOR = 0.01
-"""Distance [m] below which the potential goes on as a parabola; SLSQP, which steps where it likes, needs it too."""
+"""Distance below which the potential continues as a parabola [m], which SLSQP needs for its infeasible steps."""
 
 
 def planar_H(q):
@@ -45,8 +45,8 @@ def planar_gradient(q):
             x = point - center
             length = np.linalg.norm(x)
             d = length - radius
-            force = 1 / d if d > FLOOR else (2 - d / FLOOR) / FLOOR
-            gradient -= GAIN * J.T @ x / length * force
+            derivative = 1 / d if d > FLOOR else (2 - d / FLOOR) / FLOOR
+            gradient -= GAIN * J.T @ x / length * derivative
     return gradient
 
 
@@ -71,12 +71,12 @@ def slsqp(H, gradient, error, jacobian, q0, lower, upper):
 
 
 def kkt_residual(gradient, J, q, lower, upper):
-    """Least |dH + J' lambda + mu| with mu >= 0 at upper and mu <= 0 at lower limits; zero elsewhere."""
+    """Smallest |dH + J' lambda + mu| with mu >= 0 at upper limits, mu <= 0 at lower limits, and zero elsewhere."""
     at_upper, at_lower = np.flatnonzero(q >= upper - 1e-8), np.flatnonzero(q <= lower + 1e-8)
     unit = np.eye(len(q))
     columns = np.hstack([J.T, unit[:, at_upper], -unit[:, at_lower]])
-    least = np.concatenate([np.full(len(J), -np.inf), np.zeros(len(at_upper) + len(at_lower))])
-    fit = lsq_linear(columns, -gradient, bounds=(least, np.inf), tol=1e-14)
+    lowest = np.concatenate([np.full(len(J), -np.inf), np.zeros(len(at_upper) + len(at_lower))])
+    fit = lsq_linear(columns, -gradient, bounds=(lowest, np.inf), tol=1e-14)
     return np.linalg.norm(columns @ fit.x + gradient)
 
 
@@ -86,7 +86,7 @@ def planar_problems(limit, count, seed=0):
     found = 0
     while found < count:
         q0, goal = rng.uniform(-limit, limit, (2, 10)) * 0.6
-        if limit < 0.5:  # bent one way nearly as far as it goes, so that the limits matter
+        if limit < 0.5:  # all joints close to one limit, so that limits are active
             goal = rng.choice([-1, 1]) * rng.uniform(0.5, 1.0, 10) * limit
         clear = [np.linalg.norm(planar_points(q)[:, None] - FIELD, axis=2) - RADII for q in (q0, goal)]
         if min(c.min() for c in clear) > 0.2:
@@ -95,7 +95,7 @@ def planar_problems(limit, count, seed=0):
 
 
 @pytest.mark.parametrize("limit", [np.inf, 0.8, 0.25])
-def test_ten_links_with_centering_and_obstacles(limit):
+def test_ten_links_with_centering_and_obstacles_are_optimal(limit):
     ik = planar_solver(limit)
     lower, upper = np.full(10, -limit), np.full(10, limit)
     lower_or_same = bound = polishings = 0
@@ -113,23 +113,23 @@ def test_ten_links_with_centering_and_obstacles(limit):
         def error(q, t=target):
             return planar_points(q)[-1] - t
 
-        # an independent solver finds nothing better nearby
+        # an independent solver finds no better solution nearby
         polished = slsqp(planar_H, planar_gradient, error, planar_jacobian, q, lower, upper)
         if np.linalg.norm(error(polished.x)) < 1e-6 and np.linalg.norm(polished.x - q) < 0.1:
             polishings += 1
             assert planar_H(q) <= polished.fun + SAME + 1e-6 * np.linalg.norm(np.linalg.pinv(J).T @ g)
-        # nor, as a rule, from the same start; H has many minima, and each finds one
+        # usually also none from the same start; H has many minima, and each solver finds one
         other = slsqp(planar_H, planar_gradient, error, planar_jacobian, q0, lower, upper)
         found = other.success and np.linalg.norm(error(other.x)) < 1e-6
         lower_or_same += not found or planar_H(q) <= other.fun + SAME
     assert polishings >= 16
     assert lower_or_same >= 16
     if limit < 0.5:
-        assert bound >= 10  # the limits did matter
+        assert bound >= 10  # limits are active in many solutions
 
 
-def test_one_basin_has_one_answer():
-    """With springs alone and a near target H is convex along the way: SLSQP and jtik agree on q."""
+def test_jtik_and_slsqp_agree_on_a_convex_problem():
+    """With joint centering alone and a nearby target, both solvers find the same q."""
     for limit in (np.inf, 0.3):
         robot = jtik.Robot.planar(10, lower=-limit, upper=limit)
         ik = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=JointCentering())
@@ -156,13 +156,13 @@ def test_one_basin_has_one_answer():
 
 @pytest.mark.parametrize("kind", ["position", "pose"])
 @pytest.mark.parametrize("limit", [np.inf, 1.2])
-def test_a_spatial_arm(kind, limit):
+def test_a_spatial_arm_is_optimal(kind, limit):
     robot = dh_arm(8, 3, limit)
     sphere = jtik.Sphere((0.6, 0.6, 0.4), 0.1)
     ik = jtik.InverseKinematics(
         robot, jtik.FrameTask("tip", kind), criteria=JointCentering() + GAIN * ObstacleAvoidance(sphere)
     )
-    # the functions handed to SLSQP are evaluated without limits, at configurations it chooses
+    # SLSQP evaluates its functions at configurations outside the limits
     free = jtik.InverseKinematics(
         robot,
         jtik.FrameTask("tip", kind),
@@ -183,18 +183,18 @@ def test_a_spatial_arm(kind, limit):
         assert solution.cost == pytest.approx(H, abs=1e-9)
         assert kkt_residual(solution.gradient, solution.jacobian, solution.q, robot.lower, robot.upper) <= STATIONARY
 
-        def look(q, t=target):
+        def evaluated(q, t=target):
             return free.solve(t, q0=q, max_iterations=0)
 
         other = slsqp(
-            lambda q: look(q).cost,
-            lambda q: look(q).gradient,
-            lambda q: look(q).error,
-            lambda q: look(q).jacobian,
+            lambda q: evaluated(q).cost,
+            lambda q: evaluated(q).gradient,
+            lambda q: evaluated(q).error,
+            lambda q: evaluated(q).jacobian,
             q0,
             robot.lower,
             robot.upper,
         )
-        found = other.success and np.linalg.norm(look(other.x).error) < 1e-6
+        found = other.success and np.linalg.norm(evaluated(other.x).error) < 1e-6
         lower_or_same += not found or solution.cost <= other.fun + SAME
     assert lower_or_same >= 7

@@ -1,4 +1,4 @@
-"""The scripts of a paper import each other by name, as they do when they are run."""
+"""Imports the scripts of a paper by name, as they import each other when they are run."""
 
 import importlib
 import sys

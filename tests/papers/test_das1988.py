@@ -1,4 +1,4 @@
-"""The scripts of papers/das1988: each as its quick run, and the tables of the README against what they check."""
+"""The scripts of papers/das1988: the quick run of each, and the tables of the README."""
 
 import math
 import subprocess
@@ -12,7 +12,7 @@ import jtik
 
 FOLDER = Path(__file__).parents[2] / "papers" / "das1988"
 TIMED = "time of a step"
-"""How the numbers begin that a full run alone computes."""
+"""Beginning of the numbers that only a full run computes."""
 HELPERS = {"claim", "claims"}
 NAMES = sorted(path.stem for path in FOLDER.glob("*.py") if path.stem not in HELPERS)
 
@@ -23,43 +23,43 @@ def claims(script):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_quickly_run_every_statement_holds_and_every_number_is_as_expected(name, claims):
+def test_every_statement_holds_and_every_number_is_as_expected_in_a_quick_run(name, claims):
     report = claims.SCRIPTS[name].run(quick=True)
     assert report.trouble == []
     rows = [row for row in claims.listed()["claim"] if row["script"] == f"{name}.py"]
     for row in rows:
         assert row["checks"], row["claim"]
-        # statements about times are made by full runs alone
+        # only full runs have statements about times
         timed = row["number"].startswith(TIMED)
         assert timed or set(row["checks"]) <= set(report.statements), row["claim"]
 
 
-def test_every_claim_names_a_script_that_is_there_and_every_script_has_a_claim(claims):
+def test_every_claim_names_an_existing_script_and_every_script_has_a_claim(claims):
     named = {row["script"] for row in claims.listed()["claim"]}
     assert all((FOLDER / script).is_file() for script in named)
     assert named | {"five_families.py"} == {f"{name}.py" for name in NAMES}
 
 
-def test_what_the_full_run_says_of_times_is_a_statement_of_the_script(claims):
+def test_claims_about_times_are_statements_of_the_full_run(claims):
     script = claims.SCRIPTS["twice_slower"]
-    said = script.statements(script.read_expected())
+    statements = script.statements(script.read_expected())
     (row,) = (row for row in claims.listed()["claim"] if row["number"].startswith(TIMED))
-    assert set(row["checks"]) <= set(said)
-    assert all(said.values())
+    assert set(row["checks"]) <= set(statements)
+    assert all(statements.values())
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_expected_numbers_of_the_full_run_bear_the_statements_out(name, claims):
+def test_the_statements_hold_for_the_expected_numbers_of_the_full_run(name, claims):
     script = claims.SCRIPTS[name]
-    said = script.statements(script.read_expected())
-    assert [sentence for sentence, holds in said.items() if not holds] == []
+    statements = script.statements(script.read_expected())
+    assert [statement for statement, holds in statements.items() if not holds] == []
 
 
 def test_the_tables_of_the_readme_are_those_of_claims_and_expected_numbers(claims):
     assert claims.main(["--check"]) == 0
 
 
-def test_a_number_that_changes_in_the_expected_file_is_missed_in_the_readme(claims, tmp_path):
+def test_a_readme_with_an_outdated_number_is_detected_and_updated(claims, tmp_path):
     changed = tmp_path / "README.md"
     changed.write_text((FOLDER / "README.md").read_text(encoding="utf-8").replace("123.5 (82.5)", "122.5 (82.5)"))
     assert claims.main(["--check"], path=changed) == 1
@@ -67,9 +67,17 @@ def test_a_number_that_changes_in_the_expected_file_is_missed_in_the_readme(clai
     assert claims.main(["--check"], path=changed) == 0
 
 
-def test_verdicts_are_few(claims):
-    allowed = {"holds", "holds, and more", "holds under the condition", "does not hold", "does not hold as printed"}
-    assert {row["verdict"] for row in claims.listed()["claim"]} <= allowed | {"misprint", "holds, and does not pay"}
+def test_verdicts_are_from_a_fixed_list(claims):
+    allowed = {
+        "holds",
+        "holds more generally",
+        "holds under the condition",
+        "holds, without an advantage",
+        "does not hold",
+        "does not hold as printed",
+        "misprint",
+    }
+    assert {row["verdict"] for row in claims.listed()["claim"]} <= allowed
 
 
 def test_the_figure_is_drawn(script, tmp_path, monkeypatch):
@@ -80,7 +88,7 @@ def test_the_figure_is_drawn(script, tmp_path, monkeypatch):
 
 
 class TestComparison:
-    """What a script says of numbers that are not as expected."""
+    """Reports of numbers that differ from the expected ones."""
 
     @pytest.fixture
     def example(self, script):
@@ -104,29 +112,29 @@ class TestComparison:
         ]
         assert script.differing([{**self.ROWS[0], "share": 58.0}, self.ROWS[1]], self.ROWS, slack=3.0) == []
 
-    def test_a_failure_is_no_large_number(self, example):
+    def test_a_failure_differs_from_a_large_number(self, example):
         _, script = example
         found = script.differing([self.ROWS[0], {"case": "b", "steps": 1e6}], self.ROWS)
         assert found == ["b: steps is 1000000, expected inf"]
 
-    def test_rows_and_cells_that_one_of_both_lacks_are_named(self, example):
+    def test_missing_rows_and_cells_are_named(self, example):
         _, script = example
-        assert script.differing(self.ROWS[:1], self.ROWS) == ["b: expected, but not there"]
+        assert script.differing(self.ROWS[:1], self.ROWS) == ["b: expected, but missing"]
         assert script.differing(self.ROWS, self.ROWS[:1]) == ["b: not expected"]
-        assert script.differing([self.ROWS[0], {"case": "b"}], self.ROWS) == ["b: steps is in one of both alone"]
+        assert script.differing([self.ROWS[0], {"case": "b"}], self.ROWS) == ["b: steps is in only one of both"]
 
-    def test_rows_survive_the_csv_file(self, example, tmp_path):
+    def test_rows_are_restored_from_csv(self, example, tmp_path):
         claim, _ = example
         claim.write(tmp_path / "deep" / "rows.csv", self.ROWS)
         assert claim.read(tmp_path / "deep" / "rows.csv", ("case",)) == list(self.ROWS)
 
-    def test_a_statement_that_does_not_hold_ends_in_status_1(self, example, tmp_path, capsys, monkeypatch):
+    def test_a_false_statement_gives_exit_status_1(self, example, tmp_path, capsys, monkeypatch):
         claim, script = example
         monkeypatch.setattr(claim, "HERE", tmp_path)
-        told = replace(script, compute=lambda quick: list(self.ROWS), statements=lambda rows: {"pigs fly": False})
-        assert told.main("An example.", ["--accept", "--out", str(tmp_path / "out")]) == 1
+        wrong = replace(script, compute=lambda quick: list(self.ROWS), statements=lambda rows: {"pigs fly": False})
+        assert wrong.main("An example.", ["--accept", "--out", str(tmp_path / "out")]) == 1
         assert "pigs fly" in capsys.readouterr().err
-        fine = replace(told, statements=lambda rows: {"pigs walk": True})
+        fine = replace(wrong, statements=lambda rows: {"pigs walk": True})
         assert fine.main("An example.", ["--out", str(tmp_path / "out")]) == 0
         off = replace(fine, compute=lambda quick: [{**self.ROWS[0], "share": 60.0}, self.ROWS[1]])
         assert off.main("An example.", ["--out", str(tmp_path / "out")]) == 1
@@ -144,20 +152,20 @@ def test_a_script_runs_from_the_command_line(tmp_path):
 
 
 class TestFamilies:
-    """The problems most scripts draw from."""
+    """The problems of most scripts."""
 
     @pytest.fixture
     def families(self, script):
         return script("five_families")
 
     @pytest.mark.parametrize("family", ["generic", "far"])
-    def test_targets_drawn_from_configurations_are_the_robots_own_tip(self, families, family):
+    def test_targets_drawn_from_configurations_are_tip_positions_of_the_robot(self, families, family):
         q0, target = next(families.problems(family, 1))
         assert q0.shape == (10,)
         assert families.tip(q0) == pytest.approx(jtik.Robot.planar(10).position(q0, "tip"), abs=1e-12)
         assert math.hypot(*target) <= 10
 
-    def test_problems_do_not_depend_on_how_many_are_asked_for(self, families):
+    def test_problems_do_not_depend_on_their_number(self, families):
         few, many = list(families.problems("far", 2)), list(families.problems("far", 5))
         for (q, target), (same_q, same_target) in zip(few, many, strict=False):
             assert (q == same_q).all()

@@ -1,4 +1,4 @@
-"""Oracles that know nothing of the generators: MuJoCo for poses, closed forms for planar arms."""
+"""Independent oracles: MuJoCo for poses, closed forms for planar arms."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import functools
 
 import mujoco
 import numpy as np
-from scipy.spatial.transform import Rotation as Turn
+from scipy.spatial.transform import Rotation as Rotation
 
 import jtik
 from jtik.interop.mink import Correspondence, to_mujoco
 
 ARRIVED = 2e-6
-"""Error [m] and [rad] of what solved to 1e-6 in two kinematics."""
+"""Error of a solution to 1e-6 in another kinematics [m], [rad]."""
 
 
 @functools.cache
@@ -38,7 +38,7 @@ def mujoco_pose(robot, q, frame=None):
 
 
 def mujoco_jacobian(robot, q, frame=None):
-    """Jacobian (6, n) of a frame by MuJoCo, for robots of hinges and slides in the model's order."""
+    """Jacobian (6, n) of a frame by MuJoCo, for robots of revolute and prismatic joints in the model's order."""
     model, data, same = model_of(robot)
     data.qpos[:] = same.qpos(q)
     mujoco.mj_kinematics(model, data)
@@ -54,10 +54,10 @@ def distance_to(robot, q, target, kind, frame=None):
     if kind == "position":
         return np.linalg.norm(pose[:size, 3] - target)
     if size == 2:
-        angle = Turn.from_matrix(pose[:3, :3]).as_euler("zyx")[0]
+        angle = Rotation.from_matrix(pose[:3, :3]).as_euler("zyx")[0]
         turn = abs(np.angle(np.exp(1j * (angle - np.ravel(target)[-1]))))
         return turn if kind == "orientation" else turn + np.linalg.norm(pose[:2, 3] - target[:2])
-    turn = Turn.from_matrix(target[:3, :3].T @ pose[:3, :3]).magnitude()
+    turn = Rotation.from_matrix(target[:3, :3].T @ pose[:3, :3]).magnitude()
     return turn if kind == "orientation" else turn + np.linalg.norm(pose[:3, 3] - target[:3, 3])
 
 

@@ -1,4 +1,4 @@
-"""Cases and sets: values that are copied, compared, checked against a robot and saved without losing a bit."""
+"""Cases and problem sets: copies, comparison, check against a robot, storage without loss."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_a_case_copies_what_comes_in_and_cannot_be_changed():
             array[0] = 1
 
 
-def test_cases_are_equal_when_all_they_hold_is_equal():
+def test_cases_with_equal_values_are_equal():
     assert case() == case()
     assert hash(case()) == hash(case())
     assert case() != case(q0=[0.1, np.nextafter(0.2, 1)])
@@ -57,7 +57,7 @@ TARGETS = {
 
 
 @pytest.mark.parametrize("target", TARGETS.values(), ids=TARGETS)
-def test_every_form_of_target_survives_json_to_the_bit(target):
+def test_targets_are_stored_in_json_without_loss(target):
     problems = ProblemSet("s", (case(targets=[target, target], dt=0.01, known={"H": 1 / 7}, reachable=False),), seed=1)
     back = through_json(problems)
     assert back == problems
@@ -65,7 +65,7 @@ def test_every_form_of_target_survives_json_to_the_bit(target):
     assert (back.name, back.seed, back[0].dt, back[0].known, back[0].reachable) == ("s", 1, 0.01, {"H": 1 / 7}, False)
 
 
-def test_a_pose_object_counts_as_its_matrix():
+def test_a_pose_object_is_stored_as_its_matrix():
     class Pose:
         def as_matrix(self):
             return np.eye(4)
@@ -78,7 +78,7 @@ def test_a_set_survives_pickling():
     assert pickle.loads(pickle.dumps(problems)) == problems
 
 
-def test_a_set_gives_cases_by_place_and_name_and_parts_by_slice_and_kind():
+def test_a_set_is_indexed_by_number_name_slice_and_kind():
     problems = a_set("a", "b", "c") + ProblemSet("other", (case("d", kind="circle"),), seed=4)
     assert [each.name for each in problems] == ["a", "b", "c", "d"]
     assert problems["b"] is problems[1] is problems[-3]
@@ -119,19 +119,19 @@ def test_names_are_unique_and_can_be_changed():
         ({"known": {"H": np.inf}}, "known['H']"),
     ],
 )
-def test_a_case_refuses_what_it_cannot_hold(changes, argument):
+def test_a_case_refuses_invalid_values(changes, argument):
     with pytest.raises(jtik.ArgumentError) as caught:
         case(**changes)
     assert caught.value.argument == argument
 
 
 @pytest.mark.parametrize("data", [{}, {"name": "s", "cases": [], "size": 1}, [1], {"name": "s", "cases": [{}]}])
-def test_data_that_no_set_wrote_is_refused(data):
+def test_invalid_data_is_refused(data):
     with pytest.raises(jtik.ArgumentError, match="a mapping with"):
         ProblemSet.from_data(data)
 
 
-def test_a_fitting_set_passes_the_check():
+def test_a_valid_set_passes_check():
     a_set("a").check(planar(2), jtik.FrameTask())
 
 
@@ -142,14 +142,14 @@ def test_a_fitting_set_passes_the_check():
         ({"targets": [[1.0, 0.0], [1.0, 0.0, 0.0]]}, "problems['one'].targets[1]"),
     ],
 )
-def test_the_check_names_the_case_and_the_part_that_does_not_fit(changes, argument):
+def test_check_names_the_case_and_the_invalid_value(changes, argument):
     problems = ProblemSet("s", (case("fits"), case(**changes)))
     with pytest.raises(jtik.ArgumentError) as caught:
         problems.check(planar(2), jtik.FrameTask())
     assert caught.value.argument == argument
 
 
-def test_the_check_says_which_target_of_several_tasks_does_not_fit():
+def test_check_names_the_task_of_an_invalid_target():
     tasks = [jtik.FrameTask("tip"), jtik.FrameTask("link2", kind="orientation")]
     problems = ProblemSet("s", (case(targets=[{"tip": [1.0, 0.0], "link2": [1.0, 0.0]}]),))
     with pytest.raises(jtik.ArgumentError) as caught:
@@ -157,7 +157,7 @@ def test_the_check_says_which_target_of_several_tasks_does_not_fit():
     assert caught.value.argument == "problems['one'].targets[0]['link2']"
 
 
-def test_the_check_is_about_the_reduced_robot():
+def test_check_uses_the_reduced_robot():
     robot, task = planar(4), jtik.FrameTask("link3")
     free = jtik.InverseKinematics(robot, task).robot
     assert free.nq == 3
@@ -168,7 +168,7 @@ def test_the_check_is_about_the_reduced_robot():
         case_of_three.check(robot, task, joints="all")
 
 
-def test_the_check_compares_parameters_with_those_of_a_solver():
+def test_check_compares_parameters_with_those_of_a_solver():
     robot, task = planar(2), jtik.FrameTask()
     criterion = jtik.criteria["obstacle_avoidance"]([jtik.Circle([1.0, 1.0], 0.1)])
     live = jtik.InverseKinematics(robot, task, criteria=criterion).parameters

@@ -1,4 +1,4 @@
-"""The collection: every known answer next to an oracle of its own."""
+"""The collection: known solutions against independent oracles."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def known(case, name, count):
 
 
 @pytest.mark.parametrize("name", problems.names())
-def test_every_entry_fits_itself_and_says_where_it_comes_from(name):
+def test_every_problem_of_the_collection_is_valid_and_has_a_source(name):
     entry = named(name)
     entry.problems.check(entry.robot, entry.task)
     assert entry.name == name
@@ -33,7 +33,7 @@ def test_every_entry_fits_itself_and_says_where_it_comes_from(name):
 
 
 @pytest.mark.parametrize("name", [name for name in problems.names() if name != "das1988_families"])
-def test_every_reachable_target_is_met_and_mujoco_agrees(name):
+def test_every_reachable_target_is_reached_according_to_mujoco(name):
     entry = named(name)
     ik = jtik.InverseKinematics(entry.robot, entry.task)
     for case in entry.problems:
@@ -49,7 +49,7 @@ def test_an_unknown_name_is_refused_with_the_closest_one():
         problems.named("sns_4")
 
 
-def test_the_saturated_velocity_does_as_much_of_the_task_as_limits_allow_with_the_least_norm():
+def test_the_saturated_velocity_has_the_largest_task_scale_and_minimum_norm():
     entry = named("sns_4r")
     limit = entry.robot.velocity_limit
     for case in entry.problems:
@@ -58,7 +58,7 @@ def test_the_saturated_velocity_does_as_much_of_the_task_as_limits_allow_with_th
         bounds = [*((-each, each) for each in limit), (0, 1)]
         most = linprog([0, 0, 0, 0, -1], A_eq=rows, b_eq=[0, 0], bounds=bounds)
         assert case.known["scale"] == pytest.approx(-most.fun, abs=1e-9)
-        least = minimize(
+        solution = minimize(
             lambda dq: dq @ dq / 2,
             most.x[:4],
             jac=lambda dq: dq,
@@ -70,7 +70,7 @@ def test_the_saturated_velocity_does_as_much_of_the_task_as_limits_allow_with_th
                 "jac": lambda dq, J=J: J,
             },
         )
-        assert known(case, "dq", 4) == pytest.approx(least.x, abs=1e-6)
+        assert known(case, "dq", 4) == pytest.approx(solution.x, abs=1e-6)
         assert case.dt == 1.0
 
 
@@ -113,8 +113,8 @@ def test_no_posture_on_the_target_has_less_H_than_the_known_optimum():
     best = known(case, "q", 3)
     assert planar_points(best)[-1] == pytest.approx(case.target, abs=1e-12)
     assert case.known["H"] == pytest.approx(((best - preferred) ** 2).sum() / 2, abs=1e-12)
-    # every posture: by the heading of the last link, then both elbows of the two before, all whole turns near
-    least = np.inf
+    # all solutions: angle of the last link, both elbow solutions of the other two, closest multiples of a full turn
+    smallest = np.inf
     for heading in np.linspace(-np.pi, np.pi, 20001):
         x, y = case.target - [np.cos(heading), np.sin(heading)]
         cosine = (x * x + y * y - 2) / 2
@@ -122,9 +122,9 @@ def test_no_posture_on_the_target_has_less_H_than_the_known_optimum():
             first = np.arctan2(y, x) - np.arctan2(np.sin(elbow), 1 + np.cos(elbow))
             away = np.array([first, elbow, heading - first - elbow]) - preferred
             away -= 2 * np.pi * np.round(away / (2 * np.pi))
-            least = min(least, away @ away / 2)
-    assert least == pytest.approx(case.known["H"], abs=1e-6)
-    assert least >= case.known["H"] - 1e-12
+            smallest = min(smallest, away @ away / 2)
+    assert smallest == pytest.approx(case.known["H"], abs=1e-6)
+    assert smallest >= case.known["H"] - 1e-12
 
 
 def test_slsqp_finds_the_same_optimum():
@@ -143,14 +143,14 @@ def test_slsqp_finds_the_same_optimum():
             assert found.x == pytest.approx(known(case, "q", 3), abs=1e-5)
 
 
-def test_a_straight_arm_feels_nothing_of_a_target_on_its_line():
+def test_a_straight_arm_has_no_gradient_for_a_target_on_its_line():
     for case in named("straight_10r").problems:
         J = planar_jacobian(case.q0)
         assert np.abs(J.T @ (planar_points(case.q0)[-1] - case.target)).max() == 0
         assert np.linalg.svd(J, compute_uv=False)[-1] == case.known["sigma_min"] == 0
 
 
-def test_the_elbow_on_the_other_side_breaks_a_limit():
+def test_the_other_elbow_solution_violates_a_limit():
     entry = named("elbow_2r")
     for case in entry.problems:
         q = known(case, "q", 2)
@@ -162,7 +162,7 @@ def test_the_elbow_on_the_other_side_breaks_a_limit():
         assert (case.q0 <= entry.robot.upper).all()
 
 
-def test_no_search_comes_nearer_to_what_is_out_of_reach():
+def test_no_search_finds_a_smaller_error_for_an_unreachable_target():
     for case in named("unreachable_10r").problems:
         found = minimize(lambda q, x=case.target: np.sum((planar_points(q)[-1] - x) ** 2), case.q0, tol=1e-12)
         assert np.sqrt(found.fun) == pytest.approx(case.known["error"], abs=1e-6)
@@ -204,7 +204,7 @@ class TestFiveFamilies:
         assert len(problems.five_families(3)) == 18
         assert problems.five_families(3).of("far").cases == made.of("far")[:3].cases
 
-    def test_each_lies_where_its_name_says(self):
+    def test_targets_and_starts_match_their_family(self):
         made = named("das1988_families").problems
         distance = {kind: [np.linalg.norm(case.target) for case in made.of(kind)] for kind in made.kinds}
         start = {kind: np.abs([case.q0 for case in made.of(kind)]) for kind in made.kinds}
@@ -215,19 +215,19 @@ class TestFiveFamilies:
         assert start["generic"].max() < 1 < start["far"].max() < np.pi
         assert start["near-straight 1e-3"].std() == pytest.approx(6e-4, rel=0.1)
 
-    def test_the_least_errors_are_those_of_a_straight_arm(self):
+    def test_the_smallest_errors_are_those_of_a_straight_arm(self):
         for case in problems.five_families(5):
             assert case.known["error"] == pytest.approx(max(0, np.linalg.norm(case.target) - 10), abs=1e-12)
             assert case.reachable is (case.known["error"] == 0)
 
-    def test_the_first_problem_is_the_one_of_the_published_table(self):
-        # the numbers of papers/das1988 hold for these very problems
+    def test_the_first_problem_is_that_of_the_published_table(self):
+        # the figures of papers/das1988 belong to these problems
         generator = np.random.default_rng([1988, 0, 0])
         case = problems.five_families(1)[0]
         assert (case.q0 == generator.uniform(-1, 1, 10)).all()
         assert case.target == pytest.approx(planar_points(generator.uniform(-1, 1, 10))[-1], abs=1e-14)
 
     @pytest.mark.parametrize("count", [0, 1.5, "many"])
-    def test_a_count_that_is_none_is_refused(self, count):
+    def test_an_invalid_count_is_refused(self, count):
         with pytest.raises(jtik.ArgumentError, match="count"):
             problems.five_families(count)

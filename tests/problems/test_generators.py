@@ -1,4 +1,4 @@
-"""What holds for every generator: seeds, names, what fits, what can be reached, and wrong input."""
+"""All generators: seeds, names, validity, reachability and invalid input."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ GENERATORS = {
 }
 PATHS = {"circle": {"points": 10}, "line": {"points": 10}, "lissajous": {"points": 10}}
 POSITIONS = ("boundary", "unreachable", "circle", "line", "lissajous")
-"""Those that move a position."""
+"""Generators that move a position."""
 
 
 @functools.cache
@@ -38,7 +38,7 @@ def limited():
     return planar(4, lower=-2.0, upper=2.0)
 
 
-SUBJECTS = {
+SETUPS = {
     "planar position": (limited, lambda: jtik.FrameTask()),
     "planar pose": (limited, lambda: jtik.FrameTask(kind="pose")),
     "panda pose": (lambda: gallery("panda"), lambda: jtik.FrameTask(kind="pose")),
@@ -51,28 +51,28 @@ def draw(generator, robot, task, count=2, **options):
 
 
 @functools.cache
-def drawn(generator, subject):
-    robot, task = (make() for make in SUBJECTS[subject])
+def drawn(generator, setup):
+    robot, task = (make() for make in SETUPS[setup])
     return robot, task, draw(generator, robot, task)
 
 
 @functools.cache
-def solver(subject):
-    robot, task = (make() for make in SUBJECTS[subject])
+def solver(setup):
+    robot, task = (make() for make in SETUPS[setup])
     return jtik.InverseKinematics(robot, task)
 
 
 @pytest.mark.parametrize(
-    ("generator", "subject"),
+    ("generator", "setup"),
     [
-        (generator, subject)
+        (generator, setup)
         for generator in GENERATORS
-        for subject in SUBJECTS
-        if subject.startswith("planar") or generator not in ("line", "lissajous")
+        for setup in SETUPS
+        if setup.startswith("planar") or generator not in ("line", "lissajous")
     ],
 )
-def test_cases_fit_start_within_limits_and_are_reached_as_claimed_and_mujoco_agrees(generator, subject):
-    robot, task, made = drawn(generator, subject)
+def test_cases_are_valid_and_reachable_according_to_mujoco(generator, setup):
+    robot, task, made = drawn(generator, setup)
     made.check(robot, task)
     assert [case.name for case in made] == [f"{generator}-000", f"{generator}-001"]
     assert made.kinds == (generator,)
@@ -83,13 +83,13 @@ def test_cases_fit_start_within_limits_and_are_reached_as_claimed_and_mujoco_agr
         assert case.reachable is (generator != "unreachable")
         q = case.q0
         for target in case.targets if case.reachable else ():
-            q = solver(subject).solve(target, q0=q, restarts=60, until="reached").q
+            q = solver(setup).solve(target, q0=q, restarts=60, until="reached").q
             assert inside(robot, q)
             assert distance_to(robot, q, target, task.kind) < ARRIVED
 
 
 @pytest.mark.parametrize("generator", GENERATORS)
-def test_the_same_seed_draws_the_same_cases_whatever_their_number(generator):
+def test_cases_depend_on_the_seed_and_not_on_the_count(generator):
     robot, task, made = drawn(generator, "planar position")
     again = draw(generator, robot, task, 1)
     assert again.cases == made.cases[:1]
@@ -105,7 +105,7 @@ def test_different_kinds_draw_different_starts_from_one_seed():
 
 
 @pytest.mark.parametrize("generator", [name for name in GENERATORS if name != "near_singular"])
-def test_a_given_start_is_the_start_of_every_case(generator):
+def test_a_given_start_is_used_in_every_case(generator):
     q0 = np.array([0.5, 0.6, 0.7, 0.8])
     options = (
         {} if generator not in PATHS else {{"circle": "radius", "line": "length"}.get(generator, "amplitude"): 0.1}
@@ -127,7 +127,7 @@ def test_orientations_can_be_drawn(generator):
 
 
 @pytest.mark.parametrize("generator", POSITIONS)
-def test_what_moves_a_position_refuses_tasks_without_one_and_says_what_it_takes(generator):
+def test_generators_that_move_a_position_refuse_tasks_without_one(generator):
     for task in (jtik.FrameTask(kind="orientation"), jtik.AxisTask("tip", (1.0, 0.0))):
         with pytest.raises(jtik.ArgumentError, match="FrameTask of kind 'position' or 'pose'") as caught:
             draw(generator, limited(), task)
@@ -181,7 +181,7 @@ def test_a_centre_of_mass_can_be_drawn():
         )
 
 
-def test_a_task_of_ones_own_takes_part_by_its_target_at_and_is_refused_without():
+def test_a_custom_task_needs_target_at():
     class Height(jtik.FrameTask):
         def target_at(self, robot, q):
             return [0.25, 0.5]
@@ -198,7 +198,7 @@ def test_a_task_of_ones_own_takes_part_by_its_target_at_and_is_refused_without()
         draw("reachable", limited(), Own())
 
 
-def test_cases_live_on_the_joints_that_move_the_task():
+def test_cases_belong_to_the_reduced_robot():
     robot = limited()
     made = draw("reachable", robot, jtik.FrameTask("link3"))
     assert made[0].q0.shape == (3,)
@@ -211,7 +211,7 @@ def test_cases_live_on_the_joints_that_move_the_task():
 
 
 @pytest.mark.parametrize("generator", GENERATORS)
-def test_wrong_input_is_refused_by_name(generator):
+def test_invalid_arguments_of_generators_are_named(generator):
     make = GENERATORS[generator]
     robot, task = limited(), jtik.FrameTask()
     for options, argument in (
@@ -254,18 +254,18 @@ def test_wrong_input_is_refused_by_name(generator):
         ("scene", {"shapes": True}, "shapes"),
     ],
 )
-def test_wrong_options_are_refused_by_name(generator, options, argument):
+def test_invalid_options_of_generators_are_named(generator, options, argument):
     with pytest.raises(jtik.ArgumentError) as caught:
         draw(generator, limited(), jtik.FrameTask(), 1, **options)
     assert caught.value.argument == argument
 
 
 @pytest.mark.parametrize("generator", ["boundary", "unreachable"])
-def test_a_robot_that_reaches_everywhere_has_no_boundary(generator):
-    with pytest.raises(jtik.ArgumentError, match="reach ends"):
+def test_a_robot_with_unbounded_reach_has_no_boundary(generator):
+    with pytest.raises(jtik.ArgumentError, match="bounded reach"):
         draw(generator, gallery("vehicle3"), jtik.FrameTask())
 
 
-def test_a_robot_without_limits_is_never_near_them():
+def test_near_limits_needs_joint_limits():
     with pytest.raises(jtik.ArgumentError, match="a lower and an upper limit"):
         draw("near_limits", planar(3), jtik.FrameTask())

@@ -1,4 +1,4 @@
-"""Near singular and near limits: what the starts and targets claim, by NumPy and closed forms."""
+"""Generators `near_singular` and `near_limits` against NumPy and closed forms."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from .conftest import gallery, mujoco_jacobian
 
 
 @pytest.mark.parametrize("n", [2, 5, 10])
-def test_a_planar_start_is_nearly_on_a_line_and_its_target_on_that_line(n):
+def test_a_planar_near_singular_start_is_nearly_straight_with_its_target_on_its_line(n):
     for case in problems.near_singular(planar(n), jtik.FrameTask(), 5):
         J = planar_jacobian(case.q0)
         U, sigma, _ = np.linalg.svd(J)
         assert case.known["sigma_min"] == pytest.approx(sigma[-1], abs=1e-12)
         assert case.known["sigma_max"] == pytest.approx(sigma[0], rel=1e-9)
-        # a bend of at most 1e-3 rad moves the columns of J by at most 1e-3 times the length beyond
+        # an offset of at most 1e-3 rad moves the columns of J by at most 1e-3 times the length beyond
         assert 0 < sigma[-1] < 1e-3 * n**1.5
         points = planar_points(case.q0)
-        way = case.target - points[-1]
-        assert 0.05 * n / 16 * 0.9 < np.linalg.norm(way) < 0.3 * n * 1.1
-        assert abs(way @ U[:, -1]) == pytest.approx(np.linalg.norm(way), rel=1e-3)
+        displacement = case.target - points[-1]
+        assert 0.05 * n / 16 * 0.9 < np.linalg.norm(displacement) < 0.3 * n * 1.1
+        assert abs(displacement @ U[:, -1]) == pytest.approx(np.linalg.norm(displacement), rel=1e-3)
         assert np.linalg.norm(case.target) <= n
 
 
-def test_bends_are_what_was_asked_for():
+def test_the_distance_from_the_singular_posture_is_as_requested():
     small = problems.near_singular(planar(3), jtik.FrameTask(), 5, bend=(1e-9, 1e-9))
     assert max(np.linalg.svd(planar_jacobian(case.q0))[1][-1] for case in small) < 1e-8
 
@@ -43,7 +43,7 @@ def test_a_spatial_start_has_a_singular_jacobian_by_mujoco(name, kind):
         assert case.known["sigma_min"] == pytest.approx(sigma[-1], abs=1e-9)
 
 
-def test_two_tasks_that_quarrel_are_singular_together():
+def test_two_conflicting_tasks_are_singular_together():
     robot = planar(4)
     tasks = [jtik.FrameTask("tip"), jtik.FrameTask("link3", kind="orientation", name="turn")]
     for case in problems.near_singular(robot, tasks, 3):
@@ -51,10 +51,10 @@ def test_two_tasks_that_quarrel_are_singular_together():
         assert np.linalg.svd(J, compute_uv=False)[-1] < 1e-2
 
 
-def test_a_task_that_is_never_singular_and_one_with_too_many_rows_are_refused():
+def test_a_task_without_singularities_and_one_with_too_many_rows_are_refused():
     with pytest.raises(jtik.ArgumentError, match="singular posture"):
         problems.near_singular(planar(3), jtik.FrameTask(kind="orientation"), 1)
-    with pytest.raises(jtik.ArgumentError, match="3 are not 2"):
+    with pytest.raises(jtik.ArgumentError, match=r"joints \(2\); it has 3"):
         problems.near_singular(planar(2), jtik.FrameTask(kind="pose"), 1)
 
 
@@ -73,8 +73,8 @@ def test_one_of_the_two_postures_of_two_links_is_at_a_limit(share):
         assert min(posture.min() for posture in postures) <= share + 1e-9
 
 
-def test_goals_lie_at_both_ends_and_at_one_joint_or_several():
-    # one joint each row: the tip of a slide tells where the joint is
+def test_goals_are_at_lower_and_upper_limits_of_one_or_several_joints():
+    # each row of the target is the position of one prismatic joint
     robot = jtik.Robot.vehicle(1, heading=False, vehicle_lower=-1.0, vehicle_upper=3.0)
     made = problems.near_limits(robot, jtik.FrameTask("vehicle"), 40, joints=["x", "y"])
     places = np.array([case.target for case in made])

@@ -1,4 +1,4 @@
-"""Circles, lines and Lissajous figures: their geometry, and paths of one's own."""
+"""Circles, lines and Lissajous figures: geometry; and paths of given targets."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ EACH = pytest.mark.parametrize(("robot", "kind"), ROBOTS.values(), ids=ROBOTS)
 
 
 def places(robot, case):
-    """Positions along the path, from where MuJoCo has the tip at the start."""
+    """Positions along the path, after a check that it starts at MuJoCo's tip position."""
     begin = mujoco_pose(robot, case.q0)[: robot.dimension, 3]
     path = np.array([target[: robot.dimension, 3] if target.ndim == 2 else target for target in case.targets])
     assert path[0] == pytest.approx(begin, abs=1e-9)
@@ -24,7 +24,7 @@ def places(robot, case):
 
 
 @EACH
-def test_a_circle_is_one(robot, kind):
+def test_a_circle_is_round_and_evenly_spaced(robot, kind):
     robot = robot()
     for case in problems.circle(robot, jtik.FrameTask(kind=kind), 2, points=24, dt=0.01):
         path = places(robot, case)
@@ -38,7 +38,7 @@ def test_a_circle_is_one(robot, kind):
 
 
 @EACH
-def test_a_line_is_one(robot, kind):
+def test_a_line_is_straight_and_evenly_spaced(robot, kind):
     robot = robot()
     for case in problems.line(robot, jtik.FrameTask(kind=kind), 2, points=20):
         path = places(robot, case)
@@ -47,7 +47,7 @@ def test_a_line_is_one(robot, kind):
         assert not case.closed
 
 
-def test_a_line_comes_back_when_asked_to():
+def test_a_line_with_back_returns_to_its_start():
     case = problems.line(planar(5), jtik.FrameTask(), 1, points=20, length=1.5, back=True)[0]
     path = places(planar(5), case)
     assert case.closed
@@ -56,44 +56,44 @@ def test_a_line_comes_back_when_asked_to():
 
 
 @EACH
-def test_a_lissajous_figure_is_one(robot, kind):
+def test_a_lissajous_figure_has_its_closed_form(robot, kind):
     robot = robot()
     for case in problems.lissajous(robot, jtik.FrameTask(kind=kind), 2, points=32, frequencies=(2, 3)):
         path = places(robot, case)
         s, a = np.linspace(0, 2 * np.pi, 33), case.known["size"]
         wanted = np.column_stack([a * np.sin(2 * s), a / 2 * np.sin(3 * s)])
         moved = path - path[0]
-        # the same distances between all points: the same figure up to a turn
+        # equal Gram matrices: the same figure up to a rotation
         assert moved @ moved.T == pytest.approx(wanted @ wanted.T, abs=1e-12)
         assert case.closed
 
 
 @pytest.mark.parametrize(("generator", "option"), [("circle", "radius"), ("lissajous", "amplitude")])
-def test_a_size_that_is_given_is_kept(generator, option):
+def test_a_given_size_is_used(generator, option):
     made = getattr(problems, generator)(planar(5), jtik.FrameTask(), 3, points=12, **{option: 0.3})
     assert [case.known["size"] for case in made] == [0.3] * 3
 
 
-def test_sizes_that_are_drawn_scale_with_the_robot():
+def test_drawn_sizes_scale_with_the_robot():
     small = jtik.Robot.planar([0.05] * 4)
     for case in problems.circle(small, jtik.FrameTask(), 5, points=12):
         assert case.known["size"] <= 0.15 * 0.2
         assert np.linalg.norm(np.array(case.targets), axis=1).max() <= 0.2
 
 
-def test_orientations_stay_on_a_path():
+def test_orientations_are_constant_on_a_path():
     for case in problems.circle(gallery("panda"), jtik.FrameTask(kind="pose"), 1, points=8):
         assert all((target[:3, :3] == case.targets[0][:3, :3]).all() for target in case.targets)
 
 
-def test_a_path_keeps_to_the_coordinates_of_the_task():
+def test_a_path_moves_only_the_coordinates_of_the_task():
     case = problems.line(gallery("panda"), jtik.FrameTask(axes="xz"), 1, points=8)[0]
     assert np.ptp([target[1] for target in case.targets]) == 0
     with pytest.raises(jtik.ArgumentError, match="at least 2 coordinates"):
         problems.circle(gallery("panda"), jtik.FrameTask(axes="z"), 1)
 
 
-def test_a_path_of_ones_own_starts_where_its_first_target_is_met():
+def test_a_path_of_given_targets_starts_at_its_first_target():
     targets = [[1.0, 1.0], [1.1, 1.0], [1.1, 1.1], [1.0, 1.0]]
     made = problems.path(planar(3), jtik.FrameTask(), targets, dt=0.5, name="mine", parameters={"a.b": [1.0]})
     case = made[0]
@@ -104,7 +104,7 @@ def test_a_path_of_ones_own_starts_where_its_first_target_is_met():
     assert not problems.path(planar(3), jtik.FrameTask(), targets[:3])[0].closed
 
 
-def test_a_path_out_of_reach_starts_where_it_was_told_or_at_neutral():
+def test_an_unreachable_path_starts_at_q0_or_at_the_neutral_configuration():
     q0 = [0.1, 0.2, 0.3]
     assert problems.path(planar(3), jtik.FrameTask(), [[9.0, 0.0]], q0=q0)[0].q0.tolist() == q0
     assert problems.path(planar(3), jtik.FrameTask(), [[9.0, 0.0]])[0].q0.tolist() == [0, 0, 0]

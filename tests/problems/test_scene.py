@@ -1,4 +1,4 @@
-"""Scenes: the clearances they claim, by sampled links and by MuJoCo, and a criterion that takes them live."""
+"""Scenes: clearances against sampled links and MuJoCo, and live obstacles of a criterion."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from .conftest import gallery
 
 
 def nearest(q, centers, radii):
-    """Least distance of the links of a planar arm to the circles, by a thousand points a link."""
+    """Smallest distance of the links of a planar arm to the circles, from a thousand points on each link."""
     joints = np.vstack([[0, 0], planar_points(q)])
     share = np.linspace(0, 1, 1001)[:, None]
     links = np.concatenate([a + share * (b - a) for a, b in itertools.pairwise(joints)])
     return (np.linalg.norm(links[:, None] - centers, axis=2) - radii).min()
 
 
-def test_the_start_of_a_planar_scene_is_as_clear_as_claimed():
+def test_the_clearance_of_a_planar_scene_is_correct():
     for case in problems.scene(planar(6), jtik.FrameTask(), 5, obstacles=4, radius=(0.02, 0.08), clearance=0.02):
         centers = case.parameters["obstacle_avoidance.centers"]
         radii = case.parameters["obstacle_avoidance.radii"]
@@ -36,8 +36,8 @@ def test_the_start_of_a_planar_scene_is_as_clear_as_claimed():
         assert case.known["clearance_goal"] >= 0.02 * 6
 
 
-def test_a_goal_clear_of_all_circles_meets_the_target():
-    # two links reach a target in two postures at most: one of them is the goal
+def test_the_goal_of_a_scene_is_collision_free_and_meets_the_target():
+    # two links have at most two solutions, one of which is the goal
     robot = planar(2)
     for case in problems.scene(robot, jtik.FrameTask(), 5, obstacles=3):
         x, y = case.target
@@ -48,7 +48,7 @@ def test_a_goal_clear_of_all_circles_meets_the_target():
         assert min(abs(c - case.known["clearance_goal"]) for c in clearances) < 1e-5
 
 
-def test_solids_are_as_clear_as_mujoco_measures():
+def test_clearance_of_solids_agrees_with_mujoco():
     robot = gallery("panda")
     for case in problems.scene(robot, jtik.FrameTask(), 2, obstacles=3, shapes=True):
         balls = problems.obstacles_of(case)
@@ -63,7 +63,7 @@ def test_solids_are_as_clear_as_mujoco_measures():
         assert min(distances) == pytest.approx(case.known["clearance_start"], abs=1e-6)
 
 
-def test_a_criterion_and_a_clearance_take_the_obstacles_live():
+def test_obstacles_are_live_parameters_of_criterion_and_clearance():
     robot, task = planar(4), jtik.FrameTask()
     made = problems.scene(robot, task, 3, obstacles=2, criteria=("obstacle_avoidance", "clearance"))
     avoidance = jtik.criteria["obstacle_avoidance"](problems.obstacles_of(made[0]), bodies="links")

@@ -1,4 +1,4 @@
-"""Studies small enough for a test, and contenders that misbehave."""
+"""Fixtures for small studies, and contenders that fail."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.study import Answer, Contender, Ready
+from jtik.study import Answer, Contender, PreparedContender
 
 TIMES = ("seconds", "seconds_low", "seconds_high", "seconds_per_iteration")
 """The columns that differ from one run of a study to the next."""
 
 
 class Fixed(Contender):
-    """Answers the same, whatever it is asked, and says that it is right."""
+    """Gives the same answer for every target and reports success."""
 
     def __init__(self, q, label="fixed", *, claimed=True):
         self.q, self.label, self.claimed = np.array(q, dtype=float), label, claimed
@@ -22,7 +22,7 @@ class Fixed(Contender):
         return _Fixed(self.q, self.claimed)
 
 
-class _Fixed(Ready):
+class _Fixed(PreparedContender):
     def __init__(self, q, claimed):
         self.answer = Answer(q, "done", claimed)
 
@@ -39,9 +39,9 @@ class Broken(Contender):
         return _Broken()
 
 
-class _Broken(Ready):
+class _Broken(PreparedContender):
     def solve(self, target, q0):
-        raise RuntimeError("the arm fell off")
+        raise RuntimeError("no answer")
 
 
 @pytest.fixture
@@ -64,9 +64,30 @@ def task():
     return jtik.FrameTask("tip")
 
 
+@pytest.fixture(scope="session")
+def figure_study(task):
+    """A study with a criterion, a path, recorded iterations, and an unknown strategy."""
+    return jtik.compare(
+        jtik.Robot.planar(3),
+        task,
+        strategies=["hybrid", "newton", "transpose", "nobody"],
+        criteria=jtik.criteria["joint_centering"](),
+        problems={"reachable": 4, "circle": 1},
+        until="stationary",
+        traces=3,
+        repeats=1,
+    )
+
+
+@pytest.fixture(scope="session")
+def bare_study(task):
+    """A study without a criterion, a path or recorded iterations."""
+    return jtik.compare(jtik.Robot.planar(3), task, strategies="newton", count=2, traces=0, repeats=1)
+
+
 @pytest.fixture
 def assert_same():
-    """Two studies have the same numbers, but for times."""
+    """Check that two studies have the same figures except times."""
 
     def check(one, other):
         assert list(one.columns) == list(other.columns)

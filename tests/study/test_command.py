@@ -1,4 +1,4 @@
-"""``jtik compare``: a table, a report and rows, from words on the command line."""
+"""``jtik compare``: table, report and rows from the command line."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ pytest.importorskip("matplotlib")
 pytest.importorskip("rich")
 
 
-def test_it_prints_a_table_and_writes_what_was_asked_for(tmp_path, capsys) -> None:
+def test_the_command_prints_a_table_and_writes_files(tmp_path, capsys) -> None:
     files = {name: str(tmp_path / name) for name in ("r.html", "rows.csv", "study.npz")}
     words = [
         "compare",
@@ -28,9 +28,9 @@ def test_it_prints_a_table_and_writes_what_was_asked_for(tmp_path, capsys) -> No
     ]
     words += ["--out", files["r.html"], "--csv", files["rows.csv"], "--save", files["study.npz"], "--repeats", "1"]
     assert main(words) == 0
-    told = capsys.readouterr().out
-    assert "hybrid" in told
-    assert "unknown strategy 'nobody'" in told
+    message = capsys.readouterr().out
+    assert "hybrid" in message
+    assert "unknown strategy 'nobody'" in message
     with open(files["rows.csv"], encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["contender"] for row in rows] == ["hybrid"] * 3 + ["nobody"] * 3
@@ -41,14 +41,14 @@ def test_it_prints_a_table_and_writes_what_was_asked_for(tmp_path, capsys) -> No
     assert main(words) == 0  # goes on from what was saved: nothing is left to do
 
 
-def test_a_collection_brings_robot_task_and_criterion(tmp_path, capsys) -> None:
+def test_a_named_problem_sets_robot_task_and_criterion(tmp_path, capsys) -> None:
     words = ["compare", "--problems", "named:centering_3r", "--strategies", "newton", "--until", "stationary"]
     assert main([*words, "--markdown", "--repeats", "1", "--out", str(tmp_path / "r.html")]) == 0
     assert "| newton |" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [
         (["--problems", "nothing"], "unknown kind of problems 'nothing'"),
         (["--problems", "reachable:many"], "KIND or KIND:COUNT"),
@@ -61,6 +61,6 @@ def test_a_collection_brings_robot_task_and_criterion(tmp_path, capsys) -> None:
         (["--problems", "scene"], "distances to obstacles"),
     ],
 )
-def test_wrong_words_are_explained(words: list[str], told: str, capsys) -> None:
+def test_invalid_options_are_explained(words: list[str], message: str, capsys) -> None:
     assert main(["compare", *words]) == 2
-    assert told in capsys.readouterr().err
+    assert message in capsys.readouterr().err

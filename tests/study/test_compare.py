@@ -1,4 +1,4 @@
-"""A study: what takes part, what is asked, what its rows say."""
+"""`jtik.compare`: contenders, parameters, rows, tables and invalid input."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 import jtik
 from jtik.problems import Case, ProblemSet
-from jtik.study import Law
+from jtik.study import StrategyContender
 from jtik_formulations import Damped, JointCentering, ObstacleAvoidance
 
 START = np.array([0.3, 0.4, -0.2, 0.5])
@@ -33,14 +33,14 @@ def study(arm, task):
 
 
 class TestRows:
-    def test_there_is_one_for_each_contender_criteria_and_case(self, study):
+    def test_there_is_a_row_for_each_contender_criteria_and_case(self, study):
         keys = list(zip(*[study.columns[name] for name in ("contender", "criteria", "case")], strict=True))
         assert len(study) == len(keys) == len(set(keys)) == 3 * 2 * 7
         assert study.contenders == ("hybrid", "damped", "nonsense")
         assert study.criteria == ("none", "centred")
         assert study.complete
 
-    def test_they_are_those_of_the_same_solve_by_itself(self, study, arm, task):
+    def test_rows_agree_with_the_same_solve_outside_the_study(self, study, arm, task):
         ik = jtik.InverseKinematics(arm, task, criteria=JointCentering(), strategy="damped")
         for row in study.rows(contender="damped", criteria="centred", kind="reachable"):
             one = study.problems[str(study.columns["case"][row])]
@@ -53,7 +53,7 @@ class TestRows:
             assert study.columns["condition"][row] == pytest.approx(solution.condition, rel=1e-9)
             assert study.columns["position_error"][row] == pytest.approx(solution.position_error, abs=1e-12)
 
-    def test_what_cannot_be_reached_stays_with_its_status(self, study):
+    def test_unreachable_cases_have_a_failure_status(self, study):
         rows = study.rows(contender="hybrid", criteria="none", kind="unreachable")
         assert not study.columns["success"][rows].any()
         assert set(study.columns["status"][rows]) <= {"LOCAL_MINIMUM", "STALLED", "ITERATION_LIMIT"}
@@ -61,7 +61,7 @@ class TestRows:
             known = study.problems[str(study.columns["case"][row])].known["error"]
             assert study.columns["position_error"][row] == pytest.approx(known, abs=1e-6)
 
-    def test_a_path_has_figures_of_its_own(self, study):
+    def test_path_metrics_belong_to_paths_only(self, study):
         rows = study.rows(contender="hybrid", criteria="none", kind="circle")
         for name in ("smoothness", "drift", "path_length"):
             assert np.isfinite(study.columns[name][rows]).all()
@@ -69,7 +69,7 @@ class TestRows:
         assert np.isnan(study.columns["drift"][others]).all()
         assert np.isnan(study.columns["smoothness"][others]).all()
 
-    def test_times_are_a_median_between_the_least_and_the_largest(self, study):
+    def test_the_median_time_lies_between_smallest_and_largest(self, study):
         good = study.columns["contender"] != "nonsense"
         seconds, low, high = (study.columns[name][good] for name in ("seconds", "seconds_low", "seconds_high"))
         assert (low > 0).all()
@@ -79,7 +79,7 @@ class TestRows:
     def test_without_a_criterion_hybrid_never_raises_V(self, study):
         assert (study.columns["monotone"][study.rows(contender="hybrid", criteria="none")] == 1).all()
 
-    def test_regret_is_what_the_best_is_better_by(self, study):
+    def test_regret_is_the_difference_to_the_best_H(self, study):
         H, regret, solved = (study.columns[name] for name in ("H", "regret", "success"))
         for name in (each.name for each in study.problems.of("reachable")):
             rows = [row for row in study.rows(criteria="centred", case=name) if solved[row]]
@@ -88,7 +88,7 @@ class TestRows:
         assert np.isnan(regret[study.rows(criteria="none")]).all()
         assert np.isnan(regret[~solved]).all()
 
-    def test_traces_are_kept_of_the_first_cases_of_each_kind(self, study):
+    def test_traces_are_those_of_the_first_cases_of_each_kind(self, study):
         names = {name for who, what, name in study.traces if (who, what) == ("hybrid", "none")}
         assert names == {"reachable-000", "reachable-001", "unreachable-000", "unreachable-001"}
         assert {key[2] for key in study.paths} == {"circle-000"}
@@ -96,28 +96,28 @@ class TestRows:
 
 
 class TestContenders:
-    def test_an_unknown_name_does_not_stop_the_others(self, study):
+    def test_an_unknown_strategy_does_not_stop_the_others(self, study):
         rows = study.rows(contender="nonsense")
         assert set(study.columns["status"][rows]) == {"not built"}
         assert all("unknown strategy 'nonsense'" in note for note in study.columns["note"][rows])
         assert np.isnan(study.answers[rows]).all()
 
-    def test_one_that_raises_says_what(self, arm, task, broken):
+    def test_a_contender_that_raises_has_rows_with_the_error(self, arm, task, broken):
         study = jtik.compare(arm, task, strategies=[broken, "damped"], count=3)
         rows = study.rows(contender="broken")
         assert set(study.columns["status"][rows]) == {"raised"}
-        assert set(study.columns["note"][rows]) == {"RuntimeError: the arm fell off"}
+        assert set(study.columns["note"][rows]) == {"RuntimeError: no answer"}
         assert study.columns["success"][study.rows(contender="damped")].any()
 
-    def test_one_that_lies_is_not_believed(self, arm, task, fixed):
+    def test_a_false_report_of_success_is_detected(self, arm, task, fixed):
         study = jtik.compare(arm, task, strategies=[fixed(START)], problems=case("far", [0.0, 3.0]))
         away = np.linalg.norm(arm.position(START) - [0.0, 3.0])
         assert not study.columns["success"][0]
         assert study.columns["position_error"][0] == pytest.approx(away, rel=1e-12)
-        assert study.columns["note"][0].startswith("says it is on target, but is")
-        assert "fixed: says it is on target where it is not" in study.notes
+        assert study.columns["note"][0].startswith("reports success, but the error is")
+        assert "fixed: reports success, but is off target by the independent check" in study.notes
 
-    def test_one_that_is_right_without_knowing_is(self, arm, task, fixed):
+    def test_an_answer_on_target_is_a_success_even_if_not_reported(self, arm, task, fixed):
         here = case("here", arm.position(START))
         contender = fixed(START, claimed=False)
         assert jtik.compare(arm, task, strategies=contender, problems=here).columns["success"][0]
@@ -125,7 +125,7 @@ class TestContenders:
             0
         ]
 
-    def test_one_out_of_its_limits_is_not(self, task, fixed):
+    def test_an_answer_outside_the_limits_is_no_success(self, task, fixed):
         arm = jtik.Robot.planar(4, lower=-1.0, upper=0.45)
         here = case("here", arm.position(START))
         study = jtik.compare(arm, task, strategies=fixed(START), problems=here)
@@ -134,19 +134,19 @@ class TestContenders:
         assert study.columns["note"][0] == "outside the joint limits"
         assert jtik.compare(arm, task, strategies=fixed(START), problems=here, limits=False).columns["success"][0]
 
-    def test_one_with_an_answer_of_another_robot_says_so(self, arm, task, fixed):
+    def test_an_answer_of_wrong_shape_is_reported(self, arm, task, fixed):
         study = jtik.compare(arm, task, strategies=fixed(START[:3]), problems=case("here", [1.0, 1.0]))
         assert study.columns["status"][0] == "raised"
         assert "shape (3,), not (4,)" in study.columns["note"][0]
 
-    def test_a_peer_that_nobody_has_heard_of_is_a_row(self, arm, task):
+    def test_an_unknown_peer_is_a_row_with_a_note(self, arm, task):
         study = jtik.compare(arm, task, strategies="peer:elbow", count=1)
         assert "unknown peer 'elbow'" in study.columns["note"][0]
 
-    def test_labels_are_names_options_or_the_caller_s_own(self):
+    def test_labels_are_names_options_or_given(self):
         from jtik.study.strategies import contenders_of
 
-        given = ["damped", Damped(), Damped(damping=0.5), Law("hybrid", compiled=True), "damped"]
+        given = ["damped", Damped(), Damped(damping=0.5), StrategyContender("hybrid", compiled=True), "damped"]
         assert list(contenders_of(given)) == [
             "damped",
             "damped #2",
@@ -158,7 +158,7 @@ class TestContenders:
 
 
 class TestParameters:
-    """Cases with obstacles of their own."""
+    """Cases that set live parameters."""
 
     FIELD = (jtik.Circle(center=(2.0, 2.0), radius=0.3),)
 
@@ -188,7 +188,7 @@ class TestParameters:
             nearest = min(np.linalg.norm(joint - center[0]) for joint in joints) - 0.3
             assert study.columns["clearance"][row] == pytest.approx(nearest, abs=1e-12)
 
-    def test_obstacles_are_measured_for_criteria_that_do_not_see_them_too(self, arm, task):
+    def test_clearance_is_measured_for_criteria_without_obstacles(self, arm, task):
         labels = {"blind": None, "seeing": ObstacleAvoidance(self.FIELD)}
         study = jtik.compare(arm, task, strategies="damped", criteria=labels, problems="scene", count=3)
         assert np.isfinite(study.columns["clearance"]).all()
@@ -222,7 +222,7 @@ class TestWrongInput:
             ({"joints": ["knee"]}, "knee"),
         ],
     )
-    def test_it_is_named_before_anything_is_solved(self, arm, task, options, message):
+    def test_invalid_arguments_are_named(self, arm, task, options, message):
         with pytest.raises(jtik.JtikError, match=message):
             jtik.compare(arm, task, **{"strategies": "damped", "count": 1, **options})
 
@@ -231,12 +231,12 @@ class TestWrongInput:
         with pytest.raises(jtik.ArgumentError, match=r"problems\['reachable-000'\]\.q0"):
             jtik.compare(arm, task, strategies="damped", problems=others)
 
-    def test_obstacles_that_no_criterion_has_are_refused(self, arm, task):
+    def test_parameters_that_no_criterion_has_are_refused(self, arm, task):
         strange = case("strange", [1.0, 1.0], parameters={"obstacle_avoidance.centers": np.zeros((1, 2))})
         with pytest.raises(jtik.ArgumentError, match=r"problems\['strange'\]\.parameters"):
             jtik.compare(arm, task, strategies="damped", problems=strange)
 
-    def test_a_criterion_that_cannot_be_used_is_refused(self, arm, task):
+    def test_an_invalid_criterion_is_refused(self, arm, task):
         @jtik.criterion
         def wrong(q, robot):
             return q
@@ -246,7 +246,7 @@ class TestWrongInput:
 
 
 class TestTables:
-    def test_the_summary_has_a_line_for_each_contender_and_criteria(self, study):
+    def test_the_summary_has_a_row_for_each_contender_and_criteria(self, study):
         table = study.summary()
         assert list(zip(table["contender"], table["criteria"], strict=True)) == [
             (who, what) for what in ("none", "centred") for who in ("hybrid", "damped", "nonsense")
@@ -259,13 +259,13 @@ class TestTables:
         assert math.isnan(table["time [ms]"][2])
         assert "orientation error [rad]" not in table
 
-    def test_it_groups_by_what_it_is_asked_for(self, study):
+    def test_the_summary_groups_by_other_columns(self, study):
         assert study.summary("kind")["kind"] == ["reachable", "unreachable", "circle"]
         assert study.summary(("kind", "contender"))["cases"][0] == 8
         with pytest.raises(jtik.ArgumentError, match="by"):
             study.summary("colour")
 
-    def test_it_reads_in_a_terminal_in_a_notebook_and_in_markdown(self, study):
+    def test_the_summary_is_shown_as_text_html_and_markdown(self, study):
         assert "hybrid" in repr(study)
         assert "nonsense: not built: unknown strategy" in repr(study)
         assert study._repr_html_().count("<tr>") == 7
@@ -273,7 +273,7 @@ class TestTables:
         assert len(lines) == 8
         assert len({line.count("|") for line in lines}) == 1
 
-    def test_csv_has_every_row_to_the_last_bit(self, study, tmp_path):
+    def test_csv_stores_every_row_without_loss(self, study, tmp_path):
         import csv
 
         study.to_csv(tmp_path / "rows.csv")
@@ -288,7 +288,7 @@ class TestTables:
         assert list(study.frame()["contender"]) == study.columns["contender"].tolist()
 
 
-def test_a_robot_with_joints_that_take_no_part_is_measured_without_them():
+def test_figures_are_those_of_the_reduced_robot():
     arm = jtik.Robot.builtin("panda")
     study = jtik.compare(arm, jtik.FrameTask("tip", "pose"), strategies="damped", count=3, restarts=20)
     assert study.answers.shape == (3, 7)

@@ -1,8 +1,6 @@
-"""Figures of a study show its numbers, on labelled axes, in colours that can be told apart."""
+"""Figures of a study show its data on labelled axes in distinct styles."""
 
 from __future__ import annotations
-
-import re
 
 import numpy as np
 import pytest
@@ -11,32 +9,21 @@ import jtik
 from jtik import problems
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.study import Comparison, compare
-from jtik.study.figures import canvas
+from jtik.study.figures import style
 from jtik.study.figures.profile import ratios
-from jtik_formulations import JointCentering, ObstacleAvoidance
+from jtik_formulations import ObstacleAvoidance
 
 pytest.importorskip("matplotlib")
 
 
-@pytest.fixture(scope="module")
-def study() -> Comparison:
-    return compare(
-        jtik.Robot.planar(3),
-        jtik.FrameTask("tip", kind="position"),
-        strategies=["hybrid", "newton", "transpose", "nobody"],
-        criteria=JointCentering(),
-        problems={"reachable": 4, "circle": 1},
-        until="stationary",
-        traces=3,
-        repeats=1,
-    )
+@pytest.fixture
+def study(figure_study):
+    return figure_study
 
 
-@pytest.fixture(scope="module")
-def bare() -> Comparison:
-    """Without a criterion, a path or kept iterations."""
-    robot, task = jtik.Robot.planar(3), jtik.FrameTask("tip", kind="position")
-    return compare(robot, task, strategies="newton", count=2, traces=0, repeats=1)
+@pytest.fixture
+def bare(bare_study):
+    return bare_study
 
 
 PLOTS = ("convergence", "profile", "lyapunov", "criteria", "postures", "joints")
@@ -52,7 +39,7 @@ def test_every_axis_is_labelled_with_its_unit(study: Comparison, name: str) -> N
 
 
 @pytest.mark.parametrize("name", PLOTS)
-def test_a_figure_shows_itself_in_a_notebook(study: Comparison, name: str) -> None:
+def test_a_figure_has_a_notebook_representation(study: Comparison, name: str) -> None:
     assert getattr(study, f"plot_{name}")()._repr_png_().startswith(b"\x89PNG")
 
 
@@ -62,7 +49,7 @@ def test_convergence_draws_the_median_error(study: Comparison) -> None:
     errors = [trace.error for (who, _, case), trace in study.traces.items() if who == "newton" and "reach" in case]
     assert len(errors) == 3
     assert line.get_ydata()[0] == pytest.approx(np.median([error[0] for error in errors]))
-    assert line.get_ydata()[-1] == pytest.approx(np.median([max(error[-1], canvas.FLOOR) for error in errors]))
+    assert line.get_ydata()[-1] == pytest.approx(np.median([max(error[-1], style.FLOOR) for error in errors]))
 
 
 def test_the_profile_is_that_of_dolan_and_more(study: Comparison) -> None:
@@ -82,7 +69,7 @@ def test_the_profile_is_that_of_dolan_and_more(study: Comparison) -> None:
     assert line.get_ydata().max() == pytest.approx(100 * np.isfinite(found["newton"]).mean())
 
 
-def test_rings_mark_where_V_rose() -> None:
+def test_circles_mark_rises_of_V() -> None:
     robot, task = jtik.Robot.planar(10), jtik.FrameTask("tip", kind="position")
     start = 1e-3 * np.random.default_rng(1).standard_normal(10)
     undamped = jtik.strategies["newton"](q_limit=np.inf, backtracking=False)
@@ -90,19 +77,19 @@ def test_rings_mark_where_V_rose() -> None:
     study = compare(robot, task, strategies={"undamped": undamped, "hybrid": "hybrid"}, problems=[straight], repeats=1)
     axes = study.plot_lyapunov().axes[0]
     V = study.traces["undamped", study.criteria[0], "straight"].figures["V"]
-    rings = {line.get_color(): line.get_xdata() for line in axes.get_lines() if line.get_marker() == "o"}
-    colors = canvas.lines(study.contenders)
-    assert list(rings[colors["undamped"]["color"]]) == list(np.flatnonzero((V[1:] > V[:-1]) & (V[1:] > 1e-14)) + 1)
-    assert len(rings[colors["undamped"]["color"]]) > 0
-    assert len(rings[colors["hybrid"]["color"]]) == 0
+    circles = {line.get_color(): line.get_xdata() for line in axes.get_lines() if line.get_marker() == "o"}
+    colors = style.lines(study.contenders)
+    assert list(circles[colors["undamped"]["color"]]) == list(np.flatnonzero((V[1:] > V[:-1]) & (V[1:] > 1e-14)) + 1)
+    assert len(circles[colors["undamped"]["color"]]) > 0
+    assert len(circles[colors["hybrid"]["color"]]) == 0
 
 
-def test_colours_and_dashes_tell_many_lines_apart() -> None:
-    styles = canvas.lines([f"strategy {i}" for i in range(28)])
+def test_lines_have_distinct_styles() -> None:
+    styles = style.lines([f"strategy {i}" for i in range(28)])
     assert len({(style["color"], str(style["linestyle"])) for style in styles.values()}) == 28
 
 
-def test_an_animation_moves(study: Comparison, tmp_path) -> None:
+def test_an_animation_has_many_frames(study: Comparison, tmp_path) -> None:
     image = pytest.importorskip("PIL.Image")
     study.animate(tmp_path / "arm.gif", contender="newton", case="circle-000")
     with image.open(tmp_path / "arm.gif") as gif:
@@ -119,18 +106,18 @@ def test_obstacles_of_a_scene_are_drawn() -> None:
     assert {tuple(np.round(center, 9)) for center in scenes[0].parameters["obstacle_avoidance.centers"]} <= drawn
 
 
-def test_a_robot_in_space_is_drawn_in_space() -> None:
+def test_a_spatial_robot_is_drawn_in_3d() -> None:
     robot = jtik.Robot.builtin("ur5e")
     study = compare(robot, jtik.FrameTask(robot.tip), strategies=["hybrid"], count=1, repeats=1)
     assert study.plot_postures().axes[0].name == "3d"
     assert study.plot_joints()._repr_png_()
 
 
-def test_what_is_not_there_is_refused(study: Comparison, bare: Comparison, tmp_path) -> None:
+def test_missing_data_is_refused(study: Comparison, bare: Comparison, tmp_path) -> None:
     with pytest.raises(UnknownNameError, match="contender"):
         study.plot_convergence(contenders=["else"])
     with pytest.raises(UnknownNameError, match="case"):
-        study.plot_postures(case="reachable-003")  # solved, but not kept
+        study.plot_postures(case="reachable-003")  # solved, but not recorded
     with pytest.raises(UnknownNameError, match="kind"):
         study.plot_convergence(kind="scene")
     with pytest.raises(UnknownNameError, match="criteria"):
@@ -141,14 +128,3 @@ def test_what_is_not_there_is_refused(study: Comparison, bare: Comparison, tmp_p
         bare.plot_convergence()
     with pytest.raises(ArgumentError, match="gif"):
         study.animate(tmp_path / "arm.mp4")
-
-
-def test_the_report_needs_no_other_file(study: Comparison, bare: Comparison, tmp_path) -> None:
-    for each, figures in ((study, 6), (bare, 1)):
-        each.to_html(tmp_path / "report.html")
-        page = (tmp_path / "report.html").read_text(encoding="utf-8")
-        assert all(name in page for name in each.contenders)
-        sources = re.findall(r'(?:src|href)="([^"]*)"', page)
-        assert len(sources) == figures
-        assert all(source.startswith("data:image/svg+xml;base64,") for source in sources)
-    assert "nobody" in page or "unknown strategy" not in page

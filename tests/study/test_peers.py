@@ -1,4 +1,4 @@
-"""Other libraries in a study: each is asked here only where it is installed, and judged by MuJoCo."""
+"""Other libraries as contenders, if they are installed, with MuJoCo as the oracle."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ MODULES = {
 }
 TOLERANCE = 1e-6
 SLACK = 1e-9
-"""Share by which two kinematics of one robot may differ."""
+"""Relative rounding difference between two kinematics of one robot."""
 
 EACH = pytest.mark.parametrize("name", MODULES)
 
 
 def prepared(name, **options):
-    """The peer, built; what its library warns of when it is imported is none of our business."""
+    """The prepared peer, without the warnings that the import of its library raises."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
@@ -46,8 +46,8 @@ def prepared(name, **options):
         return peers.named(name).prepare(Setting(**options))
 
 
-class Judge:
-    """Forward kinematics by MuJoCo of a robot's tip."""
+class MujocoPose:
+    """Forward kinematics of a robot's tip by MuJoCo."""
 
     def __init__(self, robot):
         self.robot, self.model = robot, to_mujoco(robot)
@@ -61,7 +61,7 @@ class Judge:
         return pose
 
     def error(self, q, target, kind):
-        """The larger one of distance [m] and angle [rad], of what matters."""
+        """The larger of distance [m] and angle [rad], for the rows of the task."""
         pose = self.pose(q)
         cosine = (np.trace(target[:3, :3].T @ pose[:3, :3]) - 1) / 2
         small = np.linalg.norm(target[:3, :3] - pose[:3, :3]) / math.sqrt(2)
@@ -73,16 +73,16 @@ class Judge:
 
 
 def problems(robot, rng, count=8):
-    """(target, start): starts up to 0.2 rad or m off the answer, both well within the limits."""
+    """(target, start): starts up to 0.2 rad or m from the solution, both well within the limits."""
     lower, upper = (
         np.where(np.isfinite(robot.lower), robot.lower, -2.0),
         np.where(np.isfinite(robot.upper), robot.upper, 2.0),
     )
     middle, half = (lower + upper) / 2, 0.6 * (upper - lower) / 2
-    judge = Judge(robot)
+    oracle = MujocoPose(robot)
     for _ in range(count):
         q = middle + half * rng.uniform(-1, 1, robot.n)
-        yield judge.pose(q), q + rng.uniform(-0.2, 0.2, robot.n)
+        yield oracle.pose(q), q + rng.uniform(-0.2, 0.2, robot.n)
 
 
 def robot_of(name):
@@ -97,29 +97,29 @@ def test_names():
 
 
 @EACH
-class TestAsAContender:
-    def test_it_travels_to_other_processes(self, name):
+class TestContender:
+    def test_a_peer_can_be_pickled(self, name):
         assert pickle.loads(pickle.dumps(peers.named(name))) == peers.named(name)
 
-    def test_it_takes_options_and_another_label(self, name):
+    def test_options_and_label_can_be_set(self, name):
         kind = type(peers.named(name))
         option = next(each for each in fields(kind) if each.name == "restarted" or each.name == "threads")
         assert kind(label="other", **{option.name: 3}).label == "other"
 
-    def test_where_it_is_not_installed(self, name, monkeypatch):
+    def test_the_error_says_how_to_install_the_library(self, name, monkeypatch):
         monkeypatch.setitem(sys.modules, MODULES[name], None)
         with pytest.raises(ImportError) as caught:
             peers.named(name).prepare(Setting(robot=jtik.Robot.planar(3), task=jtik.FrameTask("tip")))
         assert str(caught.value) == f"not installed: python -m pip install {peers.named(name).package}"
 
-    def test_where_something_that_it_needs_is_missing(self, name, monkeypatch, tmp_path):
+    def test_the_error_names_a_missing_dependency(self, name, monkeypatch, tmp_path):
         monkeypatch.delitem(sys.modules, MODULES[name], raising=False)
         (tmp_path / f"{MODULES[name]}.py").write_text("import no_such_thing")
         monkeypatch.syspath_prepend(tmp_path)
         with pytest.raises(ImportError, match=r"cannot be imported \(No module named 'no_such_thing'\)"):
             peers.named(name).prepare(Setting(robot=jtik.Robot.planar(3), task=jtik.FrameTask("tip")))
 
-    def test_tasks_that_do_not_fit(self, name):
+    def test_unsupported_tasks_are_refused(self, name):
         robot = jtik.Robot.builtin("panda")
         two = [jtik.FrameTask("tip"), jtik.FrameTask(robot.frame_names[3], name="elbow")]
         part = jtik.FrameTask("tip", kind="pose", axes=("x", "y"))
@@ -127,7 +127,7 @@ class TestAsAContender:
             with pytest.raises(jtik.ArgumentError, match=f"for {name}: one FrameTask with all of its axes"):
                 peers.named(name).prepare(Setting(robot=robot, task=task))
 
-    def test_joints_that_follow_others_do_not_fit(self, name):
+    def test_mimic_joints_are_refused(self, name):
         lead = jtik.Joint("lead", jtik.JointType.REVOLUTE, "base", "one")
         follow = jtik.Joint("follow", jtik.JointType.REVOLUTE, "one", "two", mimic=Mimic("lead"), origin=shifted(0.5))
         robot = jtik.Robot([lead, follow, jtik.Joint("end", jtik.JointType.FIXED, "two", "tip", origin=shifted(0.5))])
@@ -142,125 +142,127 @@ def shifted(x):
 
 
 @pytest.mark.parametrize("name", [name for name in MODULES if name != "mink"])
-def test_ball_joints_do_not_fit_but_for_mink(name):
+def test_only_mink_supports_ball_joints(name):
     ball = jtik.Joint("ball", jtik.JointType.BALL, "base", "hand")
     robot = jtik.Robot([ball, jtik.Joint("end", jtik.JointType.FIXED, "hand", "tip", origin=shifted(0.5))])
-    with pytest.raises(jtik.ArgumentError, match=f"a ball joint 'ball'; accepted: for {name}: hinges and slides"):
+    with pytest.raises(
+        jtik.ArgumentError, match=f"a ball joint 'ball'; accepted: for {name}: revolute and prismatic joints"
+    ):
         peers.named(name).prepare(Setting(robot=robot, task=jtik.FrameTask("tip")))
 
 
-def test_slides_that_the_toolbox_would_wrap_do_not_fit():
+def test_prismatic_joints_that_the_toolbox_would_wrap_are_refused():
     rail = jtik.Joint("rail", jtik.JointType.PRISMATIC, "base", "cart", lower=0.0, upper=4.0)
     robot = jtik.Robot([rail, jtik.Joint("end", jtik.JointType.FIXED, "cart", "tip")])
-    with pytest.raises(jtik.ArgumentError, match="slide 'rail', from 0 to 4 m"):
+    with pytest.raises(jtik.ArgumentError, match="prismatic joint 'rail', from 0 to 4 m"):
         peers.named("rtb").prepare(Setting(robot=robot, task=jtik.FrameTask("tip")))
 
 
 @EACH
 @pytest.mark.parametrize("kind", ["pose", "position", "orientation"])
 @pytest.mark.parametrize("arm", ["panda", "ur5e", "planar"])
-def test_it_reaches_targets_nearby_as_mujoco_sees_it(name, kind, arm, rng):
+def test_nearby_targets_are_reached_according_to_mujoco(name, kind, arm, rng):
     robot = robot_of(arm)
-    ready = prepared(name, robot=robot, task=jtik.FrameTask("tip", kind=kind))
-    whole = jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind=kind)).robot
-    judge, reached, count = Judge(whole), 0, 8
-    for target, q0 in problems(whole, rng, count):
-        answer = ready.solve(ready.convert(target), q0)
-        assert answer.q.shape == (whole.nq,)
+    solver = prepared(name, robot=robot, task=jtik.FrameTask("tip", kind=kind))
+    reduced = jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind=kind)).robot
+    oracle, reached, count = MujocoPose(reduced), 0, 8
+    for target, q0 in problems(reduced, rng, count):
+        answer = solver.solve(solver.convert(target), q0)
+        assert answer.q.shape == (reduced.nq,)
         if answer.claimed:
-            assert judge.error(answer.q, target, kind) <= TOLERANCE * (1 + SLACK)
-            assert (answer.q >= whole.lower - SLACK).all()
-            assert (answer.q <= whole.upper + SLACK).all()
+            assert oracle.error(answer.q, target, kind) <= TOLERANCE * (1 + SLACK)
+            assert (answer.q >= reduced.lower - SLACK).all()
+            assert (answer.q <= reduced.upper + SLACK).all()
             reached += 1
     assert reached >= 0.75 * count
 
 
 @EACH
-def test_restarts_find_what_the_start_does_not_lead_to(name, rng):
+def test_restarts_solve_problems_that_the_start_does_not(name, rng):
     robot = jtik.Robot.builtin("panda")
     options = {"robot": robot, "task": jtik.FrameTask("tip", kind="pose")}
-    ready, part = prepared(name, restarts=50, **options), Setting(**options).reduced()[0]
+    solver, part = prepared(name, restarts=50, **options), Setting(**options).reduced()[0]
     found = [
-        ready.solve(ready.convert(part.pose(part.random_configuration(rng))), part.random_configuration(rng)).claimed
+        solver.solve(solver.convert(part.pose(part.random_configuration(rng))), part.random_configuration(rng)).claimed
         for _ in range(10)
     ]
     assert sum(found) == 10
 
 
 @EACH
-def test_a_target_out_of_reach_is_not_claimed(name):
-    ready = prepared(name, robot=jtik.Robot.planar(3), task=jtik.FrameTask("tip"), max_iterations=50)
-    answer = ready.solve(ready.convert((3.5, 0.0)), np.array([0.3, 0.4, 0.5]))
+def test_success_is_not_reported_for_an_unreachable_target(name):
+    solver = prepared(name, robot=jtik.Robot.planar(3), task=jtik.FrameTask("tip"), max_iterations=50)
+    answer = solver.solve(solver.convert((3.5, 0.0)), np.array([0.3, 0.4, 0.5]))
     assert not answer.claimed
     assert answer.q.shape == (3,)
 
 
 @EACH
-def test_joints_off_the_way_to_the_frame_stay(name, rng):
+def test_joints_outside_the_chain_do_not_move(name, rng):
     robot = jtik.Robot.builtin("panda")
-    ready = prepared(name, robot=robot, task=jtik.FrameTask("tip", kind="pose"), joints="all")
+    solver = prepared(name, robot=robot, task=jtik.FrameTask("tip", kind="pose"), joints="all")
     start = robot.keyframes["home"].copy()
     fingers = [robot.q_slice(joint).start for joint in robot.joint_names if "finger" in joint]
     start[fingers] = 0.01
     target = start.copy()
     target[0] += 0.2
-    answer = ready.solve(ready.convert(robot.pose(target)), start)
+    answer = solver.solve(solver.convert(robot.pose(target)), start)
     assert answer.claimed
     assert answer.q[fingers] == pytest.approx(start[fingers], abs=TOLERANCE)
 
 
 @EACH
-def test_limits_can_be_lifted(name):
-    """Straight ahead, where the elbow may not be."""
+def test_limits_can_be_switched_off(name):
+    """A target whose solution has the elbow outside its limits."""
     limited = jtik.Robot.planar(2, lower=0.5, upper=2.0)
     target, q0 = limited.position([0.1, 0.2]), np.array([0.6, 0.6])
     for limits in (True, False):
-        ready = prepared(name, robot=limited, task=jtik.FrameTask("tip"), limits=limits, max_iterations=100)
-        answer = ready.solve(ready.convert(target), q0)
+        solver = prepared(name, robot=limited, task=jtik.FrameTask("tip"), limits=limits, max_iterations=100)
+        answer = solver.solve(solver.convert(target), q0)
         assert answer.claimed is not limits
 
 
 class TestCriteria:
     @pytest.mark.parametrize("name", ["mink", "pink"])
-    def test_these_minimise_it(self, name, rng):
-        """The optimum of centring on the target, which jtik finds too."""
+    def test_mink_and_pink_minimise_the_criterion(self, name, rng):
+        """The optimum of joint centring on the target agrees with that of jtik."""
         robot, task = jtik.Robot.planar(4), jtik.FrameTask("tip")
-        ready = prepared(name, robot=robot, task=task, criteria=JointCentering(), until="stationary")
+        solver = prepared(name, robot=robot, task=task, criteria=JointCentering(), until="stationary")
         ik = jtik.InverseKinematics(robot, task, criteria=JointCentering())
         q0, target = np.array([0.3, 0.4, 0.2, 0.5]), np.array([2.0, 2.0])
-        answer = ready.solve(ready.convert(target), q0)
+        answer = solver.solve(solver.convert(target), q0)
         assert answer.claimed
         assert answer.status == "CONVERGED"
         assert answer.q == pytest.approx(ik.solve(target, q0=q0).q, abs=1e-5)
-        ready.set({"joint_centering.preferred": np.full(4, 0.5)})
+        solver.set({"joint_centering.preferred": np.full(4, 0.5)})
         ik.parameters["joint_centering.preferred"] = np.full(4, 0.5)
-        moved = ready.solve(ready.convert(target), q0).q
+        moved = solver.solve(solver.convert(target), q0).q
         assert moved == pytest.approx(ik.solve(target, q0=q0).q, abs=1e-5)
         assert np.abs(moved - answer.q).max() > 0.01
-        ready.set({})
-        assert ready.solve(ready.convert(target), q0).q == pytest.approx(answer.q)
-        assert ready.note == ""
+        solver.set({})
+        assert solver.solve(solver.convert(target), q0).q == pytest.approx(answer.q)
+        assert solver.note == ""
 
     @EACH
-    def test_the_others_say_that_they_do_not(self, name):
+    def test_peers_without_criteria_say_so_in_their_note(self, name):
         options = {"robot": jtik.Robot.planar(3), "task": jtik.FrameTask("tip")}
-        ready = prepared(name, criteria=JointCentering(), **options)
-        heeds = name in ("mink", "pink")
-        assert peers.named(name).optimizes is heeds
-        assert ready.note == ("" if heeds else "without the criterion")
+        solver = prepared(name, criteria=JointCentering(), **options)
+        optimizes = name in ("mink", "pink")
+        assert peers.named(name).optimizes is optimizes
+        assert solver.note == ("" if optimizes else "without the criterion")
 
 
 @pytest.mark.parametrize("name", ["mink", "pink", "placo"])
-def test_the_iterations_of_loops_are_told(name, rng):
+def test_loops_record_their_iterations(name, rng):
     robot = jtik.Robot.planar(4)
-    ready = prepared(name, robot=robot, task=jtik.FrameTask("tip"))
+    solver = prepared(name, robot=robot, task=jtik.FrameTask("tip"))
     target, q0 = next(problems(robot, rng))
-    answer, trace = ready.traced(ready.convert(target), q0)
+    answer, trace = solver.traced(solver.convert(target), q0)
     assert len(trace) == answer.iterations > 0
     assert trace.q[0] == pytest.approx(q0)
     assert trace.q[-1] == pytest.approx(answer.q)
     p = np.linalg.norm(robot.position(q0) - target[:2, 3])
     assert trace.error[0] == pytest.approx(p, rel=0.1)  # a body twist is a little longer than the distance
     assert trace.error[-1] <= TOLERANCE
-    assert ready.solve(ready.convert(target), q0).q == pytest.approx(answer.q)
+    assert solver.solve(solver.convert(target), q0).q == pytest.approx(answer.q)
     assert trace.figures["attempt"].shape == (len(trace),)

@@ -1,15 +1,13 @@
-"""Studies that are interrupted, saved and gone on with."""
+"""Studies that are interrupted, saved and resumed."""
 
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 
-import numpy as np
 import pytest
 
 import jtik
-from jtik.study import units
-from jtik.study.fingerprint import fingerprint
+from jtik.study import unit_runner
 from jtik_formulations import Damped, JointCentering, ObstacleAvoidance
 
 TWO = ["hybrid", "damped"]
@@ -30,21 +28,21 @@ def interrupt_after(count):
 
 @pytest.fixture
 def counted(monkeypatch):
-    """The units that are done, as they are done."""
+    """The units in the order in which they are run."""
     done = []
-    run = units.Bench.run
-    monkeypatch.setattr(units.Bench, "run", lambda self, unit: done.append(unit) or run(self, unit))
+    run = unit_runner.UnitRunner.run
+    monkeypatch.setattr(unit_runner.UnitRunner, "run", lambda self, unit: done.append(unit) or run(self, unit))
     return done
 
 
-def test_an_interrupted_study_keeps_what_is_done(arm, task):
+def test_an_interrupted_study_returns_completed_units(arm, task):
     study = jtik.compare(arm, task, **options(), progress=interrupt_after(3))
     assert not study.complete
     assert len(study) == 2 * 6
-    assert "not complete" in repr(study)
+    assert "incomplete" in repr(study)
 
 
-def test_one_on_an_executor_does_not_begin_the_rest(arm, task, counted):
+def test_an_interrupted_study_cancels_units_on_an_executor(arm, task, counted):
     def tell(done, total):
         raise KeyboardInterrupt
 
@@ -55,15 +53,15 @@ def test_one_on_an_executor_does_not_begin_the_rest(arm, task, counted):
     assert len(counted) < 50
 
 
-def test_it_goes_on_from_its_file(arm, task, tmp_path, counted, assert_same):
-    path, told = tmp_path / "study.npz", []
+def test_a_study_resumes_from_its_file(arm, task, tmp_path, counted, assert_same):
+    path, reported = tmp_path / "study.npz", []
     whole = jtik.compare(arm, task, **options())
     jtik.compare(arm, task, **options(), save=path, progress=interrupt_after(3))
     assert not jtik.Comparison.load(path).complete
     counted.clear()
-    study = jtik.compare(arm, task, **options(), save=path, progress=lambda *now: told.append(now))
+    study = jtik.compare(arm, task, **options(), save=path, progress=lambda *now: reported.append(now))
     assert [(unit.start, unit.stop) for unit in counted] == [(6, 8)]
-    assert told == [(1, 4), (2, 4), (3, 4), (4, 4)]
+    assert reported == [(1, 4), (2, 4), (3, 4), (4, 4)]
     assert study.complete
     assert_same(whole, study)
     assert_same(whole, jtik.Comparison.load(path))
@@ -72,7 +70,7 @@ def test_it_goes_on_from_its_file(arm, task, tmp_path, counted, assert_same):
     assert not counted
 
 
-def test_units_of_another_size_are_gone_on_with(arm, task, tmp_path, assert_same):
+def test_a_study_resumes_with_units_of_another_size(arm, task, tmp_path, assert_same):
     path = tmp_path / "study.npz"
     jtik.compare(arm, task, **options(), save=path, progress=interrupt_after(3))
     with pytest.raises(jtik.ArgumentError, match="save"):
@@ -81,7 +79,7 @@ def test_units_of_another_size_are_gone_on_with(arm, task, tmp_path, assert_same
     assert_same(jtik.compare(arm, task, **options()), study)
 
 
-def test_an_error_keeps_what_is_done_too(arm, task, tmp_path):
+def test_completed_units_are_saved_after_an_error(arm, task, tmp_path):
     def tell(done, total):
         if done == 2:
             raise ZeroDivisionError
@@ -116,7 +114,7 @@ def test_the_file_of_another_study_is_refused(arm, task, tmp_path, changed, coun
     assert path.read_bytes() == before
 
 
-def test_a_file_that_is_no_study_is_refused_and_left_alone(arm, task, tmp_path):
+def test_a_file_without_a_study_is_refused_and_unchanged(arm, task, tmp_path):
     path = tmp_path / "notes.npz"
     path.write_text("groceries")
     with pytest.raises(jtik.ArgumentError):
@@ -125,49 +123,3 @@ def test_a_file_that_is_no_study_is_refused_and_left_alone(arm, task, tmp_path):
     for wrong in (tmp_path / "study.csv", tmp_path / "nowhere" / "study.npz"):
         with pytest.raises(jtik.ArgumentError, match="save"):
             jtik.compare(arm, task, **options(), save=wrong)
-
-
-class TestFingerprint:
-    def test_equal_values_have_the_same(self):
-        def made():
-            arm = jtik.Robot.planar(3, lower=-1.0, upper=1.0)
-            field = ObstacleAvoidance([jtik.Circle(center=(1.0, 1.0), radius=0.1)])
-            return arm, 2.0 * JointCentering() + field, Damped(damping=0.2), jtik.FrameTask("tip", stiffness=[1, 2])
-
-        assert fingerprint(*made()) == fingerprint(*made())
-
-    @pytest.mark.parametrize(
-        ("one", "other"),
-        [
-            (1, 1.0),
-            ("1", 1),
-            ((1, 2), (2, 1)),
-            (("ab", "c"), ("a", "bc")),
-            (np.array([1.0]), np.array([1.0 + 1e-16 * 4])),
-            (np.zeros((2, 3)), np.zeros((3, 2))),
-            (jtik.Robot.planar(3), jtik.Robot.planar([1, 1, 1 + 1e-12])),
-            (jtik.FrameTask("tip"), jtik.FrameTask("tip", stiffness=2.0)),
-            (jtik.criterion(lambda q, robot: q[0]), jtik.criterion(lambda q, robot: q[1])),
-            (jtik.criterion(lambda q, robot: 2 * q[0]), jtik.criterion(lambda q, robot: 3 * q[0])),
-        ],
-    )
-    def test_different_ones_differ(self, one, other):
-        assert fingerprint(one) != fingerprint(other)
-
-    def test_what_holds_itself_has_one(self):
-        ring = []
-        ring.append(ring)
-        assert fingerprint(ring) == fingerprint(ring)
-
-    def test_it_is_the_same_in_another_process(self):
-        import subprocess
-        import sys
-
-        code = (
-            "import jtik; from jtik.study.fingerprint import fingerprint; from jtik_formulations import Damped;"
-            "print(fingerprint(jtik.Robot.planar(3), jtik.FrameTask('tip'), Damped(), frozenset('abc')))"
-        )
-        run = [sys.executable, "-c", f"import sys; sys.path[:0] = {sys.path!r}; {code}"]
-        prints = {subprocess.run(run, capture_output=True, text=True, check=True).stdout for _ in range(2)}
-        own = fingerprint(jtik.Robot.planar(3), jtik.FrameTask("tip"), Damped(), frozenset("abc"))
-        assert prints == {own + "\n"}

@@ -1,4 +1,4 @@
-"""The collection: problems from papers and examples, whose answers are known."""
+"""Collection of problems from papers and examples whose solutions are known."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 from jtik.errors import UnknownNameError
 from jtik.problems.collection import planar, spatial, worked
-from jtik.problems.collection.named import Named
+from jtik.problems.collection.named_problem import NamedProblem
 
-__all__ = ["Named", "named", "names"]
+__all__ = ["NamedProblem", "named", "names"]
 
-_ENTRIES: tuple[Callable[[], Named], ...] = (
+_ENTRIES: tuple[Callable[[], NamedProblem], ...] = (
     worked.sns_4r,
     worked.transpose_step_2r,
     worked.null_projector_3r,
@@ -29,15 +29,15 @@ _NAMED = {build.__name__: build for build in _ENTRIES}
 
 
 def names() -> tuple[str, ...]:
-    """The names that `named` knows."""
+    """Names of the problems in the collection."""
     return tuple(_NAMED)
 
 
-def named(name: str) -> Named:
-    """Robot, task, criteria and problems of the collection's entry of that name, built anew.
+def named(name: str) -> NamedProblem:
+    """A problem of the collection by name: its robot, task, criteria and cases.
 
     Raises:
-        UnknownNameError: when there is no such entry; it suggests the closest name.
+        UnknownNameError: for an unknown name; it suggests the closest one.
     """
     if name not in _NAMED:
         raise UnknownNameError("problem", name, _NAMED)

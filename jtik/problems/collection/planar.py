@@ -1,4 +1,4 @@
-"""Planar arms whose reach, postures and optima have closed forms."""
+"""Planar arms whose reach, solutions and optima have closed forms."""
 
 from __future__ import annotations
 
@@ -7,24 +7,26 @@ import math
 import numpy as np
 
 from jtik.problems.case import Case, ProblemSet
-from jtik.problems.collection.named import Named, centering
+from jtik.problems.collection.named_problem import NamedProblem, centering
 from jtik.problems.five_families import five_families, tip
 from jtik.robot import Robot
 from jtik.task import FrameTask
 from jtik.types import Array
 
 
-def _entry(name: str, summary: str, origin: str, robot: Robot, cases: list[Case]) -> Named:
+def _entry(name: str, summary: str, origin: str, robot: Robot, cases: list[Case]) -> NamedProblem:
     problems = ProblemSet(name, tuple(cases), origin=origin)
-    return Named(name=name, summary=summary, robot=robot, task=FrameTask("tip"), problems=problems, origin=origin)
+    return NamedProblem(
+        name=name, summary=summary, robot=robot, task=FrameTask("tip"), problems=problems, origin=origin
+    )
 
 
-def das1988_families() -> Named:
+def das1988_families() -> NamedProblem:
     """The problems of the table of papers/das1988."""
     problems = five_families()
-    return Named(
+    return NamedProblem(
         name="das1988_families",
-        summary="ten unit links: 200 problems of each of six kinds, the least error of each known",
+        summary="ten unit links: 200 problems of each of six kinds, with the smallest error of each",
         robot=Robot.planar(10),
         task=FrameTask("tip"),
         problems=problems,
@@ -32,16 +34,16 @@ def das1988_families() -> Named:
     )
 
 
-def centering_3r() -> Named:
-    """A target on which the springs of joint centring have a known optimum.
+def centering_3r() -> NamedProblem:
+    """A target for which the optimum of joint centring is known.
 
-    At q* the preferred angles are q* - J(q*)' (0.3, -0.2): then dH/dq = J' (0.3, -0.2) is normal to the self-motion,
-    and H there is half its square.
+    The preferred angles are q* - J(q*)' (0.3, -0.2). Then dH/dq = J' (0.3, -0.2) at q* is orthogonal to the
+    self-motion, and H there is half its squared norm.
     """
     best, multipliers = np.array([0.4, 0.9, -0.7]), np.array([0.3, -0.2])
-    force = _jacobian(best).T @ multipliers
-    origin = "an optimum put where Lagrange's conditions hold: dH/dq = J' lambda at a chosen posture"
-    known = {"error": 0.0, "H": float(force @ force / 2)}
+    gradient = _jacobian(best).T @ multipliers
+    origin = "constructed so that Lagrange's condition dH/dq = J' lambda holds at a chosen posture"
+    known = {"error": 0.0, "H": float(gradient @ gradient / 2)}
     known |= {f"q_{i}": float(angle) for i, angle in enumerate(best, 1)}
     starts = [best + 0.3, np.zeros(3), np.array([0.8, 0.5, 0.5]), np.array([1.2, -0.4, 0.3]), np.array([0.1, 1.2, 0.2])]
     cases = [
@@ -56,19 +58,19 @@ def centering_3r() -> Named:
         )
         for i, q0 in enumerate(starts)
     ]
-    return Named(
+    return NamedProblem(
         name="centering_3r",
-        summary="least H of joint centring on a target, at the posture q_i [rad]",
+        summary="smallest H of joint centring on a target, at the posture q_i [rad]",
         robot=Robot.planar(3),
         task=FrameTask("tip"),
-        criteria=centering(best - force),
+        criteria=centering(best - gradient),
         problems=ProblemSet("centering_3r", tuple(cases), origin=origin),
         origin=origin,
     )
 
 
-def straight_10r() -> Named:
-    """An exactly straight arm, to be pulled inwards along itself: J' e = 0, and no first-order law moves."""
+def straight_10r() -> NamedProblem:
+    """An exactly straight arm with a target on its line: J' e = 0, so no first-order strategy moves."""
     origin = "Das, Slotine and Sheridan 1988, 'moves out of singular positions'; ten unit links"
     cases = [
         Case(
@@ -83,13 +85,17 @@ def straight_10r() -> Named:
         for length in (3.0, 6.0, 9.0)
     ]
     return _entry(
-        "straight_10r", "a straight arm pulled inwards: J' e = 0 at the start", origin, Robot.planar(10), cases
+        "straight_10r",
+        "a straight arm with its target on its own line: J' e = 0 at the start",
+        origin,
+        Robot.planar(10),
+        cases,
     )
 
 
-def elbow_2r() -> Named:
-    """Of the two postures that reach, limits allow one."""
-    origin = "two unit links, the elbow on one side: closed form by the law of cosines"
+def elbow_2r() -> NamedProblem:
+    """A target with two solutions, one of which lies within the joint limits."""
+    origin = "two unit links, elbow limited to one side: closed form by the law of cosines"
     starts = {"folded": (2.0, 3.0), "straight": (0.5, 0.1), "behind": (-3.0, 1.0)}
     cases = [
         Case(
@@ -104,11 +110,11 @@ def elbow_2r() -> Named:
         for name, q0 in starts.items()
     ]
     robot = Robot.planar(2, lower=[-math.pi, 0.1], upper=[math.pi, 3.0])
-    return _entry("elbow_2r", "the one posture q_i [rad] within limits", origin, robot, cases)
+    return _entry("elbow_2r", "the only solution q_i [rad] within the limits", origin, robot, cases)
 
 
-def unreachable_10r() -> Named:
-    """Half a metre out of reach."""
+def unreachable_10r() -> NamedProblem:
+    """A target half a metre beyond the reach."""
     origin = "ten unit links and a target at 10.5 m: the triangle inequality"
     directions = {"ahead": 0.0, "across": 1.0, "behind": math.pi}
     cases = [
@@ -123,29 +129,37 @@ def unreachable_10r() -> Named:
         )
         for name, angle in directions.items()
     ]
-    return _entry("unreachable_10r", "the least error of a target out of reach", origin, Robot.planar(10), cases)
+    return _entry("unreachable_10r", "the smallest error of an unreachable target", origin, Robot.planar(10), cases)
 
 
-def circle_3r() -> Named:
-    """Circles of three links, all within reach."""
-    origin = "closed paths of a planar 3R, on which pseudo-inverse control drifts (Klein and Huang 1983); own numbers"
+def circle_3r() -> NamedProblem:
+    """Circles for three links, within reach."""
+    origin = (
+        "closed paths of a planar 3R, on which pseudo-inverse control drifts (Klein and Huang 1983); radii chosen here"
+    )
     q0 = np.array([0.3, 0.9, 0.6])
     robot = Robot.planar(3)
     cases = [_circle(f"circle_3r r={radius:g}", q0, radius, origin) for radius in (0.2, 0.5)]
-    return _entry("circle_3r", "a circle from a start on it: the target can be met all the way", origin, robot, cases)
+    return _entry(
+        "circle_3r", "a circle that passes through the start: every target is reachable", origin, robot, cases
+    )
 
 
-def circle_10r() -> Named:
-    """Circles of ten links, all within reach."""
+def circle_10r() -> NamedProblem:
+    """Circles for ten links, within reach."""
     origin = "a circle of ten unit links, within 10 m of the base"
     cases = [_circle(f"circle_10r r={radius:g}", np.full(10, 0.15), radius, origin) for radius in (0.5, 2.0)]
     return _entry(
-        "circle_10r", "a circle from a start on it: the target can be met all the way", origin, Robot.planar(10), cases
+        "circle_10r",
+        "a circle that passes through the start: every target is reachable",
+        origin,
+        Robot.planar(10),
+        cases,
     )
 
 
 def _circle(name: str, q0: Array, radius: float, origin: str) -> Case:
-    """Once round in 100 steps of 0.02 s, from the tip at q0, the centre towards -x."""
+    """One circle in 100 steps of 0.02 s, from the tip position at q0, with its centre in direction -x."""
     angle = np.linspace(0, 2 * np.pi, 101)
     places = tip(q0) + radius * np.column_stack([np.cos(angle) - 1, np.sin(angle)])
     places[-1] = places[0]
@@ -163,7 +177,7 @@ def _circle(name: str, q0: Array, radius: float, origin: str) -> Case:
 
 
 def _jacobian(q: Array) -> Array:
-    """Jacobian (2, n) of the tip of an arm of unit links."""
+    """Jacobian (2, n) of the tip position of an arm of unit links."""
     angle = np.cumsum(q)
-    back = slice(None, None, -1)
-    return np.stack([-np.cumsum(np.sin(angle)[back])[back], np.cumsum(np.cos(angle)[back])[back]])
+    reverse = slice(None, None, -1)
+    return np.stack([-np.cumsum(np.sin(angle)[reverse])[reverse], np.cumsum(np.cos(angle)[reverse])[reverse]])

@@ -1,4 +1,4 @@
-"""Arms in space at and near their singular postures, and on a closed path."""
+"""Spatial arms at and near singular postures, and on a closed path."""
 
 from __future__ import annotations
 
@@ -7,22 +7,24 @@ import math
 import numpy as np
 
 from jtik.problems.case import Case, ProblemSet
-from jtik.problems.collection.named import Named
+from jtik.problems.collection.named_problem import NamedProblem
 from jtik.robot import Robot
 from jtik.task import FrameTask
 
 ELBOW, SHOULDER_LINK, WRIST_LINK = 0.0825, 0.316, 0.384
-"""Of the Panda: how far the elbow lies beside the line from shoulder to wrist, and its lengths on both sides [m]."""
+"""Panda: offset of the elbow, distance from shoulder to elbow, and distance from elbow to wrist [m]."""
 
 
-def panda_stretched() -> Named:
-    """A Panda stretched out: shoulder, elbow axis and wrist on one line, and the wrist's first axis square to it.
+def panda_stretched() -> NamedProblem:
+    """A stretched Panda: shoulder, elbow axis and wrist on one line, and the first wrist axis orthogonal to it.
 
-    With joint 4 at -atan(a / d3) - atan(a / d5) the wrist is as far from the shoulder as it goes; with joint 5 at zero
-    the offset of the last joints cannot make up for the direction lost.
+    With joint 4 at -atan(a / d3) - atan(a / d5), the distance from shoulder to wrist is largest. With joint 5 at zero,
+    the offset of the last joints does not restore the lost direction.
     """
     robot, task = Robot.builtin("panda"), FrameTask("tip", kind="pose")
-    origin = "a stretched Panda: joint 4 where shoulder, elbow and wrist are on a line, joint 5 at zero; pulled inwards"
+    origin = (
+        "a stretched Panda: joint 4 with shoulder, elbow and wrist on a line, joint 5 at zero; the target is inside"
+    )
     stretched = -math.atan2(ELBOW, SHOULDER_LINK) - math.atan2(ELBOW, WRIST_LINK)
     cases = []
     for i, others in enumerate(((0.3, 0.5, 0.4, 1.6, 0.5), (0.3, -0.4, -0.9, 2.6, 0.5), (0.0, 0.6, 0.0, 1.8, 0.8))):
@@ -40,9 +42,9 @@ def panda_stretched() -> Named:
                     origin=origin,
                 )
             )
-    return Named(
+    return NamedProblem(
         name="panda_stretched",
-        summary="a stretched Panda pulled inwards, from a singular posture and from 1e-6 and 1e-3 rad beside it",
+        summary="a stretched Panda with its target inside, from a singular posture and 1e-6 and 1e-3 rad beside it",
         robot=robot,
         task=task,
         problems=ProblemSet("panda_stretched", tuple(cases), origin=origin),
@@ -50,13 +52,13 @@ def panda_stretched() -> Named:
     )
 
 
-def ur5e_wrist() -> Named:
-    """A UR5e with its wrist singular: the axes of wrist 1 and wrist 3 are parallel where wrist 2 is zero.
+def ur5e_wrist() -> NamedProblem:
+    """A UR5e at its wrist singularity: the axes of wrist 1 and wrist 3 are parallel if wrist 2 is zero.
 
-    The shoulder lift, the elbow, wrist 1 and wrist 3 then turn about four parallel axes, which span three motions.
+    The shoulder lift, the elbow, wrist 1 and wrist 3 then have four parallel axes, which span only three motions.
     """
     robot, task = Robot.builtin("ur5e"), FrameTask("tip", kind="pose")
-    origin = "the wrist singularity of a UR5e, wrist 2 at zero; the target is where the arm is with wrist 2 at 0.3 rad"
+    origin = "the wrist singularity of a UR5e, wrist 2 at zero; the target is the pose with wrist 2 at 0.3 rad"
     cases = []
     for bend in (0.0, 1e-6, 1e-3):
         q0 = robot.keyframes["home"].copy()
@@ -73,9 +75,9 @@ def ur5e_wrist() -> Named:
                 origin=origin,
             )
         )
-    return Named(
+    return NamedProblem(
         name="ur5e_wrist",
-        summary="out of the wrist's singularity, from it and from 1e-6 and 1e-3 rad beside it",
+        summary="a target away from the wrist singularity, from the singularity and from 1e-6 and 1e-3 rad beside it",
         robot=robot,
         task=task,
         problems=ProblemSet("ur5e_wrist", tuple(cases), origin=origin),
@@ -83,10 +85,10 @@ def ur5e_wrist() -> Named:
     )
 
 
-def circle_panda() -> Named:
-    """A Panda's hand on a circle in a plane across, its orientation kept."""
+def circle_panda() -> NamedProblem:
+    """A circle of a Panda's hand in the y-z plane with constant orientation."""
     robot, task = Robot.builtin("panda"), FrameTask("tip", kind="pose")
-    origin = "from the Panda's ready posture, in the y-z plane of the base, with the hand's orientation kept"
+    origin = "from the Panda's home posture, in the y-z plane of the base, with constant hand orientation"
     q0 = robot.keyframes["home"]
     cases = []
     for radius in (0.05, 0.1):
@@ -108,9 +110,9 @@ def circle_panda() -> Named:
                 origin=origin,
             )
         )
-    return Named(
+    return NamedProblem(
         name="circle_panda",
-        summary="a circle of the hand in an upright plane, from a start on it",
+        summary="a circle of the hand in a vertical plane that passes through the start",
         robot=robot,
         task=task,
         problems=ProblemSet("circle_panda", tuple(cases), origin=origin),

@@ -1,4 +1,4 @@
-"""Single steps worked out by hand: what one update of a law must give, to the last digit."""
+"""Single steps calculated by hand: the exact result of one update of a strategy."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from jtik.problems.case import Case, ProblemSet
-from jtik.problems.collection.named import Named, centering
+from jtik.problems.collection.named_problem import NamedProblem, centering
 from jtik.problems.five_families import tip
 from jtik.robot import Robot
 from jtik.task import FrameTask
@@ -15,8 +15,8 @@ from jtik.task import FrameTask
 _QUARTER = math.pi / 2
 
 
-def sns_4r() -> Named:
-    """Four joints with speed limits, two of which the least-norm velocity breaks."""
+def sns_4r() -> NamedProblem:
+    """Four joints with velocity limits, two of which the minimum-norm velocity violates."""
     origin = "Flacco, De Luca and Khatib, ICRA 2012: saturation in the null space, planar 4R"
     q = np.array([1, -1, 1, -1]) * _QUARTER
     answers = {
@@ -41,9 +41,9 @@ def sns_4r() -> Named:
                 origin=origin,
             )
         )
-    return Named(
+    return NamedProblem(
         name="sns_4r",
-        summary="one step of 1 s under speed limits: the velocity dq_i [rad/s], and the share of the task it does",
+        summary="one step of 1 s under velocity limits: the velocity dq_i [rad/s] and the task scale",
         robot=Robot.planar(4, velocity_limit=[2, 2, 4, 4]),
         task=FrameTask("tip"),
         problems=ProblemSet("sns_4r", tuple(cases), origin=origin),
@@ -51,9 +51,9 @@ def sns_4r() -> Named:
     )
 
 
-def transpose_step_2r() -> Named:
+def transpose_step_2r() -> NamedProblem:
     """One step of the transpose method with its optimal gain."""
-    origin = "Das, Slotine and Sheridan 1988, (A.10) to (A.12), worked out on two unit links"
+    origin = "Das, Slotine and Sheridan 1988, (A.10) to (A.12), calculated for two unit links"
     q, target = np.array([0.0, _QUARTER]), np.array([0.0, 1.5])
     alpha = 13 / 34
     dq = alpha * np.array([1.5, 1.0])
@@ -75,9 +75,9 @@ def transpose_step_2r() -> Named:
         known=known,
         origin=origin,
     )
-    return Named(
+    return NamedProblem(
         name="transpose_step_2r",
-        summary="one transpose step: alpha, dq_i [rad], V [m^2] before, after, and as the linear model predicts it",
+        summary="one transpose step: alpha, dq_i [rad], and V [m^2] before, after, and predicted by the linear model",
         robot=Robot.planar(2),
         task=FrameTask("tip"),
         problems=ProblemSet("transpose_step_2r", (case,), origin=origin),
@@ -85,8 +85,8 @@ def transpose_step_2r() -> Named:
     )
 
 
-def null_projector_3r() -> Named:
-    """The gradient (1, 1, 1) in the null space of three links at right angles."""
+def null_projector_3r() -> NamedProblem:
+    """Projection of the gradient (1, 1, 1) onto the null space of three links at right angles."""
     origin = "three unit links at right angles: N = (1, -1, 1)' (1, -1, 1) / 3"
     q = np.full(3, _QUARTER)
     known = {"null_1": 1 / 3, "null_2": -1 / 3, "null_3": 1 / 3, "null_norm": 1 / math.sqrt(3), "H_start": 1.5}
@@ -99,9 +99,9 @@ def null_projector_3r() -> Named:
         known=known | {"error": 0.0},
         origin=origin,
     )
-    return Named(
+    return NamedProblem(
         name="null_projector_3r",
-        summary="a start on its target with dH/dq = (1, 1, 1): its projection null_i on the null space",
+        summary="a start on its target with dH/dq = (1, 1, 1): its projection null_i onto the null space",
         robot=Robot.planar(3),
         task=FrameTask("tip"),
         criteria=centering(q - 1),

@@ -1,1 +1,1 @@
-"""Figures of a study: one a file, each a function from a Comparison to a matplotlib figure."""
+"""Figures of a study, one in each file: functions from a Comparison to a matplotlib figure."""

@@ -1,4 +1,4 @@
-"""Error by iteration."""
+"""Task error by iteration."""
 
 from __future__ import annotations
 
@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from jtik.plotting.planar import MUTED, Figure
-from jtik.study.figures.canvas import FLOOR, kept, label, legend, lines, panels, stretched, which, who
+from jtik.study.figures.selection import chosen_contenders, chosen_criteria, recorded_cases
+from jtik.study.figures.style import FLOOR, label, legend, lines, padded, panels
 
 if TYPE_CHECKING:
     from jtik.study.comparison import Comparison
 
 
 LONG = 60
-"""Iterations from which on the axis is logarithmic beyond ten: some laws take ten times as many as others."""
+"""Number of iterations above which the axis is logarithmic beyond ten: some strategies need ten times as many."""
 
 
 def convergence(
@@ -25,12 +26,12 @@ def convergence(
     criteria: str | None = None,
     kind: str | None = None,
 ) -> Figure:
-    """The task error, kind by kind: its median over the cases kept, and a band that holds the middle half of them.
+    """Plot the task error by iteration for each kind: the median over the recorded cases, and the interquartile range.
 
-    A solve that has ended stays at its last error, so that the median goes on to the longest of them.
+    A solve that has ended keeps its last error, so that the median extends to the longest solve.
     """
-    criteria, names = which(comparison, criteria), who(comparison, contenders)
-    every = kept(comparison, kind)
+    criteria, names = chosen_criteria(comparison, criteria), chosen_contenders(comparison, contenders)
+    every = recorded_cases(comparison, kind)
     cases = {case.name: case.kind for case in comparison.problems if case.name in every}
     kinds = [each for each in dict.fromkeys(cases.values()) if _has(comparison, cases, each)] or [
         next(iter(cases.values()))
@@ -44,7 +45,7 @@ def convergence(
             errors = [np.maximum(comparison.traces[key].error, FLOOR) for key in keys if key in comparison.traces]
             if not errors:
                 continue
-            rows = stretched(errors)
+            rows = padded(errors)
             k = np.arange(rows.shape[1])
             axes.plot(k, np.median(rows, axis=0), label=name, **style[name])
             if len(rows) > 1:

@@ -1,4 +1,4 @@
-"""The criterion: as it falls, and what is left of it at the end."""
+"""The criterion H by iteration, and its final values."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ import numpy as np
 
 from jtik.errors import ArgumentError
 from jtik.plotting.planar import INK, MUTED, Figure
-from jtik.study.figures.canvas import chosen, label, legend, lines, of_case, panels, who
+from jtik.study.figures.selection import choose_case, chosen_contenders, traces_of_case
+from jtik.study.figures.style import label, legend, lines, panels
 
 if TYPE_CHECKING:
     from jtik.study.comparison import Comparison
 
-LEAST = 1e-12
-"""Regret below this is drawn as this: what is left is rounding."""
+SMALLEST = 1e-12
+"""Smaller regret is drawn at this value, because it is rounding."""
 
 
 def criteria(
@@ -25,30 +26,30 @@ def criteria(
     contenders: Iterable[str] | None = None,
     criteria: str | None = None,
 ) -> Figure:
-    """Left H by iteration of one case, right for every contender how far above the best it ended, case by case."""
-    at = chosen(comparison, criteria, case)
-    names = who(comparison, contenders)
+    """Plot H by iteration for one case (left), and the regret of each contender on all cases (right)."""
+    at = choose_case(comparison, criteria, case)
+    names = chosen_contenders(comparison, contenders)
     regrets = {name: _regret(comparison, name, at.criteria) for name in names}
     if not any(len(each) for each in regrets.values()):
-        raise ArgumentError("criteria", at.criteria, "criteria: this study has none, or nobody solved a case")
+        raise ArgumentError("criteria", at.criteria, "criteria of a study in which a contender solved a case")
     figure, table = panels(1, 2, width=5.2, height=3.9)
     style = lines(comparison.contenders)
     left, right = table[0]
-    for name, trace in of_case(comparison, at, names).items():
+    for name, trace in traces_of_case(comparison, at, names).items():
         H = trace.figures.get("H")
         if H is not None and len(H):
             left.plot(np.arange(len(H)), H, label=name, **style[name])
     label(left, "iteration", "criterion H", at.case)
-    for place, (name, each) in enumerate(regrets.items()):
+    for index, (name, each) in enumerate(regrets.items()):
         if not len(each):
             continue
-        value, color = np.maximum(each, LEAST), style[name]["color"]
+        value, color = np.maximum(each, SMALLEST), style[name]["color"]
         spread = np.linspace(-0.16, 0.16, len(value)) if len(value) > 1 else np.zeros(1)
-        right.plot(value, place + spread, ".", color=color, markersize=6, alpha=0.6, markeredgewidth=0)
-        right.plot(np.median(value), place, "|", color=INK, markersize=16, markeredgewidth=2)
+        right.plot(value, index + spread, ".", color=color, markersize=6, alpha=0.6, markeredgewidth=0)
+        right.plot(np.median(value), index, "|", color=INK, markersize=16, markeredgewidth=2)
     right.set(xscale="log", yticks=range(len(names)), ylim=(len(names) - 0.5, -0.5))
     right.set_yticklabels(names, color=MUTED)
-    label(right, f"H less the best of its case (at least {LEAST:g})", "", "solved cases and their median")
+    label(right, f"regret: H minus the best H of the case (at least {SMALLEST:g})", "", "solved cases, with the median")
     legend(figure, left)
     return figure
 

@@ -1,4 +1,4 @@
-"""Joint positions along a solve or a path, with their limits."""
+"""Joint positions along a solve or a path, with joint limits."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from jtik.plotting.planar import MUTED, Figure, shades
-from jtik.study.figures.canvas import chosen, grid, label, legend, panels
-from jtik.study.figures.postures import one, ways
+from jtik.study.figures.selection import case_named, choose_case, configurations_of
+from jtik.study.figures.style import grid, label, legend, panels
 
 if TYPE_CHECKING:
     from jtik.study.comparison import Comparison
@@ -22,9 +22,13 @@ def joint_panels(
     contenders: Iterable[str] | None = None,
     criteria: str | None = None,
 ) -> Figure:
-    """The entries of q by iteration, or by time along a path, a panel a contender; dotted where a limit lies near."""
-    at = chosen(comparison, criteria, case)
-    found, which_case, robot = ways(comparison, at, contenders), one(comparison, at.case), comparison.robot
+    """Plot q by iteration, or by time along a path, in one panel for each contender. Nearby limits are dotted lines."""
+    at = choose_case(comparison, criteria, case)
+    found, own_case, robot = (
+        configurations_of(comparison, at, contenders),
+        case_named(comparison, at.case),
+        comparison.robot,
+    )
     rows, columns = grid(len(found), 3)
     figure, table = panels(rows, columns, width=4.0, height=3.0, sharey=True)
     names = [
@@ -33,18 +37,18 @@ def joint_panels(
         for length in [robot.q_slice(name).stop - robot.q_slice(name).start]
         for k in range(length)
     ]
-    along = which_case.is_path and which_case.dt
+    along = own_case.is_path and own_case.dt
     spans = [(float(q.min()), float(q.max())) for q in found.values()]
     low, high = min(each[0] for each in spans), max(each[1] for each in spans)
-    room = 0.08 * max(high - low, 1e-3)
+    margin = 0.08 * max(high - low, 1e-3)
     for axes, (contender, q) in zip(table.flat, found.items(), strict=False):
         x = np.arange(len(q)) * (along or 1)
         for k, (name, color) in enumerate(zip(names, shades(len(names), "viridis"), strict=True)):
             axes.plot(x, q[:, k], color=color, linewidth=1.3, label=name)
             for limit in (robot.lower[k], robot.upper[k]):
-                if low - room < limit < high + room:
+                if low - margin < limit < high + margin:
                     axes.axhline(limit, color=color, linewidth=0.8, linestyle=":")
-        axes.set_ylim(low - room, high + room)
+        axes.set_ylim(low - margin, high + margin)
         label(axes, "time [s]" if along else "iteration", "", contender)
     unit = "[rad]" if robot.rotational.all() else "[rad, m]"
     for axes in table[:, 0]:

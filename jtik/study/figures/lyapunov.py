@@ -1,4 +1,4 @@
-"""V by iteration, and where it rose."""
+"""The Lyapunov function V by iteration."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import numpy as np
 
 from jtik.errors import ArgumentError
 from jtik.plotting.planar import Figure
-from jtik.study.figures.canvas import FLOOR, chosen, label, legend, lines, of_case, panels
+from jtik.study.figures.selection import choose_case, traces_of_case
+from jtik.study.figures.style import FLOOR, label, legend, lines, panels
 
 if TYPE_CHECKING:
     from jtik.study.comparison import Comparison
@@ -22,9 +23,9 @@ def lyapunov(
     contenders: Iterable[str] | None = None,
     criteria: str | None = None,
 ) -> Figure:
-    """V = 1/2 e' Kp e of one case, the first kept by default; rings mark accepted steps that raised it."""
-    at = chosen(comparison, criteria, case)
-    traces = of_case(comparison, at, contenders)
+    """Plot V = 1/2 e' Kp e for one case, the first recorded one by default. Circles mark iterations at which V rose."""
+    at = choose_case(comparison, criteria, case)
+    traces = traces_of_case(comparison, at, contenders)
     figure, table = panels(1, 1, width=6.4, height=4.0)
     axes, style = table[0, 0], lines(comparison.contenders)
     drawn = 0
@@ -36,11 +37,11 @@ def lyapunov(
         V = np.maximum(V, FLOOR)
         axes.plot(np.arange(len(V)), V, label=name, **style[name])
         rises = np.flatnonzero(V[1:] > V[:-1] * (1 + 1e-12)) + 1
-        rises = rises[V[rises] > 1e-14]  # rounding on target is no rise
+        rises = rises[V[rises] > 1e-14]  # below this, a rise is rounding on target
         axes.plot(rises, V[rises], "o", color=style[name]["color"], markersize=5, markerfacecolor="none")
     if not drawn:
-        raise ArgumentError("case", at.case, "one that a strategy of jtik solved in more than no step")
+        raise ArgumentError("case", at.case, "a case that a strategy of jtik solved in at least one iteration")
     axes.set(yscale="log")
-    label(axes, "iteration", "V = ½ e'Kp e [m², rad²]", f"{at.case}; a ring where V rose")
+    label(axes, "iteration", "V = ½ e'Kp e [m², rad²]", f"{at.case}; circles where V rose")
     legend(figure, axes)
     return figure

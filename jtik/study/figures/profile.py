@@ -1,4 +1,4 @@
-"""Performance profiles: how often each strategy is within a factor of the best (Dolan and More 2002)."""
+"""Performance profiles: share of cases solved within a factor of the best contender (Dolan and More 2002)."""
 
 from __future__ import annotations
 
@@ -9,28 +9,29 @@ import numpy as np
 
 from jtik.errors import ArgumentError
 from jtik.plotting.planar import Figure
-from jtik.study.figures.canvas import label, legend, lines, panels, which, who
+from jtik.study.figures.selection import chosen_contenders, chosen_criteria
+from jtik.study.figures.style import label, legend, lines, panels
 from jtik.types import Array
 
 if TYPE_CHECKING:
     from jtik.study.comparison import Comparison
 
-Measure: TypeAlias = Literal["seconds", "iterations"]
+ProfileMeasure: TypeAlias = Literal["seconds", "iterations"]
 
 WIDEST = 1e3
-"""The largest factor that is drawn."""
+"""Largest factor that is drawn."""
 
 
-def ratios(comparison: Comparison, measure: Measure, criteria: str, names: tuple[str, ...]) -> dict[str, Array]:
-    """For each contender the factor by which it is behind the best of each case, (cases,); infinite where it failed."""
+def ratios(comparison: Comparison, measure: ProfileMeasure, criteria: str, names: tuple[str, ...]) -> dict[str, Array]:
+    """Ratio to the best contender of each case, (cases,), by contender; infinite for a failure."""
     columns, cases = comparison.columns, {case.name: k for k, case in enumerate(comparison.problems)}
     table = np.full((len(names), len(cases)), np.inf)
     for i, name in enumerate(names):
         rows = comparison.rows(contender=name, criteria=criteria)
         good = rows[columns["success"][rows] & (columns[measure][rows] >= 0)]
-        places = [cases[case] for case in columns["case"][good].tolist()]
-        # a solve that was there from the beginning took no step; one, so that there is a ratio
-        table[i, places] = np.maximum(columns[measure][good], 1 if measure == "iterations" else 1e-9)
+        indices = [cases[case] for case in columns["case"][good].tolist()]
+        # a solve that starts on target takes no iteration; it counts as one, so that the ratio is defined
+        table[i, indices] = np.maximum(columns[measure][good], 1 if measure == "iterations" else 1e-9)
     best = table.min(axis=0)
     table[:, np.isfinite(best)] /= best[np.isfinite(best)]
     return dict(zip(names, table, strict=True))
@@ -39,15 +40,18 @@ def ratios(comparison: Comparison, measure: Measure, criteria: str, names: tuple
 def profile(
     comparison: Comparison,
     *,
-    measure: Measure = "seconds",
+    measure: ProfileMeasure = "seconds",
     contenders: Iterable[str] | None = None,
     criteria: str | None = None,
 ) -> Figure:
-    """The share of cases solved within a factor of the fastest: at 1 who is best, on the right who solves most."""
+    """Plot the share of cases solved within a factor of the fastest contender.
+
+    The value at 1 is the share of cases on which a contender is best. The rightmost value is the share that it solves.
+    """
     if measure not in ("seconds", "iterations"):
         raise ArgumentError("measure", measure, "'seconds' or 'iterations'")
-    names = who(comparison, contenders)
-    found = ratios(comparison, measure, which(comparison, criteria), names)
+    names = chosen_contenders(comparison, contenders)
+    found = ratios(comparison, measure, chosen_criteria(comparison, criteria), names)
     finite = [value for each in found.values() for value in each[np.isfinite(each)]]
     widest = min(WIDEST, 1.3 * max(finite, default=1.0))
     figure, table = panels(1, 1, width=6.4, height=4.0)
@@ -62,6 +66,6 @@ def profile(
         axes.step(x, 100 * y, where="post", label=name, **style[name])
     axes.set(xscale="log", xlim=(1, max(widest, 1.1)), ylim=(-2, 102))
     what = "time" if measure == "seconds" else "iterations"
-    label(axes, f"{what}, as a factor of the least on the same case", "cases solved within it [%]")
+    label(axes, f"{what} relative to the best contender of the same case", "cases solved within this factor [%]")
     legend(figure, axes)
     return figure

@@ -1,4 +1,4 @@
-"""The loop round libraries that make one step at a time: attempts, their end, and the nearest of them."""
+"""Loop over libraries that make one step at a time: attempts, their stopping rules, and the best attempt."""
 
 from __future__ import annotations
 
@@ -9,95 +9,99 @@ from typing import Any
 import numpy as np
 
 from jtik.result.solution import Trace
-from jtik.study.contender import Answer, Ready
+from jtik.study.contender import Answer, PreparedContender
 from jtik.study.peers.base import Goal
 from jtik.types import Array
 
 SETTLED = 1e-9
-"""Length of a step [rad, m] with which an attempt has come to rest."""
+"""Length of a step below which an attempt is stationary [rad, m]."""
 
 PATIENCE = 200
-"""Steps after which an attempt that is not on target is given up: on two arms none of mink's arrived after 50, and none
-of placo's after 200, however long they went on."""
+"""Maximum steps of an attempt that is not on target.
+
+On two arms, no attempt of mink succeeded after more than 50 steps, and none of placo after more than 200.
+"""
 
 METRE = 4.0
-"""How many radians count as much as a metre where attempts that failed are compared."""
+"""Radians that count as much as a metre when failed attempts are compared."""
 
 
-class Loop(Ready):
-    """A solve as attempts of steps; a subclass says how its library makes one.
+class StepLoop(PreparedContender):
+    """A solve as attempts, each a loop of steps; a subclass makes a step with its library.
 
     Args:
-        goal: what is asked.
-        restarted: most steps of an attempt that is not promising where restarts are allowed; `PATIENCE` where not.
+        goal: the goal.
+        restarted: maximum steps of an attempt that may not continue, if restarts are allowed; `PATIENCE` otherwise.
+
+    Attributes:
+        success_status: status of a successful attempt.
     """
 
-    arrival = "REACHED"
-    """The status of an attempt that has done what was asked."""
+    success_status = "REACHED"
 
     def __init__(self, goal: Goal, *, restarted: int) -> None:
         self.goal = goal
         self._most = goal.setting.max_iterations
         self._patience = restarted if goal.setting.restarts else PATIENCE
-        self._seen: list[tuple[int, Array, float]] | None = None
+        self._recorded: list[tuple[int, Array, float]] | None = None
 
     @abstractmethod
-    def aim(self, target: Any) -> None:
-        """Take a converted target."""
+    def set_target(self, target: Any) -> None:
+        """Set a converted target."""
 
     @abstractmethod
-    def place(self, q: Array) -> None:
-        """Go to a configuration (nq,)."""
+    def set_configuration(self, q: Array) -> None:
+        """Set the library's configuration from (nq,)."""
 
     @abstractmethod
     def q(self) -> Array:
-        """Where the library is, (nq,)."""
+        """The current configuration (nq,)."""
 
     @abstractmethod
     def error(self) -> tuple[float, float]:
-        """Norms of the errors there [m], [rad]; of what does not matter, 0."""
+        """Norms of position and orientation error [m], [rad]; 0 for a part that the task does not have."""
 
     @abstractmethod
     def step(self) -> float | None:
-        """Make one step; its length, or None when the library finds none."""
+        """Make one step and return its length; None if the library finds no step."""
 
-    def rested(self) -> bool:
-        """Whether an attempt that is on target has done what was asked."""
+    def is_stationary(self) -> bool:
+        """Whether an attempt that is on target is complete."""
         return True
 
-    def promising(self, position: float, orientation: float) -> bool:
-        """Whether an attempt with these errors [m], [rad] may go on beyond the usual number of steps."""
-        return self.goal.arrived(position, orientation)
+    def may_continue(self, position: float, orientation: float) -> bool:
+        """Whether an attempt with these errors [m], [rad] may exceed the usual number of steps."""
+        return self.goal.is_reached(position, orientation)
 
     def solve(self, target: Any, q0: Array) -> Answer:
-        """Attempt after attempt until one arrives; else the nearest."""
+        """Run attempts until one succeeds; otherwise return the attempt with the smallest error."""
         goal, taken = self.goal, 0
-        self.aim(target)
-        nearest, least, status = np.asarray(q0), math.inf, "ITERATION_LIMIT"
+        self.set_target(target)
+        best, smallest, status = np.asarray(q0), math.inf, "ITERATION_LIMIT"
         for number, start in enumerate(goal.starts(q0)):
-            self.place(start)
+            self.set_configuration(start)
             outcome, steps, errors = self._attempt(number)
             taken += steps
-            if outcome == self.arrival:
-                return Answer(goal.rounded(self.q()), outcome, True, taken)
+            if outcome == self.success_status:
+                return Answer(goal.clamped_rounding(self.q()), outcome, True, taken)
             distance = METRE * errors[0] + errors[1]
-            if distance < least:
-                nearest, least, status = goal.rounded(self.q()), distance, outcome
-        return Answer(nearest, status, False, taken)
+            if distance < smallest:
+                best, smallest, status = goal.clamped_rounding(self.q()), distance, outcome
+        return Answer(best, status, False, taken)
 
     def _attempt(self, number: int) -> tuple[str, int, tuple[float, float]]:
-        """Why it ended, its steps, and the errors then."""
+        """Status, number of steps, and final errors of an attempt."""
         length = math.inf
         for steps in range(self._most + 1):
             errors = self.error()
-            if self._seen is not None:
-                self._seen.append((number, self.q(), math.hypot(*errors)))
-            arrived = self.goal.arrived(*errors)
-            if arrived and self.rested():
-                return self.arrival, steps, errors
+            if self._recorded is not None:
+                self._recorded.append((number, self.q(), math.hypot(*errors)))
+            reached = self.goal.is_reached(*errors)
+            if reached and self.is_stationary():
+                return self.success_status, steps, errors
             if length <= SETTLED:
                 return "STALLED", steps, errors
-            if steps == self._most or (steps >= self._patience and not self.promising(*errors)):
+            if steps == self._most or (steps >= self._patience and not self.may_continue(*errors)):
                 return "ITERATION_LIMIT", steps, errors
             found = self.step()
             if found is None:
@@ -106,13 +110,13 @@ class Loop(Ready):
         raise AssertionError("the last step returns")
 
     def traced(self, target: Any, q0: Array) -> tuple[Answer, Trace]:
-        """The same, with every configuration and the norm of its error; of the figures only which attempt it was."""
-        self._seen = []
+        """Solve with a trace of configurations, error norms and attempt numbers."""
+        self._recorded = []
         try:
             answer = self.solve(target, q0)
-            attempts, q, error = zip(*self._seen, strict=True)
+            attempts, q, error = zip(*self._recorded, strict=True)
         finally:
-            self._seen = None
+            self._recorded = None
         return answer, Trace(
             q=np.array(q), error=np.array(error), figures={"attempt": np.array(attempts[:-1], dtype=float)}
         )

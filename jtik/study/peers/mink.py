@@ -1,4 +1,4 @@
-"""mink: a quadratic program a step on MuJoCo's kinematics."""
+"""mink as a contender: one quadratic program for each step, on MuJoCo's kinematics."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from jtik.study.peers.base import Goal
-from jtik.study.peers.differential import Differential, DifferentialLoop
+from jtik.study.peers.differential import DifferentialLoop, DifferentialPeer
 from jtik.types import Array
 
 
 @dataclass(kw_only=True)
-class Mink(Differential):
-    """A loop round ``mink.solve_ik``: a frame task, position limits, and a criterion as `jtik.interop.mink` gives it.
+class MinkPeer(DifferentialPeer):
+    """A loop over ``mink.solve_ik`` with a frame task, position limits, and a criterion from `jtik.interop.mink`.
 
-    Its defaults were found over seven arms with restarts: 10 to 25 steps an attempt, ``lm_damping`` 0 to 0.1,
-    orientation at cost 1 and 0.25, gains 0.95 and 0.999. It takes any robot and any kind of joint.
+    The defaults are the best of a search over seven arms with restarts: 10 to 25 steps for an attempt, ``lm_damping``
+    from 0 to 0.1, orientation costs 1 and 0.25, gains 0.95 and 0.999. All robots and joint types are supported.
     """
 
     label: str = "mink"
@@ -23,17 +23,17 @@ class Mink(Differential):
     package: ClassVar[str] = "mink"
 
     def check(self, goal: Goal) -> None:
-        """All robots will do."""
+        """All robots are supported."""
 
     def build(self, library: Any, goal: Goal) -> DifferentialLoop:
-        """On the robot as a MuJoCo model."""
+        """Build it on the robot as a MuJoCo model."""
         return _MinkLoop(library, goal, self)
 
 
 class _MinkLoop(DifferentialLoop):
-    """mink at work."""
+    """The loop of mink."""
 
-    def __init__(self, library: Any, goal: Goal, options: Mink) -> None:
+    def __init__(self, library: Any, goal: Goal, options: MinkPeer) -> None:
         from jtik.interop.mink import criterion_task
         from jtik.interop.mujoco_model import Correspondence, to_mujoco
 
@@ -44,8 +44,8 @@ class _MinkLoop(DifferentialLoop):
         self.task = library.FrameTask(
             goal.frame,
             "body",
-            position_cost=1.0 if goal.places else 0.0,
-            orientation_cost=options.orientation_cost if goal.turns else 0.0,
+            position_cost=1.0 if goal.has_position else 0.0,
+            orientation_cost=options.orientation_cost if goal.has_orientation else 0.0,
             lm_damping=options.lm_damping,
         )
         if goal.setting.limits:
@@ -54,13 +54,13 @@ class _MinkLoop(DifferentialLoop):
             self.minimise(criterion_task(goal.setting.criteria, goal.robot, model, curvature="convex"))
 
     def convert(self, target: Any) -> Any:
-        """An ``mink.SE3``."""
+        """The target as ``mink.SE3``."""
         return self._library.SE3.from_matrix(self.goal.pose(target))
 
-    def theirs(self, q: Array) -> Array:
-        """The model's qpos."""
+    def library_configuration(self, q: Array) -> Array:
+        """Configuration as the model's qpos."""
         return self._places.qpos(q)
 
     def q(self) -> Array:
-        """Out of the model's qpos."""
+        """Configuration from the model's qpos."""
         return self._places.q(self.configuration.q)

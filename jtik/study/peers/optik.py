@@ -1,4 +1,4 @@
-"""optik: sequential quadratic programming in Rust from many starts."""
+"""optik as a contender: sequential quadratic programming in Rust from many starts."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from jtik.study.contender import Answer, Ready
+from jtik.study.contender import Answer, PreparedContender
 from jtik.study.peers.base import Goal, Peer
 from jtik.types import Array
 
 
 @dataclass(kw_only=True)
-class Optik(Peer):
-    """``Robot.ik`` in its mode for speed. It tells neither iterations nor where it got when it fails.
+class OptikPeer(Peer):
+    """``Robot.ik`` in its speed mode. It reports no iterations, and no configuration if it fails.
 
-    Its defaults were found over seven arms: turns of pi and 2 pi for joints without limits, one and two threads,
-    weights of the rotation 1, 0.5 and 0.25.
+    The defaults are the best of a search over seven arms: pi and 2 pi for joints without limits, one and two threads,
+    orientation weights 1, 0.5 and 0.25.
 
     Attributes:
-        orientation_weight: weight of a radian where a metre has 1.
-        turn: limits -turn and turn [rad] of hinges that have none.
-        seconds: most time of a solve [s]; it has no limit of iterations.
-        threads: on how many it tries its starts.
+        orientation_weight: weight of one radian relative to one metre.
+        turn: limits -turn and turn of revolute joints without limits [rad].
+        seconds: maximum time of a solve [s]; it has no limit on iterations.
+        threads: number of threads for its starts.
     """
 
     label: str = "optik"
@@ -38,19 +38,19 @@ class Optik(Peer):
     package: ClassVar[str] = "optik-py"
     optimizes = False
 
-    def build(self, library: Any, goal: Goal) -> Ready:
-        """On the chain from the base to the frame, as a URDF."""
-        return _OptikReady(library, goal, self)
+    def build(self, library: Any, goal: Goal) -> PreparedContender:
+        """Build it on the chain from the base to the frame, as a URDF."""
+        return _PreparedOptik(library, goal, self)
 
 
-class _OptikReady(Ready):
-    """optik at work."""
+class _PreparedOptik(PreparedContender):
+    """The solver of optik."""
 
-    def __init__(self, library: Any, goal: Goal, options: Optik) -> None:
+    def __init__(self, library: Any, goal: Goal, options: OptikPeer) -> None:
         from jtik.interop.urdf import to_urdf
 
         setting, weight = goal.setting, options.orientation_weight
-        self._goal, self._numbers = goal, list(goal.numbers)
+        self._goal, self._numbers = goal, list(goal.chain_indices)
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "chain.urdf"
             file.write_text(to_urdf(goal.bare, revolute_limit=options.turn, frame=goal.frame), encoding="utf-8")
@@ -58,24 +58,24 @@ class _OptikReady(Ready):
         self._robot.set_parallelism(options.threads)
         self._lower, self._upper = map(np.array, self._robot.joint_limits())
         squares = [
-            *([setting.position_tolerance**2] if goal.places else []),
-            *([weight**2 * setting.orientation_tolerance**2] if goal.turns else []),
+            *([setting.position_tolerance**2] if goal.has_position else []),
+            *([weight**2 * setting.orientation_tolerance**2] if goal.has_orientation else []),
         ]
         self._config = library.SolverConfig(
             solution_mode="speed",
             max_time=options.seconds,
             max_restarts=setting.restarts + 1,
             tol_f=min(squares),
-            linear_weight=[1.0 if goal.places else 0.0] * 3,
-            angular_weight=[weight if goal.turns else 0.0] * 3,
+            linear_weight=[1.0 if goal.has_position else 0.0] * 3,
+            angular_weight=[weight if goal.has_orientation else 0.0] * 3,
         )
 
     def convert(self, target: Any) -> Any:
-        """A pose as lists."""
+        """The pose as nested lists."""
         return self._goal.pose(target).tolist()
 
     def solve(self, target: Any, q0: Array) -> Answer:
-        """By ``ik``."""
+        """Solve with ``ik``."""
         q = np.array(q0, dtype=float)
         start = np.clip(q[self._numbers], self._lower, self._upper)
         found = self._robot.ik(self._config, target, start.tolist())

@@ -1,4 +1,4 @@
-"""pink: a quadratic program a step on Pinocchio's kinematics."""
+"""pink as a contender: one quadratic program for each step, on Pinocchio's kinematics."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from jtik.study.peers.base import Goal, imported
-from jtik.study.peers.differential import Differential, DifferentialLoop
+from jtik.study.peers.differential import DifferentialLoop, DifferentialPeer
 from jtik.types import Array
 
 
 @dataclass(kw_only=True)
-class Pink(Differential):
-    """A loop round ``pink.solve_ik``: a frame task, position limits, and a criterion as `jtik.interop.pink` gives it.
+class PinkPeer(DifferentialPeer):
+    """A loop over ``pink.solve_ik`` with a frame task, position limits, and a criterion from `jtik.interop.pink`.
 
-    Its defaults are those found for mink, whose program it shares.
+    The defaults are those of mink, which solves the same quadratic program.
     """
 
     label: str = "pink"
@@ -22,14 +22,14 @@ class Pink(Differential):
     package: ClassVar[str] = "pin-pink"
 
     def build(self, library: Any, goal: Goal) -> DifferentialLoop:
-        """On the robot as a URDF read by Pinocchio."""
+        """Build it on the robot as a URDF, which Pinocchio reads."""
         return _PinkLoop(library, goal, self)
 
 
 class _PinkLoop(DifferentialLoop):
-    """pink at work."""
+    """The loop of pink."""
 
-    def __init__(self, library: Any, goal: Goal, options: Pink) -> None:
+    def __init__(self, library: Any, goal: Goal, options: PinkPeer) -> None:
         from jtik.interop.pink import Correspondence, criterion_task
         from jtik.interop.urdf import to_urdf
 
@@ -41,8 +41,8 @@ class _PinkLoop(DifferentialLoop):
         self.configuration = library.Configuration(model, model.createData(), start)
         self.task = library.FrameTask(
             goal.frame,
-            position_cost=1.0 if goal.places else 0.0,
-            orientation_cost=options.orientation_cost if goal.turns else 0.0,
+            position_cost=1.0 if goal.has_position else 0.0,
+            orientation_cost=options.orientation_cost if goal.has_orientation else 0.0,
             lm_damping=options.lm_damping,
         )
         if goal.setting.limits:
@@ -51,17 +51,17 @@ class _PinkLoop(DifferentialLoop):
             self.minimise(criterion_task(goal.setting.criteria, goal.robot, model, curvature="convex"))
 
     def convert(self, target: Any) -> Any:
-        """A ``pinocchio.SE3``."""
+        """The target as ``pinocchio.SE3``."""
         return self._pinocchio.SE3(self.goal.pose(target))
 
-    def theirs(self, q: Array) -> Array:
-        """Pinocchio's q."""
+    def library_configuration(self, q: Array) -> Array:
+        """Configuration as Pinocchio's q."""
         return self._places.theirs(q)
 
     def q(self) -> Array:
-        """Out of Pinocchio's q."""
+        """Configuration from Pinocchio's q."""
         return self._places.q(self.configuration.q)
 
     def displacement(self, tasks: list[Any], constraints: list[Any], **more: Any) -> Array | None:
-        """Also from a start outside the limits."""
+        """As in the base class, but also from a configuration outside the limits."""
         return super().displacement(tasks, constraints, safety_break=False, **more)

@@ -1,4 +1,4 @@
-"""placo: a quadratic program a step in C++, on Pinocchio's kinematics."""
+"""placo as a contender: one quadratic program for each step in C++, on Pinocchio's kinematics."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from typing import Any, ClassVar
 import numpy as np
 
 from jtik.study.peers.base import Goal, Peer
-from jtik.study.peers.loop import Loop
+from jtik.study.peers.loop import StepLoop
 from jtik.types import Array
 
 
 @dataclass(kw_only=True)
-class Placo(Peer):
-    """A loop round ``KinematicsSolver.solve``: a soft frame, position or orientation task, and position limits.
+class PlacoPeer(Peer):
+    """A loop over ``KinematicsSolver.solve`` with soft position and orientation tasks and position limits.
 
-    Criteria cannot be given from Python. Its defaults were found on a Panda and a UR5e: orientation at weights 1, 1/4
-    and 1/16, regularization 1e-6 to 1e-2, 15 to 60 steps an attempt.
+    It does not accept criteria from Python. The defaults are the best of a search on a Panda and a UR5e: orientation
+    weights 1, 1/4 and 1/16, regularization 1e-6 to 1e-2, 15 to 60 steps for an attempt.
 
     Attributes:
-        orientation_weight: weight of a squared radian where a squared metre has 1.
-        regularization: weight of the squared step; None is 1e-3, or 1e-6 where restarts are allowed.
-        restarted: most steps of an attempt where restarts are allowed.
+        orientation_weight: weight of one squared radian relative to one squared metre.
+        regularization: weight of the squared step; None is 1e-3, or 1e-6 if restarts are allowed.
+        restarted: maximum steps of an attempt if restarts are allowed.
     """
 
     label: str = "placo"
@@ -36,15 +36,15 @@ class Placo(Peer):
     package: ClassVar[str] = "placo"
     optimizes = False
 
-    def build(self, library: Any, goal: Goal) -> Loop:
-        """On the robot as a URDF."""
+    def build(self, library: Any, goal: Goal) -> StepLoop:
+        """Build it on the robot as a URDF."""
         return _PlacoLoop(library, goal, self)
 
 
-class _PlacoLoop(Loop):
-    """placo at work."""
+class _PlacoLoop(StepLoop):
+    """The loop of placo."""
 
-    def __init__(self, library: Any, goal: Goal, options: Placo) -> None:
+    def __init__(self, library: Any, goal: Goal, options: PlacoPeer) -> None:
         super().__init__(goal, restarted=options.restarted)
         self._wrapper = _read(library, goal)
         self._solver = library.KinematicsSolver(self._wrapper)
@@ -54,10 +54,10 @@ class _PlacoLoop(Loop):
         usual = 1e-6 if goal.setting.restarts else 1e-3
         self._solver.add_regularization_task(usual if options.regularization is None else options.regularization)
         self._position = self._orientation = None
-        if goal.places:
+        if goal.has_position:
             self._position = self._solver.add_position_task(goal.frame, np.zeros(3))
             self._position.configure("position", "soft", 1.0)
-        if goal.turns:
+        if goal.has_orientation:
             self._orientation = self._solver.add_orientation_task(goal.frame, np.eye(3))
             self._orientation.configure("orientation", "soft", options.orientation_weight)
         names = [joint.name for joint in goal.robot.independent_joints]
@@ -65,38 +65,38 @@ class _PlacoLoop(Loop):
         self._full = self._wrapper.neutral_state().q.copy()
 
     def convert(self, target: Any) -> Any:
-        """A pose (4, 4)."""
+        """The pose (4, 4)."""
         return self.goal.pose(target)
 
-    def aim(self, target: Any) -> None:
-        """Set the targets of its tasks."""
+    def set_target(self, target: Any) -> None:
+        """Set the targets of the tasks."""
         if self._position is not None:
             self._position.target_world = target[:3, 3]
         if self._orientation is not None:
             self._orientation.R_world_frame = target[:3, :3]
 
-    def place(self, q: Array) -> None:
-        """Set the state's q."""
+    def set_configuration(self, q: Array) -> None:
+        """Set q of the state."""
         self._full[self._places] = q
         self._wrapper.state.q = self._full
         self._wrapper.update_kinematics()
 
     def q(self) -> Array:
-        """Out of the state's q."""
+        """q from the state."""
         q: Array = np.array(self._wrapper.state.q)[self._places]
         return q
 
     def error(self) -> tuple[float, float]:
-        """Of its tasks."""
-        found = []
+        """Errors of the tasks."""
+        errors = []
         for task in (self._position, self._orientation):
             if task is not None:
                 task.update()
-            found.append(0.0 if task is None else float(task.error_norm()))
-        return found[0], found[1]
+            errors.append(0.0 if task is None else float(task.error_norm()))
+        return errors[0], errors[1]
 
     def step(self) -> float | None:
-        """By ``solve``, which raises where the program has no solution."""
+        """Step with ``solve``, which raises if the quadratic program has no solution."""
         try:
             dq = self._solver.solve(True)
         except RuntimeError:
@@ -107,7 +107,7 @@ class _PlacoLoop(Loop):
 
 
 def _read(library: Any, goal: Goal) -> Any:
-    """placo's robot; hinges without limits are written with wide ones, since it has them as numbers of one kind."""
+    """placo's robot. Revolute joints without limits get wide limits, so that each has one entry in placo's q."""
     from jtik.interop.urdf import UNLIMITED, to_urdf
 
     with tempfile.TemporaryDirectory() as folder:

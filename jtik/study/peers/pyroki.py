@@ -1,4 +1,4 @@
-"""pyroki: nonlinear least squares on a robot in JAX."""
+"""pyroki as a contender: nonlinear least squares in JAX."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from jtik.study.contender import Answer, Ready
+from jtik.study.contender import Answer, PreparedContender
 from jtik.study.peers.base import Goal, Peer, imported
 from jtik.types import Array
 
 
 @dataclass(kw_only=True)
-class Pyroki(Peer):
-    """Its pose cost and its limit cost, solved by ``jaxls`` in double precision; an attempt is compiled once.
+class PyrokiPeer(Peer):
+    """Pose cost and limit cost of pyroki, solved by ``jaxls`` in double precision; an attempt is compiled once.
 
-    Its defaults are those of its own benchmark, but for the linear solver: jaxls, as installed from PyPI, has no dense
-    one in double precision. Limits are a cost, so an attempt may end beyond one and does not count then. What PyPI has
-    is a fork, almond-pyroki, which installs the module ``pyroki``.
+    The defaults are those of pyroki's own benchmark, except the linear solver: jaxls from PyPI has no dense solver in
+    double precision. Limits are a cost, so an attempt may end outside them; it then counts as failed. The package on
+    PyPI is a fork, almond-pyroki, which installs the module ``pyroki``.
 
     Attributes:
-        position_weight: of the pose cost.
-        orientation_weight: of the pose cost.
-        limit_weight: of the cost of a joint beyond its limit.
-        trust: lambda that the trust region begins with.
-        linear_solver: what jaxls solves its normal equations with.
-        restarted: most steps of an attempt where restarts are allowed.
+        position_weight: position weight of the pose cost.
+        orientation_weight: orientation weight of the pose cost.
+        limit_weight: weight of the limit cost.
+        trust: initial lambda of the trust region.
+        linear_solver: linear solver of jaxls.
+        restarted: maximum steps of an attempt if restarts are allowed.
     """
 
     label: str = "pyroki"
@@ -44,15 +44,15 @@ class Pyroki(Peer):
     package: ClassVar[str] = "almond-pyroki"
     optimizes = False
 
-    def build(self, library: Any, goal: Goal) -> Ready:
-        """On the robot as a URDF."""
-        return _PyrokiReady(library, goal, self)
+    def build(self, library: Any, goal: Goal) -> PreparedContender:
+        """Build it on the robot as a URDF."""
+        return _PreparedPyroki(library, goal, self)
 
 
-class _PyrokiReady(Ready):
-    """pyroki at work."""
+class _PreparedPyroki(PreparedContender):
+    """The solver of pyroki."""
 
-    def __init__(self, library: Any, goal: Goal, options: Pyroki) -> None:
+    def __init__(self, library: Any, goal: Goal, options: PyrokiPeer) -> None:
         from jtik.interop.urdf import UNLIMITED, to_urdf
 
         jax = imported("jax", options.package)
@@ -70,31 +70,31 @@ class _PyrokiReady(Ready):
                 self._attempt(self._full, np.array(self._lie.SE3.identity().wxyz_xyz))
 
     def convert(self, target: Any) -> Any:
-        """Quaternion (w, x, y, z) and position as one vector (7,)."""
+        """The pose as quaternion (w, x, y, z) and position, (7,)."""
         with self._jax.enable_x64(True):
             return np.array(self._lie.SE3.from_matrix(self._goal.pose(target)).wxyz_xyz)
 
     def solve(self, target: Any, q0: Array) -> Answer:
-        """Attempt after attempt until one arrives; else the nearest."""
+        """Run attempts until one succeeds; otherwise return the attempt with the smallest error."""
         goal, taken = self._goal, 0
-        nearest, least = np.asarray(q0), math.inf
+        best, smallest = np.asarray(q0), math.inf
         with self._jax.enable_x64(True):
             for start in goal.starts(q0):
                 self._full[self._places] = start
                 found, position, orientation, steps = self._attempt(self._full, target)
                 taken += int(steps)
-                q = goal.rounded(np.array(found)[self._places])
+                q = goal.clamped_rounding(np.array(found)[self._places])
                 errors = (float(position), float(orientation))
-                if goal.arrived(*errors) and np.array_equal(q, goal.inside(q)):
+                if goal.is_reached(*errors) and np.array_equal(q, goal.clamped(q)):
                     return Answer(q, "REACHED", True, taken)
-                if sum(errors) < least:
-                    nearest, least = q, sum(errors)
-        return Answer(nearest, "ITERATION_LIMIT", False, taken)
+                if sum(errors) < smallest:
+                    best, smallest = q, sum(errors)
+        return Answer(best, "ITERATION_LIMIT", False, taken)
 
 
 @contextmanager
 def _silent(package: str) -> Iterator[None]:
-    """Without what pyroki and jaxls log about every problem that they build."""
+    """Disable the log messages of pyroki and jaxls."""
     logger = imported("loguru", package).logger
     for name in ("pyroki", "jaxls"):
         logger.disable(name)
@@ -105,8 +105,8 @@ def _silent(package: str) -> Iterator[None]:
             logger.enable(name)
 
 
-def _attempt(library: Any, robot: Any, goal: Goal, options: Pyroki) -> Any:
-    """(q, target) -> q, errors [m], [rad], steps; compiled at its first call."""
+def _attempt(library: Any, robot: Any, goal: Goal, options: PyrokiPeer) -> Any:
+    """(q, target) -> q, position error [m], orientation error [rad], steps; compiled at the first call."""
     jax = imported("jax", options.package)
     jaxlie, jaxls = imported("jaxlie", options.package), imported("jaxls", options.package)
     numbers = jax.numpy
@@ -123,8 +123,8 @@ def _attempt(library: Any, robot: Any, goal: Goal, options: Pyroki) -> Any:
                 variable,
                 wanted,
                 numbers.array(link, dtype=numbers.int32),
-                pos_weight=options.position_weight if goal.places else 0.0,
-                ori_weight=options.orientation_weight if goal.turns else 0.0,
+                pos_weight=options.position_weight if goal.has_position else 0.0,
+                ori_weight=options.orientation_weight if goal.has_orientation else 0.0,
             ),
             library.costs.limit_cost(robot, variable, weight=options.limit_weight),
         ]
@@ -144,8 +144,8 @@ def _attempt(library: Any, robot: Any, goal: Goal, options: Pyroki) -> Any:
         )
         q = solution[variable]
         reached = jaxlie.SE3(robot.forward_kinematics(q)[link])
-        turn = (wanted.rotation().inverse() @ reached.rotation()).log()
+        rotation_error = (wanted.rotation().inverse() @ reached.rotation()).log()
         position = numbers.linalg.norm(reached.translation() - wanted.translation())
-        return q, position, numbers.linalg.norm(turn), summary.iterations
+        return q, position, numbers.linalg.norm(rotation_error), summary.iterations
 
     return jax.jit(attempt)

@@ -1,4 +1,4 @@
-"""The Robotics Toolbox for Python: Levenberg-Marquardt in C++ on a sequence of elementary transforms."""
+"""Robotics Toolbox for Python as a contender: Levenberg-Marquardt in C++ on elementary transforms."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from jtik.errors import ArgumentError
 from jtik.robot import JointType
-from jtik.study.contender import Answer, Ready
+from jtik.study.contender import Answer, PreparedContender
 from jtik.study.peers.base import Goal, Peer
 from jtik.types import Array
 
@@ -18,18 +18,18 @@ Method = Literal["chan", "wampler", "sugihara"]
 
 
 @dataclass(kw_only=True)
-class Toolbox(Peer):
-    """``ETS.ik_LM``. Its restarts are drawn by itself, others at every call.
+class ToolboxPeer(Peer):
+    """``ETS.ik_LM``. It draws its own restarts, which differ from call to call.
 
-    Its defaults were found over seven arms: Chan with k from 1 to 0.01, Sugihara from 0.1 to 0.0001, Wampler from 0.01
-    to 0.0001, 12 to 30 iterations an attempt, the rotation weighted 1 to 0.1. It turns hinges and slides alike into
-    (-pi, pi) before it looks at limits.
+    The defaults are the best of a search over seven arms: Chan with k from 1 to 0.01, Sugihara from 0.1 to 0.0001,
+    Wampler from 0.01 to 0.0001, 12 to 30 iterations for an attempt, orientation weights 1 to 0.1. It wraps both
+    revolute and prismatic joints to (-pi, pi) before it checks limits.
 
     Attributes:
-        method: how the damping follows the error.
-        k: its gain.
-        orientation_weight: weight of a squared radian where a squared metre has 1.
-        restarted: iterations of an attempt where restarts are allowed.
+        method: damping rule.
+        k: gain of the damping.
+        orientation_weight: weight of one squared radian relative to one squared metre.
+        restarted: maximum iterations of an attempt if restarts are allowed.
     """
 
     label: str = "rtb"
@@ -42,48 +42,50 @@ class Toolbox(Peer):
     optimizes = False
 
     def check(self, goal: Goal) -> None:
-        """No slide may be longer than what it would turn into (-pi, pi)."""
+        """Raise ArgumentError for a prismatic joint whose limits exceed (-pi, pi) m."""
         super().check(goal)
         for joint in goal.robot.path(goal.frame):
             if joint.type is JointType.PRISMATIC and max(abs(joint.lower), abs(joint.upper)) > math.pi:
-                given = f"slide {joint.name!r}, from {joint.lower:g} to {joint.upper:g} m"
-                raise ArgumentError("robot", given, f"for {self.label}: slides within pi m, it wraps them as if angles")
+                given = f"prismatic joint {joint.name!r}, from {joint.lower:g} to {joint.upper:g} m"
+                raise ArgumentError(
+                    "robot", given, f"for {self.label}: prismatic joints within pi m, because it wraps them like angles"
+                )
 
-    def build(self, library: Any, goal: Goal) -> Ready:
-        """On the chain from the base to the frame."""
-        return _ToolboxReady(library, goal, self)
+    def build(self, library: Any, goal: Goal) -> PreparedContender:
+        """Build it on the chain from the base to the frame."""
+        return _PreparedToolbox(library, goal, self)
 
 
-class _ToolboxReady(Ready):
-    """The toolbox at work."""
+class _PreparedToolbox(PreparedContender):
+    """The solver of the toolbox."""
 
-    def __init__(self, library: Any, goal: Goal, options: Toolbox) -> None:
+    def __init__(self, library: Any, goal: Goal, options: ToolboxPeer) -> None:
         setting, weight = goal.setting, options.orientation_weight
         self._goal, self._ets = goal, _chain(library, goal)
-        self._numbers = list(goal.numbers)
+        self._numbers = list(goal.chain_indices)
         position, orientation = ([1, 1, 0], [0, 0, weight]) if goal.planar else ([1, 1, 1], [weight] * 3)
-        mask = [*(position if goal.places else [0, 0, 0]), *(orientation if goal.turns else [0, 0, 0])]
+        mask = [*(position if goal.has_position else [0, 0, 0]), *(orientation if goal.has_orientation else [0, 0, 0])]
         squares = [
-            *([setting.position_tolerance**2] if goal.places else []),
-            *([weight * setting.orientation_tolerance**2] if goal.turns else []),
+            *([setting.position_tolerance**2] if goal.has_position else []),
+            *([weight * setting.orientation_tolerance**2] if goal.has_orientation else []),
         ]
         most = setting.max_iterations
         self._options = {
             "ilimit": min(most, options.restarted) if setting.restarts else most,
             "slimit": setting.restarts + 1,
-            "tol": 0.5 * min(squares),  # its error is half the weighted square of all rows together
+            "tol": 0.5 * min(squares),  # its error is half the weighted sum of squares of all rows
             "mask": np.array(mask, dtype=float),
             "k": options.k,
             "method": options.method,
         }
 
     def convert(self, target: Any) -> Any:
-        """A pose (4, 4)."""
+        """The pose (4, 4)."""
         return self._goal.pose(target)
 
     def solve(self, target: Any, q0: Array) -> Answer:
-        """By ``ik_LM``."""
-        start = self._goal.inside(q0)
+        """Solve with ``ik_LM``."""
+        start = self._goal.clamped(q0)
         found = self._ets.ik_LM(target, q0=start[self._numbers], **self._options)
         q = start.copy()
         q[self._numbers] = found.q
@@ -92,7 +94,7 @@ class _ToolboxReady(Ready):
 
 
 def _chain(library: Any, goal: Goal) -> Any:
-    """The ETS of the chain, with constants only between the joints."""
+    """The ETS of the chain, with one constant transform between joints."""
     lower, upper = goal.bounds()
     parts, constant = [], np.eye(4)
     for joint in goal.robot.path(goal.frame):

@@ -1,0 +1,31 @@
+"""Metrics of a configuration against closed forms."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import jtik
+from jtik.study.metrics import ConfigurationMetrics, condition
+from jtik.task import TaskStack
+from jtik_formulations import JointCentering
+
+
+def test_H_V_and_condition_have_closed_forms():
+    arm, q = jtik.Robot.planar(2), np.array([0.7, math.pi / 2])
+    tasks = TaskStack.of(arm, jtik.FrameTask("tip", stiffness=[4.0, 1.0]))
+    metrics = ConfigurationMetrics(arm, tasks, 3.0 * JointCentering(preferred=[0.5, 1.0]))
+    away = np.array([0.1, -0.2])
+    H, V, number = metrics.at(q, tasks.read_target(arm.position(q) - away))
+    ik = jtik.InverseKinematics(arm, tasks.tasks, criteria=3.0 * JointCentering(preferred=[0.5, 1.0]))
+    assert pytest.approx(ik.solve(arm.position(q), q0=q, max_iterations=0).cost) == H
+    assert pytest.approx((4 * 0.1**2 + 0.2**2) / 2) == V
+    # elbow at a right angle: J' J = [[2, 1], [1, 1]]
+    assert number == pytest.approx(math.sqrt((3 + math.sqrt(5)) / (3 - math.sqrt(5))))
+
+
+def test_the_condition_of_a_singular_jacobian_is_infinite():
+    assert condition(np.array([[1.0, 2.0], [2.0, 4.0]])) == math.inf
+    assert math.isnan(condition(np.array([[1.0, math.nan], [2.0, 4.0]])))
