@@ -19,8 +19,8 @@ def pair(robot=ARM, kind="pose", strategy="damped", **options):
         jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), strategy=strategy, compiled=True, **options)
         for _ in range(2)
     )
-    assert native._search.native is not None
-    plain._search.native = None
+    assert native._engine.search.native is not None
+    plain._engine.search.native = None
     return native, plain
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik._loop.search import Starts
+from jtik._loop.restarts import RestartConfigurations
 from jtik.robot import JointType
 from jtik_formulations import Damped, JointCentering
 
@@ -116,7 +116,7 @@ def test_patience_changes_nothing_for_one_start(strategy):
 
 class TestStarts:
     def test_lie_within_the_limits_and_do_not_repeat(self, arm):
-        drawn = np.array([Starts(arm).table(0, 50, np.zeros(7))[k] for k in range(50)])
+        drawn = np.array([RestartConfigurations(arm).table(0, 50, np.zeros(7))[k] for k in range(50)])
         assert (arm.lower <= drawn).all()
         assert (drawn <= arm.upper).all()
         assert len(np.unique(drawn[:, 0])) == 50
@@ -127,7 +127,7 @@ class TestStarts:
         about = robot.neutral.copy()
         where = next(robot.q_slice(j.name) for j in robot.independent_joints if j.type is JointType.FREE)
         about[where.start : where.start + 3] = 100.0, -50.0, 7.0
-        drawn = np.array([Starts(robot).table(1, 20, about)[k] for k in range(20)])
+        drawn = np.array([RestartConfigurations(robot).table(1, 20, about)[k] for k in range(20)])
         offsets = drawn[:, where.start : where.start + 3] - (100.0, -50.0, 7.0)
         assert np.abs(offsets).max() <= 1.0
         turns = drawn[:, where.start + 3 : where.stop]

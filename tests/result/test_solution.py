@@ -114,7 +114,7 @@ class TestTrajectory:
     def test_an_empty_sum_is_no_surprise_and_lengths_agree(self):
         ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
         path = ik.track([(1.0, 1.5), (1.1, 1.5)], q0=[0.3, 0.2, 0.4], dt=0.5)
-        assert len(path) == len(path.q) == len(path.errors) == len(path.statuses) == 2
+        assert len(path) == len(path.q) == len(path.error_norm) == len(path.status) == 2
         assert path.times.tolist() == [0.5, 1.0]
         assert path.converged
         assert "2 of 2 targets reached, 1 s" in repr(path)

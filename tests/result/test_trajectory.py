@@ -123,7 +123,7 @@ def test_a_curve_too_fast_for_an_arm_is_followed_at_its_limits_and_caught_up_wit
     ik, home = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose")), robot.keyframes["home"]
     curve = list(lissajous(robot, 50))
     path = ik.track([*curve, *[curve[-1]] * 100], q0=home, dt=0.01)
-    reached = [status is jtik.Status.CONVERGED for status in path.statuses]
+    reached = [status is jtik.Status.CONVERGED for status in path.status]
     assert not all(reached[:50])
     assert all(reached[-20:])
     assert (np.abs(path.dq) <= robot.velocity_limit * (1 + 1e-12)).all()
