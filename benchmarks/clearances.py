@@ -370,7 +370,7 @@ def bare(ik: jtik.InverseKinematics, home: Array, path: Sequence[Any], clock: Cl
 
 def runner_of(ik: jtik.InverseKinematics) -> Any:
     """What ``ik.step`` with a time calls."""
-    return ik._timed[0]
+    return ik._engine.runners.timed[0]
 
 
 def placo_alone(robot: jtik.Robot, within: float, clock: Clock) -> Callable[[], float]:

@@ -285,7 +285,7 @@ def along(step: Step, path: Path, clock: Clock) -> Callable[[], float]:
 def bare(ik: jtik.InverseKinematics, path: Path, clock: Clock) -> Callable[[], float]:
     """The fused step alone: configuration, target and box are in its memory already."""
     ik.step(path.q[0], path.targets[0], dt=DT)
-    runner, _ = ik._timed
+    runner, _ = ik._engine.runners.timed
 
     def place(q: Array, target: Array) -> None:
         ik.step(q, target, dt=DT)

@@ -74,14 +74,14 @@ def repeated(call: Callable[[], object]) -> Timer:
 def bare(ik: jtik.InverseKinematics, q: np.ndarray, target: tuple[float, float]) -> Timer:
     """The fused step alone, always from the same configuration and the first state."""
     ik.solve(target, q0=q, max_iterations=0)  # puts target and tolerances where the step reads them
-    runner = ik._runner
+    runner = ik._engine.runners.plain
     runner.start(q)
     return repeated(runner.calls[0])
 
 
 def base(ik: jtik.InverseKinematics, q: np.ndarray, target: tuple[float, float], *, compiled: bool) -> Timer:
     """Residual, its Jacobian, H and grad H in one function: what any method that uses them has to pay."""
-    problem = ik._problem
+    problem = ik._engine.problem
     at, goal, parameters = problem.symbols()
     residual, H = problem.residual(at, goal), problem.criterion(at, parameters)
     outputs = [residual, problem.residual_jacobian(at, goal), H, problem.gradient(H, at)]

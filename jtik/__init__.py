@@ -1,8 +1,6 @@
 """jtik: redundancy resolution by any update law, with any criterion, in one fused compiled step."""
 
 from jtik import problems
-from jtik._loop.batch import SolutionBatch
-from jtik._step.relaxation import Relaxation
 from jtik.constraints.clearance import Clearance
 from jtik.constraints.limits import Limits
 from jtik.criterion.base import Criterion, CriterionError, CriterionSum, criterion
@@ -17,6 +15,8 @@ from jtik.registry import (
     secondaries,
     strategies,
 )
+from jtik.result.batch import SolutionBatch
+from jtik.result.relaxation import Relaxation
 from jtik.result.solution import Solution, Status, Step, Trace
 from jtik.result.trajectory import Trajectory
 from jtik.robot import Joint, JointType, Robot

@@ -107,15 +107,17 @@ class ImmutableError(JtikError, AttributeError):
     Attributes:
         owner: the object, as text.
         attribute: the attribute that was to be set or deleted.
+        instead: what to do instead.
     """
 
-    def __init__(self, owner: str, attribute: str) -> None:
+    def __init__(self, owner: str, attribute: str, instead: str = "build a new one") -> None:
         self.owner = owner
         self.attribute = attribute
-        super().__init__(owner, attribute)
+        self.instead = instead
+        super().__init__(owner, attribute, instead)
 
     def __str__(self) -> str:
-        return f"{self.owner} is immutable: {self.attribute!r} cannot be changed; build a new one instead"
+        return f"{self.owner} is immutable: {self.attribute!r} cannot be changed; {self.instead} instead"
 
 
 def finite_array(argument: str, value: object, shape: tuple[int | None, ...]) -> Array:

@@ -16,7 +16,7 @@ import numpy as np
 from jtik._step.active_set import ActiveSet, inside
 from jtik._step.inputs import Inputs, Settings
 from jtik._step.layout import VectorLayout
-from jtik._step.relaxation import Yielding
+from jtik._step.relaxation import RelaxationTerms
 from jtik._step.stopping import Code, Stop
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.clearance import ClearanceModel, travels
@@ -78,7 +78,7 @@ class FusedStep:
     record: VectorLayout
     parts: Staged | None = None
     library: Library | None = None
-    yielding: Yielding = field(default_factory=Yielding)
+    yielding: RelaxationTerms = field(default_factory=RelaxationTerms)
 
     def bind(self, arguments: list[Array], results: list[Array]) -> Callable[[], None]:
         """A call without arguments on this memory."""
@@ -219,7 +219,7 @@ def fused_step(
     after |= {f"strategy.{name}": part for name, part in update.state.items()}
     outcome = vertcat(if_else(finite, code, Code.NOT_FINITE), tried, accepted, *figures_after)
     outputs = [_arrived(model, update, accepted), layout.join(after), outcome]
-    record, yielding = VectorLayout.of({}), Yielding.of(update, programs, room, problem)
+    record, yielding = VectorLayout.of({}), RelaxationTerms.of(update, programs, room, problem)
     if recorded:
         figures = {
             "V": here.V,

@@ -257,7 +257,7 @@ def test_without_recovery_it_only_comes_no_nearer(problems):
     q, target = problems[0]
     near = jtik.Circle(planar_points(q)[2] + (0.0, 0.31), 0.3)
     ik = solver(planar(5), field=[near], recover=False)
-    assert "recovery" not in [call.call.name for call in ik._runner.fused.parts.preparations]
+    assert "recovery" not in [call.call.name for call in ik._engine.runners.plain.fused.parts.preparations]
     least = [gaps(p, [near]).min() for p in ik.solve(target, q0=q, trace=True, max_iterations=200).trace.q]
     assert min(least) >= gaps(q, [near]).min() - 1e-6
 

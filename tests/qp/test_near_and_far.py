@@ -23,10 +23,10 @@ def ways(strategy, q, limit, preferred=None):
         criteria=JointCentering(preferred=preferred),
         strategy=strategy,
     )
-    fused = ik._runner.fused
+    fused = ik._engine.runners.plain.fused
     parts = fused.parts
-    ik._target[:] = planar_points(q)[-1] + 0.01  # a step that no law shortens
-    arguments = [q.copy(), *ik._inputs, fused.first_state.copy()]
+    ik._engine.memory.inputs.target[:] = planar_points(q)[-1] + 0.01  # a step that no law shortens
+    arguments = [q.copy(), *ik._engine.memory.inputs, fused.first_state.copy()]
     near = outputs_of(parts.near)
     bind(parts.near, arguments, near)()
     ends = parts.stages[-1].n_out()
@@ -70,4 +70,4 @@ def test_a_step_with_clearances_has_no_short_way():
         strategy="newton+qp",
         clearances=jtik.Clearance(field, safe=0.1),
     )
-    assert ik._runner.fused.parts.near is None
+    assert ik._engine.runners.plain.fused.parts.near is None
