@@ -69,3 +69,20 @@ class TestMaxIterations:
     def test_something_else_is_refused(self, limit):
         with pytest.raises(jtik.ArgumentError, match="max_iterations.*non-negative integer"):
             solver(planar(2)).solve([1.0, 1.0], max_iterations=limit)
+
+
+class TestOldNames:
+    @pytest.mark.parametrize(
+        "call",
+        [
+            lambda ik, until: ik.solve([1.0, 1.5], until=until),
+            lambda ik, until: ik.solve_batch([[1.0, 1.5]], until=until),
+            lambda ik, until: ik.track([[1.0, 1.5]], until=until),
+        ],
+    )
+    def test_steady_is_stationary_and_says_so(self, call):
+        criteria = JointCentering()
+        with pytest.warns(DeprecationWarning, match='until="steady" is deprecated: use until="stationary"') as caught:
+            old = call(solver(planar(3), criteria=criteria), "steady")
+        assert [one.filename for one in caught] == [__file__]  # the warning points to the caller's line
+        assert old.q.tolist() == call(solver(planar(3), criteria=criteria), "stationary").q.tolist()

@@ -123,11 +123,6 @@ class TestSolve:
         assert free.converged
         assert np.abs(free.q).max() > 0.2
 
-    def test_repr_names_its_parts(self):
-        text = repr(solver(planar(3), criteria=JointCentering() + ObstacleAvoidance(jtik.Point((1, 1)))))
-        for part in ("planar3", "FrameTask('tip'", "joint_centering + obstacle_avoidance", "Hybrid("):
-            assert part in text
-
 
 class TestManifolds:
     """Ball and free joints: nq is not n, and quaternions stay unit quaternions."""
