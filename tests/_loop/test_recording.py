@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import copy
-import pickle
-
 import numpy as np
 import pytest
 
@@ -79,15 +76,3 @@ class TestTrace:
             assert len(trace) == 0
             assert trace.q.tolist() == [q0.tolist()]
             assert trace.V.shape == (0,)
-
-    def test_a_figure_that_is_not_there_lists_those_that_are(self):
-        trace = self.solution().trace
-        with pytest.raises(AttributeError, match="q, error, V, H.*not 'speed'"):
-            _ = trace.speed
-        assert not hasattr(trace, "speed")
-
-    def test_survives_copying_and_pickling(self):
-
-        trace = self.solution().trace
-        for twin in (copy.copy(trace), copy.deepcopy(trace), pickle.loads(pickle.dumps(trace))):
-            assert twin.V.tolist() == trace.V.tolist()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import pickle
 import re
 
 import numpy as np
@@ -110,31 +111,50 @@ class TestRepr:
         assert "converged" in text
 
 
-class TestTrajectory:
-    def test_an_empty_sum_is_no_surprise_and_lengths_agree(self):
-        ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
-        path = ik.track([(1.0, 1.5), (1.1, 1.5)], q0=[0.3, 0.2, 0.4], dt=0.5)
-        assert len(path) == len(path.q) == len(path.error_norm) == len(path.status) == 2
-        assert path.times.tolist() == [0.5, 1.0]
-        assert path.converged
-        assert "2 of 2 targets reached, 1 s" in repr(path)
+class TestTruth:
+    def test_it_is_true_where_what_was_asked_for_was_achieved(self):
+        ik = jtik.InverseKinematics(planar(3), jtik.FrameTask(), criteria=JointCentering())
+        solved, failed = ik.solve((1.0, 1.5), q0=[0.3, 0.2, 0.4]), ik.solve((9.0, 0.0), q0=[0.3, 0.2, 0.4])
+        assert bool(solved) is solved.converged is True
+        assert bool(failed) is failed.converged is False
 
 
-class TestStatus:
-    def test_each_sentence_is_different(self):
-        sentences = [status.value for status in jtik.Status]
-        assert len(set(sentences)) == len(sentences) == 10
+class PositionTask(jtik.FrameTask):
+    """A position task that says what of a pose it does not use."""
 
-    def test_names(self):
-        assert {status.name for status in jtik.Status} == {
-            "CONVERGED",
-            "REACHED",
-            "LOCAL_MINIMUM",
-            "LIMITS",
-            "SINGULAR",
-            "STALLED",
-            "ITERATION_LIMIT",
-            "UNSOLVED",
-            "BLOCKED",
-            "NOT_FINITE",
-        }
+    def unused(self, robot, target):
+        return "orientation of the target" if np.shape(target) == (4, 4) else None
+
+
+class TestUnused:
+    """What the task does not use of its target is on the Solution."""
+
+    POSE = planar(3).pose(np.array([0.5, 0.4, 0.3]))
+
+    def test_a_pose_for_a_position_task(self):
+        solution = jtik.InverseKinematics(planar(3), PositionTask("tip", "position")).solve(self.POSE)
+        assert solution.unused == ("orientation of the target",)
+        assert repr(solution).endswith("\n  not used    orientation of the target")
+        again = pickle.loads(pickle.dumps(solution))
+        assert again.unused == solution.unused
+
+    def test_several_tasks_are_named(self):
+        tasks = [PositionTask("tip", "position", name="hand"), jtik.FrameTask("link2", name="elbow")]
+        ik = jtik.InverseKinematics(planar(4), tasks)
+        solution = ik.solve({"hand": self.POSE, "elbow": (1.5, 0.5)})
+        assert solution.unused == ("hand: orientation of the target",)
+
+    def test_nothing_where_all_is_used(self):
+        ik = jtik.InverseKinematics(planar(3), PositionTask("tip", "position"))
+        solution = ik.solve(self.POSE[:2, 3])
+        assert solution.unused == ()
+        assert "not used" not in repr(solution)
+
+    def test_rows_of_a_batch_say_it_too(self):
+        batch = jtik.InverseKinematics(planar(3), PositionTask("tip", "position")).solve_batch([self.POSE])
+        assert batch[0].unused == ("orientation of the target",)
+
+
+def test_look_is_the_old_name_of_inspect(solution):
+    with pytest.warns(DeprecationWarning, match=r"^Solution\.look is deprecated: use inspect$"):
+        assert solution.look is solution.inspect
