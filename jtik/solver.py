@@ -137,7 +137,7 @@ class InverseKinematics(LockedJoints, FixedSolver):
             ArgumentError: for an argument of wrong shape, NaN or infinity, naming it.
         """
         tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
-        return self._solving.solve(target, q0, (restarts, seed, max_iterations, *tolerances, until), trace=trace)
+        return self._solving.solve(target, q0, (restarts, seed, max_iterations, tolerances, until), trace)
 
     def solve_batch(
         self,
@@ -167,7 +167,7 @@ class InverseKinematics(LockedJoints, FixedSolver):
             MissingExtraError: for a bar without rich.
         """
         tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
-        options = (restarts, seed, max_iterations, *tolerances, until)
+        options = (restarts, seed, max_iterations, tolerances, until)
         return self._solving.solve_batch(targets, q0, options, progress)
 
     def step(self, q: ArrayLike, target: Any, *, dt: float | None = None) -> Step:
@@ -243,4 +243,4 @@ class InverseKinematics(LockedJoints, FixedSolver):
             ArgumentError: for an argument of wrong shape, NaN or infinity, naming it.
         """
         tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
-        return self._solving.track(targets, q0, dt, (0, None, max_iterations, *tolerances, until))
+        return self._solving.track(targets, q0, dt, (0, None, max_iterations, tolerances, until))

@@ -30,8 +30,8 @@ from jtik.result.status import Status, is_success
 from jtik.result.trajectory import Trajectory
 from jtik.types import Array
 
-Options = tuple[int, int | None, int, float, float, float, str]
-"""restarts, seed, max_iterations; tolerances of position, orientation and optimality; until."""
+Options = tuple[int, int | None, int, tuple[float, float, float], str]
+"""restarts, seed, max_iterations, tolerances of position, orientation and optimality, until."""
 
 _FLOAT = np.dtype(np.float64)
 
@@ -60,7 +60,7 @@ class Solving:
         self._prepared: tuple[Any, ...] = ()
         self._request = Request(0, 0, 0)
 
-    def solve(self, target: Any, q0: Any, options: Options, *, trace: bool) -> Solution:
+    def solve(self, target: Any, q0: Any, options: Options, trace: bool) -> Solution:
         """Iterate to the target, as `InverseKinematics.solve` describes it."""
         begin = time.perf_counter()
         if not self._enter(False):
@@ -129,7 +129,7 @@ class Solving:
             start, dt = self._configurations.read("q0", q0), positive("dt", dt)
 
             def solve(target: Any, q: Array) -> Solution:
-                return self.solve(target, q, options, trace=False)
+                return self.solve(target, q, options, False)
 
             return follow(self._robot, given, start, dt, self._runners.tracking_box(), solve, self._moved)
 
@@ -138,7 +138,7 @@ class Solving:
         if self._options != options:
             self._options = self._prepared = ()
             self._request = read_request(*options[:3])
-            self._memory.inputs.settings[:] = read_settings(*options[3:])
+            self._memory.inputs.settings[:] = read_settings(*options[3], options[4])
             self._options = options
             if not self._has_criterion and self._search.prepare(self._request):
                 self._prepared = options
