@@ -88,15 +88,3 @@ def read_targets(tasks: TaskStack, targets: Iterable[Any]) -> tuple[list[Any], l
             inner = error.argument.removeprefix("target")
             raise ArgumentError(f"targets[{i}]{inner}", error.given, error.accepted) from None
     return given, numbers
-
-
-def unused_parts(tasks: TaskStack, target: Any) -> tuple[str, ...]:
-    """Parts of a target that its tasks do not use, as the tasks name them."""
-    named = target if isinstance(target, dict) else {tasks.tasks[0].name: target}
-    parts = []
-    for task in tasks.tasks:
-        unused = getattr(task, "unused", None)
-        part = unused(tasks.robot, named[task.name]) if unused else None
-        if part:
-            parts.append(part if len(tasks.tasks) == 1 else f"{task.name}: {part}")
-    return tuple(parts)

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from jtik._loop.arguments import unused_parts
 from jtik._loop.runners import Runners
 from jtik._loop.saddle_escape import FLAT, NEGATIVE, SaddleEscape
 from jtik._step.active_set import AT_LIMIT
@@ -41,6 +40,7 @@ class Inspector:
         self._criteria = [name for name, _, _ in problem.terms.named]
         robot = problem.robot
         self._joints = {robot.v_slice(name).start: name for name in robot.joint_names}
+        self._unused: Callable[[Any], str | None] = getattr(problem.tasks, "unused", lambda target: None)
         self._lock = threading.RLock()
 
     @cached_property
@@ -92,7 +92,7 @@ class Inspector:
             active_limits=tuple(self._joints[j] for j in sorted({*at_upper, *at_lower})),
             tolerances=(settings.position_tolerance, settings.orientation_tolerance, settings.optimality_tolerance),
             rank_threshold=RANK_THRESHOLD,
-            unused=() if target is None else unused_parts(self._problem.tasks, target),
+            unused=None if target is None else self._unused(target),
             curvature=partial(self._curvature, q, inputs) if self._criteria else None,
             relaxations=partial(self._relaxations, q, inputs) if relaxes else None,
         )

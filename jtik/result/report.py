@@ -37,7 +37,7 @@ class Report:
         active_limits: names of the joints at a limit.
         tolerances: of position [m], orientation [rad] and optimality.
         rank_threshold: singular values of the weighted Jacobian up to this fraction of its norm count as zero.
-        unused: parts of the target that the tasks do not use.
+        unused: the part of the target that the tasks do not use, or None.
         curvature: multipliers lambda (m,) to the Hessian of H + lambda' r, (n, n); None without a criterion.
         relaxations: what computes `relaxed`; None for a strategy that relaxes nothing.
     """
@@ -54,7 +54,7 @@ class Report:
     active_limits: tuple[str, ...]
     tolerances: tuple[float, float, float]
     rank_threshold: float
-    unused: tuple[str, ...] = ()
+    unused: str | None = None
     curvature: Callable[[Array], Array] | None = None
     relaxations: Callable[[], tuple[Relaxation, ...]] | None = None
 

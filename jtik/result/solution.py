@@ -141,8 +141,8 @@ class Solution:
         return self.report.relaxed
 
     @property
-    def unused(self) -> tuple[str, ...]:
-        """Parts of the target that the tasks do not use, such as the orientation of a pose for a position task."""
+    def unused(self) -> str | None:
+        """The part of the target that the tasks do not use, such as "orientation of the target"; None where all is used."""
         return self.report.unused
 
     @property
@@ -178,7 +178,7 @@ class Solution:
         if self.relaxed:
             lines.append(f"  relaxed     {', '.join(map(str, self.relaxed))}")
         if self.unused:
-            lines.append(f"  not used    {', '.join(self.unused)}")
+            lines.append(f"  not used    {self.unused}")
         return "\n".join(lines)
 
 

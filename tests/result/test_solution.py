@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import pickle
 import re
 
 import numpy as np
@@ -117,42 +116,6 @@ class TestTruth:
         solved, failed = ik.solve((1.0, 1.5), q0=[0.3, 0.2, 0.4]), ik.solve((9.0, 0.0), q0=[0.3, 0.2, 0.4])
         assert bool(solved) is solved.converged is True
         assert bool(failed) is failed.converged is False
-
-
-class PositionTask(jtik.FrameTask):
-    """A position task that says what of a pose it does not use."""
-
-    def unused(self, robot, target):
-        return "orientation of the target" if np.shape(target) == (4, 4) else None
-
-
-class TestUnused:
-    """What the task does not use of its target is on the Solution."""
-
-    POSE = planar(3).pose(np.array([0.5, 0.4, 0.3]))
-
-    def test_a_pose_for_a_position_task(self):
-        solution = jtik.InverseKinematics(planar(3), PositionTask("tip", "position")).solve(self.POSE)
-        assert solution.unused == ("orientation of the target",)
-        assert repr(solution).endswith("\n  not used    orientation of the target")
-        again = pickle.loads(pickle.dumps(solution))
-        assert again.unused == solution.unused
-
-    def test_several_tasks_are_named(self):
-        tasks = [PositionTask("tip", "position", name="hand"), jtik.FrameTask("link2", name="elbow")]
-        ik = jtik.InverseKinematics(planar(4), tasks)
-        solution = ik.solve({"hand": self.POSE, "elbow": (1.5, 0.5)})
-        assert solution.unused == ("hand: orientation of the target",)
-
-    def test_nothing_where_all_is_used(self):
-        ik = jtik.InverseKinematics(planar(3), PositionTask("tip", "position"))
-        solution = ik.solve(self.POSE[:2, 3])
-        assert solution.unused == ()
-        assert "not used" not in repr(solution)
-
-    def test_rows_of_a_batch_say_it_too(self):
-        batch = jtik.InverseKinematics(planar(3), PositionTask("tip", "position")).solve_batch([self.POSE])
-        assert batch[0].unused == ("orientation of the target",)
 
 
 def test_look_is_the_old_name_of_inspect(solution):
