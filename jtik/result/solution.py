@@ -142,7 +142,7 @@ class Solution:
 
     @property
     def unused(self) -> str | None:
-        """The part of the target that the tasks do not use, such as "orientation of the target"; None where all is used."""
+        """The part of the target that the tasks do not use, such as "orientation of the target", or None."""
         return self.report.unused
 
     @property
