@@ -60,25 +60,25 @@ def aimed(ik):
 @pytest.mark.parametrize("name", SOLVERS)
 def test_a_copy_gives_the_same_answer(name, way):
     ik = SOLVERS[name]()
-    twin, target = WAYS[way](ik), aimed(ik)
-    mine, other = ik.solve(target, restarts=2), twin.solve(target, restarts=2)
+    copied, target = WAYS[way](ik), aimed(ik)
+    mine, other = ik.solve(target, restarts=2), copied.solve(target, restarts=2)
     assert np.array_equal(mine.q, other.q)
     assert (mine.status, mine.iterations) == (other.status, other.iterations)
-    assert repr(twin) == repr(ik)
-    assert np.array_equal(twin.full_configuration(mine.q), ik.full_configuration(mine.q))
+    assert repr(copied) == repr(ik)
+    assert np.array_equal(copied.full_configuration(mine.q), ik.full_configuration(mine.q))
 
 
 @pytest.mark.parametrize("way", WAYS)
 def test_parameters_are_copied_as_they_are_and_are_its_own(way):
     ik = SOLVERS["criteria"]()
     ik.parameters["joint_centering.weight"] = 0.1 + 0.2
-    twin = WAYS[way](ik)
-    assert float(twin.parameters["joint_centering.weight"]) == 0.1 + 0.2
-    twin.parameters["joint_centering.weight"] = 7.0
+    copied = WAYS[way](ik)
+    assert float(copied.parameters["joint_centering.weight"]) == 0.1 + 0.2
+    copied.parameters["joint_centering.weight"] = 7.0
     assert float(ik.parameters["joint_centering.weight"]) == 0.1 + 0.2
     ik.parameters["joint_centering.weight"] = 7.0
     target = aimed(ik)
-    assert np.array_equal(ik.solve(target).q, twin.solve(target).q)
+    assert np.array_equal(ik.solve(target).q, copied.solve(target).q)
 
 
 def test_a_copy_begins_its_steps_anew():

@@ -107,6 +107,6 @@ def test_a_solution_can_be_read_while_another_thread_solves():
 def test_copies_solve_at_the_same_time():
 
     ik = solver(planar(3))
-    twin = copy.deepcopy(ik)
+    copied = copy.deepcopy(ik)
     with Meanwhile(ik):
-        assert twin.solve((1.0, 1.5), q0=Q0).converged
+        assert copied.solve((1.0, 1.5), q0=Q0).converged

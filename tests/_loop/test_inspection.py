@@ -14,7 +14,7 @@ from .conftest import STRATEGIES, solver
 
 
 class Stubborn(jtik.Strategy):
-    """A law that never takes its own step."""
+    """A strategy that never accepts its own step."""
 
     def update(self, model, state):
         term = model.rows.least_squares(model.here.residual).vector

@@ -61,7 +61,7 @@ class TestTrack:
         assert (np.abs(path.q) <= 0.6).all()
         assert ik.solve([3.0, 1.0], q0=[0.1] * 4).q.tolist() == before
 
-    def test_a_start_outside_its_limits_is_led_back_no_faster_than_it_may(self):
+    def test_a_start_outside_its_limits_returns_within_its_velocity_limit(self):
         robot = jtik.Robot.planar(3, lower=-0.5, upper=0.5, velocity_limit=1.0)
         q0 = np.array([1.0, 0.2, 0.1])
         path = solver(robot).track([[2.5, 1.0]] * 20, q0=q0, dt=0.1)

@@ -30,5 +30,5 @@ def test_a_figure_that_is_not_there_lists_those_that_are(trace):
 
 
 def test_it_can_be_copied_and_pickled(trace):
-    for twin in (copy.copy(trace), copy.deepcopy(trace), pickle.loads(pickle.dumps(trace))):
-        assert twin.V.tolist() == trace.V.tolist()
+    for copied in (copy.copy(trace), copy.deepcopy(trace), pickle.loads(pickle.dumps(trace))):
+        assert copied.V.tolist() == trace.V.tolist()
