@@ -82,14 +82,14 @@ def repeated(call: Callable[[], object]) -> Timer:
 def step_alone(ik: jtik.InverseKinematics, q: np.ndarray, target: tuple[float, float]) -> Timer:
     """The fused step alone, always from the same configuration and initial state."""
     ik.solve(target, q0=q, max_iterations=0)  # writes target and tolerances to the inputs of the step
-    runner = ik._runner
+    runner = ik._engine.runners.plain
     runner.start(q)
     return repeated(runner.calls[0])
 
 
 def model_alone(ik: jtik.InverseKinematics, q: np.ndarray, target: tuple[float, float], *, compiled: bool) -> Timer:
     """Residual, Jacobian, H and grad H in one function: the minimum that any method with them must evaluate."""
-    problem = ik._problem
+    problem = ik._engine.problem
     at, goal, parameters = problem.symbols()
     residual, H = problem.residual(at, goal), problem.criterion(at, parameters)
     outputs = [residual, problem.residual_jacobian(at, goal), H, problem.gradient(H, at)]

@@ -35,8 +35,6 @@ import importlib
 import warnings
 from typing import TYPE_CHECKING, Any
 
-from jtik._loop.batch import SolutionBatch
-from jtik._step.relaxation import Relaxation
 from jtik.constraints import Clearance, Limits
 from jtik.criterion import Criterion, CriterionError, CriterionSum, criterion
 from jtik.errors import ArgumentError, JtikError, MissingExtraError, RobotFileError, UnknownNameError
@@ -50,10 +48,10 @@ from jtik.registry import (
     secondaries,
     strategies,
 )
-from jtik.result import Solution, Status, Step, Trace, Trajectory
+from jtik.result import Relaxation, Solution, SolutionBatch, Status, Step, Trace, Trajectory
 from jtik.robot import Joint, JointType, Robot
 from jtik.solver import InverseKinematics
-from jtik.strategy import Strategy
+from jtik.strategy import Strategy, StrategyError
 from jtik.task import AxisTask, CenterOfMassTask, FrameTask, LookAtTask, RelativeFrameTask, Task
 
 if TYPE_CHECKING:
@@ -96,6 +94,7 @@ __all__ = [
     "Status",
     "Step",
     "Strategy",
+    "StrategyError",
     "Task",
     "Trace",
     "Trajectory",

@@ -7,6 +7,7 @@ as attributes. Its message says what would have been accepted.
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Iterable
 
 import numpy as np
@@ -107,15 +108,17 @@ class ImmutableError(JtikError, AttributeError):
     Attributes:
         owner: the object, as text.
         attribute: the attribute that the caller tried to set or delete.
+        instead: what to do instead.
     """
 
-    def __init__(self, owner: str, attribute: str) -> None:
+    def __init__(self, owner: str, attribute: str, instead: str = "build a new one") -> None:
         self.owner = owner
         self.attribute = attribute
-        super().__init__(owner, attribute)
+        self.instead = instead
+        super().__init__(owner, attribute, instead)
 
     def __str__(self) -> str:
-        return f"{self.owner} is immutable: {self.attribute!r} cannot be changed; build a new one instead"
+        return f"{self.owner} is immutable: {self.attribute!r} cannot be changed; {self.instead} instead"
 
 
 def finite_array(argument: str, value: object, shape: tuple[int | None, ...]) -> Array:
@@ -146,6 +149,20 @@ def finite_array(argument: str, value: object, shape: tuple[int | None, ...]) ->
         place = f" at index {first}" if array.ndim else ""
         raise ArgumentError(argument, f"{array[where[0]]}{place}", wanted)
     return array
+
+
+def positive_number(argument: str, value: float) -> float:
+    """The value as a float.
+
+    Raises:
+        ArgumentError: unless it is finite and positive.
+    """
+    if type(value) is float and 0.0 < value < math.inf:
+        return value
+    number = float(finite_array(argument, value, ()))
+    if not number > 0:
+        raise ArgumentError(argument, value, "a positive number")
+    return number
 
 
 def _shape_text(shape: tuple[int | None, ...]) -> str:

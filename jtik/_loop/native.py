@@ -1,7 +1,7 @@
-"""The loop in C, beside a step in generated C: attempts and restarts of a solve in one call.
+"""The native search: attempts and restarts of a solve in one call of C, for a step in generated C.
 
-It does what `jtik._loop.search` does as long as nothing unusual happens, to the last bit. Where an attempt stalls at a
-pose that may be singular, or none arrives, it hands back, and the search in Python starts over.
+It gives the result of `jtik._loop.search` to the last bit. Where an attempt stalls at a pose that may be singular, or
+none arrives, it stops without a result, and the search in Python begins again.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _SOURCE = r"""
 #include <string.h>
 #include <time.h>
 
-/* One search: attempts until one reaches the target. Returns its code, or -1 to hand back. */
+/* One search: attempts until one reaches the target. Returns its code, or -1: the search in Python begins again. */
 CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const double* starts, long long restarts, long long limit,
                                                 double patience) {
   const double** arg = (const double**)at[0];
@@ -43,7 +43,7 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const double* starts,
   const size_t nq = ((size_t)at[13]) * sizeof(double), ns = ((size_t)at[14]) * sizeof(double);
   tally[0] = 0;
   for (long long j = 0; j < (long long)at[13]; ++j) {
-    if (!(q0[j] - q0[j] == 0)) return -1; /* not finite: somebody is to be told */
+    if (!(q0[j] - q0[j] == 0)) return -1; /* not finite: the search in Python finds the argument */
   }
   for (long long number = 0; number <= restarts; ++number) {
     long long k = 0, here = 0, code = 0;
@@ -62,7 +62,7 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const double* starts,
       code = (long long)outcome[JTIK_CODE];
     }
     if (code == JTIK_STALLED && (k == 1 || !restarts)) return -1;
-    if (code != 0 && !outcome[JTIK_TRIED]) --k; /* it stopped before it tried anything: no iteration */
+    if (code != 0 && !outcome[JTIK_TRIED]) --k; /* the call stopped before it tried a step: not an iteration */
     tally[0] += k;
     tally[1] = number;
     tally[2] = here;
@@ -75,7 +75,7 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const double* starts,
   return -1;
 }
 
-/* The same for a table of targets, one after the other, each from q0 + its row (stride 0: the same for all). */
+/* The same for a table of targets, one after the other, each from its row of starts (stride 0: the same for all). */
 CASADI_SYMBOL_EXPORT void JTIK_NAME_batch(void** at, const double* starts, long long restarts, long long limit,
                                           double patience, void** table) {
   const double* targets = (const double*)table[0];
@@ -124,7 +124,14 @@ def source(state: VectorLayout) -> str:
 
 
 class NativeSearch:
-    """The search in C on the memory of a runner, whose step is in generated C."""
+    """The search in C on the memory of a runner, whose step is in generated C.
+
+    Attributes:
+        runner: the runner.
+        q0: where a search begins, (nq,).
+        tally: iterations, restarts used, and which memory of the runner holds q, after a search.
+        again: the search that `prepare` has described, without arguments.
+    """
 
     def __init__(self, library: Library, runner: Runner, inputs: Inputs[Array]) -> None:
         self.runner = runner
@@ -152,15 +159,30 @@ class NativeSearch:
         self._batch.restype = None
 
     def prepare(self, starts: Array | None, restarts: int, limit: int, patience: float) -> None:
-        """Make ``again()`` the search from what ``self.q0`` then is, with these restarts; it returns as `find` does."""
+        """Make ``again()`` the search from what is in `q0` when it is called; it returns what `find` returns.
+
+        Args:
+            starts: the restart configurations, (restarts, nq); None without restarts.
+            restarts: how many there are.
+            limit: most calls of an attempt.
+            patience: calls without progress after which an attempt that a restart can replace ends.
+        """
         address = None if starts is None else starts.ctypes.data
         self._starts = starts  # kept alive
         self.again = partial(self._call, self._address, address, restarts, limit, patience)
 
     def find(self, q0: Array, starts: int | None, restarts: int, limit: int, patience: float) -> int:
-        """The last code, or -1 where the search in Python is to start over.
+        """Search from ``q0``.
 
-        ``starts`` is the address of ``restarts`` configurations, one after the other.
+        Args:
+            q0: where to begin, (nq,).
+            starts: address of the restart configurations, one after the other; None without restarts.
+            restarts: how many there are.
+            limit: most calls of an attempt.
+            patience: calls without progress after which an attempt that a restart can replace ends.
+
+        Returns:
+            The last code, or -1 where the search in Python has to begin again.
         """
         self.q0[:] = q0
         code = int(self._call(self._address, starts, restarts, limit, patience))
@@ -170,7 +192,7 @@ class NativeSearch:
     def batch(
         self, targets: Array, q0: Array, starts: int | None, restarts: int, limit: int, patience: float
     ) -> NativeBatch:
-        """The same for each row of ``targets`` (k, size), from ``q0``: (1, nq) for all, or (k, nq)."""
+        """Search for each row of ``targets`` (k, size), from ``q0``: (1, nq) for all, or (k, nq)."""
         count = len(targets)
         found = NativeBatch(
             q=np.zeros((count, len(self.q0))),
@@ -186,7 +208,14 @@ class NativeSearch:
 
 
 class NativeBatch(NamedTuple):
-    """Configurations (k, nq), errors (k, 2), times (k,) [s]; and code, iterations and restarts of each, (k, 3)."""
+    """Where the searches for k targets ended.
+
+    Attributes:
+        q: configurations, (k, nq).
+        errors: norms of position [m] and orientation [rad] rows, (k, 2).
+        seconds: wall time of each, (k,) [s].
+        tallies: code, iterations and restarts of each, (k, 3).
+    """
 
     q: Array
     errors: Array

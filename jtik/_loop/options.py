@@ -1,33 +1,63 @@
-"""The options of a solve, checked at the door."""
+"""The options of a solve, checked before anything is computed."""
 
 from __future__ import annotations
 
-import math
+import sys
+import warnings
 from typing import Literal
 
 import numpy as np
 
 from jtik._loop.search import Request
 from jtik._step.inputs import Settings
-from jtik.errors import ArgumentError, finite_array
+from jtik.errors import ArgumentError, positive_number
 
 Until = Literal["stationary", "reached"]
 
 
 def read_settings(position: float, orientation: float, optimality: float, until: str) -> Settings:
-    """Tolerances and what to wait for. Raises ArgumentError for what cannot be used, naming it."""
-    if until not in ("stationary", "reached"):
-        raise ArgumentError("until", until, "'stationary' or 'reached'")
+    """Tolerances and when to stop.
+
+    Raises:
+        ArgumentError: for a value that cannot be used, naming it.
+    """
     return Settings(
-        positive("position_tolerance", position),
-        positive("orientation_tolerance", orientation),
-        positive("optimality_tolerance", optimality),
-        1.0 if until == "stationary" else 0.0,
+        positive_number("position_tolerance", position),
+        positive_number("orientation_tolerance", orientation),
+        positive_number("optimality_tolerance", optimality),
+        1.0 if read_until(until) == "stationary" else 0.0,
     )
 
 
+def read_until(until: str) -> Until:
+    """When to stop; warns for the old name of "stationary".
+
+    Raises:
+        ArgumentError: for anything else.
+    """
+    if until == "stationary" or until == "reached":
+        return until  # type: ignore[return-value]
+    if until == "steady":
+        message = 'until="steady" is deprecated: use until="stationary"'
+        warnings.warn(message, DeprecationWarning, stacklevel=_callers_level())
+        return "stationary"
+    raise ArgumentError("until", until, "'stationary' or 'reached'")
+
+
+def _callers_level() -> int:
+    """The ``stacklevel`` of the first line outside this package, seen from the function that calls this one."""
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("jtik."):
+        level, frame = level + 1, frame.f_back
+    return level
+
+
 def read_request(restarts: int, seed: int | None, max_iterations: int) -> Request:
-    """What a search may spend. Raises ArgumentError for what is not a count, naming it."""
+    """What a search may use.
+
+    Raises:
+        ArgumentError: for a value that is not a count, naming it.
+    """
     return Request(
         limit=_count("max_iterations", max_iterations),
         restarts=_count("restarts", restarts),
@@ -35,19 +65,9 @@ def read_request(restarts: int, seed: int | None, max_iterations: int) -> Reques
     )
 
 
-def positive(argument: str, value: float) -> float:
-    """The value as a float. Raises ArgumentError unless it is finite and positive."""
-    if type(value) is float and 0.0 < value < math.inf:
-        return value
-    number = float(finite_array(argument, value, ()))
-    if not number > 0:
-        raise ArgumentError(argument, value, "a positive number")
-    return number
-
-
 def _count(argument: str, value: int) -> int:
     if type(value) is int and value >= 0:
         return value
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 0:
-        raise ArgumentError(argument, value, "an integer from 0")
+        raise ArgumentError(argument, value, "a non-negative integer")
     return int(value)

@@ -7,15 +7,18 @@ from collections.abc import Callable
 import numpy as np
 
 from jtik._loop.runner import Runner
-from jtik.result.solution import Trace
+from jtik.result.trace import Trace
 from jtik.types import Array
 
 ROUNDING = 1e-8
-"""A null-space step up to this long [rad] or [m] is what rounding and solvers leave; what it leaks says nothing."""
+"""A null-space step up to this long [rad] or [m] is rounding or a solver's noise; its leakage says nothing."""
+
+DISPLACEMENT, NULL_SPACE, NULL_SPACE_IMAGE, JACOBIAN, RELAXED = "dq", "null_space", "null_space_image", "J", "relaxed"
+"""Vectors in the record of a step, from which figures are computed; every other entry is a figure."""
 
 
 class TraceRecorder:
-    """Rows of a runner whose fused function was built with its record."""
+    """Rows of a runner whose fused step gives its record."""
 
     def __init__(self, runner: Runner) -> None:
         self.runner = runner
@@ -26,7 +29,7 @@ class TraceRecorder:
         self._attempt = -1
 
     def begin(self) -> None:
-        """Another attempt begins."""
+        """An attempt begins."""
         self._attempt += 1
 
     def before(self, q: Array) -> None:
@@ -34,33 +37,38 @@ class TraceRecorder:
         self._q.append(q.copy())
 
     def after(self) -> None:
-        """It is over: keep its figures."""
+        """The iteration is over: keep its figures."""
         self._rows.append(self.runner.record.copy())
         self._escaped.append(False)
         self._attempts.append(self._attempt)
 
     def escaped(self) -> None:
-        """It ended in a second-order step out of a singular stall."""
+        """The iteration ended in a saddle escape."""
         self._escaped[-1] = True
 
     def forget(self) -> None:
-        """It was none."""
+        """The last call was not an iteration."""
         for rows in (self._q, self._rows, self._escaped, self._attempts):
             rows.pop()
 
     def trace(self, end: Array, error: Callable[[Array], Array]) -> Trace:
-        """Figures by name, and those that need a factorisation of the recorded Jacobians."""
+        """The Trace.
+
+        Args:
+            end: where the solve ended, (nq,).
+            error: the task error at a configuration.
+        """
         layout, count = self.runner.fused.record, len(self._rows)
-        n = layout.slices["dq"].stop - layout.slices["dq"].start
-        m = (layout.slices["J"].stop - layout.slices["J"].start) // n
+        n = layout.slices[DISPLACEMENT].stop - layout.slices[DISPLACEMENT].start
+        m = (layout.slices[JACOBIAN].stop - layout.slices[JACOBIAN].start) // n
         table = np.array(self._rows).reshape(count, layout.size)
         columns = {name: table[:, where] for name, where in layout.slices.items()}
-        columns.pop("relaxed", None)  # that is for the last q alone
-        J = columns.pop("J").reshape(count, n, m).transpose(0, 2, 1)
-        null, image, dq = (columns.pop(name) for name in ("null_space", "null_space_image", "dq"))
+        columns.pop(RELAXED, None)  # reported for the last q only
+        J = columns.pop(JACOBIAN).reshape(count, n, m).transpose(0, 2, 1)
+        null, image, displacement = (columns.pop(name) for name in (NULL_SPACE, NULL_SPACE_IMAGE, DISPLACEMENT))
         figures = {name: column[:, 0] for name, column in columns.items()}
-        figures["step_length"] = np.linalg.norm(dq, axis=1)
-        figures["sigma_min"] = _least_singular_values(J)
+        figures["step_length"] = np.linalg.norm(displacement, axis=1)
+        figures["sigma_min"] = _smallest_singular_values(J)
         length = np.linalg.norm(null, axis=1)
         moved = np.linalg.norm(image, axis=1)
         figures["leakage"] = np.divide(moved, length, out=np.full(count, np.nan), where=length > ROUNDING)
@@ -70,10 +78,10 @@ class TraceRecorder:
         return Trace(q=q, error=np.array([np.linalg.norm(error(each)) for each in q]), figures=figures)
 
 
-def _least_singular_values(J: Array) -> Array:
+def _smallest_singular_values(J: Array) -> Array:
     """Of each of the matrices (k, m, n); NaN where one is not finite."""
     finite = np.isfinite(J).all(axis=(1, 2))
-    least = np.full(len(J), np.nan)
+    smallest = np.full(len(J), np.nan)
     if finite.any():
-        least[finite] = np.linalg.svd(J[finite], compute_uv=False)[:, -1]
-    return least
+        smallest[finite] = np.linalg.svd(J[finite], compute_uv=False)[:, -1]
+    return smallest

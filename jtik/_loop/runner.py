@@ -1,4 +1,4 @@
-"""The fused step bound to memory of its own, ready for the loop."""
+"""The runner: the fused step bound to memory of its own, ready for the loop."""
 
 from __future__ import annotations
 
@@ -16,7 +16,17 @@ from jtik.types import Array
 class Runner:
     """The fused step on memory of its own. Calls alternate between two memories, so that nothing is copied.
 
-    Attributes: inputs: what it reads between q and state, where it is; view: the outcome of the last call.
+    Attributes:
+        fused: the fused step.
+        inputs: what a call reads besides q and state, where it is.
+        first_state: the state of a first call.
+        q: the two memories of q, (nq,) each.
+        state: the two memories of the state.
+        outcome: the outcome of the last call, in the order of `StepOutcome`.
+        view: the same as a memoryview, which is faster to read.
+        record: figures of the last call; empty where the fused step gives none.
+        calls: the two calls; ``calls[0]`` reads memory 0 and writes memory 1.
+        at: which memory holds q.
     """
 
     def __init__(self, fused: FusedStep, inputs: Inputs[Array], nq: int) -> None:
@@ -39,7 +49,12 @@ class Runner:
         self.at = 0
 
     def start(self, q: ArrayLike, patience: float = math.inf) -> None:
-        """Begin afresh at ``q`` (nq,); give up after ``patience`` calls without progress."""
+        """Begin an attempt.
+
+        Args:
+            q: where it begins, (nq,).
+            patience: calls without progress after which it ends.
+        """
         self.q[0][:] = q
         self.state[0][:] = self.first_state
         self.state[0][self._patience] = patience

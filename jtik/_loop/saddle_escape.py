@@ -1,8 +1,8 @@
-"""The way out of an exact singular stall: a second-order step where the first derivative of V says nothing.
+"""The saddle escape: a step along a direction of negative curvature of V, from a pose where its gradient is zero.
 
-A straight arm with its target on its own line feels no torque: J' r = 0 with r != 0. Whether that is a closest
-posture or a saddle, the Hessian of V tells; along its most negative eigenvector V falls to second order.
-Deterministic: no noise is added. Limits and clearances hold on this way as on any other.
+At a straight arm whose target lies on its own line, J' r = 0 with r != 0. The Hessian of V says whether that is a
+minimum or a saddle point; along its most negative eigenvector V falls to second order. The escape is deterministic: no
+noise is added. It keeps limits and clearances, as any step does. See formulations/singular_escape.md.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ FIRST_STEP = 0.5
 """Length of the first step tried along the eigenvector [rad]; halved until V falls."""
 
 HALVINGS = 20
+"""Times the first step is halved at most."""
 
 PROJECTIONS = 100
 """Projected power iterations for the direction of most negative curvature among those that limits allow."""
@@ -34,12 +35,12 @@ FLAT = 1e-5
 NEGATIVE = 1e-9
 """An eigenvalue counts as negative below this fraction of the largest magnitude."""
 
-WORTH = 1e-9
-"""Least relative decrease of V that counts as a way out."""
+MINIMUM_DECREASE = 1e-9
+"""Smallest relative decrease of V for which an escape is made."""
 
 
 class SaddleEscape:
-    """Second-order looks at V, compiled when first needed."""
+    """Curvature of V and the escape along it; the functions are compiled when first needed."""
 
     def __init__(self, problem: SymbolicProblem) -> None:
         self._problem = problem
@@ -58,8 +59,8 @@ class SaddleEscape:
         return CompiledFunction(function("moved", [q, v, target], [there, V]))
 
     @cached_property
-    def _keeps_clear(self) -> CompiledFunction:
-        """(q, v, parameters, limits) -> 1 where clearances are kept all the way from q to q + v."""
+    def _clearances_hold(self) -> CompiledFunction:
+        """(q, v, parameters, lower, upper) -> 1 where clearances hold all the way from q to q + v."""
         problem = self._problem
         q, _, parameters = problem.symbols()
         v = symbol("v", problem.robot.n)
@@ -68,47 +69,58 @@ class SaddleEscape:
         return CompiledFunction(function("supports_clearances", [q, v, parameters, *limits], [model.keeps(v)]))
 
     def lowest_curvature(self, q: Array, inputs: Inputs[Array]) -> tuple[float, Array, Array]:
-        """A low v' (d2V/dv2) v over the unit v that limits allow, relative to the largest eigenvalue; v; dH/dv (n,).
+        """The direction of most negative curvature of V that the limits allow.
 
-        The joints inside their limits come first: their lowest eigenvector, where it is negative. Only if it is not do
-        joints at a limit join in, each in the direction it can still move. Where V can fall to first order the answer
-        is 0: there is nothing to escape from.
+        Joints inside their limits are considered first. Only where their lowest eigenvalue is not negative are joints
+        at a limit considered as well, each in the direction in which it can still move. Where V can fall to first
+        order, the curvature given is 0: there is nothing to escape from.
+
+        Returns:
+            v' (d2V/dv2) v relative to the largest eigenvalue; the unit direction v, (n,); and dH/dv, (n,).
         """
         lower, upper = inputs.lower, inputs.upper
-        scale, slope, bend, criterion = self._curvature(q, inputs.target, inputs.parameters)
+        scale, gradient, hessian, criterion = self._curvature(q, inputs.target, inputs.parameters)
         n = self._problem.robot.n
         down, up = np.ones(n, dtype=bool), np.ones(n, dtype=bool)
         for i, j in self._problem.bounded:
             down[j], up[j] = q[i] > lower[i] + AT_LIMIT, q[i] < upper[i] - AT_LIMIT
         lowest, best = 0.0, np.zeros(n)
-        pressed = (~down & (slope[:, 0] > 0)) | (~up & (slope[:, 0] < 0))
-        stationary = np.linalg.norm(slope[~pressed]) <= FLAT * scale[0, 0]
-        if not (np.isfinite(bend).all() and stationary):
+        outward = (~down & (gradient[:, 0] > 0)) | (~up & (gradient[:, 0] < 0))
+        stationary = np.linalg.norm(gradient[~outward]) <= FLAT * scale[0, 0]
+        if not (np.isfinite(hessian).all() and stationary):
             return lowest, best, criterion[:, 0]
-        values, vectors = np.linalg.eigh(bend)
-        bend /= max(float(np.abs(values).max()), np.finfo(float).tiny)
+        values, vectors = np.linalg.eigh(hessian)
+        hessian /= max(float(np.abs(values).max()), np.finfo(float).tiny)
         inside = down & up
         if inside.any():
-            inner_values, inner_vectors = np.linalg.eigh(bend[np.ix_(inside, inside)])
+            inner_values, inner_vectors = np.linalg.eigh(hessian[np.ix_(inside, inside)])
             lowest, best[inside] = float(inner_values[0]), inner_vectors[:, 0]
         if lowest <= -NEGATIVE or inside.all():
             return lowest, best, criterion[:, 0]
         for start in vectors[:, values < 0].T:
             for sign in (1.0, -1.0):
-                v = _descend(bend, sign * start, down, up)
-                if v @ bend @ v < lowest:
-                    lowest, best = float(v @ bend @ v), v
+                v = _descend(hessian, sign * start, down, up)
+                if v @ hessian @ v < lowest:
+                    lowest, best = float(v @ hessian @ v), v
         return lowest, best, criterion[:, 0]
 
     def escape(self, q: Array, inputs: Inputs[Array]) -> bool:
-        """Leave a saddle of V: move ``q`` in place and return True, or return False if V is least here."""
+        """Leave a saddle point of V.
+
+        Args:
+            q: configuration, (nq,), changed in place.
+            inputs: target, parameters and limits.
+
+        Returns:
+            Whether ``q`` was changed: False at a minimum of V.
+        """
         target, lower, upper = inputs.target, inputs.lower, inputs.upper
         lowest, vector, criterion = self.lowest_curvature(q, inputs)
         if lowest > -NEGATIVE:
             return False
-        slope = float(criterion @ vector)
-        if abs(slope) > 1e-9 * np.linalg.norm(criterion):
-            vector = -np.sign(slope) * vector
+        rate = float(criterion @ vector)
+        if abs(rate) > 1e-9 * np.linalg.norm(criterion):
+            vector = -np.sign(rate) * vector
         elif vector[np.argmax(np.abs(vector))] < 0:
             vector = -vector
         before = float(self._moved(q, 0 * vector, target)[1][0, 0])
@@ -117,7 +129,7 @@ class SaddleEscape:
             for sign in (1.0, -1.0):
                 there, V = self._moved(q, sign * step, target)
                 allowed = all(lower[i] <= there[i, 0] <= upper[i] for i, _ in self._problem.bounded)
-                falls = allowed and V[0, 0] < (1 - WORTH) * before
+                falls = allowed and V[0, 0] < (1 - MINIMUM_DECREASE) * before
                 if falls and self._clear(q, sign * step, inputs):
                     q[:] = there[:, 0]
                     return True
@@ -128,13 +140,13 @@ class SaddleEscape:
         """Whether clearances, if there are any, hold on the way from q to q + v."""
         if not self._problem.clearances:
             return True
-        return bool(self._keeps_clear(q, v, inputs.parameters, inputs.lower, inputs.upper)[0][0, 0])
+        return bool(self._clearances_hold(q, v, inputs.parameters, inputs.lower, inputs.upper)[0][0, 0])
 
 
-def _descend(bend: Array, v: Array, down: NDArray[np.bool_], up: NDArray[np.bool_]) -> Array:
-    """From v down v' bend v on the unit sphere, keeping each entry to the signs that limits allow; |bend| is 1."""
+def _descend(hessian: Array, v: Array, down: NDArray[np.bool_], up: NDArray[np.bool_]) -> Array:
+    """Minimise v' hessian v from v on the unit sphere, within the signs that limits allow; the hessian's norm is 1."""
     for _ in range(PROJECTIONS):
-        v = v - bend @ v
+        v = v - hessian @ v
         v = np.where(((v < 0) & ~down) | ((v > 0) & ~up), 0.0, v)
         length = float(np.linalg.norm(v))
         if length == 0.0:

@@ -1,4 +1,4 @@
-"""Following a path of targets: every solve starts where the last one ended and ends where the limits let it in dt."""
+"""Tracking: a path of targets, each solve starting where the last one ended and ending where the limits allow."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ def follow(
     solve: Solve,
     moved: Moved,
 ) -> Trajectory:
-    """One configuration a target, ``dt`` [s] apart, each within the box of a step from the one before.
+    """Follow a path: one configuration a target, each within the box of a step from the one before.
 
     Args:
         robot: the robot.
-        targets: what the tasks read as one, each.
+        targets: the targets.
         q0: where the robot stands still at time 0, (nq,).
         dt: time from one target to the next [s].
-        box: of each step, on the memory that a solve reads its own from, which is restored at the end.
-        solve: a solve of one target from a configuration.
-        moved: the same solution told of another configuration.
+        box: the box on each step, on the memory that a solve reads, which is restored at the end.
+        solve: solves for one target from a configuration.
+        moved: gives the same solution for another configuration.
     """
     low, high = box.lower.copy(), box.upper.copy()
     q, solutions, steps = q0, [], []
@@ -54,12 +54,16 @@ def follow(
             box.moved(q)
     finally:
         box.lower[:], box.upper[:] = low, high
+    errors = np.array([solution.error for solution in solutions])
+    linear = solutions[0].report.linear
     return Trajectory(
         times=dt * np.arange(1, len(solutions) + 1, dtype=np.float64),
         q=np.array([solution.q for solution in solutions]),
         dq=np.array(steps) / dt,
-        errors=np.array([np.linalg.norm(solution.error) for solution in solutions]),
-        statuses=tuple(solution.status for solution in solutions),
+        error_norm=np.array([np.linalg.norm(error) for error in errors]),
+        position_error=np.linalg.norm(errors[:, linear], axis=1),
+        orientation_error=np.linalg.norm(errors[:, ~linear], axis=1),
+        status=tuple(solution.status for solution in solutions),
         iterations=np.array([solution.iterations for solution in solutions], dtype=np.int64),
         seconds=np.array([solution.seconds for solution in solutions]),
         joint_names=robot.joint_names,

@@ -17,7 +17,7 @@ from jtik._step.layout import VectorLayout
 from jtik._step.local_model import linearized
 from jtik._step.progress import NEVER, Progress, initial_progress
 from jtik._step.record import figures_of
-from jtik._step.relaxation import Yielding
+from jtik._step.relaxation import RelaxationTerms
 from jtik._step.stopping import Code, Stop
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik._step.update import CheckedUpdate, checked_update, first_state
@@ -57,7 +57,7 @@ class FusedStep:
         record: layout of the record of figures; empty without one.
         parts: the functions between which quadratic programs are solved; None without any.
         library: the shared library of generated C; None if it was not compiled.
-        yielding: what may be relaxed in the step.
+        relaxation: what may be relaxed in the step.
     """
 
     function: Function | Staged
@@ -66,7 +66,7 @@ class FusedStep:
     record: VectorLayout
     parts: Staged | None = None
     library: Library | None = None
-    yielding: Yielding = field(default_factory=Yielding)
+    relaxation: RelaxationTerms = field(default_factory=RelaxationTerms)
 
     def bind(self, arguments: list[Array], results: list[Array]) -> Callable[[], None]:
         """A call without arguments on this memory."""
@@ -152,17 +152,17 @@ def fused_step(
     outcome = vertcat(if_else(finite, code, Code.NOT_FINITE), tried, accepted, *errors, V)
 
     outputs = [_arrived(model, update, accepted), layout.join(after), outcome]
-    relaxation = Yielding.of(update, qps, restoration, problem)
+    relaxation = RelaxationTerms.of(update, qps, restoration, problem)
     record = VectorLayout.of({})
     if recorded:
         record, figures = figures_of(model, update, accepted, relaxation)
         outputs.append(record.join(figures))
     arguments, numbers = [q, *inputs, memory], np.concatenate(list(first.values()))
     if not (qps and backend):
-        return FusedStep(function("jtik_step", arguments, outputs), numbers, layout, record, yielding=relaxation)
+        return FusedStep(function("jtik_step", arguments, outputs), numbers, layout, record, relaxation=relaxation)
     parts = staged(arguments, at.parts, at.at, qps, outputs, backend, fast_path=not problem.clearances)
     joined = parts.joined() if parts.fusible else parts
-    return FusedStep(joined, numbers, layout, record, parts, yielding=relaxation)
+    return FusedStep(joined, numbers, layout, record, parts, relaxation=relaxation)
 
 
 def _first_state(problem: SymbolicProblem, strategy: Strategy, *, arriving: bool) -> dict[str, Array]:

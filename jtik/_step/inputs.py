@@ -66,11 +66,12 @@ class InputMemory:
 
     def __init__(self, target_size: int, parameters: Parameters, lower: Array, upper: Array) -> None:
         first = [np.zeros(target_size), parameters.memory, lower, upper, np.array(Settings())]
-        self._ends = np.cumsum([len(part) for part in first])[:-1]
+        ends = np.cumsum([len(part) for part in first]).tolist()
+        self._slices = [slice(end - len(part), end) for part, end in zip(first, ends, strict=True)]
         self.numbers: Array = np.concatenate(first)
         self.inputs = self.views(self.numbers)
         parameters.memory = self.inputs.parameters
 
     def views(self, numbers: Array) -> Inputs[Array]:
-        """Views of the inputs within ``numbers``, a copy of `numbers`."""
-        return Inputs(*np.split(numbers, self._ends))
+        """A view of each input within ``numbers``, which is `numbers` or a copy of it."""
+        return Inputs(*[numbers[where] for where in self._slices])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from jtik._step.layout import VectorLayout
-from jtik._step.relaxation import Yielding
+from jtik._step.relaxation import RelaxationTerms
 from jtik._step.update import CheckedUpdate
 from jtik.strategy import LocalModel
 from jtik.symbolic import Expression, vertcat
@@ -15,7 +15,7 @@ OPTIONAL = ("alpha", "beta", "V2", "predicted_decrease")
 
 
 def figures_of(
-    model: LocalModel, update: CheckedUpdate, accepted: Expression, relaxation: Yielding
+    model: LocalModel, update: CheckedUpdate, accepted: Expression, relaxation: RelaxationTerms
 ) -> tuple[VectorLayout, dict[str, Expression]]:
     """Layout and expressions of the record of a step."""
     here = model.here

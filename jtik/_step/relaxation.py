@@ -1,11 +1,12 @@
-"""What gives way in a step where not everything can be had: named amounts, expressions first, then numbers."""
+"""What a step relaxes: names and units of relaxable constraints, with their amounts as expressions of the step."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
+from jtik.result.relaxation import Relaxation
 from jtik.symbolic import Expression, mmax, vertcat
 from jtik.types import Array
 
@@ -15,30 +16,18 @@ if TYPE_CHECKING:
     from jtik.qp.recorder import QPRecorder
     from jtik.strategy import FeasibilityRestoration
 
-
-WORTH_TELLING = 1e-6
-"""Amounts up to this are what solvers leave."""
-
-
-class Relaxation(NamedTuple):
-    """Something that was asked for and could not be had at the configuration of a Solution.
-
-    Attributes: name, such as "task step" or "clearance: link4 to obstacle 1"; amount by which it falls short; unit.
-    """
-
-    name: str
-    amount: float
-    unit: str
-
-    def __str__(self) -> str:
-        if self.unit == "share":
-            return f"{self.name} by {100 * self.amount:.0f} %"
-        return f"{self.name} by {self.amount:.3g} {self.unit}".rstrip()
+NEGLIGIBLE = 1e-6
+"""Amounts up to this are within a solver's tolerance: nothing was relaxed."""
 
 
 @dataclass(frozen=True)
-class Yielding:
-    """Names and units of what may give way in a step, and figures of it for its record, one a column ``relaxed``."""
+class RelaxationTerms:
+    """Constraints of a step that may be relaxed.
+
+    Attributes:
+        entries: name and unit of each.
+        figures: columns for the record of the step: the amounts as "relaxed", and figures of the trace.
+    """
 
     entries: tuple[tuple[str, str], ...] = ()
     figures: Mapping[str, Expression] = field(default_factory=dict)
@@ -47,21 +36,21 @@ class Yielding:
     def of(
         cls,
         update: CheckedUpdate,
-        programs: QPRecorder | None,
-        room: FeasibilityRestoration | None,
+        qps: QPRecorder | None,
+        restoration: FeasibilityRestoration | None,
         problem: SymbolicProblem,
-    ) -> Yielding:
-        """What the law says of itself, clearances that stay too small, and the elastic rows of its programs."""
+    ) -> RelaxationTerms:
+        """Those the strategy names itself, clearances that stay too small, and elastic rows of its QPs."""
         entries, amounts, figures = [], list[Expression](), dict[str, Expression]()
         for (name, unit), amount in update.relaxed.items():
             entries.append((name, unit))
             amounts.append(amount)
-        if room:
+        if restoration:
             entries += [(pair, "m") for pair in problem.pairs]
-            amounts.append(room.missing)
-            figures["too_near"] = mmax(room.clearance.lacking)
+            amounts.append(restoration.missing)
+            figures["too_near"] = mmax(restoration.clearance.lacking)
         slacks = []
-        for program, solution in programs.solutions() if programs else ():
+        for program, solution in qps.solutions() if qps else ():
             for group in program.rows:
                 if group.elastic:
                     entries += [(f"{program.name}: {group.name}, row {i}", "") for i in range(group.count)]
@@ -73,7 +62,7 @@ class Yielding:
             figures["relaxed"] = vertcat(*amounts)
         return cls(tuple(entries), figures)
 
-    def told(self, amounts: Array) -> tuple[Relaxation, ...]:
-        """The entries that did, from the numbers of a record."""
+    def relaxed(self, amounts: Array) -> tuple[Relaxation, ...]:
+        """The constraints that were relaxed, from the numbers of a record."""
         named = zip(self.entries, amounts.tolist(), strict=True)
-        return tuple(Relaxation(name, amount, unit) for (name, unit), amount in named if amount > WORTH_TELLING)
+        return tuple(Relaxation(name, amount, unit) for (name, unit), amount in named if amount > NEGLIGIBLE)

@@ -10,8 +10,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik._loop.options import positive
 from jtik.constraints.limits import Bounds
+from jtik.errors import positive_number
 from jtik.symbolic import Expression, Function, fmax, fmin, function, sqrt, symbol, vertcat
 from jtik.symbolic.compile import bind
 from jtik.types import Array
@@ -86,7 +86,7 @@ class StepBox:
             ArgumentError: when dt is not a positive number.
         """
         if dt != self._dt:
-            self._clock[0] = self._dt = positive("dt", dt)
+            self._clock[0] = self._dt = positive_number("dt", dt)
         self._q[:] = q
         self._evaluate()
 

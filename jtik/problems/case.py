@@ -9,8 +9,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik._loop.options import positive
-from jtik.errors import ArgumentError, UnknownNameError, finite_array
+from jtik.errors import ArgumentError, UnknownNameError, finite_array, positive_number
 from jtik.problems.plain_values import frozen_array, frozen_target, plain_target
 from jtik.robot import Robot
 from jtik.task import Task
@@ -70,7 +69,7 @@ class Case:
         own = {
             "q0": q0,
             "targets": targets,
-            "dt": None if self.dt is None else positive("dt", self.dt),
+            "dt": None if self.dt is None else positive_number("dt", self.dt),
             "closed": bool(self.closed),
             "parameters": {
                 str(key): frozen_array(f"parameters[{key!r}]", value) for key, value in self.parameters.items()

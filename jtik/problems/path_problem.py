@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik._loop.options import positive
-from jtik.errors import ArgumentError
+from jtik.errors import ArgumentError, positive_number
 from jtik.problems import reach
 from jtik.problems.case import Case, ProblemSet
 from jtik.problems.position_task import PositionTask
@@ -91,8 +90,8 @@ def path_problems(
     if isinstance(points, bool) or not isinstance(points, (int, np.integer)) or points < 2:
         raise ArgumentError("points", points, "an integer of at least 2")
     argument, given = size
-    fixed = None if given is None else positive(argument, given)
-    dt = positive("dt", dt)
+    fixed = None if given is None else positive_number(argument, given)
+    dt = positive_number("dt", dt)
     extent = reach.size(setup.robot, position_task.task.frame)
 
     def draw(name: str, generator: np.random.Generator) -> Case:

@@ -10,26 +10,36 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik._step.relaxation import Relaxation
-from jtik.symbolic.factorization import RANK_THRESHOLD
+from jtik.result.relaxation import Relaxation
 from jtik.types import Array
 
 SecondOrder = Literal["minimum", "saddle", "flat"]
 """What the second derivatives say of a posture where H is stationary."""
 
 FLAT = 1e-6
-"""An eigenvalue of the reduced Hessian below this fraction of the whole's largest counts as zero: q is that exact."""
+"""An eigenvalue of the reduced Hessian below this fraction of the Hessian's norm counts as zero: q is that exact."""
 
 
 @dataclass(frozen=True, eq=False)
 class Report:
-    """Task and criteria at one configuration; what takes a factorisation is worked out when it is asked for.
+    """Task and criteria at one configuration; what needs a factorisation is computed when first read.
 
-    Attributes: error e (m,), its Jacobian (m, n), which rows are lengths; weighted residual (m,) and its Jacobian;
-    values of the criteria by name; gradient dH/dv (n,); velocity indices of the joints at their upper and at their
-    lower limit; names of all joints at a limit; the tolerances of position, orientation and optimality; the Hessian of
-    H + lambda' r, as a function of lambda, where there is a criterion; what a step from there cannot have, to be worked
-    out, where a strategy has anything that can give way.
+    Attributes:
+        error: task error e, (m,), rows in [m] or [rad].
+        jacobian: Jacobian of the error with respect to the velocity, (m, n).
+        linear: for each row, whether it is a length [m] rather than an angle [rad], (m,).
+        residual: weighted task error, (m,).
+        weighted: Jacobian of the residual, (m, n).
+        values: weighted value of each criterion, by name.
+        gradient: dH/dv, (n,).
+        at_upper: velocity indices of the joints at their upper limit.
+        at_lower: velocity indices of the joints at their lower limit.
+        active_limits: names of the joints at a limit.
+        tolerances: of position [m], orientation [rad] and optimality.
+        rank_threshold: singular values of the weighted Jacobian up to this fraction of its norm count as zero.
+        unused: the part of the target that the tasks do not use, or None.
+        curvature: multipliers lambda (m,) to the Hessian of H + lambda' r, (n, n); None without a criterion.
+        relaxations: what computes `relaxed`; None for a strategy that relaxes nothing.
     """
 
     error: Array
@@ -43,13 +53,15 @@ class Report:
     at_lower: tuple[int, ...]
     active_limits: tuple[str, ...]
     tolerances: tuple[float, float, float]
+    rank_threshold: float
+    unused: str | None = None
     curvature: Callable[[Array], Array] | None = None
-    yielded: Callable[[], tuple[Relaxation, ...]] | None = None
+    relaxations: Callable[[], tuple[Relaxation, ...]] | None = None
 
     def __getstate__(self) -> dict[str, Any]:
-        # the answers travel, the functions they come from stay
-        told = {"second_order": self.second_order, "relaxed": self.relaxed}
-        return {**vars(self), **told, "curvature": None, "yielded": None}
+        # the results are pickled, the functions that compute them are not
+        computed = {"second_order": self.second_order, "relaxed": self.relaxed}
+        return {**vars(self), **computed, "curvature": None, "relaxations": None}
 
     @cached_property
     def position_error(self) -> float:
@@ -63,12 +75,12 @@ class Report:
 
     @cached_property
     def relaxed(self) -> tuple[Relaxation, ...]:
-        """What a step from here asks for and cannot have."""
-        return self.yielded() if self.yielded and self.finite else ()
+        """What the strategy's first step from here relaxes."""
+        return self.relaxations() if self.relaxations and self.finite else ()
 
     @property
     def reached(self) -> bool:
-        """Whether both are within their tolerances."""
+        """Whether both errors are within their tolerances."""
         return self.position_error <= self.tolerances[0] and self.orientation_error <= self.tolerances[1]
 
     @property
@@ -79,48 +91,51 @@ class Report:
 
     @cached_property
     def null_space_residual(self) -> float:
-        """Norm of (I - J+ J) dH/dv over the joints that no limit holds; NaN where something is not finite."""
+        """Norm of (I - J+ J) dH/dv over the joints whose limit is not active; NaN where something is not finite."""
         if not self.finite:
             return float("nan")
-        free, reduced, _ = self._settled()
+        free, reduced, _ = self._lagrangian()
         return float(np.linalg.norm(reduced[free]))
 
     @property
     def stationary(self) -> bool:
-        """Whether that is within the optimality tolerance."""
+        """Whether the null-space residual is within the optimality tolerance, relative to max(1, |dH/dv|)."""
         return self.null_space_residual <= self.tolerances[2] * max(1.0, float(np.linalg.norm(self.gradient)))
 
     @cached_property
     def second_order(self) -> SecondOrder | None:
-        """Which kind of stationary: by the Hessian of H + lambda' r over the motions that keep task and active limits.
+        """Kind of the stationary point, by the Hessian of H + lambda' r over motions that keep task and active limits.
 
         None without a criterion, off the target, or where H is not stationary.
         """
         if self.curvature is None or not (self.finite and self.reached and self.stationary):
             return None
-        free, _, multipliers = self._settled()
-        bend, J = self.curvature(multipliers), self.weighted[:, free]
-        if not np.isfinite(bend).all():
+        free, _, multipliers = self._lagrangian()
+        hessian, J = self.curvature(multipliers), self.weighted[:, free]
+        if not np.isfinite(hessian).all():
             return None
         _, sigma, rows = np.linalg.svd(J)
-        rank = int((sigma > RANK_THRESHOLD * np.linalg.norm(J)).sum())
+        rank = int((sigma > self.rank_threshold * np.linalg.norm(J)).sum())
         null = rows[rank:]
         if not len(null):
             return "minimum"
-        lowest = float(np.linalg.eigvalsh(null @ bend[np.ix_(free, free)] @ null.T)[0])
-        scale = float(np.linalg.norm(bend, 2))
+        lowest = float(np.linalg.eigvalsh(null @ hessian[np.ix_(free, free)] @ null.T)[0])
+        scale = float(np.linalg.norm(hessian, 2))
         if abs(lowest) <= FLAT * scale:
             return "flat"
         return "minimum" if lowest > 0 else "saddle"
 
-    def _settled(self) -> tuple[NDArray[np.bool_], Array, Array]:
-        """Joints that limits do not hold, the slope dH/dv + J' lambda, which presses the others out, and lambda."""
+    def _lagrangian(self) -> tuple[NDArray[np.bool_], Array, Array]:
+        """Joints whose limit is not active, the gradient dH/dv + J' lambda, and the multipliers lambda.
+
+        A joint at its limit that the gradient pushes outward keeps its limit active.
+        """
         J, gradient = self.weighted, self.gradient
         free = np.ones(J.shape[1], dtype=bool)
         free[[*self.at_upper, *self.at_lower]] = False
         reduced, multipliers = gradient, np.zeros(len(J))
         for _ in range(len(self.at_upper) + len(self.at_lower) + 1):
-            multipliers = -np.linalg.pinv(J[:, free].T, rcond=RANK_THRESHOLD) @ gradient[free]
+            multipliers = -np.linalg.pinv(J[:, free].T, rcond=self.rank_threshold) @ gradient[free]
             reduced = gradient + J.T @ multipliers
             inward = [j for j in self.at_upper if not free[j] and reduced[j] > 0]
             inward += [j for j in self.at_lower if not free[j] and reduced[j] < 0]
@@ -130,10 +145,10 @@ class Report:
         return free, reduced, multipliers
 
     @property
-    def flatness(self) -> tuple[float, float]:
-        """|J' r| / (|J| |r|) over all joints, and over those that a limit does not keep from following -J' r."""
-        force = self.weighted.T @ self.residual
-        free = np.ones(len(force), dtype=bool)
-        free[[j for j in self.at_upper if force[j] < 0] + [j for j in self.at_lower if force[j] > 0]] = False
+    def relative_gradient(self) -> tuple[float, float]:
+        """|J' r| / (|J| |r|) over all joints, and over those that no limit keeps from following -J' r."""
+        gradient = self.weighted.T @ self.residual
+        free = np.ones(len(gradient), dtype=bool)
+        free[[j for j in self.at_upper if gradient[j] < 0] + [j for j in self.at_lower if gradient[j] > 0]] = False
         scale = float(np.linalg.norm(self.weighted) * np.linalg.norm(self.residual)) or 1.0
-        return float(np.linalg.norm(force)) / scale, float(np.linalg.norm(force[free])) / scale
+        return float(np.linalg.norm(gradient)) / scale, float(np.linalg.norm(gradient[free])) / scale

@@ -45,7 +45,7 @@ def test_failures_stay_in_their_rows():
     ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
     batch = ik.solve_batch([(1.0, 1.0), (9.0, 0.0), (2.0, 1.0)], q0=[0.3, 0.4, 0.5])
     assert batch.converged.tolist() == [True, False, True]
-    assert batch.statuses[1] is jtik.Status.LOCAL_MINIMUM
+    assert batch.status[1] is jtik.Status.LOCAL_MINIMUM
     assert batch.position_error[1] == pytest.approx(6.0, abs=1e-6)
     assert jtik.Status.LOCAL_MINIMUM.value in repr(batch)
 
@@ -68,11 +68,11 @@ def test_several_tasks_and_none():
     assert "0 of 0" in repr(nothing)
 
 
-def test_progress_is_told():
-    told = []
+def test_progress_is_reported():
+    reported = []
     ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
-    ik.solve_batch([(1.0, 1.0), (2.0, 1.0)], progress=lambda done, total: told.append((done, total)))
-    assert told == [(1, 2), (2, 2)]
+    ik.solve_batch([(1.0, 1.0), (2.0, 1.0)], progress=lambda done, total: reported.append((done, total)))
+    assert reported == [(1, 2), (2, 2)]
 
 
 def test_a_bar_is_on_the_terminal_only_when_asked_for(capsys, monkeypatch):

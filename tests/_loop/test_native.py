@@ -1,4 +1,4 @@
-"""The search in C does what the search in Python does, to the last bit, and hands back what it cannot do."""
+"""The search in C gives the result of the search in Python to the last bit, and leaves to it what it cannot do."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ def pair(robot=ARM, kind="pose", strategy="damped", **options):
         jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), strategy=strategy, compiled=True, **options)
         for _ in range(2)
     )
-    assert native._search.native is not None
-    plain._search.native = None
+    assert native._engine.search.native is not None
+    plain._engine.search.native = None
     return native, plain
 
 
@@ -47,7 +47,7 @@ def test_with_a_criterion_too(rng):
         same(native.solve(target, restarts=20), plain.solve(target, restarts=20))
 
 
-def test_what_needs_a_second_order_step_is_handed_back():
+def test_what_needs_a_second_order_step_is_left_to_the_search_in_python():
     native, plain = pair(planar(4), "position", "hybrid")
     for restarts in (0, 5):
         solution = native.solve([2.0, 0.0], q0=np.zeros(4), restarts=restarts)
@@ -55,7 +55,7 @@ def test_what_needs_a_second_order_step_is_handed_back():
         same(solution, plain.solve([2.0, 0.0], q0=np.zeros(4), restarts=restarts))
 
 
-def test_out_of_reach_is_handed_back():
+def test_out_of_reach_is_left_to_the_search_in_python():
     native, plain = pair(planar(4), "position", "hybrid")
     for restarts in (0, 5):
         solution = native.solve([9.0, 1.0], q0=np.full(4, 0.3), restarts=restarts)
@@ -101,7 +101,7 @@ def test_a_batch_in_one_call_is_the_same_as_solving_one_by_one(each, rng):
     targets = [ARM.pose(ARM.random_configuration(rng)) for _ in range(20)]
     lost = np.eye(4)
     lost[:3, 3] = 50.0
-    targets.insert(7, lost)  # handed back
+    targets.insert(7, lost)  # left to the search in Python
     starts = np.array([ARM.random_configuration(rng) for _ in targets])
     batch = native.solve_batch(targets, q0=starts if each else starts[0], restarts=10)
     for i, target in enumerate(targets):

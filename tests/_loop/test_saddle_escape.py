@@ -1,4 +1,4 @@
-"""Singular stalls: a straight or folded arm whose target lies on its own line gets away; a closest posture stays."""
+"""Saddle escapes: a straight or folded arm leaves a saddle point of the error, and stays at a minimum."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_a_folded_arm_reaches_a_target_on_its_own_line(strategy, x):
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
-def test_the_way_out_is_always_the_same(strategy):
+def test_an_escape_is_deterministic(strategy):
     first, again = (solve(STRAIGHT, (2.0, 0.0), strategy, trace=True) for _ in range(2))
     assert first.q.tolist() == again.q.tolist()
     assert first.trace.q.tolist() == again.trace.q.tolist()
@@ -173,14 +173,14 @@ class TestOutOfReach:
 
 
 def test_a_saddle_that_limits_make_inescapable_is_called_singular():
-    """Room for 1e-8 rad is room, but none that brings the tip nearer by more than rounding."""
+    """Limits that leave 1e-8 rad do not let the error fall by more than rounding."""
     robot = jtik.Robot.planar(3, lower=-1e-8, upper=1e-8)
     solution = solve(np.zeros(3), (1.0, 0.0), robot=robot)
     assert solution.status is jtik.Status.SINGULAR
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
-def test_the_way_out_keeps_clear_of_obstacles(side):
+def test_an_escape_keeps_clearances(side):
     """A row of circles beside the arm: the first second-order step that lowers V would sweep through them."""
     field = [jtik.Circle((x, 0.25 * side), 0.15) for x in (0.5, 1.5, 2.5, 3.5)]
     clearance = jtik.Clearance(ObstacleAvoidance(field, bodies="links"), safe=0.05)

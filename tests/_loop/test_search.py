@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik._loop.search import Starts
-from jtik.robot import JointType
 from jtik_formulations import Damped, JointCentering
 
-from ..conftest import dh_arm, floating_arm, planar
+from ..conftest import dh_arm, planar
 
 STRATEGIES = sorted(jtik.strategies)
 
@@ -112,26 +110,6 @@ def test_patience_changes_nothing_for_one_start(strategy):
     before = ik.solve([3.0, 1.0], q0=q0)
     ik.solve([9.0, 1.0], q0=q0, restarts=2)
     assert np.array_equal(before.q, ik.solve([3.0, 1.0], q0=q0).q)
-
-
-class TestStarts:
-    def test_lie_within_the_limits_and_do_not_repeat(self, arm):
-        drawn = np.array([Starts(arm).table(0, 50, np.zeros(7))[k] for k in range(50)])
-        assert (arm.lower <= drawn).all()
-        assert (drawn <= arm.upper).all()
-        assert len(np.unique(drawn[:, 0])) == 50
-        assert (np.ptp(drawn, axis=0) > 0.8 * (arm.upper - arm.lower)).all()
-
-    def test_a_place_without_limits_is_drawn_about_where_the_search_began(self):
-        robot = floating_arm()
-        about = robot.neutral.copy()
-        where = next(robot.q_slice(j.name) for j in robot.independent_joints if j.type is JointType.FREE)
-        about[where.start : where.start + 3] = 100.0, -50.0, 7.0
-        drawn = np.array([Starts(robot).table(1, 20, about)[k] for k in range(20)])
-        offsets = drawn[:, where.start : where.start + 3] - (100.0, -50.0, 7.0)
-        assert np.abs(offsets).max() <= 1.0
-        turns = drawn[:, where.start + 3 : where.stop]
-        assert np.linalg.norm(turns, axis=1) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize(("option", "value"), [("restarts", -1), ("restarts", 1.5), ("seed", -3), ("seed", "a")])

@@ -78,7 +78,7 @@ def test_build_returns_the_qp_and_not_the_computation():
     problem = ik.build(np.array([0.3, 0.4, 0.5]), [1.0, 1.0])
     assert pytest.approx(np.eye(3)) == problem.P
     with pytest.raises(jtik.UnknownNameError, match="inverse"):
-        ik.build(np.zeros(3), [1.0, 1.0], program="inverse")
+        ik.build(np.zeros(3), [1.0, 1.0], qp="inverse")
     alone = jtik.InverseKinematics(planar(3), jtik.FrameTask(), strategy=NumpyNewton(pinv))
     with pytest.raises(jtik.UnknownNameError, match="program"):
         alone.build(np.zeros(3), [1.0, 1.0])

@@ -25,10 +25,10 @@ def both_paths(strategy, q, limit, preferred=None):
         criteria=JointCentering(preferred=preferred),
         strategy=strategy,
     )
-    fused = ik._runner.fused
+    fused = ik._engine.runners.plain.fused
     parts = fused.parts
-    ik._target[:] = planar_points(q)[-1] + 0.01  # a step that no strategy shortens
-    arguments = [q.copy(), *ik._inputs, fused.first_state.copy()]
+    ik._engine.memory.inputs.target[:] = planar_points(q)[-1] + 0.01  # a step that no strategy shortens
+    arguments = [q.copy(), *ik._engine.memory.inputs, fused.first_state.copy()]
     outputs = output_memory(parts.fast_path)
     bind(parts.fast_path, arguments, outputs)()
     ends = parts.stages[-1].n_out()
@@ -72,7 +72,7 @@ def test_a_step_with_clearances_has_no_fast_path():
         strategy="newton+qp",
         clearances=jtik.Clearance(field, safe=0.1),
     )
-    assert ik._runner.fused.parts.fast_path is None
+    assert ik._engine.runners.plain.fused.parts.fast_path is None
 
 
 class Failing(FusedBackend):

@@ -69,7 +69,7 @@ def test_build_needs_a_strategy_with_a_qp_of_that_name():
         ik.build(np.zeros(3), [1.0, 1.0])
     pair = jtik.InverseKinematics(planar(3), jtik.FrameTask(), criteria=JointCentering(), strategy="newton+qp")
     with pytest.raises(jtik.UnknownNameError, match="second"):
-        pair.build(np.zeros(3), [1.0, 1.0], program="second")
+        pair.build(np.zeros(3), [1.0, 1.0], qp="second")
 
 
 class Contradiction(Strategy):
@@ -120,7 +120,7 @@ def test_a_qp_may_use_the_solution_of_the_one_before(solver):
     shortest = np.linalg.pinv(J) @ (target - arm.position(q))
     expected = shortest + (np.eye(4) - np.linalg.pinv(J) @ J) @ np.ones(4)
     assert ik.step(q, target).q - q == pytest.approx(expected, abs=1e-9)
-    assert ik.build(q, target, program="second").b == pytest.approx(target - arm.position(q), abs=1e-9)
+    assert ik.build(q, target, qp="second").b == pytest.approx(target - arm.position(q), abs=1e-9)
 
 
 class TestSolutionWithoutSolver:

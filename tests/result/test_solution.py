@@ -110,31 +110,14 @@ class TestRepr:
         assert "converged" in text
 
 
-class TestTrajectory:
-    def test_an_empty_sum_is_no_surprise_and_lengths_agree(self):
-        ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
-        path = ik.track([(1.0, 1.5), (1.1, 1.5)], q0=[0.3, 0.2, 0.4], dt=0.5)
-        assert len(path) == len(path.q) == len(path.errors) == len(path.statuses) == 2
-        assert path.times.tolist() == [0.5, 1.0]
-        assert path.converged
-        assert "2 of 2 targets reached, 1 s" in repr(path)
+class TestTruth:
+    def test_it_is_true_where_what_was_asked_for_was_achieved(self):
+        ik = jtik.InverseKinematics(planar(3), jtik.FrameTask(), criteria=JointCentering())
+        solved, failed = ik.solve((1.0, 1.5), q0=[0.3, 0.2, 0.4]), ik.solve((9.0, 0.0), q0=[0.3, 0.2, 0.4])
+        assert bool(solved) is solved.converged is True
+        assert bool(failed) is failed.converged is False
 
 
-class TestStatus:
-    def test_each_sentence_is_different(self):
-        sentences = [status.value for status in jtik.Status]
-        assert len(set(sentences)) == len(sentences) == 10
-
-    def test_names(self):
-        assert {status.name for status in jtik.Status} == {
-            "CONVERGED",
-            "REACHED",
-            "LOCAL_MINIMUM",
-            "LIMITS",
-            "SINGULAR",
-            "STALLED",
-            "ITERATION_LIMIT",
-            "UNSOLVED",
-            "BLOCKED",
-            "NOT_FINITE",
-        }
+def test_look_is_the_old_name_of_inspect(solution):
+    with pytest.warns(DeprecationWarning, match=r"^Solution\.look is deprecated: use inspect$"):
+        assert solution.look is solution.inspect

@@ -1,8 +1,8 @@
-"""track's Trajectory: times, positions, velocities, and its files."""
+"""track's Trajectory: times, positions, velocities, errors."""
 
 from __future__ import annotations
 
-import dataclasses
+import pickle
 
 import numpy as np
 import pytest
@@ -46,49 +46,42 @@ def test_velocities_of_a_free_joint_are_those_of_its_tangent():
     assert robot.integrate(q0, 0.5 * path.dq[0]) == pytest.approx(path.q[0])
 
 
-@pytest.mark.parametrize("suffix", [".npz", ".csv"])
-def test_files_bring_it_back_to_the_last_bit(path, suffix, tmp_path):
-    path.save(tmp_path / f"circle{suffix}")
-    again = jtik.Trajectory.load(str(tmp_path / f"circle{suffix}"))
-    for field in dataclasses.fields(path):
-        before, after = getattr(path, field.name), getattr(again, field.name)
-        assert np.array_equal(before, after)
-        assert type(before) is type(after)
-    assert again.dq.dtype == np.float64
+def test_errors_and_status_are_those_of_solutions(path):
+    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
+    for i, target in enumerate(circle(20)):
+        solution = ik.solve(target, q0=path.q[i], max_iterations=0)
+        assert path.position_error[i] == pytest.approx(solution.position_error, abs=1e-15)
+        assert path.orientation_error[i] == solution.orientation_error == 0
+        assert path.error_norm[i] == pytest.approx(np.linalg.norm(solution.error), abs=1e-15)
+        assert path.status[i] is solution.status
+
+
+def test_reached_is_for_each_target_and_converged_for_all():
+    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
+    path = ik.track([(1.0, 1.5), (9.0, 0.0)], q0=[0.3, 0.2, 0.4], dt=0.5)
+    assert path.reached.tolist() == [True, False]
+    assert path.converged is False
+    assert ik.track([(1.0, 1.5)], q0=[0.3, 0.2, 0.4]).converged is True
+
+
+def test_repr_sums_it_up():
+    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
+    path = ik.track([(1.0, 1.5), (1.1, 1.5)], q0=[0.3, 0.2, 0.4], dt=0.5)
+    assert len(path) == len(path.q) == len(path.error_norm) == len(path.status) == 2
+    assert path.times.tolist() == [0.5, 1.0]
+    assert "2 of 2 targets reached, 1 s" in repr(path)
+
+
+@pytest.mark.parametrize(("old", "new"), [("errors", "error_norm"), ("statuses", "status")])
+def test_old_names_warn(path, old, new):
+    with pytest.warns(DeprecationWarning, match=rf"^Trajectory\.{old} is deprecated: use {new}$"):
+        assert getattr(path, old) is getattr(path, new)
+
+
+def test_it_can_be_pickled(path):
+    again = pickle.loads(pickle.dumps(path))
+    assert np.array_equal(again.q, path.q)
     assert repr(again) == repr(path)
-
-
-def test_a_csv_is_a_table_that_others_read(path, tmp_path):
-    path.save(tmp_path / "circle.csv")
-    lines = (tmp_path / "circle.csv").read_text().splitlines()
-    assert lines[0] == "# joints: joint1,joint2,joint3"
-    assert lines[1].startswith("times,q[0],q[1],q[2],dq[0]")
-    table = np.genfromtxt(tmp_path / "circle.csv", delimiter=",", skip_header=1, names=True, dtype=None, encoding=None)
-    assert table["q1"] == pytest.approx(path.q[:, 1])
-
-
-@pytest.mark.parametrize("name", ["path.txt", "path"])
-def test_other_suffixes_are_refused(path, name, tmp_path):
-    with pytest.raises(jtik.ArgumentError, match=r"\.npz or \.csv"):
-        path.save(tmp_path / name)
-    with pytest.raises(jtik.ArgumentError, match=r"\.npz or \.csv"):
-        jtik.Trajectory.load(tmp_path / name)
-
-
-def test_other_files_are_refused(path, tmp_path):
-    (tmp_path / "a.csv").write_text("x,y\n1,2\n")
-    (tmp_path / "b.csv").write_text("# joints: a\ntimes,q[0]\n0.1,0.2\n")
-    (tmp_path / "c.npz").write_bytes(b"not an archive")
-    np.savez(tmp_path / "d.npz", times=np.zeros(2))
-    path.save(tmp_path / "e.csv")
-    (tmp_path / "e.csv").write_text((tmp_path / "e.csv").read_text().replace("CONVERGED", "HAPPY", 1))
-    (tmp_path / "f.csv").write_text("# joints: a\ntimes,q[0]\n0.1\n")
-    for name in "abcdef":
-        suffix = ".npz" if name in "cd" else ".csv"
-        with pytest.raises(jtik.ArgumentError, match=f"{name}{suffix}"):
-            jtik.Trajectory.load(tmp_path / f"{name}{suffix}")
-    with pytest.raises(FileNotFoundError):
-        jtik.Trajectory.load(tmp_path / "missing.csv")
 
 
 def lissajous(robot, k):
@@ -123,7 +116,7 @@ def test_a_curve_too_fast_for_an_arm_is_followed_at_its_limits_and_caught_up_wit
     ik, home = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose")), robot.keyframes["home"]
     curve = list(lissajous(robot, 50))
     path = ik.track([*curve, *[curve[-1]] * 100], q0=home, dt=0.01)
-    reached = [status is jtik.Status.CONVERGED for status in path.statuses]
+    reached = [status is jtik.Status.CONVERGED for status in path.status]
     assert not all(reached[:50])
     assert all(reached[-20:])
     assert (np.abs(path.dq) <= robot.velocity_limit * (1 + 1e-12)).all()

@@ -195,7 +195,7 @@ class TestSteps:
         ik = jtik.InverseKinematics(planar(4), tasks, criteria=JointCentering(), strategy="lexicographic_qp")
         target = {"tip": [2.0, 1.0], "elbow": [1.0, 1.0]}
         for name, rows in (("level 0", 0), ("level 1", 2), ("null-space step", 4)):
-            problem = ik.build([0.3] * 4, target, program=name)
+            problem = ik.build([0.3] * 4, target, qp=name)
             assert (0 if problem.A is None else len(problem.A)) == rows
 
 

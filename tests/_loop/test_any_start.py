@@ -1,4 +1,4 @@
-"""Solves that do not fail: any start, any target, every law, on real arms; a Solution that tells the truth."""
+"""Solves from any start to any target, with every strategy, on real arms: the status of each Solution is correct."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from jtik import Status
 from jtik_formulations import Damped
 
 UNCHECKED = Damped(backtracking=False)
-"""A law that takes every step, wherever it leads."""
+"""A strategy that takes every step, wherever it leads."""
 
-LAWS = [*sorted(jtik.strategies), UNCHECKED]
+ALL_STRATEGIES = [*sorted(jtik.strategies), UNCHECKED]
 DESCENDING = ["damped", "hybrid"]
-"""Laws that promise the closest posture where the target is out of reach."""
+"""Strategies that promise the closest posture where the target is out of reach."""
 
 ARMS = ["panda", "ur5e"]
 TOLERANCE = 1e-6
 """The default one of a solve [m], [rad]."""
 
 
-def called(law):
-    return law if isinstance(law, str) else "unchecked"
+def called(strategy):
+    return strategy if isinstance(strategy, str) else "unchecked"
 
 
 @functools.cache
@@ -35,8 +35,8 @@ def arm(name):
 
 
 @functools.cache
-def solver(name, law, frame="tip", kind="pose", **options):
-    return jtik.InverseKinematics(arm(name), jtik.FrameTask(frame, kind), strategy=law, **options)
+def solver(name, strategy, frame="tip", kind="pose", **options):
+    return jtik.InverseKinematics(arm(name), jtik.FrameTask(frame, kind), strategy=strategy, **options)
 
 
 def starts(robot, rng):
@@ -77,10 +77,10 @@ def assert_true(robot, solution, target):
 
 
 @pytest.mark.parametrize("restarts", [0, 3])
-@pytest.mark.parametrize("law", LAWS, ids=called)
+@pytest.mark.parametrize("strategy", ALL_STRATEGIES, ids=called)
 @pytest.mark.parametrize("name", ARMS)
-def test_from_anywhere_to_anywhere_a_solve_ends_with_the_truth_and_never_goes_out_of_the_limits(name, law, restarts):
-    robot, ik, rng = arm(name), solver(name, law), np.random.default_rng(7)
+def test_from_anywhere_to_anywhere_the_status_is_correct_and_limits_hold(name, strategy, restarts):
+    robot, ik, rng = arm(name), solver(name, strategy), np.random.default_rng(7)
     for _ in range(4):
         for q0 in starts(robot, rng):
             for target in targets(robot, rng):
@@ -91,10 +91,10 @@ def test_from_anywhere_to_anywhere_a_solve_ends_with_the_truth_and_never_goes_ou
                 assert np.isfinite(solution.trace.q).all()
 
 
-@pytest.mark.parametrize("law", LAWS, ids=called)
+@pytest.mark.parametrize("strategy", ALL_STRATEGIES, ids=called)
 @pytest.mark.parametrize("name", ARMS)
-def test_steps_lead_back_and_stay(name, law):
-    robot, ik, rng = arm(name), solver(name, law), np.random.default_rng(8)
+def test_steps_lead_back_and_stay(name, strategy):
+    robot, ik, rng = arm(name), solver(name, strategy), np.random.default_rng(8)
     for q in starts(robot, rng):
         target = robot.pose(robot.random_configuration(rng))
         ik.reset()
@@ -116,11 +116,11 @@ SINGULAR = {
 }
 
 
-@pytest.mark.parametrize("law", LAWS, ids=called)
+@pytest.mark.parametrize("strategy", ALL_STRATEGIES, ids=called)
 @pytest.mark.parametrize("case", SINGULAR)
-def test_singular_poses_are_left_and_come_back_to(case, law):
+def test_singular_poses_are_left_and_come_back_to(case, strategy):
     name, pose, limits = SINGULAR[case]
-    robot, ik, rng = arm(name), solver(name, law, limits=limits), np.random.default_rng(9)
+    robot, ik, rng = arm(name), solver(name, strategy, limits=limits), np.random.default_rng(9)
     sigma = np.linalg.svd(robot.jacobian(pose), compute_uv=False)
     assert sigma[-1] < 1e-12 * sigma[0]
     solved = 0
@@ -132,7 +132,7 @@ def test_singular_poses_are_left_and_come_back_to(case, law):
             assert solution.status is not Status.NOT_FINITE
             solved += solution.converged
     assert ik.solve(robot.pose(pose), q0=pose).iterations == 0
-    if law in DESCENDING:
+    if strategy in DESCENDING:
         assert solved >= 10, solved
 
 
@@ -143,12 +143,12 @@ UPPER_ARM, FOREARM = math.hypot(0.0825, 0.316), math.hypot(0.0825, 0.384)
 
 def shoulder_to_wrist(q4):
     """Distance in a Panda, by the law of cosines [m]."""
-    bend = q4 + math.atan2(0.0825, 0.316) + math.atan2(0.0825, 0.384)
-    return math.sqrt(UPPER_ARM**2 + FOREARM**2 + 2 * UPPER_ARM * FOREARM * math.cos(bend))
+    angle = q4 + math.atan2(0.0825, 0.316) + math.atan2(0.0825, 0.384)
+    return math.sqrt(UPPER_ARM**2 + FOREARM**2 + 2 * UPPER_ARM * FOREARM * math.cos(angle))
 
 
 def direction(rng):
-    """Forwards, where the joints of the shoulder have room, and neither straight up nor far down."""
+    """Forwards, where the joints of the shoulder are within their limits, and neither straight up nor far down."""
     azimuth, elevation = rng.uniform(-2, 2), rng.uniform(-0.1, 1.2)
     around = math.cos(elevation)
     return np.array([around * math.cos(azimuth), around * math.sin(azimuth), math.sin(elevation)])
@@ -171,26 +171,26 @@ class TestOutOfReach:
         assert np.linalg.norm(wrist - self.CASES[1][2]) == pytest.approx(self.CASES[1][3], abs=1e-12)
 
     @pytest.mark.parametrize(("name", "frame", "shoulder", "reach"), CASES)
-    @pytest.mark.parametrize("law", LAWS, ids=called)
-    def test_too_far_is_told_from_the_closest_posture(self, law, name, frame, shoulder, reach):
-        ik, rng = solver(name, law, frame, "position"), np.random.default_rng(0)
+    @pytest.mark.parametrize("strategy", ALL_STRATEGIES, ids=called)
+    def test_too_far_is_told_from_the_closest_posture(self, strategy, name, frame, shoulder, reach):
+        ik, rng = solver(name, strategy, frame, "position"), np.random.default_rng(0)
         q0 = arm(name).keyframes["home"][: ik.robot.n]
         for _ in range(20):
             distance = reach * rng.uniform(1.1, 3)
             target = shoulder + distance * direction(rng)
-            solution = ik.solve(target, q0=q0, max_iterations=5000 if law in DESCENDING else 300)
+            solution = ik.solve(target, q0=q0, max_iterations=5000 if strategy in DESCENDING else 300)
             assert solution.position_error >= distance - reach - 1e-12
             assert not solution.converged
-            if law in DESCENDING:
+            if strategy in DESCENDING:
                 assert solution.status is Status.LOCAL_MINIMUM
                 assert solution.position_error <= distance - reach + 1e-8
             else:
                 assert solution.status in (Status.LOCAL_MINIMUM, Status.STALLED, Status.ITERATION_LIMIT)
 
-    @pytest.mark.parametrize("law", LAWS, ids=called)
-    def test_too_near_is_told_from_the_posture_that_a_limit_holds(self, law):
+    @pytest.mark.parametrize("strategy", ALL_STRATEGIES, ids=called)
+    def test_too_near_is_told_from_the_posture_that_a_limit_holds(self, strategy):
         """The elbow cannot fold so far that the wrist comes to the shoulder."""
-        ik, rng = solver("panda", law, "panda_link5", "position"), np.random.default_rng(3)
+        ik, rng = solver("panda", strategy, "panda_link5", "position"), np.random.default_rng(3)
         q0 = arm("panda").keyframes["home"][: ik.robot.n]
         nearest = shoulder_to_wrist(arm("panda").lower[3])
         for _ in range(6):
@@ -198,25 +198,25 @@ class TestOutOfReach:
             solution = ik.solve(SHOULDER + away * direction(rng), q0=q0)
             assert solution.position_error >= nearest - away - 1e-12
             assert not solution.converged
-            if law in DESCENDING:
+            if strategy in DESCENDING:
                 assert solution.status is Status.LIMITS
                 assert solution.active_limits == ("panda_joint4",)
                 assert solution.position_error <= nearest - away + 1e-8
 
-    @pytest.mark.parametrize("law", DESCENDING)
-    def test_exactly_as_far_as_it_reaches_is_reached(self, law):
+    @pytest.mark.parametrize("strategy", DESCENDING)
+    def test_exactly_as_far_as_it_reaches_is_reached(self, strategy):
         """A double root: the arm is straight there, and the last digits come slowly."""
-        ik, rng = solver("panda", law, "panda_link5", "position"), np.random.default_rng(3)
+        ik, rng = solver("panda", strategy, "panda_link5", "position"), np.random.default_rng(3)
         for _ in range(3):
             target = SHOULDER + (UPPER_ARM + FOREARM - 1e-9) * direction(rng)
             assert ik.solve(target, q0=arm("panda").keyframes["home"][: ik.robot.n]).converged
 
 
 @pytest.mark.parametrize("name", ARMS)
-@pytest.mark.parametrize(("law", "most"), [("damped", 60), ("hybrid", 90), ("newton", 120), (UNCHECKED, 60)])
-def test_from_the_limits_a_hundred_targets_are_found_without_going_round_in_circles(name, law, most):
+@pytest.mark.parametrize(("strategy", "most"), [("damped", 60), ("hybrid", 90), ("newton", 120), (UNCHECKED, 60)])
+def test_from_the_limits_a_hundred_targets_are_found_without_going_round_in_circles(name, strategy, most):
     """Every joint begins at one of its limits; ``most`` is the mean of the calls of all attempts."""
-    robot, ik, rng = arm(name), solver(name, law), np.random.default_rng(5)
+    robot, ik, rng = arm(name), solver(name, strategy), np.random.default_rng(5)
     solutions = []
     for _ in range(100):
         q0 = np.where(rng.random(robot.n) < 0.5, robot.lower, robot.upper)
@@ -227,9 +227,9 @@ def test_from_the_limits_a_hundred_targets_are_found_without_going_round_in_circ
     assert max(iterations) < 12 * most
 
 
-@pytest.mark.parametrize("law", ["damped", "hybrid", "newton"])
-def test_between_limits_the_error_falls_so_that_no_posture_comes_twice(law):
-    robot, ik, rng = arm("panda"), solver("panda", law), np.random.default_rng(6)
+@pytest.mark.parametrize("strategy", ["damped", "hybrid", "newton"])
+def test_between_limits_the_error_falls_so_that_no_posture_comes_twice(strategy):
+    robot, ik, rng = arm("panda"), solver("panda", strategy), np.random.default_rng(6)
     for _ in range(20):
         q0 = np.where(rng.random(7) < 0.5, robot.lower, robot.upper)
         trace = ik.solve(robot.pose(robot.random_configuration(rng)), q0=q0, max_iterations=200, trace=True).trace

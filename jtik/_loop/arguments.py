@@ -1,0 +1,90 @@
+"""Configurations and targets that a solver is given, checked before anything is computed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from jtik.errors import ArgumentError
+from jtik.robot import Robot
+from jtik.task import TaskStack
+from jtik.types import Array
+
+
+class ConfigurationReader:
+    """Reads configurations of one robot.
+
+    Args:
+        robot: the robot.
+        lower: lower limits, (nq,), read where they are whenever a configuration is clamped.
+        upper: upper limits, (nq,), likewise.
+
+    Attributes:
+        vector: whether q is a vector of joint positions, without quaternions.
+    """
+
+    def __init__(self, robot: Robot, lower: Array, upper: Array) -> None:
+        self._robot, self._lower, self._upper = robot, lower, upper
+        self._shape = (robot.nq,)
+        self.vector = robot.nq == robot.n
+
+    def read(self, argument: str, q: Any) -> Array:
+        """The configuration given, or the neutral one for None, (nq,).
+
+        Raises:
+            ArgumentError: for a wrong shape, NaN, infinity or a zero quaternion, naming ``argument``.
+        """
+        if q is None:
+            return self._robot.neutral
+        if self.vector and type(q) is np.ndarray and q.shape == self._shape and q.dtype == np.float64:
+            usual: Array = q
+            if math.isfinite(usual.sum()):
+                return usual
+        return self._robot.configuration(q, argument=argument)
+
+    def table(self, argument: str, q: Any, count: int) -> list[Array]:
+        """One configuration for all of ``count`` solves, or one for each.
+
+        Raises:
+            ArgumentError: for another number of configurations, or one that `read` refuses.
+        """
+        if not _several(q):
+            return [self.read(argument, q)]
+        if len(q) != count:
+            accepted = f"one configuration of shape {self._shape} for all targets, or {count}, one for each"
+            raise ArgumentError(argument, f"{len(q)} configurations", accepted)
+        return [self.read(f"{argument}[{i}]", row) for i, row in enumerate(q)]
+
+    def clamped(self, q: Array) -> Array:
+        """A copy of the configuration, clamped to the limits."""
+        scalar = self._robot.scalar_q
+        q = q.copy()
+        q[scalar] = np.clip(q[scalar], self._lower[scalar], self._upper[scalar])
+        return q
+
+
+def _several(q: Any) -> bool:
+    """Whether these are several configurations rather than one."""
+    if isinstance(q, (list, tuple)):
+        return any(hasattr(row, "__len__") and not isinstance(row, str) for row in q)
+    return not isinstance(q, Mapping) and np.ndim(q) > 1
+
+
+def read_targets(tasks: TaskStack, targets: Iterable[Any]) -> tuple[list[Any], list[Array]]:
+    """The targets as they were given, and the numbers of each; all are checked.
+
+    Raises:
+        ArgumentError: naming the target, such as ``targets[3]``.
+    """
+    given = list(targets)
+    numbers = []
+    for i, target in enumerate(given):
+        try:
+            numbers.append(tasks.read_target(target))
+        except ArgumentError as error:
+            inner = error.argument.removeprefix("target")
+            raise ArgumentError(f"targets[{i}]{inner}", error.given, error.accepted) from None
+    return given, numbers

@@ -1,0 +1,69 @@
+"""Solvers that are fixed once built, and copied and pickled by the arguments they were built from."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from collections.abc import Mapping
+from typing import Any, Self, TypeVar
+
+from jtik.criterion import Parameters
+from jtik.errors import ImmutableError, JtikError
+from jtik.types import Array
+
+Solver = TypeVar("Solver", bound="FixedSolver")
+
+INSTEAD = {"parameters": "assign ik.parameters[name]", "tasks": "build a new InverseKinematics(..., task=...)"}
+"""What to do instead of assigning an attribute; for an argument of the constructor it follows from its name."""
+
+
+class FixedSolver:
+    """Base of a solver: its attributes cannot be assigned, and a copy is built from its arguments and parameters.
+
+    Attributes:
+        parameters: the live parameters.
+    """
+
+    parameters: Parameters
+    _arguments: Mapping[str, Any] | None = None
+
+    def _fix(self, arguments: Mapping[str, Any]) -> None:
+        """End the construction: from now on nothing can be assigned."""
+        self._arguments = arguments
+
+    def __setattr__(self, attribute: str, value: object) -> None:
+        if self._arguments is not None:
+            instead = INSTEAD.get(attribute, "use a variable of your own")
+            if attribute in self._arguments:
+                instead = f"build a new InverseKinematics(..., {attribute}=...)"
+            raise ImmutableError("this InverseKinematics", attribute, instead)
+        super().__setattr__(attribute, value)
+
+    def __delattr__(self, attribute: str) -> None:
+        raise ImmutableError("this InverseKinematics", attribute, "build a new one")
+
+    def __copy__(self) -> Self:
+        return _rebuilt(type(self), self._arguments or {}, self.parameters)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        return _rebuilt(type(self), copy.deepcopy(dict(self._arguments or {}), memo), self.parameters)
+
+    def __reduce_ex__(self, protocol: Any) -> tuple[Any, ...]:
+        arguments = dict(self._arguments or {})
+        for name, value in arguments.items():
+            try:
+                pickle.dumps(value)
+            except (pickle.PicklingError, AttributeError, TypeError) as error:
+                raise JtikError(
+                    f"this InverseKinematics cannot be pickled, because its {name} cannot: {error}; "
+                    "define classes and functions at the top level of a module"
+                ) from error
+        return _rebuilt, (type(self), arguments, dict(self.parameters))
+
+
+def _rebuilt(kind: type[Solver], arguments: Mapping[str, Any], parameters: Mapping[str, Array]) -> Solver:
+    """A solver with these arguments and parameters."""
+    solver = kind(**arguments)
+    for name, value in parameters.items():
+        solver.parameters[name] = value
+    return solver

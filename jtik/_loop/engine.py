@@ -1,0 +1,100 @@
+"""The engine of a solver: its compiled functions, their memory, and what runs on them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jtik._loop.arguments import ConfigurationReader
+from jtik._loop.exclusive import ExclusiveUse
+from jtik._loop.inspection import Inspector
+from jtik._loop.native import NativeSearch
+from jtik._loop.runners import Runners
+from jtik._loop.saddle_escape import SaddleEscape
+from jtik._loop.search import Search
+from jtik._loop.solving import Solving
+from jtik._loop.stepping import Stepping
+from jtik._step.inputs import InputMemory
+from jtik._step.symbolic_problem import SymbolicProblem
+from jtik.constraints.limits import Bounds
+from jtik.errors import ArgumentError
+from jtik.qp import Backend, as_problem, backend_of
+from jtik.registry import supporting_clearances
+from jtik.strategy import Strategy
+
+if TYPE_CHECKING:
+    import qpsolvers
+
+
+class Engine:
+    """Assembles what `InverseKinematics` runs.
+
+    Args:
+        problem: robot, tasks, criteria and clearances.
+        strategy: the strategy.
+        solver: what solves its QPs, or None for the default.
+        bounds: limits of position, velocity and acceleration.
+        compiled: whether the step runs as generated C.
+
+    Attributes:
+        problem: robot, tasks, criteria and clearances.
+        memory: the inputs of `solve`.
+        runners: the fused step in its variants.
+        configurations: reads configurations.
+        search: finds the configuration for a target.
+        stepping: what ``step`` runs.
+        solving: what ``solve``, ``solve_batch`` and ``track`` run.
+
+    Raises:
+        ArgumentError: for clearances that the strategy does not support, or a solver that it does not use.
+    """
+
+    def __init__(
+        self, problem: SymbolicProblem, strategy: Strategy, solver: str | Backend | None, bounds: Bounds, compiled: bool
+    ) -> None:
+        self.problem, self._strategy = problem, strategy
+        robot, tasks, clearances = problem.robot, problem.tasks, problem.clearances
+        if clearances and not strategy.supports_clearances():
+            given = f"{list(clearances)!r} with strategy={strategy!r}"
+            raise ArgumentError("clearances", given, supporting_clearances())
+        backend: Backend | None = None
+        if strategy.uses_qp(problem.has_criterion or bool(clearances)):
+            backend = backend_of(solver)
+        elif solver is not None:
+            raise ArgumentError("solver", solver, f"none: {strategy!r} uses no quadratic program here")
+        self.memory = InputMemory(tasks.target_size, problem.terms.parameters, bounds.lower, bounds.upper)
+        inputs = self.memory.inputs
+        self.runners = Runners(problem, strategy, backend, bounds=bounds, memory=self.memory, compiled=compiled)
+        self.configurations = ConfigurationReader(robot, inputs.lower, inputs.upper)
+        self._exclusive = ExclusiveUse()
+        escape = SaddleEscape(problem)
+        inspector = Inspector(problem, escape, self.runners)
+        self.search = Search(robot, escape, inputs)
+        plain = self.runners.plain
+        if plain.fused.library:
+            self.search.native = NativeSearch(plain.fused.library, plain, inputs)
+        self.stepping = Stepping(
+            robot,
+            tasks,
+            self.runners,
+            self.configurations,
+            escape=escape,
+            inspector=inspector,
+            exclusive=self._exclusive,
+        )
+        self.solving = Solving(
+            problem, self.runners, self.search, self.configurations, inspector=inspector, exclusive=self._exclusive
+        )
+
+    def build(self, q: Any, target: Any, qp: str | None) -> qpsolvers.Problem:
+        """A quadratic program of a first step, as `InverseKinematics.build` describes it."""
+        plain = self.runners.plain
+        parts = plain.fused.parts
+        if parts is None:
+            accepted = "one that uses quadratic programs, such as 'newton+qp' with a criterion"
+            raise ArgumentError("strategy", self._strategy, accepted)
+        with self._exclusive:
+            self.memory.inputs.target[:] = self.problem.tasks.read_target(target)
+            start = self.configurations.clamped(self.configurations.read("q", q))
+            numbers = parts.program(qp, [start, *self.runners.step_inputs, plain.first_state])
+            problem: qpsolvers.Problem = as_problem(numbers)[0]
+            return problem

@@ -1,0 +1,178 @@
+"""The inspection of a configuration: its report, its status and what was relaxed, each computed when asked for."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+
+from jtik._loop.runners import Runners
+from jtik._loop.saddle_escape import FLAT, NEGATIVE, SaddleEscape
+from jtik._step.inputs import Inputs, Settings
+from jtik._step.stopping import Code
+from jtik._step.symbolic_problem import SymbolicProblem
+from jtik.constraints.limits import AT_LIMIT
+from jtik.result.relaxation import Relaxation
+from jtik.result.report import Report
+from jtik.result.status import Status
+from jtik.symbolic.compile import CompiledFunction
+from jtik.symbolic.factorization import RANK_THRESHOLD
+from jtik.types import Array
+
+
+class Inspector:
+    """Evaluates a problem at a configuration, for the inputs it is given.
+
+    A report may be read in another thread than the one that solves: one evaluation waits for the other.
+    """
+
+    def __init__(self, problem: SymbolicProblem, escape: SaddleEscape, runners: Runners) -> None:
+        self._problem, self._runners = problem, runners
+        self._lowest_curvature = escape.lowest_curvature
+        self._evaluate = CompiledFunction(problem.report())
+        self._error = CompiledFunction(problem.error)
+        self._linear = np.array(problem.linear, dtype=bool)
+        self._q_index = np.array([i for i, _ in problem.bounded], dtype=int)
+        self._v_index = np.array([j for _, j in problem.bounded], dtype=int)
+        self._criteria = [name for name, _, _ in problem.terms.named]
+        robot = problem.robot
+        self._joints = {robot.v_slice(name).start: name for name in robot.joint_names}
+        self._unused: Callable[[Any], str | None] = getattr(problem.tasks, "unused", lambda target: None)
+        self._lock = threading.RLock()
+
+    @cached_property
+    def _clearance(self) -> CompiledFunction:
+        return CompiledFunction(self._problem.clearance)
+
+    @cached_property
+    def _hessian(self) -> CompiledFunction:
+        return CompiledFunction(self._problem.hessian())
+
+    def snapshot(self, q: Array, target: Any) -> Inspection:
+        """The inspection of ``q`` for the target and parameters as they are now, whatever is solved next."""
+        return Inspection(self, q, self._runners.memory.numbers.copy(), target)
+
+    def current(self, q: Array) -> Inspection:
+        """The inspection of ``q``, to be used before the inputs change."""
+        return Inspection(self, q, self._runners.memory.numbers, None)
+
+    def report(self, q: Array, numbers: Array, target: Any) -> Report:
+        """The report of ``q``.
+
+        Args:
+            q: configuration, (nq,).
+            numbers: the inputs, one after the other, as in `InputMemory`.
+            target: the target as it was given, of which the report says what is not used; None to leave that out.
+        """
+        inputs = self._runners.memory.views(numbers)
+        with self._lock:
+            evaluated = self._evaluate(q, inputs.target, inputs.parameters)
+        error, jacobian, values, gradient, residual, weighted = evaluated
+        at_upper: tuple[int, ...] = ()
+        at_lower: tuple[int, ...] = ()
+        if self._q_index.size:
+            own = q[self._q_index]
+            at_upper = tuple(self._v_index[own >= inputs.upper[self._q_index] - AT_LIMIT].tolist())
+            at_lower = tuple(self._v_index[own <= inputs.lower[self._q_index] + AT_LIMIT].tolist())
+        settings = Settings(*inputs.settings.tolist())
+        relaxes = bool(self._runners.relaxation.entries)
+        return Report(
+            error=error[:, 0],
+            jacobian=jacobian,
+            linear=self._linear,
+            residual=residual[:, 0],
+            weighted=weighted,
+            values=dict(zip(self._criteria, values[:, 0].tolist(), strict=True)),
+            gradient=gradient[:, 0],
+            at_upper=at_upper,
+            at_lower=at_lower,
+            active_limits=tuple(self._joints[j] for j in sorted({*at_upper, *at_lower})),
+            tolerances=(settings.position_tolerance, settings.orientation_tolerance, settings.optimality_tolerance),
+            rank_threshold=RANK_THRESHOLD,
+            unused=None if target is None else self._unused(target),
+            curvature=partial(self._curvature, q, inputs) if self._criteria else None,
+            relaxations=partial(self._relaxations, q, inputs) if relaxes else None,
+        )
+
+    def errors(self, q: Array, inputs: Inputs[Array]) -> tuple[float, float]:
+        """Norms of the position rows [m] and of the orientation rows [rad] at q."""
+        error = self.error(q, inputs)
+        return float(np.linalg.norm(error[self._linear])), float(np.linalg.norm(error[~self._linear]))
+
+    def error(self, q: Array, inputs: Inputs[Array]) -> Array:
+        """The task error at q, (m,)."""
+        with self._lock:
+            return self._error(q, inputs.target)[0][:, 0]
+
+    def status(self, q: Array, code: Code, numbers: Array, report: Callable[[], Report]) -> Status:
+        """Why a solve ended at ``q`` with the last code of its steps, in the order in which a user would ask."""
+        if code is Code.DONE and not self._criteria:
+            return Status.CONVERGED  # the step has tested it
+        found = report()
+        if code is Code.NOT_FINITE or not found.finite:
+            return Status.NOT_FINITE
+        if code is Code.UNSOLVED and not found.reached:
+            return Status.UNSOLVED
+        if found.reached:
+            # whether clearances keep the criterion from falling is in the step's own test, not in the report
+            stationary = code is Code.DONE if self._problem.clearances else found.stationary
+            return Status.CONVERGED if not self._criteria or stationary else Status.REACHED
+        if code is Code.GO_ON:
+            return Status.ITERATION_LIMIT
+        inputs = self._runners.memory.views(numbers)
+        if self._blocked(q, inputs):
+            return Status.BLOCKED
+        of_all, of_free = found.relative_gradient
+        if of_all > FLAT:
+            return Status.LIMITS if of_free <= FLAT else Status.STALLED
+        lowest = self._lowest_curvature(q, inputs)[0]
+        # beside a minimum, curvatures that are zero at it can be negative by as much as the relative gradient
+        return Status.LOCAL_MINIMUM if lowest > -max(NEGATIVE, of_all) else Status.SINGULAR
+
+    def _curvature(self, q: Array, inputs: Inputs[Array], multipliers: Array) -> Array:
+        """The Hessian of the Lagrangian, (n, n)."""
+        with self._lock:
+            return self._hessian(q, inputs.target, inputs.parameters, multipliers)[0]
+
+    def _blocked(self, q: Array, inputs: Inputs[Array]) -> bool:
+        """Whether a clearance is as small as its rows let it become."""
+        if not self._problem.clearances:
+            return False
+        distance, _, figures = self._clearance(q, inputs.parameters)
+        margin = figures[:, 1] - figures[:, 0]
+        return bool((distance[:, 0] < figures[:, 1] + margin).any())
+
+    def _relaxations(self, q: Array, inputs: Inputs[Array]) -> tuple[Relaxation, ...]:
+        """What the strategy's first step from q relaxes."""
+        with self._lock:
+            witness = self._runners.witness
+            for memory, part in zip(witness.inputs, inputs, strict=True):
+                memory[:] = part
+            witness.start(q)
+            witness.calls[0]()
+            if witness.view[0] == Code.UNSOLVED:
+                return ()
+            return self._runners.relaxation.relaxed(witness.record[witness.fused.record.slices["relaxed"]])
+
+
+class Inspection:
+    """What there is to say about one configuration. Calling it gives its `report`."""
+
+    def __init__(self, inspector: Inspector, q: Array, numbers: Array, target: Any) -> None:
+        self._inspector, self._q, self._numbers, self._target = inspector, q, numbers, target
+
+    @cached_property
+    def report(self) -> Report:
+        """Task and criteria there, as numbers."""
+        return self._inspector.report(self._q, self._numbers, self._target)
+
+    def __call__(self) -> Report:
+        """The `report`."""
+        return self.report
+
+    def status(self, code: Code) -> Status:
+        """Why a solve ended there with this last code."""
+        return self._inspector.status(self._q, code, self._numbers, self)

@@ -1,0 +1,111 @@
+"""The runners of a solver: its fused step on memory of its own, in the variants that solve, step and trace need."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from jtik._loop import native
+from jtik._loop.runner import Runner
+from jtik._step.fused import FusedStep, fused_step
+from jtik._step.inputs import InputMemory, Inputs, Settings
+from jtik._step.relaxation import RelaxationTerms
+from jtik._step.symbolic_problem import SymbolicProblem
+from jtik.constraints.limits import Bounds
+from jtik.constraints.step_box import StepBox, box_function
+from jtik.qp import Backend
+from jtik.strategy import Strategy
+from jtik.symbolic import Function
+from jtik.symbolic.compile import to_c
+from jtik.types import Array
+
+
+class Runners:
+    """Makes the runners of a solver, each when it is first needed.
+
+    Args:
+        problem: what the solver solves.
+        strategy: its strategy.
+        backend: what solves the QPs of a strategy that has any.
+        bounds: limits of position, velocity and acceleration.
+        memory: the inputs of `solve`.
+        compiled: whether the step runs as generated C.
+
+    Attributes:
+        memory: the inputs of `solve`.
+        plain: the runner of `solve`.
+        step_inputs: the inputs of `step`: those of `solve`, with settings of their own.
+    """
+
+    def __init__(
+        self,
+        problem: SymbolicProblem,
+        strategy: Strategy,
+        backend: Backend | None,
+        *,
+        bounds: Bounds,
+        memory: InputMemory,
+        compiled: bool,
+    ) -> None:
+        self._problem, self._strategy, self._backend = problem, strategy, backend
+        self._bounds, self._compiled = bounds, compiled
+        self.memory = memory
+        self.plain = self._runner(self._fused(), memory.inputs)
+        self.step_inputs = memory.inputs._replace(settings=np.array(Settings()))
+
+    @property
+    def relaxation(self) -> RelaxationTerms:
+        """What a step may relax."""
+        return self.plain.fused.relaxation
+
+    @cached_property
+    def arriving(self) -> Runner:
+        """The runner of `step`: the errors it gives are always those where the step arrives."""
+        return self._started(self._runner(self._arriving, self.step_inputs))
+
+    @cached_property
+    def timed(self) -> tuple[Runner, StepBox]:
+        """The runner of ``step(dt=)``: as `arriving`, within a box on the step that it owns."""
+        lower, upper = self._bounds.lower.copy(), self._bounds.upper.copy()
+        runner = self._runner(self._arriving, self.step_inputs._replace(lower=lower, upper=upper))
+        return self._started(runner), StepBox(self._bounds, self._box_function, lower, upper)
+
+    @cached_property
+    def recording(self) -> Runner:
+        """The runner of ``solve(trace=True)``: it gives the figures of a trace."""
+        fused = fused_step(self._problem, self._strategy, backend=self._backend, recorded=True)
+        return self._runner(fused, self.memory.inputs)
+
+    @cached_property
+    def witness(self) -> Runner:
+        """As `recording`, on inputs that are copied into it: for a look at one step beside a solve."""
+        inputs: Inputs[Array] = Inputs(*[np.zeros_like(part) for part in self.memory.inputs])
+        return self._runner(self.recording.fused, inputs)
+
+    def tracking_box(self) -> StepBox:
+        """The box on each step of a path, written into the inputs of `solve`."""
+        inputs = self.memory.inputs
+        return StepBox(self._bounds, self._box_function, inputs.lower, inputs.upper)
+
+    def _runner(self, fused: FusedStep, inputs: Inputs[Array]) -> Runner:
+        return Runner(fused, inputs, self._problem.robot.nq)
+
+    def _started(self, runner: Runner) -> Runner:
+        runner.start(self._problem.robot.neutral)
+        return runner
+
+    def _fused(self, *, arriving: bool = False) -> FusedStep:
+        fused = fused_step(self._problem, self._strategy, backend=self._backend, arriving=arriving)
+        return fused.compiled(native.source(fused.state)) if self._compiled else fused
+
+    @cached_property
+    def _arriving(self) -> FusedStep:
+        """The fused step whose errors are those where it arrives."""
+        evaluated = self._strategy.evaluates_candidate(self._problem.has_criterion)
+        return self.plain.fused if evaluated else self._fused(arriving=True)
+
+    @cached_property
+    def _box_function(self) -> Function:
+        box = box_function(self._bounds)
+        return to_c(box) if self._compiled else box

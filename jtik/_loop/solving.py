@@ -1,0 +1,194 @@
+"""Solving: what `InverseKinematics.solve`, ``solve_batch`` and ``track`` run."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from jtik._loop.arguments import ConfigurationReader, read_targets
+from jtik._loop.batch import BatchEntry, collect
+from jtik._loop.exclusive import ExclusiveUse, in_use
+from jtik._loop.inspection import Inspection, Inspector
+from jtik._loop.options import read_request, read_settings
+from jtik._loop.recording import TraceRecorder
+from jtik._loop.runners import Runners
+from jtik._loop.search import Request, Search, SearchResult
+from jtik._loop.tracking import follow
+from jtik._step.stopping import Code
+from jtik._step.symbolic_problem import SymbolicProblem
+from jtik.errors import ArgumentError, positive_number
+from jtik.progress import Progress, watched
+from jtik.result.batch import SolutionBatch
+from jtik.result.report import Report
+from jtik.result.solution import Solution
+from jtik.result.status import Status, is_success
+from jtik.result.trajectory import Trajectory
+from jtik.types import Array
+
+Options = tuple[int, int | None, int, tuple[float, float, float], str]
+"""restarts, seed, max_iterations, tolerances of position, orientation and optimality, until."""
+
+_FLOAT = np.dtype(np.float64)
+
+
+class Solving:
+    """Searches for a target, and makes a Solution of where they end."""
+
+    def __init__(
+        self,
+        problem: SymbolicProblem,
+        runners: Runners,
+        search: Search,
+        configurations: ConfigurationReader,
+        *,
+        inspector: Inspector,
+        exclusive: ExclusiveUse,
+    ) -> None:
+        self._robot, self._tasks, self._has_criterion = problem.robot, problem.tasks, problem.has_criterion
+        self._runners, self._search, self._inspector = runners, search, inspector
+        self._configurations, self._exclusive = configurations, exclusive
+        self._enter, self._leave = exclusive.acquire, exclusive.release
+        self._memory = runners.memory
+        self._target = self._memory.inputs.target
+        self._plain_target = self._target.shape if self._tasks.plain else None
+        self._options: tuple[Any, ...] = ()
+        self._prepared: tuple[Any, ...] = ()
+        self._request = Request(0, 0, 0)
+
+    def solve(self, target: Any, q0: Any, options: Options, trace: bool) -> Solution:
+        """Iterate to the target, as `InverseKinematics.solve` describes it."""
+        begin = time.perf_counter()
+        if not self._enter(False):
+            raise in_use()
+        try:
+            if options == self._prepared and not trace:
+                solution = self._natively(target, q0, begin)
+                if solution is not None:
+                    return solution
+            self._target[:] = self._tasks.read_target(target)
+            start = self._configurations.read("q0", q0)
+            request = self._requested(options)
+            recorder = TraceRecorder(self._runners.recording) if trace else None
+            found, status, inspection = self._found(start, request, target, recorder)
+            return Solution.of(
+                q=found.q,
+                status=status,
+                converged=is_success(status, options[-1]),
+                iterations=found.iterations,
+                escapes=found.escapes,
+                restarts=found.restarts,
+                seconds=time.perf_counter() - begin,
+                inspect=inspection,
+                trace=recorder.trace(found.q, self._error) if recorder else None,
+            )
+        finally:
+            self._leave()
+
+    def solve_batch(self, targets: Iterable[Any], q0: Any, options: Options, progress: Progress) -> SolutionBatch:
+        """Solve for each target by itself, as `InverseKinematics.solve_batch` describes it."""
+        with self._exclusive:
+            given, numbers = read_targets(self._tasks, targets)
+            starts = self._configurations.table("q0", q0, len(numbers))
+            request = self._requested(options)
+            table = np.array(numbers).reshape(len(numbers), len(self._target))
+            native = self._search.find_all(table, np.array(starts), request) if progress is False else None
+
+            def solve(i: int) -> BatchEntry:
+                begin = time.perf_counter()
+                self._target[:] = numbers[i]
+                found, seconds = native[i] if native else (None, 0.0)
+                if found is None:
+                    found, status, _ = self._found(starts[i % len(starts)], request, given[i])
+                else:
+                    status = self._inspector.current(found.q).status(found.code)
+                seconds += time.perf_counter() - begin
+                errors = found.errors or self._inspector.errors(found.q, self._memory.inputs)
+                return BatchEntry(found, status, is_success(status, options[-1]), errors, seconds)
+
+            entries = [solve(i) for i in watched(range(len(numbers)), progress, "targets")]
+            memory = self._memory.numbers.copy()
+
+            def inspect(row: int) -> Report:
+                inputs = memory.copy()
+                self._memory.views(inputs).target[:] = numbers[row]
+                return self._inspector.report(entries[row].found.q.copy(), inputs, given[row])
+
+            return collect(entries, targets=numbers, nq=self._robot.nq, inspect=inspect)
+
+    def track(self, targets: Iterable[Any], q0: Any, dt: float, options: Options) -> Trajectory:
+        """Follow a path of targets, as `InverseKinematics.track` describes it."""
+        with self._exclusive:
+            given, _ = read_targets(self._tasks, targets)
+            if not given:
+                raise ArgumentError("targets", "none", "at least one target")
+            start, dt = self._configurations.read("q0", q0), positive_number("dt", dt)
+
+            def solve(target: Any, q: Array) -> Solution:
+                return self.solve(target, q, options, False)
+
+            return follow(self._robot, given, start, dt, self._runners.tracking_box(), solve, self._moved)
+
+    def _requested(self, options: Options) -> Request:
+        """What a search may use, and its tolerances where the step reads them; read again when they change."""
+        if self._options != options:
+            self._options = self._prepared = ()
+            self._request = read_request(*options[:3])
+            self._memory.inputs.settings[:] = read_settings(*options[3], options[4])
+            self._options = options
+            if not self._has_criterion and self._search.prepare(self._request):
+                self._prepared = options
+        return self._request
+
+    def _natively(self, target: Any, q0: Any, begin: float) -> Solution | None:
+        """The usual solve of a compiled solver without a criterion, in as little Python as possible.
+
+        None where anything is not usual: no native search, q0, or how the search ended.
+        """
+        native, start = self._search.native, self._robot.neutral if q0 is None else q0
+        if native is None or type(start) is not np.ndarray or start.shape != native.q0.shape:
+            return None
+        if type(target) is np.ndarray and target.dtype is _FLOAT and target.shape == self._plain_target:
+            self._target[:] = target  # where it is not finite the search does not end in DONE
+        else:
+            self._target[:] = self._tasks.read_target(target)
+        native.q0[:] = start
+        if native.again() != Code.DONE:
+            return None
+        iterations, restarts, at = native.tally.tolist()
+        q = native.runner.q[at].copy()
+        return Solution.of(
+            q=q,
+            status=Status.CONVERGED,
+            converged=True,
+            iterations=iterations,
+            escapes=0,
+            restarts=restarts,
+            seconds=time.perf_counter() - begin,
+            inspect=partial(self._inspector.report, q, self._memory.numbers.copy(), target),
+            trace=None,
+        )
+
+    def _found(
+        self, start: Array, request: Request, target: Any, recorder: TraceRecorder | None = None
+    ) -> tuple[SearchResult, Status, Inspection]:
+        """Search for the target that is in memory; where it ended, why, and the inspection of that."""
+        if recorder or request.limit == 0:
+            start = self._configurations.clamped(start)  # else the step does it
+        runner = recorder.runner if recorder else self._runners.plain
+        found = self._search.find(runner, start, request, recorder)
+        inspection = self._inspector.snapshot(found.q, target)
+        return found, inspection.status(found.code), inspection
+
+    def _error(self, q: Array) -> Array:
+        """The task error at q for the target that is in memory, (m,)."""
+        return self._inspector.error(q, self._memory.inputs)
+
+    def _moved(self, solution: Solution, q: Array) -> Solution:
+        """The solution for another configuration and the same target."""
+        inspection = self._inspector.snapshot(q, None)
+        return replace(solution, q=q, inspect=inspection, status=inspection.status(Code.GO_ON))

@@ -1,0 +1,115 @@
+"""Stepping: what `InverseKinematics.step` runs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from jtik._loop.arguments import ConfigurationReader
+from jtik._loop.exclusive import ExclusiveUse, in_use
+from jtik._loop.inspection import Inspector
+from jtik._loop.runner import Runner
+from jtik._loop.runners import Runners
+from jtik._loop.saddle_escape import SaddleEscape
+from jtik._step.stopping import Code
+from jtik.constraints.step_box import StepBox
+from jtik.result.step import Step
+from jtik.robot import Robot
+from jtik.task import TaskStack
+
+_new_tuple = tuple.__new__
+
+
+class Stepping:
+    """One update a call; the state of the strategy is kept from call to call."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        tasks: TaskStack,
+        runners: Runners,
+        configurations: ConfigurationReader,
+        *,
+        escape: SaddleEscape,
+        inspector: Inspector,
+        exclusive: ExclusiveUse,
+    ) -> None:
+        self._robot, self._tasks, self._runners = robot, tasks, runners
+        self._read, self._vector = configurations.read, configurations.vector
+        self._escape, self._inspector = escape, inspector
+        self._enter, self._leave = exclusive.acquire, exclusive.release
+        self._target = runners.memory.inputs.target
+        # a target of this shape is copied as it is; only a step that is not finite has its arguments read
+        self._plain_target = self._target.shape if tasks.plain else None
+        self._arriving: Runner | None = None
+        self._timed: tuple[Runner, StepBox] | None = None
+
+    def step(self, q: Any, target: Any, dt: float | None) -> Step:
+        """One update, as `InverseKinematics.step` describes it."""
+        if not self._enter(False):
+            raise in_use()
+        try:
+            if dt is None:
+                runner, box = self._arriving or self._first(), None
+            else:
+                runner, box = self._timed or self._first_timed()
+            if type(target) is np.ndarray and target.shape == self._plain_target:
+                self._target[:] = target
+            else:
+                self._target[:] = self._tasks.read_target(target)
+            at = runner.at
+            memory = runner.q[at]
+            if self._vector and type(q) is np.ndarray and q.shape == memory.shape:
+                memory[:] = q
+            else:
+                memory[:] = self._read("q", q)
+            if box is not None and dt is not None:
+                box.narrow(memory, dt)
+            runner.calls[at]()
+            after = runner.q[1 - at]
+            position: float
+            orientation: float
+            code, tried, accepted, position, orientation, _ = runner.view
+            if tried:
+                runner.at = 1 - at
+            elif code == Code.NOT_FINITE:  # perhaps an argument is not, which was copied as it is
+                self._read("q", q)
+                self._tasks.read_target(target)
+            moved, done, escaped = accepted == 1.0, code == 1.0, False
+            if code == Code.STALLED:
+                escaped = self._escape.escape(after, runner.inputs)
+                runner.start(after)
+                moved = False
+                position, orientation = self._inspector.errors(after, runner.inputs)
+            if box is not None:
+                allowed = box.slowed(after)
+                if allowed is not after:
+                    after, done = allowed, False
+                    position, orientation = self._inspector.errors(allowed, runner.inputs)
+                box.moved(after)
+            return _new_tuple(Step, (after.copy(), position, orientation, moved, done, escaped))
+        finally:
+            self._leave()
+
+    def reset(self) -> None:
+        """Forget the state of the strategy and the last step."""
+        if not self._enter(False):
+            raise in_use()
+        try:
+            if self._arriving is not None:
+                self._arriving.start(self._robot.neutral)
+            if self._timed is not None:
+                runner, box = self._timed
+                runner.start(self._robot.neutral)
+                box.rest()
+        finally:
+            self._leave()
+
+    def _first(self) -> Runner:
+        self._arriving = self._runners.arriving
+        return self._arriving
+
+    def _first_timed(self) -> tuple[Runner, StepBox]:
+        self._timed = self._runners.timed
+        return self._timed

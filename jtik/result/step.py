@@ -1,0 +1,27 @@
+"""One update, for controllers."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from jtik.types import Array
+
+
+class Step(NamedTuple):
+    """One update, for controllers.
+
+    Attributes:
+        q: configuration after the step, (nq,) [rad] and [m].
+        position_error: norm of the position error there [m].
+        orientation_error: norm of the orientation error there [rad].
+        accepted: whether the step was taken; a refused one leaves q, and the next call tries a smaller one.
+        done: whether nothing is left to do at the default tolerances.
+        escaped: whether the step was a saddle escape.
+    """
+
+    q: Array
+    position_error: float
+    orientation_error: float
+    accepted: bool
+    done: bool
+    escaped: bool

@@ -1,0 +1,50 @@
+"""The iterations of a solve."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from jtik.types import Array
+
+
+@dataclass(frozen=True)
+class Trace:
+    """The iterations of a solve. Row k belongs to the call of the step that started at ``q[k]``.
+
+    Each figure can also be read as an attribute, such as ``trace.V``. All have shape (iterations,):
+
+    - ``V``: the Lyapunov function of the task.
+    - ``H``: the weighted sum of the criteria.
+    - ``V2``: the Lyapunov function of the null-space motion (Das 1988).
+    - ``alpha``, ``beta``: gains of the task step and of the null-space step; NaN for a strategy without such a gain.
+    - ``predicted_decrease``, ``actual_decrease``: of V.
+    - ``accepted``: 1 where the step was taken.
+    - ``null_residual``: norm of the criterion's gradient in the null space of the task.
+    - ``sigma_min``: smallest singular value of the weighted Jacobian of the joints that were free to move.
+    - ``leakage``: ``|J nu| / |nu|`` of the null-space step nu; NaN where ``|nu|`` is below 1e-8.
+    - ``step_length``: norm of the displacement [rad] and [m].
+    - ``escaped``: 1 where the iteration ended in a saddle escape.
+    - ``attempt``: 0 for the attempt from the caller's q0, then one more for each restart.
+    - ``too_near``: with clearances, the most by which a distance falls short of safe + margin [m].
+    - ``task_share``: with clearances, the fraction of the task step that they allow.
+    - ``slack``: with elastic rows of a quadratic program, the largest amount by which one was relaxed.
+
+    Attributes:
+        q: configurations, (iterations + 1, nq); the last row is where the solve ended.
+        error: norm of the task error at ``q[k]``, [m] and [rad] together, (iterations + 1,).
+        figures: the figures above, by name.
+    """
+
+    q: Array
+    error: Array
+    figures: Mapping[str, Array]
+
+    def __getattr__(self, name: str) -> Array:
+        figures: Mapping[str, Array] = object.__getattribute__(self, "figures")
+        if name in figures:
+            return figures[name]
+        raise AttributeError(f"a trace has q, error, {', '.join(figures)}; not {name!r}")
+
+    def __len__(self) -> int:
+        return len(self.q) - 1

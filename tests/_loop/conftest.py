@@ -1,0 +1,15 @@
+"""Solvers that the tests of the loop share."""
+
+from __future__ import annotations
+
+import jtik
+
+STRATEGIES = sorted(jtik.strategies)
+
+FIELD = [jtik.Circle((4.0, 2.0), 0.6), jtik.Circle((6.5, -1.0), 0.8)]
+"""Two obstacles for a planar arm of ten links."""
+
+
+def solver(robot, *, kind="position", **options):
+    """A solver for the tip of a robot."""
+    return jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), **options)

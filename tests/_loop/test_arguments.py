@@ -1,0 +1,88 @@
+"""Configurations, targets and tolerances that are refused, and what is read as one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import jtik
+
+from ..conftest import ball_arm, planar
+from .conftest import solver
+
+
+class TestRefusals:
+    @pytest.mark.parametrize("q", [[0.1], [0.1] * 3, 0.1, [[0.1, 0.2]], [0.1, np.nan], [np.inf, 0], "ab", [0.1, None]])
+    def test_a_configuration_of_another_shape_or_not_finite_by_name(self, q):
+        ik = solver(planar(2))
+        for call, name in (
+            (lambda: ik.solve([1.0, 1.0], q0=q), "q0"),
+            (lambda: ik.step(q, [1.0, 1.0]), "q"),
+            (lambda: ik.track([[1.0, 1.0]], q0=q), "q0"),
+        ):
+            with pytest.raises(jtik.ArgumentError, match=r"shape \(2,\)") as caught:
+                call()
+            assert caught.value.argument == name
+
+    @pytest.mark.parametrize("dtype", [np.float32, np.int64, bool])
+    def test_other_numbers_are_read_as_floats(self, dtype):
+        ik = solver(planar(2))
+        q = np.array([1, 0], dtype=dtype)
+        assert ik.step(q, np.array([1, 1], dtype=np.float32)).q.tolist() == ik.step([1.0, 0.0], [1.0, 1.0]).q.tolist()
+
+    @pytest.mark.parametrize("name", ["position_tolerance", "orientation_tolerance", "optimality_tolerance"])
+    @pytest.mark.parametrize("value", [0.0, -1e-6, np.nan, np.inf, "small", [1e-6, 1e-6]])
+    def test_tolerances_are_finite_and_positive(self, name, value):
+        with pytest.raises(jtik.ArgumentError) as caught:
+            solver(planar(2)).solve([1.0, 1.0], **{name: value})
+        assert caught.value.argument == name
+
+    @pytest.mark.parametrize("robot", [None, "planar", 3])
+    def test_what_is_no_robot(self, robot):
+        with pytest.raises(jtik.ArgumentError, match="robot.*a jtik.Robot"):
+            solver(robot)
+
+    def test_limits_that_are_crossed(self):
+        with pytest.raises(jtik.ArgumentError, match="limits"):
+            jtik.Robot.planar(2, lower=[0.0, 1.0], upper=[1.0, 0.0])
+
+    def test_a_zero_quaternion(self):
+        robot = ball_arm()
+        q0 = robot.neutral.copy()
+        q0[:4] = 0
+        with pytest.raises(jtik.ArgumentError, match="quaternion"):
+            solver(robot).solve([0.5, 0.5, 0.5], q0=q0)
+        with pytest.raises(jtik.ArgumentError, match="quaternion"):
+            solver(robot).step(q0, [0.5, 0.5, 0.5])
+
+    def test_a_refusal_leaves_the_solver_as_it_was(self):
+        ik, q0 = solver(planar(3)), [0.3, 0.2, 0.1]
+        before = ik.solve([1.0, 1.0], q0=q0).q.tolist()
+        for wrong in (
+            {"q0": [np.nan] * 3},
+            {"position_tolerance": -1},
+            {"max_iterations": -1},
+            {"until": "x"},
+        ):
+            with pytest.raises(jtik.ArgumentError):
+                ik.solve([2.0, 0.0], **wrong)
+        with pytest.raises(jtik.ArgumentError):
+            ik.solve([np.nan, 0.0])
+        assert ik.solve([1.0, 1.0], q0=q0).q.tolist() == before
+
+    def test_a_controllers_arrays_are_checked_as_lists_are(self):
+        """The fast way for arrays must not let NaN, infinity or another shape through."""
+        ik = solver(planar(2))
+        good, target = np.array([0.1, 0.2]), np.array([1.0, 1.0])
+        for q, x, name in (
+            (np.array([np.nan, 0.0]), target, "q"),
+            (np.array([-np.inf, 0.0]), target, "q"),
+            (np.zeros(3), target, "q"),
+            (np.zeros((2, 1)), target, "q"),
+            (good, np.array([np.nan, 0.0]), "target"),
+            (good, np.array([np.inf, 0.0]), "target"),
+            (good, np.zeros(3), "target"),
+        ):
+            with pytest.raises(jtik.ArgumentError) as caught:
+                ik.step(q, x)
+            assert caught.value.argument == name

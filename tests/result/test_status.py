@@ -1,0 +1,35 @@
+"""Status: a sentence for each reason, and which of them are success."""
+
+from __future__ import annotations
+
+import pytest
+
+from jtik import Status
+from jtik.result.status import is_success
+
+
+def test_each_sentence_is_different():
+    sentences = [status.value for status in Status]
+    assert len(set(sentences)) == len(sentences) == 10
+    assert all(len(sentence.split()) > 3 for sentence in sentences)
+
+
+def test_names():
+    assert {status.name for status in Status} == {
+        "CONVERGED",
+        "REACHED",
+        "LOCAL_MINIMUM",
+        "LIMITS",
+        "SINGULAR",
+        "STALLED",
+        "ITERATION_LIMIT",
+        "UNSOLVED",
+        "BLOCKED",
+        "NOT_FINITE",
+    }
+
+
+@pytest.mark.parametrize("status", Status)
+def test_only_arrival_is_success(status):
+    assert is_success(status, "stationary") == (status is Status.CONVERGED)
+    assert is_success(status, "reached") == (status in (Status.CONVERGED, Status.REACHED)) == status.on_target
