@@ -72,6 +72,7 @@ SHOWN = (
     "condition",
     "active_limits",
     "relaxed",
+    "unused",
     "seconds",
 )
 """What of a Solution the JSON holds."""
