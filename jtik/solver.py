@@ -198,7 +198,7 @@ class InverseKinematics(LockedJoints, FixedSolver):
     def build(
         self, q: ArrayLike, target: Any, *, qp: str | None = None, program: str | None = None
     ) -> qpsolvers.Problem:
-        """A quadratic program of a first step from ``q``, to look at or to solve elsewhere.
+        """A quadratic program of a first step from ``q``, to inspect or to solve elsewhere.
 
         Args:
             q: configuration, (nq,).

@@ -40,6 +40,7 @@ class Inspector:
         self._criteria = [name for name, _, _ in problem.terms.named]
         robot = problem.robot
         self._joints = {robot.v_slice(name).start: name for name in robot.joint_names}
+        # a task stack without `unused` reports nothing
         self._unused: Callable[[Any], str | None] = getattr(problem.tasks, "unused", lambda target: None)
         self._lock = threading.RLock()
 

@@ -79,7 +79,7 @@ class Runners:
 
     @cached_property
     def witness(self) -> Runner:
-        """As `recording`, on inputs that are copied into it: for a look at one step beside a solve."""
+        """As `recording`, on inputs that are copied into it: for inspecting one step beside a solve."""
         inputs: Inputs[Array] = Inputs(*[np.zeros_like(part) for part in self.memory.inputs])
         return self._runner(self.recording.fused, inputs)
 

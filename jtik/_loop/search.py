@@ -146,7 +146,7 @@ class Search:
     def _native_find(
         self, native: NativeSearch, q0: Array, starts: Array | None, request: Request
     ) -> SearchResult | None:
-        """The search in C; None where it hands back to the search in Python."""
+        """The search in C; None where the search in Python has to begin again."""
         code = native.find(q0, self._address(starts), request.restarts, request.limit, PATIENCE)
         if code < 0:
             return None

@@ -77,6 +77,7 @@ SHOWN = (
     "condition",
     "active_limits",
     "relaxed",
+    "unused",
     "seconds",
 )
 """Attributes of a Solution that the JSON has."""
