@@ -40,8 +40,6 @@ class Inspector:
         self._criteria = [name for name, _, _ in problem.terms.named]
         robot = problem.robot
         self._joints = {robot.v_slice(name).start: name for name in robot.joint_names}
-        # a task stack without `unused` reports nothing
-        self._unused: Callable[[Any], str | None] = getattr(problem.tasks, "unused", lambda target: None)
         self._lock = threading.RLock()
 
     @cached_property
@@ -93,7 +91,7 @@ class Inspector:
             active_limits=tuple(self._joints[j] for j in sorted({*at_upper, *at_lower})),
             tolerances=(settings.position_tolerance, settings.orientation_tolerance, settings.optimality_tolerance),
             rank_threshold=RANK_THRESHOLD,
-            unused=None if target is None else self._unused(target),
+            unused=None if target is None else self._problem.tasks.unused(target),
             curvature=partial(self._curvature, q, inputs) if self._criteria else None,
             relaxations=partial(self._relaxations, q, inputs) if relaxes else None,
         )

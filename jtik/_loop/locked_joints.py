@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik.errors import ArgumentError
@@ -47,10 +46,7 @@ class LockedJoints:
         Raises:
             ArgumentError: for a wrong shape, NaN or infinity.
         """
-        part, full = self.robot.configuration(q), self._locked.copy()
-        for joint in self.robot.joint_names:
-            full[self._full.q_slice(joint)] = part[self.robot.q_slice(joint)]
-        return full
+        return self.robot.configuration(q) if self.robot is self._full else self.robot.full_configuration(q)
 
     def reduced(self, q: ArrayLike) -> Array:
         """The configuration of `robot` within a ``q`` of the full robot; the locked joints are left out.
@@ -61,8 +57,7 @@ class LockedJoints:
         Raises:
             ArgumentError: for a wrong shape, NaN or infinity.
         """
-        full = self._full.configuration(q)
-        return np.concatenate([full[self._full.q_slice(joint)] for joint in self.robot.joint_names])
+        return self.robot.configuration(q) if self.robot is self._full else self.robot.reduced(q)
 
     def whole(self, q: ArrayLike) -> Array:
         """Deprecated: use `full_configuration`."""

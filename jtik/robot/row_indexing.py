@@ -38,6 +38,10 @@ class _RowIndexing:
         """The transpose, which is read by rows, too."""
         return by_rows(super().T)  # type: ignore[misc]
 
+    def __array_function__(self, func: Any, types: Any, args: Any, kwargs: Any) -> Any:
+        plain = _plain(self)  # CasADi answers NumPy for its own types only
+        return plain.__array_function__(func, (type(plain),), [_plain(each) for each in args], kwargs)
+
 
 class RowIndexedSX(_RowIndexing, SX):  # type: ignore[misc]
     """A ``casadi.SX`` that a single index reads by rows."""
@@ -45,6 +49,15 @@ class RowIndexedSX(_RowIndexing, SX):  # type: ignore[misc]
 
 class RowIndexedMX(_RowIndexing, MX):  # type: ignore[misc]
     """A ``casadi.MX`` that a single index reads by rows."""
+
+
+def _plain(value: Any) -> Any:
+    """CasADi's own type for a matrix read by rows, also inside a list; anything else as it is."""
+    if isinstance(value, RowIndexedSX):
+        return SX(value)
+    if isinstance(value, RowIndexedMX):
+        return MX(value)
+    return type(value)(map(_plain, value)) if type(value) in (list, tuple) else value
 
 
 def by_rows(matrix: Expression) -> Expression:

@@ -93,5 +93,5 @@ def test_joints_that_do_not_move_the_task_are_refused(gripper):
         jtik.InverseKinematics(gripper, jtik.FrameTask(), joints=["joint1", "joint9"])
     with pytest.raises(jtik.ArgumentError, match="at"):
         jtik.InverseKinematics(gripper, jtik.FrameTask(), at=[0.0])
-    with pytest.raises(jtik.ArgumentError, match=r"q0.*\(3,\)"):
-        jtik.InverseKinematics(gripper, jtik.FrameTask()).solve([1.0, 1.0], q0=np.zeros(4))
+    with pytest.raises(jtik.ArgumentError, match=r"q0.*3 numbers for ik\.robot, or 4 for the full robot"):
+        jtik.InverseKinematics(gripper, jtik.FrameTask()).solve([1.0, 1.0], q0=np.zeros(5))
