@@ -147,14 +147,14 @@ class Inspector:
     def _relaxations(self, q: Array, inputs: Inputs[Array]) -> tuple[Relaxation, ...]:
         """What the strategy's first step from q relaxes."""
         with self._lock:
-            witness = self._runners.witness
-            for memory, part in zip(witness.inputs, inputs, strict=True):
+            runner = self._runners.inspection
+            for memory, part in zip(runner.inputs, inputs, strict=True):
                 memory[:] = part
-            witness.start(q)
-            witness.calls[0]()
-            if witness.view[0] == Code.UNSOLVED:
+            runner.start(q)
+            runner.calls[0]()
+            if runner.view[0] == Code.UNSOLVED:
                 return ()
-            return self._runners.relaxation.relaxed(witness.record[witness.fused.record.slices["relaxed"]])
+            return self._runners.relaxation.relaxed(runner.record[runner.fused.record.slices["relaxed"]])
 
 
 class Inspection:

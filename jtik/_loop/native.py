@@ -130,7 +130,7 @@ class NativeSearch:
         runner: the runner.
         q0: where a search begins, (nq,).
         tally: iterations, restarts used, and which memory of the runner holds q, after a search.
-        again: the search that `prepare` has described, without arguments.
+        run_prepared: the search that `prepare` has described, without arguments.
     """
 
     def __init__(self, library: Library, runner: Runner, inputs: Inputs[Array]) -> None:
@@ -153,13 +153,13 @@ class NativeSearch:
         self._call.restype = ctypes.c_longlong
         self._address = self._context.ctypes.data
         self._starts: Array | None = None
-        self.again: Callable[[], int] = partial(self._call, self._address, None, 0, 0, math.inf)
+        self.run_prepared: Callable[[], int] = partial(self._call, self._address, None, 0, 0, math.inf)
         self._batch = getattr(ctypes.CDLL(library.path), f"{library.name}_batch")
         self._batch.argtypes = [*self._call.argtypes, ctypes.c_void_p]
         self._batch.restype = None
 
     def prepare(self, starts: Array | None, restarts: int, limit: int, patience: float) -> None:
-        """Make ``again()`` the search from what is in `q0` when it is called; it returns what `find` returns.
+        """Make ``run_prepared()`` the search from what is in `q0` when it is called; it returns what `find` returns.
 
         Args:
             starts: the restart configurations, (restarts, nq); None without restarts.
@@ -169,7 +169,7 @@ class NativeSearch:
         """
         address = None if starts is None else starts.ctypes.data
         self._starts = starts  # kept alive
-        self.again = partial(self._call, self._address, address, restarts, limit, patience)
+        self.run_prepared = partial(self._call, self._address, address, restarts, limit, patience)
 
     def find(self, q0: Array, starts: int | None, restarts: int, limit: int, patience: float) -> int:
         """Search from ``q0``.

@@ -27,7 +27,7 @@ PATIENCE = 4.0
 """Calls without progress after which an attempt that a restart can replace ends."""
 
 
-class Request(NamedTuple):
+class SearchOptions(NamedTuple):
     """What a search may use.
 
     Attributes:
@@ -74,7 +74,9 @@ class Search:
         self.native: NativeSearch | None = None
         self._addressed: tuple[Array | None, int] = (None, 0)
 
-    def find(self, runner: Runner, q0: Array, request: Request, recorder: TraceRecorder | None = None) -> SearchResult:
+    def find(
+        self, runner: Runner, q0: Array, request: SearchOptions, recorder: TraceRecorder | None = None
+    ) -> SearchResult:
         """Search from ``q0`` (nq,), then from the restart configurations."""
         limit, restarts, seed = request
         starts = self._restarts.table(seed, restarts, q0) if restarts else None
@@ -118,15 +120,17 @@ class Search:
         _, q, code = min(finals, key=lambda final: final[0])
         return SearchResult(q, code, iterations, escapes, restarts)
 
-    def prepare(self, request: Request) -> bool:
-        """Make ``native.again()`` the search for this request; False where it cannot be."""
+    def prepare(self, request: SearchOptions) -> bool:
+        """Make ``native.run_prepared()`` the search for this request; False where it cannot be."""
         if self.native is None or self._restarts.depend_on_start or request.limit == 0:
             return False
         starts = self._restarts.table(request.seed, request.restarts, self.native.q0) if request.restarts else None
         self.native.prepare(starts, request.restarts, request.limit, PATIENCE)
         return True
 
-    def find_all(self, targets: Array, q0: Array, request: Request) -> list[tuple[SearchResult | None, float]] | None:
+    def find_all(
+        self, targets: Array, q0: Array, request: SearchOptions
+    ) -> list[tuple[SearchResult | None, float]] | None:
         """Searches for each row of ``targets`` in one call, with their times [s]; None without the search in C.
 
         A row without a result needs `find`.
@@ -144,7 +148,7 @@ class Search:
         return found
 
     def _native_find(
-        self, native: NativeSearch, q0: Array, starts: Array | None, request: Request
+        self, native: NativeSearch, q0: Array, starts: Array | None, request: SearchOptions
     ) -> SearchResult | None:
         """The search in C; None where the search in Python has to begin again."""
         code = native.find(q0, self._address(starts), request.restarts, request.limit, PATIENCE)

@@ -14,10 +14,10 @@ from jtik._loop.arguments import ConfigurationReader, read_targets
 from jtik._loop.batch import BatchEntry, collect
 from jtik._loop.exclusive import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspection, Inspector
-from jtik._loop.options import read_request, read_settings
+from jtik._loop.options import read_search_options, read_settings
 from jtik._loop.recording import TraceRecorder
 from jtik._loop.runners import Runners
-from jtik._loop.search import Request, Search, SearchResult
+from jtik._loop.search import Search, SearchOptions, SearchResult
 from jtik._loop.tracking import follow
 from jtik._step.stopping import Code
 from jtik._step.symbolic_problem import SymbolicProblem
@@ -58,7 +58,7 @@ class Solving:
         self._plain_target = self._target.shape if self._tasks.plain else None
         self._options: tuple[Any, ...] = ()
         self._prepared: tuple[Any, ...] = ()
-        self._request = Request(0, 0, 0)
+        self._request = SearchOptions(0, 0, 0)
 
     def solve(self, target: Any, q0: Any, options: Options, trace: bool) -> Solution:
         """Iterate to the target, as `InverseKinematics.solve` describes it."""
@@ -73,7 +73,7 @@ class Solving:
             self._target[:] = self._tasks.read_target(target)
             start = self._configurations.read("q0", q0)
             request = self._requested(options)
-            recorder = TraceRecorder(self._runners.recording) if trace else None
+            recorder = TraceRecorder(self._runners.traced_solve) if trace else None
             found, status, inspection = self._found(start, request, target, recorder)
             return Solution.of(
                 q=found.q,
@@ -133,11 +133,11 @@ class Solving:
 
             return follow(self._robot, given, start, dt, self._runners.tracking_box(), solve, self._moved)
 
-    def _requested(self, options: Options) -> Request:
+    def _requested(self, options: Options) -> SearchOptions:
         """What a search may use, and its tolerances where the step reads them; read again when they change."""
         if self._options != options:
             self._options = self._prepared = ()
-            self._request = read_request(*options[:3])
+            self._request = read_search_options(*options[:3])
             self._memory.inputs.settings[:] = read_settings(*options[3], options[4])
             self._options = options
             if not self._has_criterion and self._search.prepare(self._request):
@@ -157,7 +157,7 @@ class Solving:
         else:
             self._target[:] = self._tasks.read_target(target)
         native.q0[:] = start
-        if native.again() != Code.DONE:
+        if native.run_prepared() != Code.DONE:
             return None
         iterations, restarts, at = native.tally.tolist()
         q = native.runner.q[at].copy()
@@ -174,12 +174,12 @@ class Solving:
         )
 
     def _found(
-        self, start: Array, request: Request, target: Any, recorder: TraceRecorder | None = None
+        self, start: Array, request: SearchOptions, target: Any, recorder: TraceRecorder | None = None
     ) -> tuple[SearchResult, Status, Inspection]:
         """Search for the target that is in memory; where it ended, why, and the inspection of that."""
         if recorder or request.limit == 0:
             start = self._configurations.clamped(start)  # else the step does it
-        runner = recorder.runner if recorder else self._runners.plain
+        runner = recorder.runner if recorder else self._runners.solve
         found = self._search.find(runner, start, request, recorder)
         inspection = self._inspector.snapshot(found.q, target)
         return found, inspection.status(found.code), inspection

@@ -42,7 +42,7 @@ class Stepping:
         self._target = runners.memory.inputs.target
         # a target of this shape is copied as it is; only a step that is not finite has its arguments read
         self._plain_target = self._target.shape if tasks.plain else None
-        self._arriving: Runner | None = None
+        self._untimed: Runner | None = None
         self._timed: tuple[Runner, StepBox] | None = None
 
     def step(self, q: Any, target: Any, dt: float | None) -> Step:
@@ -51,7 +51,7 @@ class Stepping:
             raise in_use()
         try:
             if dt is None:
-                runner, box = self._arriving or self._first(), None
+                runner, box = self._untimed or self._first(), None
             else:
                 runner, box = self._timed or self._first_timed()
             if type(target) is np.ndarray and target.shape == self._plain_target:
@@ -97,8 +97,8 @@ class Stepping:
         if not self._enter(False):
             raise in_use()
         try:
-            if self._arriving is not None:
-                self._arriving.start(self._robot.neutral)
+            if self._untimed is not None:
+                self._untimed.start(self._robot.neutral)
             if self._timed is not None:
                 runner, box = self._timed
                 runner.start(self._robot.neutral)
@@ -107,9 +107,9 @@ class Stepping:
             self._leave()
 
     def _first(self) -> Runner:
-        self._arriving = self._runners.arriving
-        return self._arriving
+        self._untimed = self._runners.step
+        return self._untimed
 
     def _first_timed(self) -> tuple[Runner, StepBox]:
-        self._timed = self._runners.timed
+        self._timed = self._runners.timed_step
         return self._timed

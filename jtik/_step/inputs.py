@@ -1,4 +1,4 @@
-"""What the compiled step reads besides q and its state: one named structure, as symbols and as memory."""
+"""The inputs of the compiled step besides q and its state: one named structure, as symbols and as memory."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ SETTING = Settings(*range(len(Settings._fields)))
 
 
 class Inputs(NamedTuple, Generic[T]):
-    """Arguments of the compiled step between q and state, in the order in which it takes them.
+    """Arguments of the compiled step between q and state, in their order.
 
     Attributes:
         target: target of the tasks, (target size,).
@@ -57,7 +57,7 @@ class Inputs(NamedTuple, Generic[T]):
 
 
 class InputMemory:
-    """The inputs as numbers in one piece of memory, so that a copy of all of them is one copy.
+    """The inputs as numbers in one contiguous array, which is copied at once.
 
     Attributes:
         numbers: all inputs, one after the other.

@@ -37,4 +37,5 @@ def figures_of(
 
 
 def _rows(value: Expression) -> int:
+    """Number of rows of a column; 1 for a number."""
     return int(getattr(value, "shape", (1, 1))[0])

@@ -34,8 +34,8 @@ class Elastic:
 
     Args:
         penalty: penalty weight of a unit of slack, positive, in the QP's unit of cost over the row's unit.
-        max_slack: upper bound of the slack, non-negative, in the row's unit. ``max(-lower, 0)`` and the like are just
-            enough to keep x = 0 feasible.
+        max_slack: upper bound of the slack, non-negative, in the row's unit. ``max(-lower, 0)`` and the like are the
+            smallest with which x = 0 is feasible.
         curvature: weight of the quadratic penalty, positive, so that several relaxed rows share the slack;
             ``penalty`` by default.
         price: deprecated name of ``penalty``.

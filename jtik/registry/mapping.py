@@ -104,17 +104,17 @@ class Registry(Mapping[str, type[T]], Generic[T]):
         self._load_built_in()
         return sorted({*self._classes, *self._plugins.untried})
 
-    def rows(self) -> list[table.Row]:
+    def rows(self) -> list[table.TableRow]:
         """The rows of the table. A plugin that cannot be loaded has one, too, which says why; this does not warn."""
         self._load_built_in()
         self._plugins.load_all()
         broken = [
-            table.Row(error.plugin, f"could not be loaded: {' '.join(error.reason.split())}", error.distribution)
+            table.TableRow(error.plugin, f"could not be loaded: {' '.join(error.reason.split())}", error.distribution)
             for error in self._plugins.broken
         ]
         return sorted([*table.rows(self._classes), *broken])
 
-    def _table(self) -> tuple[str, list[table.Row]]:
+    def _table(self) -> tuple[str, list[table.TableRow]]:
         rows = self.rows()
         broken = len(rows) - len(self._classes)
         return f"{self._title}: {len(self._classes)}{f', and {broken} broken' if broken else ''}", rows

@@ -16,7 +16,7 @@ MIN_SOURCE = 30
 """Width that the source column has at least, if it needs it; the summaries get the rest."""
 
 
-class Row(NamedTuple):
+class TableRow(NamedTuple):
     """One registered class, as lists show it.
 
     Attributes:
@@ -30,15 +30,15 @@ class Row(NamedTuple):
     source: str
 
 
-HEADINGS = Row("name", "what it does", "source")
+HEADINGS = TableRow("name", "what it does", "source")
 
 
-def rows(registered: Mapping[str, type]) -> list[Row]:
+def rows(registered: Mapping[str, type]) -> list[TableRow]:
     """One row a class, in the mapping's order."""
     found = []
     for name, plugin in registered.items():
         summary = getattr(plugin, "summary", "") or (plugin.__doc__ or "").strip().partition("\n")[0]
-        found.append(Row(name, _one_line(summary), _one_line(getattr(plugin, "source", ""))))
+        found.append(TableRow(name, _one_line(summary), _one_line(getattr(plugin, "source", ""))))
     return found
 
 

@@ -13,7 +13,7 @@ from jtik.robot import skeleton
 from jtik.robot.body import Mass, masses_on, shapes_on
 from jtik.robot.builders import Builders
 from jtik.robot.evaluator import Evaluator
-from jtik.robot.kinematics import Kinematics, Rows, jacobian_rows
+from jtik.robot.kinematics import JacobianRows, Kinematics, jacobian_rows
 from jtik.robot.layout import Layout
 from jtik.robot.space import ConfigurationSpace
 from jtik.robot.subset import Reduction, locked_joints
@@ -256,7 +256,7 @@ class Robot(ConfigurationSpace, Builders):
         """
         return self._evaluator.of_frame("position", q, frame)
 
-    def jacobian(self, q: Expression, frame: str | None = None, *, rows: Rows = None) -> Any:
+    def jacobian(self, q: Expression, frame: str | None = None, *, rows: JacobianRows = None) -> Any:
         """The geometric Jacobian of the frame's origin, in base axes.
 
         Symbolic results are indexed by rows, as NumPy arrays are: ``J[:3]`` has shape (3, n).

@@ -77,10 +77,10 @@ def twin(m, n):
     J, xdot, lower, upper, _ = inputs(m, n)
     recorder = QPRecorder(1e-7)
     task = ScalingProgram.at_rest(recorder.solve, lower, upper).with_task(J, xdot)
-    (recorded,) = recorder.programs
+    (recorded,) = recorder.calls
     program = casadi.Function("program", [J, xdot, lower, upper], recorded.data())
-    solver = Conic().function(n, recorded.program.row_count)
-    after = casadi.Function("after", [J, xdot, lower, upper, *recorded.answers], [task.x, task.scale])
+    solver = Conic().function(n, recorded.qp.row_count)
+    after = casadi.Function("after", [J, xdot, lower, upper, *recorded.result_symbols], [task.x, task.scale])
     return lambda *arguments: [np.array(value).ravel() for value in after(*arguments, *solver(*program(*arguments)))]
 
 

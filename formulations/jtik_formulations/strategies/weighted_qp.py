@@ -120,7 +120,7 @@ class WeightedQP(Programmed):
 
 def _limits_active(solution: QPSolution) -> Expression:
     """1 where a limit or a row is active in the step."""
-    program = solution.program
+    program = solution.qp
     multipliers = [fabs(solution.box_multipliers[j]) for j in range(program.size)]
     for group in program.rows:
         of_rows = solution.multipliers(group.name)
