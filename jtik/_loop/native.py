@@ -1,7 +1,7 @@
 """The native search: attempts and restarts of a solve in one call of C, for a step in generated C.
 
-It gives the result of `jtik._loop.search` to the last bit. Where an attempt stalls at a pose that may be singular, or
-none arrives, it stops without a result, and the search in Python begins again.
+Its results are bitwise equal to those of `jtik._loop.search`. Where an attempt stalls at a configuration that may be
+singular, or no attempt reaches the target, it stops without a result, and the search starts again in Python.
 """
 
 from __future__ import annotations
@@ -159,7 +159,7 @@ class NativeSearch:
         self._batch.restype = None
 
     def prepare(self, starts: Array | None, restarts: int, limit: int, patience: float) -> None:
-        """Make ``run_prepared()`` the search from what is in `q0` when it is called; it returns what `find` returns.
+        """Set the options of ``run_prepared()``, which searches from the content of `q0` and returns as `find` does.
 
         Args:
             starts: the restart configurations, (restarts, nq); None without restarts.

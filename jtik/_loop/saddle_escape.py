@@ -1,6 +1,6 @@
 """The saddle escape: a step along a direction of negative curvature of V, from a pose where its gradient is zero.
 
-At a straight arm whose target lies on its own line, J' r = 0 with r != 0. The Hessian of V says whether that is a
+At a straight arm whose target lies on its own line, J' r = 0 with r != 0. The Hessian of V shows whether that is a
 minimum or a saddle point; along its most negative eigenvector V falls to second order. The escape is deterministic: no
 noise is added. It keeps limits and clearances, as any step does. See formulations/singular_escape.md.
 """
@@ -24,7 +24,7 @@ FIRST_STEP = 0.5
 """Length of the first step tried along the eigenvector [rad]; halved until V falls."""
 
 HALVINGS = 20
-"""Times the first step is halved at most."""
+"""Maximum number of times that the first step is halved."""
 
 PROJECTIONS = 100
 """Projected power iterations for the direction of most negative curvature among those that limits allow."""
@@ -66,14 +66,14 @@ class SaddleEscape:
         v = symbol("v", problem.robot.n)
         limits = symbol("lower", problem.robot.nq), symbol("upper", problem.robot.nq)
         model = clearance_model(problem, q, problem.clearance(q, parameters), parameters, limits)
-        return CompiledFunction(function("supports_clearances", [q, v, parameters, *limits], [model.keeps(v)]))
+        return CompiledFunction(function("clearances_hold", [q, v, parameters, *limits], [model.keeps(v)]))
 
     def lowest_curvature(self, q: Array, inputs: Inputs[Array]) -> tuple[float, Array, Array]:
         """The direction of most negative curvature of V that the limits allow.
 
         Joints inside their limits are considered first. Only where their lowest eigenvalue is not negative are joints
         at a limit considered as well, each in the direction in which it can still move. Where V can fall to first
-        order, the curvature given is 0: there is nothing to escape from.
+        order, the curvature returned is 0, because no escape is needed.
 
         Returns:
             v' (d2V/dv2) v relative to the largest eigenvalue; the unit direction v, (n,); and dH/dv, (n,).
@@ -105,7 +105,7 @@ class SaddleEscape:
         return lowest, best, criterion[:, 0]
 
     def escape(self, q: Array, inputs: Inputs[Array]) -> bool:
-        """Leave a saddle point of V.
+        """Move q away from a saddle point of V.
 
         Args:
             q: configuration, (nq,), changed in place.

@@ -22,7 +22,7 @@ _new_tuple = tuple.__new__
 
 
 class Stepping:
-    """One update a call; the state of the strategy is kept from call to call."""
+    """One update per call; the state of the strategy is kept from call to call."""
 
     def __init__(
         self,
@@ -40,8 +40,8 @@ class Stepping:
         self._escape, self._inspector = escape, inspector
         self._enter, self._leave = exclusive.acquire, exclusive.release
         self._target = runners.memory.inputs.target
-        # a target of this shape is copied as it is; only a step that is not finite has its arguments read
-        self._plain_target = self._target.shape if tasks.plain else None
+        # a target of this shape is copied without a check; arguments are checked after a step that is not finite
+        self._vector_shape = self._target.shape if tasks.target_is_vector else None
         self._untimed: Runner | None = None
         self._timed: tuple[Runner, StepBox] | None = None
 
@@ -54,7 +54,7 @@ class Stepping:
                 runner, box = self._untimed or self._first(), None
             else:
                 runner, box = self._timed or self._first_timed()
-            if type(target) is np.ndarray and target.shape == self._plain_target:
+            if type(target) is np.ndarray and target.shape == self._vector_shape:
                 self._target[:] = target
             else:
                 self._target[:] = self._tasks.read_target(target)
@@ -73,7 +73,7 @@ class Stepping:
             code, tried, accepted, position, orientation, _ = runner.view
             if tried:
                 runner.at = 1 - at
-            elif code == Code.NOT_FINITE:  # perhaps an argument is not, which was copied as it is
+            elif code == Code.NOT_FINITE:  # perhaps because of an argument that was copied without a check
                 self._read("q", q)
                 self._tasks.read_target(target)
             moved, done, escaped = accepted == 1.0, code == 1.0, False

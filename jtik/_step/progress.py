@@ -104,5 +104,5 @@ class Progress:
 
     def code(self, done: Expression, stalled: Expression) -> Expression:
         """The code of a step whose numbers are finite."""
-        slow = if_else(self.slow, Code.SLOW, Code.GO_ON)
+        slow = if_else(self.slow, Code.SLOW, Code.CONTINUE)
         return if_else(done, Code.DONE, if_else(stalled, Code.STALLED, slow))

@@ -21,7 +21,7 @@ class Code(IntEnum):
     """What the loop does after a call of the fused function.
 
     Attributes:
-        GO_ON: call it again.
+        CONTINUE: call it again.
         DONE: the target is reached, and the criterion is stationary if that is required.
         STALLED: the task is stationary off the target, or steps are refused or without progress.
         NOT_FINITE: task, criterion or a derivative is not finite.
@@ -29,7 +29,7 @@ class Code(IntEnum):
         UNSOLVED: a quadratic program or a computation has no valid result.
     """
 
-    GO_ON = 0
+    CONTINUE = 0
     DONE = 1
     STALLED = 2
     NOT_FINITE = 3

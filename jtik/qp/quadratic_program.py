@@ -2,9 +2,9 @@
 
     minimise 1/2 x' P x + q' x   subject to   l <= C x <= u (each group of rows),   lb <= x <= ub
 
-A strategy writes a QP where it needs the solution and continues with the solution as an expression; the engine calls the
-solver in between. A strategy may use several QPs, and each may depend on the solutions of those before it. Rows may be elastic: they
-are relaxed where they cannot be satisfied, with a penalty, and the solution reports by how much.
+A strategy writes a QP where it needs the solution and continues with the solution as an expression; the engine calls
+the solver in between. A strategy may use several QPs, and each may depend on the solutions of those before it. Rows may
+be elastic: they are relaxed where they cannot be satisfied, with a penalty, and the solution reports by how much.
 """
 
 from __future__ import annotations

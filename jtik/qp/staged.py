@@ -128,13 +128,13 @@ class Staged:
         for stage, call in zip(self.stages, self.calls, strict=False):
             *data, intermediate = evaluated(stage, known)
             if isinstance(call, PythonCall):
-                results_here = [np.zeros(size) for size in call.sizes]
-                BoundComputation(call.compute, data, results_here)()
+                call_results = [np.zeros(size) for size in call.sizes]
+                BoundComputation(call.compute, data, call_results)()
             elif call.name == wanted:
                 return call.expanded_qp(data)
             else:
-                results_here = evaluated(call.solver_function(Conic()), data)
-            known += [intermediate, *results_here]
+                call_results = evaluated(call.solver_function(Conic()), data)
+            known += [intermediate, *call_results]
         raise AssertionError(wanted)
 
     def bind(self, arguments: list[Array], results: list[Array]) -> Callable[[], None]:
@@ -148,22 +148,22 @@ class Staged:
         calls: list[Callable[[], None]] = [bind(self.local, arguments, local)]
         at = known = [*arguments, *local]
         for each in self.preparations:
-            results_here = [np.zeros(size) for size in each.sizes]
-            calls.append(each.bind(self.backend, at, results_here))
-            known = [*known, *results_here]
+            call_results = [np.zeros(size) for size in each.sizes]
+            calls.append(each.bind(self.backend, at, call_results))
+            known = [*known, *call_results]
         for stage, call in zip(self.stages, self.calls, strict=False):
             *data, intermediate = outputs = output_memory(stage)
             calls.append(bind(stage, known, outputs))
-            results_here = [np.zeros(size) for size in call.sizes]
+            call_results = [np.zeros(size) for size in call.sizes]
             if isinstance(call, PythonCall):
-                calls.append(BoundComputation(call.compute, data, results_here))
+                calls.append(BoundComputation(call.compute, data, call_results))
             elif isinstance(self.backend, FusedBackend):
-                calls.append(bind(call.solver_function(self.backend), data, results_here))
+                calls.append(bind(call.solver_function(self.backend), data, call_results))
             else:
                 memory, expand = call.expanded_memory(data)
                 calls += [expand] if expand else []
-                calls.append(BoundSolver(self.backend, call.numeric_qp(memory), results_here))
-            known = [*known, intermediate, *results_here]
+                calls.append(BoundSolver(self.backend, call.numeric_qp(memory), call_results))
+            known = [*known, intermediate, *call_results]
         calls.append(bind(self.stages[-1], known, results))
 
         def step() -> None:
@@ -197,9 +197,8 @@ def staged(
     """
     model = function("jtik_local", inputs, local)
     at = [*inputs, *cut]
-    known: list[Sequence[Expression]] = [
-        [*at, *[part for each in recorder.preparations for part in each.result_symbols]]
-    ]
+    prepared_symbols = [part for each in recorder.preparations for part in each.result_symbols]
+    known: list[Sequence[Expression]] = [[*at, *prepared_symbols]]
     calls: list[StageCall] = []
     for recorded in recorder.calls:
         if isinstance(recorded, RecordedComputation):
