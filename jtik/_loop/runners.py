@@ -61,7 +61,7 @@ class Runners:
 
     @cached_property
     def step(self) -> Runner:
-        """The runner of `step`: the errors it gives are always those where the step arrives."""
+        """The runner of `step`: the errors that it returns are always those after the step."""
         return self._started(self._runner(self._evaluated, self.step_inputs))
 
     @cached_property
@@ -101,7 +101,7 @@ class Runners:
 
     @cached_property
     def _evaluated(self) -> FusedStep:
-        """The fused step whose errors are those where it arrives."""
+        """The fused step whose errors are those after the step."""
         evaluated = self._strategy.evaluates_candidate(self._problem.has_criterion)
         return self.solve.fused if evaluated else self._fused(evaluated=True)
 

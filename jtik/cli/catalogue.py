@@ -11,7 +11,7 @@ from jtik.robot import gallery
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the tables; plain columns, one line a row, where rich is not installed."""
+    """Print the tables; as columns of text, one line per row, where rich is not installed."""
     described = [gallery.describe(name) for name in gallery.names()]
     robots = [TableRow(robot.name, robot.summary, robot.source) for robot in described]
     sections = [

@@ -24,7 +24,7 @@ def add_arguments(commands: Any) -> None:
     command = commands.add_parser(
         "solve",
         help="joint positions for a target",
-        description="Find joint positions for a target. Options override what a --file says.",
+        description="Find joint positions for a target. Options override the values of a --file.",
         epilog="Exit code: 0 converged, 1 ended otherwise, 2 wrong input. Lengths in m, angles in rad.",
     )
     add_problem_options(command, kind="position")

@@ -1,4 +1,4 @@
-"""The secondary: a scalar H(q) to be minimised by the freedom the task leaves, with live parameters.
+"""Criteria: scalars H(q) that a redundant robot minimises besides its task, with live parameters.
 
 A criterion is a pure function of q and of named parameters, made of operations CasADi can trace. Its gradient is
 derived from it by CasADi. Parameters stay inputs of the compiled step, so changing one costs a copy.

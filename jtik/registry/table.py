@@ -63,7 +63,7 @@ def html_table(title: str, table: Sequence[Sequence[str]]) -> str:
 
 
 def _narrowed(widths: Sequence[int], width: int) -> list[int]:
-    """Column widths that fit together: names whole if they can be, then the summaries, then the sources."""
+    """Column widths that fit into ``width``: names are shortened last, summaries before them, sources first."""
     left = width - 2 * len(GAP)
     name = min(widths[0], left // 3)
     source = min(widths[2], max(MIN_SOURCE, left - name - widths[1]))

@@ -104,7 +104,7 @@ class Report:
 
     @cached_property
     def second_order(self) -> SecondOrder | None:
-        """Kind of the stationary point, by the Hessian of H + lambda' r over the motions that task and active limits allow.
+        """Kind of the stationary point, by the Hessian of H + lambda' r over motions that task and active limits allow.
 
         None without a criterion, off the target, or where H is not stationary.
         """

@@ -39,8 +39,8 @@ class _RowIndexing:
         return by_rows(super().T)  # type: ignore[misc]
 
     def __array_function__(self, func: Any, types: Any, args: Any, kwargs: Any) -> Any:
-        plain = _plain(self)  # CasADi answers NumPy for its own types only
-        return plain.__array_function__(func, (type(plain),), [_plain(each) for each in args], kwargs)
+        casadi_matrix = _plain(self)  # CasADi implements NumPy functions for its own types only
+        return casadi_matrix.__array_function__(func, (type(casadi_matrix),), [_plain(each) for each in args], kwargs)
 
 
 class RowIndexedSX(_RowIndexing, SX):  # type: ignore[misc]

@@ -97,7 +97,7 @@ class Joint:
                 raise ArgumentError(f"{who} mimic", f"a {self.type.value} joint", "a revolute or prismatic joint")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Rebuilt through the constructor: a plain copy of the state would thaw the arrays.
+        # Rebuilt by the constructor: the arrays in a copy of the state would not be read-only.
         return partial(type(self), **{f.name: getattr(self, f.name) for f in fields(self)}), ()
 
     @property

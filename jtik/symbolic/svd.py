@@ -67,7 +67,7 @@ class SingularValues:
         return tuple(sqrt(squared + TINY) for squared in self.squared)
 
     def components(self, r: Expression) -> list[Expression]:
-        """u_i' r of a vector (m, 1), by the rotations of the rows: cheaper than U itself."""
+        """u_i' r of a vector (m, 1), by the rotations of the rows, without computing U."""
         entries = [r[i] for i in range(self._m)]
         for p, q, c, s in self._rotations:
             entries[p], entries[q] = c * entries[p] + s * entries[q], c * entries[q] - s * entries[p]

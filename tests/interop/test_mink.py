@@ -10,7 +10,7 @@ import qpsolvers
 
 import jtik
 from jtik.interop.mink import (
-    Correspondence,
+    MujocoCorrespondence,
     as_criterion,
     criterion_task,
     limit_rows,
@@ -60,7 +60,7 @@ class TestCriterionAsTask:
         criterion = JointCentering() if robot.dimension == 2 else height
         model = to_mujoco(robot)
         task = criterion_task(criterion, robot, model, gain=0.7)
-        correspondence = Correspondence(robot, model)
+        correspondence = MujocoCorrespondence(robot, model)
         q = robot.random_configuration(rng)
         configuration = mink.Configuration(model, correspondence.qpos(q))
         P, c = task.compute_qp_objective(configuration)

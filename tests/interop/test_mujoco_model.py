@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.interop.mink import Correspondence, to_mujoco
+from jtik.interop.mink import MujocoCorrespondence, to_mujoco
 from jtik.robot import JointType, Mass
 
 from ..conftest import ball_arm, dh_arm, floating_arm, planar
@@ -70,7 +70,7 @@ ROBOTS = {
 def test_every_frame_is_a_body_at_the_same_pose_with_the_same_jacobian(name, rng):
     robot = ROBOTS[name]()
     model = to_mujoco(robot)
-    correspondence, data = Correspondence(robot, model), mujoco.MjData(model)
+    correspondence, data = MujocoCorrespondence(robot, model), mujoco.MjData(model)
     for _ in range(3):
         q = robot.random_configuration(rng)
         data.qpos[:] = correspondence.qpos(q)
@@ -90,7 +90,7 @@ def test_every_frame_is_a_body_at_the_same_pose_with_the_same_jacobian(name, rng
 def test_numbers_are_converted_both_ways(name, rng):
     robot = ROBOTS[name]()
     model = to_mujoco(robot)
-    correspondence = Correspondence(robot, model)
+    correspondence = MujocoCorrespondence(robot, model)
     q, v = robot.random_configuration(rng), rng.standard_normal(robot.n)
     assert correspondence.q(correspondence.qpos(q)) == pytest.approx(q, abs=0)
     assert correspondence.velocity(correspondence.moves @ v) == pytest.approx(v, abs=0)
@@ -114,7 +114,7 @@ def test_limits_masses_and_solids_are_kept():
     assert model.geom("obstacle0").size[0] == 0.2
     assert [model.body(f"obstacle{i}").mocapid >= 0 for i in (0, 1)] == [True, True]
     assert model.neq == 1
-    assert len(Correspondence(gripper(), model).follows) == 1
+    assert len(MujocoCorrespondence(gripper(), model).follows) == 1
 
 
 def test_the_model_a_robot_was_read_from_corresponds_too(rng):
@@ -125,15 +125,15 @@ def test_the_model_a_robot_was_read_from_corresponds_too(rng):
     model = mujoco.MjModel.from_xml_string(xml)
     robot = jtik.Robot.from_mujoco(model)
     q = rng.uniform(-1, 1, 3)
-    assert Correspondence(robot, model).qpos(q) == pytest.approx(q, abs=0)
+    assert MujocoCorrespondence(robot, model).qpos(q) == pytest.approx(q, abs=0)
     part = robot.subset(["bend"])
-    assert Correspondence(part, model, rest=q).qpos(np.array([0.7])) == pytest.approx([*q[:2], 0.7], abs=0)
+    assert MujocoCorrespondence(part, model, rest=q).qpos(np.array([0.7])) == pytest.approx([*q[:2], 0.7], abs=0)
 
 
 class TestWrongInput:
     def test_a_model_of_another_robot(self):
         with pytest.raises(jtik.ArgumentError, match="joint 'joint1'"):
-            Correspondence(planar(3), to_mujoco(gripper()))
+            MujocoCorrespondence(planar(3), to_mujoco(gripper()))
 
     def test_a_free_joint_in_the_middle(self):
         robot = jtik.Robot(

@@ -103,11 +103,11 @@ def test_one_chain_of_a_tree():
 @pytest.mark.parametrize("name", ["panda", "ur5e", "jaco2", "vehicle_panda", "planar10"])
 def test_pinocchio_reads_the_same_robot(name, rng):
     pinocchio = pytest.importorskip("pinocchio")
-    from jtik.interop.pinocchio_model import Correspondence
+    from jtik.interop.pinocchio_model import PinocchioCorrespondence
 
     robot = jtik.Robot.builtin(name)
     model = pinocchio.buildModelFromXML(to_urdf(robot))
-    correspondence, data = Correspondence(robot, model), model.createData()
+    correspondence, data = PinocchioCorrespondence(robot, model), model.createData()
     for _ in range(3):
         q = robot.random_configuration(rng)
         pinocchio.framesForwardKinematics(model, data, correspondence.theirs(q))

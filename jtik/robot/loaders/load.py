@@ -25,10 +25,10 @@ def load_urdf(path_or_xml: PathOrText, *, free_base: bool) -> RobotDescription:
     source = open_source(path_or_xml, kind="URDF", root="robot")
     tree = read_tree(source)
 
-    def plain(spec: Any) -> None:
+    def leave_to_xml(spec: Any) -> None:
         _leave_to_xml(spec, tree)
 
-    compiled = compile_source(source, edit=plain)
+    compiled = compile_source(source, edit=leave_to_xml)
     root = max(0, mujoco.mj_name2id(compiled.model, mujoco.mjtObj.mjOBJ_BODY, tree.root))
     reader = ModelReader(compiled.model, source.label, root=root, meshes=compiled.meshes, negligible_mass=MINIMUM_MASS)
     with _named(source.label):

@@ -25,6 +25,7 @@ class PyrokiPeer(Peer):
     PyPI is a fork, almond-pyroki, which installs the module ``pyroki``.
 
     Attributes:
+        label: name of the library in a study.
         position_weight: position weight of the pose cost.
         orientation_weight: orientation weight of the pose cost.
         limit_weight: weight of the limit cost.

@@ -26,6 +26,7 @@ class ToolboxPeer(Peer):
     revolute and prismatic joints to (-pi, pi) before it checks limits.
 
     Attributes:
+        label: name of the library in a study.
         method: damping rule.
         k: gain of the damping.
         orientation_weight: weight of one squared radian relative to one squared metre.
