@@ -277,6 +277,15 @@ class TestWrongInput:
             QPRecorder(1e-9).solve(program).slack("hard")
 
 
+def test_a_single_elastic_row_with_two_bounds():
+    """minimise x^2/2 - 3 x with the elastic equality x = 0.5: x = 3 - y, y = 1 + (x - 0.5)."""
+    P, q, low, high, row, to = (casadi.SX(value) for value in (1, -3, -9, 9, 1, 0.5))
+    program = QuadraticProgram(P, q, low, high, [Rows.equal("soft", row, to, Elastic(1.0))])
+    x, y, slack, good = solved(program)
+    assert good
+    assert [x.item(), y.item(), slack.item()] == pytest.approx([1.25, 1.75, 0.75], abs=1e-8)
+
+
 class TestDeprecatedNames:
     def test_arguments(self):
         with pytest.warns(DeprecationWarning, match="'price' is deprecated; use 'penalty'"):
