@@ -10,7 +10,7 @@ from jtik.qp import QPRecorder, QuadraticProgram, Rows
 from jtik.symbolic import function, symvar
 
 
-def program(name="program", n=2):
+def quadratic_program(name="program", n=2):
     """minimise |x|^2/2 - sum(x) with sum(x) <= 1 in the box |x| <= 1; the solution is x = 1/n, multiplier 1 - 1/n."""
     ones = casadi.SX.ones(n, 1)
     rows = [Rows("sum", ones.T, casadi.SX(-np.inf), casadi.SX(1))]
@@ -24,15 +24,15 @@ def names(columns):
 class TestOrder:
     def test_qps_and_computations_are_recorded_in_the_order_of_their_use(self):
         recorder = QPRecorder(1e-6)
-        recorder.solve(program("first"))
+        recorder.solve(quadratic_program("first"))
         recorder.compute("second", lambda _: None, [casadi.SX(1)], [(1, 1)])
-        recorder.solve(program("third"))
+        recorder.solve(quadratic_program("third"))
         assert [each.name for each in recorder.programs] == ["first", "second", "third"]
         assert [each.name for each, _ in recorder.solutions()] == ["first", "third"]
 
     def test_results_are_symbols_of_their_own(self):
         recorder = QPRecorder(1e-6)
-        one, other = recorder.solve(program()), recorder.solve(program())
+        one, other = recorder.solve(quadratic_program()), recorder.solve(quadratic_program())
         answers = recorder.compute("mine", lambda _: None, [], [(2, 3), (1, 1)])
         assert [answer.shape for answer in answers] == [(2, 3), (1, 1)]
         groups = [names([each.x, each.row_multipliers, each.box_multipliers]) for each in (one, other)] + [
@@ -43,7 +43,7 @@ class TestOrder:
 
     def test_a_recorded_qp_gives_its_data_and_the_symbols_of_its_solution(self):
         recorder = QPRecorder(1e-6)
-        solution = recorder.solve(program())
+        solution = recorder.solve(quadratic_program())
         (recorded,) = recorder.programs
         assert [part.shape for part in recorded.data()] == [(2, 2), (2, 1), (1, 2), (1, 1), (1, 1), (2, 1), (2, 1)]
         assert recorded.answers == [solution.x, solution.row_multipliers, solution.box_multipliers]
@@ -62,7 +62,7 @@ class TestCheck:
     def checked(self, solution, computed):
         """Whether a solution of the program and two results of a computation pass together."""
         recorder = QPRecorder(1e-6)
-        x = recorder.solve(program())
+        x = recorder.solve(quadratic_program())
         answers = recorder.compute("mine", lambda _: None, [], [(2, 1)])
         check = function("check", [x.x, x.row_multipliers, x.box_multipliers, *answers], [recorder.solved()])
         return bool(check(*solution, computed))
@@ -86,7 +86,7 @@ class TestCheck:
         x = self.good[0] + [1e-3, -1e-3]
         for accuracy, passes in ((1e-2, True), (1e-4, False)):
             recorder = QPRecorder(accuracy)
-            s = recorder.solve(program())
+            s = recorder.solve(quadratic_program())
             check = function("check", [s.x, s.row_multipliers, s.box_multipliers], [recorder.solved()])
             assert bool(check(x, *self.good[1:])) is passes
 
@@ -97,7 +97,7 @@ class TestCheck:
 class TestPreparations:
     def test_they_stand_apart_from_the_qps_of_the_step(self):
         recorder = QPRecorder(1e-6)
-        answers = recorder.prepare(1, program("before"), lambda solution: [solution.x, 2 * solution.x[0]])
+        answers = recorder.prepare(1, quadratic_program("before"), lambda solution: [solution.x, 2 * solution.x[0]])
         assert [answer.shape for answer in answers] == [(2, 1), (1, 1)]
         assert recorder.programs == []
         assert recorder.solved() == 1
@@ -107,5 +107,5 @@ class TestPreparations:
 
     def test_several_have_symbols_of_their_own(self):
         recorder = QPRecorder(1e-6)
-        one, other = (recorder.prepare(1, program(), lambda solution: [solution.x])[0] for _ in range(2))
+        one, other = (recorder.prepare(1, quadratic_program(), lambda solution: [solution.x])[0] for _ in range(2))
         assert not names([one]) & names([other])

@@ -43,7 +43,7 @@ class TestMass:
             ((1.0, [np.inf] * 3), "center"),
         ],
     )
-    def test_what_makes_no_sense_is_refused(self, arguments, named):
+    def test_invalid_masses_are_refused(self, arguments, named):
         with pytest.raises(jtik.ArgumentError, match=named):
             Mass(*arguments)
 
