@@ -179,12 +179,14 @@ class TestBarriers:
         at = configuration(model, PinocchioCorrespondence(robot, model).theirs(robot.random_configuration(rng)))
         options = {"gain": np.array([2.0]), "safe_displacement_gain": 0.5}
         theirs = pink.barriers.PositionBarrier("f", indices=[2], p_min=np.array([-1.0]), **options)
-        for mine, own in zip(
+        for found, expected in zip(
             fresh(theirs).compute_qp_inequalities(at, 0.1), theirs.compute_qp_inequalities(at, 0.1), strict=True
         ):
-            assert mine == pytest.approx(own)
-        for mine, own in zip(fresh(theirs).compute_qp_objective(at), theirs.compute_qp_objective(at), strict=True):
-            assert mine == pytest.approx(own)
+            assert found == pytest.approx(expected)
+        for found, expected in zip(
+            fresh(theirs).compute_qp_objective(at), theirs.compute_qp_objective(at), strict=True
+        ):
+            assert found == pytest.approx(expected)
 
     def test_pink_solves_with_it(self):
         robot, model = fixed()

@@ -45,7 +45,7 @@ def arm(pitch=0.3):
             ),
             jtik.Joint("rail", JointType.PRISMATIC, "c", "d", axis=skew),
             jtik.Joint("stop", JointType.REVOLUTE, "d", "e", lower=-1.0),
-            jtik.Joint("twin", JointType.REVOLUTE, "e", "f", axis=skew, mimic=Mimic("shoulder", 0.5, 0.1)),
+            jtik.Joint("follower", JointType.REVOLUTE, "e", "f", axis=skew, mimic=Mimic("shoulder", 0.5, 0.1)),
             jtik.Joint("tip", JointType.FIXED, "f", "tip", origin=pose_of(0.1, 0.2, 0.3, 1.0, -pitch, 2.0)),
         ],
         name="arm",
@@ -96,8 +96,8 @@ def test_one_chain_of_a_tree():
     again = jtik.Robot.from_urdf(to_urdf(robot, frame="tip"), tip="tip")
     assert [joint.child for joint in again.joints] == [joint.child for joint in robot.path("tip")]
     q = robot.keyframes["home"]
-    own = np.concatenate([q[robot.q_slice(joint)] for joint in again.joint_names])
-    assert again.pose(own) == pytest.approx(robot.pose(q), abs=EXACT)
+    reordered = np.concatenate([q[robot.q_slice(joint)] for joint in again.joint_names])
+    assert again.pose(reordered) == pytest.approx(robot.pose(q), abs=EXACT)
 
 
 @pytest.mark.parametrize("name", ["panda", "ur5e", "jaco2", "vehicle_panda", "planar10"])
@@ -124,7 +124,7 @@ def test_pinocchio_reads_limits_and_followers(rng):
     number = model.joints[model.getJointId("shoulder")]
     assert (model.lowerPositionLimit[number.idx_q], model.upperPositionLimit[number.idx_q]) == (-2.0, 2.5)
     assert model.velocityLimit[number.idx_v] == 1.5
-    assert model.existJointName("twin")
+    assert model.existJointName("follower")
 
 
 class TestWrongInput:
