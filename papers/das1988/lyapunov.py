@@ -145,12 +145,12 @@ def prismatic_arm() -> jtik.Robot:
 def prismatic(count: int) -> Row:
     """As `discrete`, for the arm of prismatic joints; ``off`` is the largest of all steps, relative to the first V."""
     strategy = Transpose(backtracking=False)
-    ik = jtik.InverseKinematics(prismatic_arm(), jtik.FrameTask("slide3"), strategy=strategy)
+    ik = jtik.InverseKinematics(prismatic_arm(), jtik.FrameTask("carriage3"), strategy=strategy)
     rng = np.random.default_rng(7)
     rose, off = [], []
     for _ in range(count):
         q0, goal = rng.uniform(-1, 1, 3), rng.uniform(-1, 1, 3)
-        target = prismatic_arm().position(goal, "slide3")
+        target = prismatic_arm().position(goal, "carriage3")
         trace = ik.solve(target, q0=q0, trace=True).trace
         assert trace is not None
         rose.append(bool((trace.actual_decrease < -RISE * trace.V).any()))

@@ -70,7 +70,7 @@ def steps(robot: jtik.Robot, strategy: str, starts: list[tuple[Array, Array]]) -
 def prismatic_arm() -> jtik.Robot:
     """Three prismatic joints in the plane."""
     axes = [np.array([math.cos(0.7 * k), math.sin(0.7 * k), 0.0]) for k in range(3)]
-    frames = ["base", "slide1", "slide2", "tip"]
+    frames = ["base", "carriage1", "carriage2", "tip"]
     joints = [
         jtik.Joint(f"joint{k + 1}", jtik.JointType.PRISMATIC, frames[k], frames[k + 1], axis=axis)
         for k, axis in enumerate(axes)
