@@ -90,9 +90,6 @@ def report_at(ik, q, target):
     return ik.solve(target, q0=q, max_iterations=0)
 
 
-look = report_at
-
-
 def differences(function, robot, q, step=1e-5):
     """Central differences of a vector-valued function along each velocity, shape (m, n)."""
     columns = []

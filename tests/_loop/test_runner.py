@@ -43,7 +43,7 @@ def test_the_outcome_can_be_read_through_its_view(runner):
     runner.start(Q)
     runner.calls[0]()
     assert runner.view.tolist() == runner.outcome.tolist()
-    assert runner.view[OUTCOME.code] == Code.GO_ON
+    assert runner.view[OUTCOME.code] == Code.CONTINUE
 
 
 def test_a_start_forgets_the_attempt_before(runner):

@@ -37,7 +37,7 @@ def test_values_of_each_distance():
     assert numbers(found.safe).tolist() == [0.1] * 4
     assert numbers(found.aim) == pytest.approx([0.15] * 4)
     assert numbers(found.curvature_radius) == pytest.approx(0.1 + 0.25)  # of the smaller circle
-    assert found.travel == pytest.approx([2.0, 1.0])
+    assert found.lever_arms == pytest.approx([2.0, 1.0])
 
 
 def test_distances_after_a_displacement(rng):
@@ -53,5 +53,5 @@ def test_a_displacement_ends_at_the_limits():
 
 def test_the_restoration_reads_its_memory_from_the_state():
     found = model(planar(2), {"longest": casadi.SX(0.2), "violation": casadi.SX(0.03)})
-    assert (numbers(found.longest), numbers(found.record)) == (0.2, 0.03)
-    assert (model(planar(2)).longest, model(planar(2)).record) == (0, 0)
+    assert (numbers(found.longest), numbers(found.smallest_violation)) == (0.2, 0.03)
+    assert (model(planar(2)).longest, model(planar(2)).smallest_violation) == (0, 0)

@@ -55,7 +55,7 @@ def called(strategy, q=Q, target=TARGET, *, robot=None, criteria=None, memory=No
 def test_an_accepted_step_is_the_displacement_of_the_strategy():
     _, q, state, outcome, _ = called(GaussNewton())
     assert q == pytest.approx(Q + NEWTON)
-    assert (outcome.code, outcome.tried, outcome.accepted) == (Code.GO_ON, 1, 1)
+    assert (outcome.code, outcome.tried, outcome.accepted) == (Code.CONTINUE, 1, 1)
     assert state[OWN + "calls"].item() == 1
 
 
@@ -84,7 +84,7 @@ class TestWithoutEvaluation:
         assert "V" in state
 
     def test_on_demand_it_is_that_after_the_step(self):
-        _, q, _, outcome, _ = called(GaussNewton(evaluates=False), arriving=True)
+        _, q, _, outcome, _ = called(GaussNewton(evaluates=False), evaluated=True)
         assert outcome.position_error == pytest.approx(np.linalg.norm(planar_points(q)[-1] - TARGET))
 
 
@@ -96,7 +96,7 @@ def test_on_the_target_no_step_is_tried():
 
 def test_a_step_that_arrives_ends_the_solve():
     tolerance = np.linalg.norm(planar_points(Q + NEWTON)[-1] - TARGET)
-    for factor, code in ((1.01, Code.DONE), (0.99, Code.GO_ON)):
+    for factor, code in ((1.01, Code.DONE), (0.99, Code.CONTINUE)):
         assert called(GaussNewton(), settings={"position_tolerance": factor * tolerance})[3].code == code
 
 
@@ -118,7 +118,9 @@ class TestState:
         fused = called(GaussNewton(), robot=planar(3, lower=-2, upper=2), criteria=JointCentering())[0]
         names = list(fused.state.slices)
         assert names[-1] == OWN + "calls"
-        assert {"refused", "stagnant", "idle", "best", "patience", "neighbourhood", "active"} == set(names[:-1])
+        assert {"refused", "stagnant", "without_progress", "best", "patience", "neighbourhood", "active"} == set(
+            names[:-1]
+        )
         assert fused.state.size == fused.first_state.size
         assert all(first.stop == second.start for first, second in pairwise(fused.state.slices.values()))
 

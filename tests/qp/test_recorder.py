@@ -27,7 +27,7 @@ class TestOrder:
         recorder.solve(quadratic_program("first"))
         recorder.compute("second", lambda _: None, [casadi.SX(1)], [(1, 1)])
         recorder.solve(quadratic_program("third"))
-        assert [each.name for each in recorder.programs] == ["first", "second", "third"]
+        assert [each.name for each in recorder.calls] == ["first", "second", "third"]
         assert [each.name for each, _ in recorder.solutions()] == ["first", "third"]
 
     def test_results_are_symbols_of_their_own(self):
@@ -44,14 +44,14 @@ class TestOrder:
     def test_a_recorded_qp_gives_its_data_and_the_symbols_of_its_solution(self):
         recorder = QPRecorder(1e-6)
         solution = recorder.solve(quadratic_program())
-        (recorded,) = recorder.programs
+        (recorded,) = recorder.calls
         assert [part.shape for part in recorded.data()] == [(2, 2), (2, 1), (1, 2), (1, 1), (1, 1), (2, 1), (2, 1)]
-        assert recorded.answers == [solution.x, solution.row_multipliers, solution.box_multipliers]
+        assert recorded.result_symbols == [solution.x, solution.row_multipliers, solution.box_multipliers]
 
     def test_a_recorded_computation_keeps_its_arguments_and_its_function(self):
         recorder, compute, argument = QPRecorder(1e-6), lambda _: None, casadi.SX.sym("a", 2)
         recorder.compute("mine", compute, [argument], [(1, 1)])
-        (recorded,) = recorder.programs
+        (recorded,) = recorder.calls
         assert recorded.compute is compute
         assert recorded.data() == [argument]
 
@@ -99,10 +99,10 @@ class TestPreparations:
         recorder = QPRecorder(1e-6)
         answers = recorder.prepare(1, quadratic_program("before"), lambda solution: [solution.x, 2 * solution.x[0]])
         assert [answer.shape for answer in answers] == [(2, 1), (1, 1)]
-        assert recorder.programs == []
+        assert recorder.calls == []
         assert recorder.solved() == 1
         (preparation,) = recorder.preparations
-        assert preparation.solution.program.name == "before"
+        assert preparation.solution.qp.name == "before"
         assert not names(preparation.results) & names(answers)
 
     def test_several_have_symbols_of_their_own(self):

@@ -21,7 +21,7 @@ def evaluation(V=1.0, H=2.0):
 
 
 def model(*, criterion=False, keeps=None, restores=0):
-    """What `tested` reads of a local model; with a clearance if ``keeps`` is given."""
+    """What `final_verdict` reads of a local model; with a clearance if ``keeps`` is given."""
     return SimpleNamespace(
         has_criterion=criterion,
         clearance=None if keeps is None else SimpleNamespace(keeps=lambda dq: keeps),
@@ -30,7 +30,9 @@ def model(*, criterion=False, keeps=None, restores=0):
 
 
 def verdict(model, accepted, *, longer=0, dq=DQ, candidate=None, evaluated=True):
-    found = acceptance.tested(model, dq, candidate or evaluation(), accepted, null_longer=longer, evaluated=evaluated)
+    found = acceptance.final_verdict(
+        model, dq, candidate or evaluation(), accepted, null_longer=longer, evaluated=evaluated
+    )
     return tuple(bool(numbers(part)) for part in found)
 
 

@@ -34,12 +34,12 @@ def clearances(distance, *, restored=(True, True), gain=1.0, longest=LONGEST, re
         influence=casadi.SX([1.0] * k),
         gain=casadi.SX([gain] * k),
         curvature_radius=casadi.SX(1e9),
-        travel=np.ones(3),
+        lever_arms=np.ones(3),
         rotational=np.zeros(3, dtype=bool),
         after=lambda dq: distance + casadi.SX(C) @ dq,
         restored=np.array(restored),
         longest=casadi.SX(longest),
-        record=casadi.SX(record),
+        smallest_violation=casadi.SX(record),
     )
     if keeps is not None:
         object.__setattr__(model, "keeps", lambda dq: keeps)
@@ -53,7 +53,7 @@ def restored(model, box=1.0):
     made = feasibility_restoration(model, qps, bounds, lambda: casadi.SX(TASK), casadi.SX(TASK), casadi.SX(0))
     values = []
     for preparation in qps.preparations:
-        P, q, A, low, high, lower, upper = (np.array(casadi.DM(part)) for part in preparation.solution.program.data())
+        P, q, A, low, high, lower, upper = (np.array(casadi.DM(part)) for part in preparation.solution.qp.data())
         x = np.zeros(3)
         if numbers(preparation.needed):
             assert np.isinf(high).all()
@@ -63,7 +63,7 @@ def restored(model, box=1.0):
         values += [casadi.DM(substitute(result, preparation.solution.x, x)) for result in preparation.results]
     dq, gained = values or (made.dq, made.gained)
     return FeasibilityRestoration(
-        casadi.SX(dq), casadi.SX(gained), made.clearance, made.jacobian, made.length, made.record
+        casadi.SX(dq), casadi.SX(gained), made.clearance, made.jacobian, made.length, made.smallest_violation
     )
 
 

@@ -23,7 +23,7 @@ def judged(J, r, dq, *, levels=LEVELS, weights=None, penalty=0.0, null=None, **o
         null_space=NullSpaceDisplacement(casadi.SX(null)).completed(model),
     )
     state = {"weights": casadi.SX(np.zeros(len(r)) if weights is None else weights), "penalty": casadi.SX(penalty)}
-    return LevelMerit().judge(model, state, proposal, model.candidate(proposal.dq))
+    return LevelMerit().verdict(model, state, proposal, model.candidate(proposal.dq))
 
 
 def accepted(*arguments, **options):

@@ -6,7 +6,7 @@ import casadi
 import numpy as np
 import pytest
 
-from jtik.strategy.merit import LARGEST_INCREASE, penalty_falls, penalty_weight, reach_of
+from jtik.strategy.merit import LARGEST_INCREASE, penalty_falls, penalty_weight, residual_reduction
 
 from .conftest import numbers, quadratic_model
 
@@ -20,7 +20,7 @@ def problem(rng):
 def test_the_reach_is_the_decrease_of_the_norm(r, predicted, expected):
     """V = 12.5 at |r| = 5; V = 2 is left of it at |r| = 2; it is never negative."""
     model = quadratic_model(np.eye(2), np.array(r, dtype=float))
-    assert numbers(reach_of(model, predicted)) == pytest.approx(expected)
+    assert numbers(residual_reduction(model, predicted)) == pytest.approx(expected)
 
 
 class TestPenaltyWeight:

@@ -139,7 +139,7 @@ class TestQuadraticPrograms:
         model = quadratic_model(np.ones((1, 2)), np.ones(1), qps=qps)
         solution = model.solve(self.program)
         (answer,) = model.compute("norm", lambda _: None, [model.J], [(3, 1)])
-        assert [recorded.name for recorded in qps.programs] == ["program", "norm"]
+        assert [recorded.name for recorded in qps.calls] == ["program", "norm"]
         assert (solution.x.shape, answer.shape) == ((2, 1), (3, 1))
 
     def test_a_strategy_whose_uses_qp_is_false_gets_an_error(self):

@@ -34,13 +34,13 @@ NULL = np.array([0.0, 0.0, 0.1])
 class Fixed(Merit):
     """A merit whose verdict is given."""
 
-    verdict: Verdict
+    given: Verdict
 
     def initial_state(self, shape):
         return {"merit": np.zeros(1)}
 
-    def judge(self, model, state, proposal, candidate):
-        return self.verdict
+    def verdict(self, model, state, proposal, candidate):
+        return self.given
 
 
 class Term(SecondaryTerm):

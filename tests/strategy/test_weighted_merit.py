@@ -19,7 +19,7 @@ MERIT = WeightedMerit(gain=2.0, weight=0.1)
 def judged(dq, predicted, **options):
     model = quadratic_model(J, R, **options)
     proposal = Proposal(casadi.SX(dq), predicted_decrease=casadi.SX(predicted))
-    return MERIT.judge(model, {}, proposal, model.candidate(casadi.SX(dq)))
+    return MERIT.verdict(model, {}, proposal, model.candidate(casadi.SX(dq)))
 
 
 def decrease(dq, criterion):

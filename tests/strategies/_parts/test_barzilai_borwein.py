@@ -8,7 +8,7 @@ import pytest
 
 from jtik.strategy import NullSpaceDisplacement, Outcome, Shape
 from jtik_formulations.strategies._parts.barzilai_borwein import (
-    NOTHING,
+    NO_STEP,
     NULL_STEP,
     STEP,
     UNBOUNDED,
@@ -27,16 +27,16 @@ def model_at(q, hessian=HESSIAN):
     return quadratic_model(J, np.zeros(1), gradient=hessian @ q, hessian=hessian, q=q)
 
 
-def state(before=None, seen=NOTHING, *, beta=0.7, cap=0.3, hessian=HESSIAN):
+def state(before=None, seen=NO_STEP, *, beta=0.7, cap=0.3, hessian=HESSIAN):
     """The state after a step from the configuration ``before``."""
     first = {name: casadi.SX(value) for name, value in GAIN.initial_state(Shape(3, 3, 1, True)).items()}
-    first |= {"seen": casadi.SX(seen), "beta": casadi.SX(beta), "null_cap": casadi.SX(cap)}
+    first |= {"last_kind": casadi.SX(seen), "beta": casadi.SX(beta), "null_cap": casadi.SX(cap)}
     if before is not None:
         gradient = hessian @ before
         first |= {
-            "seen_at": casadi.SX(before),
-            "seen_gradient": casadi.SX(gradient),
-            "seen_null_gradient": casadi.SX(gradient * [0, 1, 1]),
+            "last_q": casadi.SX(before),
+            "last_H_gradient": casadi.SX(gradient),
+            "last_null_gradient": casadi.SX(gradient * [0, 1, 1]),
         }
     return first
 
@@ -102,7 +102,7 @@ class TestAdapt:
     @pytest.mark.parametrize(("accepted", "shorten", "seen"), [(1, 1, NULL_STEP), (1, 0, STEP), (0, 1, STEP)])
     def test_the_configuration_and_its_gradients_are_remembered(self, accepted, shorten, seen):
         found = self.after(accepted, shorten=shorten)
-        assert found["seen"] == seen
-        assert found["seen_at"].tolist() == [0.1, 0.2, 0.3]
-        assert found["seen_gradient"] == pytest.approx([0.1, 0.8, 3.0])
-        assert found["seen_null_gradient"] == pytest.approx([0, 0.8, 3.0])
+        assert found["last_kind"] == seen
+        assert found["last_q"].tolist() == [0.1, 0.2, 0.3]
+        assert found["last_H_gradient"] == pytest.approx([0.1, 0.8, 3.0])
+        assert found["last_null_gradient"] == pytest.approx([0, 0.8, 3.0])
