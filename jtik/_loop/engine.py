@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jtik._loop.arguments import ConfigurationReader
-from jtik._loop.exclusive import ExclusiveUse
+from jtik._loop.exclusive_use import ExclusiveUse
 from jtik._loop.inspection import Inspector
-from jtik._loop.native import NativeSearch
+from jtik._loop.native_search import NativeSearch
 from jtik._loop.runners import Runners
 from jtik._loop.saddle_escape import SaddleEscape
 from jtik._loop.search import Search

@@ -6,9 +6,9 @@ from functools import cached_property
 
 import numpy as np
 
-from jtik._loop import native
+from jtik._loop import native_search
 from jtik._loop.runner import Runner
-from jtik._step.fused import FusedStep, fused_step
+from jtik._step.fused_step import FusedStep, fused_step
 from jtik._step.inputs import InputMemory, Inputs, Settings
 from jtik._step.relaxation import RelaxationTerms
 from jtik._step.symbolic_problem import SymbolicProblem
@@ -97,7 +97,7 @@ class Runners:
 
     def _fused(self, *, evaluated: bool = False) -> FusedStep:
         fused = fused_step(self._problem, self._strategy, backend=self._backend, evaluated=evaluated)
-        return fused.compiled(native.source(fused.state)) if self._compiled else fused
+        return fused.compiled(native_search.source(fused.state)) if self._compiled else fused
 
     @cached_property
     def _evaluated(self) -> FusedStep:

@@ -10,11 +10,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from jtik._loop.native import NativeSearch
-from jtik._loop.recording import TraceRecorder
+from jtik._loop.native_search import NativeSearch
 from jtik._loop.restarts import RestartConfigurations
 from jtik._loop.runner import Runner
 from jtik._loop.saddle_escape import SaddleEscape
+from jtik._loop.trace_recorder import TraceRecorder
 from jtik._step.inputs import Inputs, Settings
 from jtik._step.stopping import OUTCOME, Code
 from jtik.robot import Robot

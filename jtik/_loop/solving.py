@@ -12,12 +12,12 @@ import numpy as np
 
 from jtik._loop.arguments import ConfigurationReader, read_targets
 from jtik._loop.batch import BatchEntry, collect
-from jtik._loop.exclusive import ExclusiveUse, in_use
+from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspection, Inspector
 from jtik._loop.options import read_search_options, read_settings
-from jtik._loop.recording import TraceRecorder
 from jtik._loop.runners import Runners
 from jtik._loop.search import Search, SearchOptions, SearchResult
+from jtik._loop.trace_recorder import TraceRecorder
 from jtik._loop.tracking import follow
 from jtik._step.stopping import Code
 from jtik._step.symbolic_problem import SymbolicProblem

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from jtik._loop.arguments import ConfigurationReader
-from jtik._loop.exclusive import ExclusiveUse, in_use
+from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
 from jtik._loop.runner import Runner
 from jtik._loop.runners import Runners

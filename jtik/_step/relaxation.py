@@ -11,8 +11,8 @@ from jtik.symbolic import Expression, mmax, vertcat
 from jtik.types import Array
 
 if TYPE_CHECKING:
+    from jtik._step.checked_update import CheckedUpdate
     from jtik._step.symbolic_problem import SymbolicProblem
-    from jtik._step.update import CheckedUpdate
     from jtik.qp.recorder import QPRecorder
     from jtik.strategy import FeasibilityRestoration
 

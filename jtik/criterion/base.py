@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik.criterion import evaluation
-from jtik.criterion.accepted import hint, registered
+from jtik.criterion.criteria_argument import hint, registered
 from jtik.criterion.tracing import CriterionError
 from jtik.errors import ArgumentError, UnknownNameError, finite_array
 from jtik.robot import Kinematics, Robot

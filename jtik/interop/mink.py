@@ -14,9 +14,9 @@ from mink.tasks import BaseTask, Objective
 
 from jtik.criterion.base import Criterion, CriterionSum
 from jtik.errors import ArgumentError
+from jtik.interop.criterion_evaluation import CriterionNumbers, Curvature, checked
 from jtik.interop.limit_rows import Inequality, LimitRows
 from jtik.interop.mujoco_model import MujocoCorrespondence, to_mujoco
-from jtik.interop.numbers import CriterionNumbers, Curvature, checked
 from jtik.interop.renamed import renamed_classes
 from jtik.robot import Robot
 from jtik.types import Array

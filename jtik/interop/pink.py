@@ -13,8 +13,8 @@ import numpy as np
 
 from jtik.criterion.base import Criterion, CriterionSum
 from jtik.errors import ArgumentError, MissingExtraError
+from jtik.interop.criterion_evaluation import CriterionNumbers, Curvature, checked
 from jtik.interop.limit_rows import Inequality, LimitRows
-from jtik.interop.numbers import CriterionNumbers, Curvature, checked
 from jtik.interop.pinocchio_model import PinocchioCorrespondence
 from jtik.interop.renamed import renamed_classes
 from jtik.robot import Robot

@@ -5,7 +5,7 @@ metres. They need the extra "plot" (matplotlib and pillow), and open no window.
 """
 
 from jtik.plotting.animation import write_animation
-from jtik.plotting.arm import DrawnArm, draw_postures
+from jtik.plotting.drawn_arm import DrawnArm, draw_postures
 from jtik.plotting.figure import (
     Axes,
     Figure,

@@ -10,7 +10,7 @@ import numpy as np
 
 from jtik.errors import ArgumentError, finite_array
 from jtik.robot.dh import JOINT_TYPES, Convention, DHRowLike, as_row, translation
-from jtik.robot.joints import JointType
+from jtik.robot.joint_type import JointType
 from jtik.robot.tree import Joint
 from jtik.types import Array
 

@@ -10,7 +10,7 @@ from typing import Any, Literal, TypeAlias, get_args
 import numpy as np
 
 from jtik.errors import ArgumentError, finite_array
-from jtik.robot.joints import JointType
+from jtik.robot.joint_type import JointType
 from jtik.types import Array
 
 Convention: TypeAlias = Literal["standard", "modified"]

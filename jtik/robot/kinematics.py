@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from jtik.errors import ArgumentError
 from jtik.robot import quaternion
-from jtik.robot.joints import JointType
+from jtik.robot.joint_type import JointType
 from jtik.robot.rotation import Rotation
 from jtik.robot.row_indexing import by_rows
 from jtik.robot.tree import Joint

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from jtik.errors import ArgumentError, UnknownNameError, finite_array
-from jtik.robot.joints import JointType
+from jtik.robot.joint_type import JointType
 from jtik.types import Array
 
 UNIT_TOLERANCE = 1e-9

@@ -17,7 +17,7 @@ from jtik.strategy.feasibility_restoration import FeasibilityRestoration
 from jtik.strategy.level_merit import LevelMerit
 from jtik.strategy.merit import Merit, Verdict
 from jtik.strategy.model import LocalModel
-from jtik.strategy.options import (
+from jtik.strategy.option_checks import (
     check_choice,
     check_gain,
     check_non_negative,

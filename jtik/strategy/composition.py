@@ -40,10 +40,25 @@ class TaskStep(ABC):
 
     @abstractmethod
     def propose(self, model: LocalModel, state: State) -> TaskDisplacement:
-        """A displacement towards the target."""
+        """A displacement towards the target.
+
+        Args:
+            model: the local model at q.
+            state: this part's state.
+        """
 
     def adapt(self, model: LocalModel, state: State, task: TaskDisplacement, outcome: Outcome) -> State:
-        """The state after the outcome is known."""
+        """The state after the outcome is known.
+
+        Args:
+            model: the local model at q.
+            state: this part's state before the update.
+            task: the displacement that `propose` returned.
+            outcome: whether the step was accepted, and if not, which parts to shorten.
+
+        Returns:
+            New values by name; an entry that is left out is kept.
+        """
         return {}
 
 
@@ -70,7 +85,13 @@ class SecondaryTerm(ABC):
 
     @abstractmethod
     def propose(self, model: LocalModel, state: State, task_dq: Expression) -> NullSpaceDisplacement:
-        """A displacement in the null space of J, beside the task displacement ``task_dq`` (n, 1)."""
+        """A displacement in the null space of J.
+
+        Args:
+            model: the local model at q.
+            state: this part's state.
+            task_dq: the task displacement (n, 1), to which it is added.
+        """
 
     def uses_qp(self) -> bool:
         """Whether it solves quadratic programs, by ``model.solve``."""
@@ -90,7 +111,17 @@ class SecondaryTerm(ABC):
         return dq
 
     def adapt(self, model: LocalModel, state: State, null_space: NullSpaceDisplacement, outcome: Outcome) -> State:
-        """The state after the outcome is known."""
+        """The state after the outcome is known.
+
+        Args:
+            model: the local model at q.
+            state: this part's state before the update.
+            null_space: the displacement that `propose` returned.
+            outcome: whether the step was accepted, and if not, which parts to shorten.
+
+        Returns:
+            New values by name; an entry that is left out is kept.
+        """
         return {}
 
 

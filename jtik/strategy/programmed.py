@@ -88,7 +88,14 @@ class Programmed(Strategy):
         return {}
 
     def adapt(self, model: LocalModel, state: State, proposal: Proposal, outcome: Outcome) -> State:
-        """These entries after the outcome is known; by default those of ``proposal.state``."""
+        """The entries of `own_state` after the outcome is known; by default those of ``proposal.state``.
+
+        Args:
+            model: the local model at q.
+            state: the state before the update.
+            proposal: what `propose` returned.
+            outcome: whether the step was accepted, and if not, which parts to shorten.
+        """
         return proposal.state
 
     def uses_qp(self, has_criterion: bool) -> bool:

@@ -9,6 +9,7 @@ import pytest
 import qpsolvers
 
 import jtik
+from jtik.interop.criterion_evaluation import convex
 from jtik.interop.mink import (
     MujocoCorrespondence,
     as_criterion,
@@ -17,7 +18,6 @@ from jtik.interop.mink import (
     to_mujoco,
     velocity_limit,
 )
-from jtik.interop.numbers import convex
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from ..conftest import DIFFERENCES, differences, floating_arm, planar

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 import jtik
 from jtik.interop.urdf import UNLIMITED, to_urdf
 from jtik.robot import JointType
-from jtik.robot.body import Mass
+from jtik.robot.masses_and_shapes import Mass
 from jtik.robot.tree import Mimic
 
 from ..conftest import ball_arm, floating_arm

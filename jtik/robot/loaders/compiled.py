@@ -10,12 +10,12 @@ import mujoco
 import numpy as np
 
 from jtik.errors import RobotFileError
-from jtik.robot.body import Mass
-from jtik.robot.joints import JointType
+from jtik.robot.joint_type import JointType
 from jtik.robot.loaders.meshes import MeshFile
 from jtik.robot.loaders.robot_description import JointCoupling, Names, RobotDescription
 from jtik.robot.loaders.shapes import solids
 from jtik.robot.loaders.transforms import pose_of, rotation_about, translation
+from jtik.robot.masses_and_shapes import Mass
 from jtik.robot.tree import Joint
 from jtik.types import Array
 

@@ -10,7 +10,7 @@ from typing import Any
 import mujoco
 
 from jtik.errors import ArgumentError, RobotFileError
-from jtik.robot.joints import JointType
+from jtik.robot.joint_type import JointType
 from jtik.robot.loaders.compiled import ModelReader
 from jtik.robot.loaders.couplings import with_mimic_joints
 from jtik.robot.loaders.robot_description import Names, RobotDescription

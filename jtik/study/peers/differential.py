@@ -191,7 +191,7 @@ class DifferentialLoop(StepLoop):
         )
 
     def step(self) -> float | None:
-        """A step with the target as a constraint if there is a criterion and the error is small, else a weighted step."""
+        """A step with the target as a constraint if there is a criterion and the error is small, else weighted."""
         dq = None
         if self.criterion is not None and self._low < self._error <= CLOSE:
             self.criterion.observe(self.configuration, self._error)

@@ -40,7 +40,7 @@ class BasicSaturation:
         return cls(lower, upper, zeros(n), zeros(0, n), 1)
 
     def with_task(self, J: Expression, change: Expression) -> BasicSaturation:
-        """Add a task: J x changes by s ``change`` (m, 1), s at most 1 and the largest of all trials. Earlier tasks are kept."""
+        """Add a task: J x changes by s ``change`` (m, 1), with s at most 1, the largest of all trials."""
         rows = vertcat(self.rows, J)
         k, n = rows.shape
         kept, change = rows @ self.x, vertcat(zeros(self.rows.shape[0]), change)

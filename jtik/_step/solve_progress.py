@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jtik._step.checked_update import CheckedUpdate
 from jtik._step.stopping import Code, Stop
-from jtik._step.update import CheckedUpdate
 from jtik.strategy import FeasibilityRestoration, LocalModel
 from jtik.symbolic import Expression, if_else, logic_and, logic_not, logic_or
 from jtik.types import Array

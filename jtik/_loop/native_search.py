@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from jtik._loop.runner import Runner
 from jtik._step.inputs import SETTING, Inputs
-from jtik._step.layout import VectorLayout
 from jtik._step.stopping import OUTCOME, Code
+from jtik._step.vector_layout import VectorLayout
 from jtik.symbolic.compile import Library
 from jtik.types import Array
 

@@ -12,15 +12,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from jtik._step.checked_update import CheckedUpdate, checked_update, first_state
 from jtik._step.inputs import Inputs, Settings
-from jtik._step.layout import VectorLayout
 from jtik._step.local_model import linearized
-from jtik._step.progress import UNKNOWN, Progress, initial_progress
 from jtik._step.record import figures_of
 from jtik._step.relaxation import RelaxationTerms
+from jtik._step.solve_progress import UNKNOWN, Progress, initial_progress
 from jtik._step.stopping import Code, Stop
 from jtik._step.symbolic_problem import SymbolicProblem
-from jtik._step.update import CheckedUpdate, checked_update, first_state
+from jtik._step.vector_layout import VectorLayout
 from jtik.qp.backend import Backend
 from jtik.qp.fast_path import fast_or_qp_path
 from jtik.qp.recorder import QPRecorder
