@@ -9,7 +9,7 @@ import pytest
 
 import jtik
 from jtik._loop.runner import Runner
-from jtik._step.fused import fused_step
+from jtik._step.fused_step import fused_step
 from jtik._step.stopping import OUTCOME, Code
 from jtik_formulations import Newton
 

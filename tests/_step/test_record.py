@@ -8,9 +8,9 @@ import casadi
 import numpy as np
 import pytest
 
+from jtik._step.checked_update import checked_update
 from jtik._step.record import OPTIONAL, figures_of
 from jtik._step.relaxation import RelaxationTerms
-from jtik._step.update import checked_update
 from jtik.strategy import Strategy, Update
 
 from ..strategy.conftest import numbers, quadratic_model

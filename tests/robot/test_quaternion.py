@@ -1,4 +1,4 @@
-"""Algebra of quaternions, against SciPy; `test_joints` has the exponential and the logarithm near their limits."""
+"""Algebra of quaternions, against SciPy; `test_joint_type` has the exponential and the logarithm near their limits."""
 
 from __future__ import annotations
 

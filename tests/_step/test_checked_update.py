@@ -6,7 +6,7 @@ import casadi
 import numpy as np
 import pytest
 
-from jtik._step.update import checked_update, first_state
+from jtik._step.checked_update import checked_update, first_state
 from jtik.strategy import Shape, Strategy, StrategyError, Update
 
 from ..strategy.conftest import numbers, quadratic_model

@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi
 import numpy as np
 
-from jtik._step.layout import VectorLayout
+from jtik._step.vector_layout import VectorLayout
 
 LAYOUT = VectorLayout.of({"a": 2, "none": 0, "b": 1, "c": 3})
 

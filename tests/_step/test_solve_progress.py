@@ -9,7 +9,16 @@ import casadi
 import numpy as np
 import pytest
 
-from jtik._step.progress import CYCLING, FALL, REFUSALS, STAGNANT, STAGNATIONS, UNKNOWN, Progress, initial_progress
+from jtik._step.solve_progress import (
+    CYCLING,
+    FALL,
+    REFUSALS,
+    STAGNANT,
+    STAGNATIONS,
+    UNKNOWN,
+    Progress,
+    initial_progress,
+)
 from jtik._step.stopping import Code
 
 from .conftest import numbers

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik._step.fused import OWN, fused_step
+from jtik._step.fused_step import OWN, fused_step
 from jtik._step.stopping import Code, StepOutcome
 from jtik.qp import backend_of
 from jtik.strategy import Strategy, Update

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.interop.numbers import CriterionNumbers, checked, convex
+from jtik.interop.criterion_evaluation import CriterionNumbers, checked, convex
 from jtik_formulations import JointCentering
 
 from ..conftest import DIFFERENCES, ball_arm, dh_arm, differences, floating_arm

@@ -10,7 +10,7 @@ import pytest
 
 import jtik
 from jtik.robot import Mass
-from jtik.robot.body import masses_on, shapes_on
+from jtik.robot.masses_and_shapes import masses_on, shapes_on
 
 FRAMES = ("base", "arm")
 
