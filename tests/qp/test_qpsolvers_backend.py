@@ -57,6 +57,18 @@ def test_solution_and_multipliers_have_jtiks_order_and_signs(name):
     assert box == pytest.approx([3.25, 0, 0], abs=1e-5)
 
 
+@pytest.mark.parametrize("name", ["daqp", "osqp"])
+@pytest.mark.parametrize(("side", "low", "high"), [(1, 1.0, np.inf), (-1, -np.inf, -1.0)])
+def test_multipliers_of_bounds_on_either_side(name, side, low, high):
+    """The point closest to 0 with x1 + x2 at least 1, or at most -1, is (1/2, 1/2) or its negative."""
+    infinite = np.full(2, np.inf)
+    qp = NumericQP(np.eye(2), np.zeros(2), np.ones((1, 2)), np.array([low]), np.array([high]), -infinite, infinite)
+    x, rows, box = QPSolversBackend(name).solver(2, 1).solve(qp)
+    assert x == pytest.approx([side / 2] * 2, abs=1e-6)
+    assert rows == pytest.approx([-side / 2], abs=1e-6)
+    assert box.tolist() == [0, 0]
+
+
 def test_a_qp_without_solution_has_none():
     impossible = dataclasses.replace(QP, lower=np.array([0.3, 0.25, -1]), upper=np.ones(3))
     assert QPSolversBackend("daqp").solver(3, 4).solve(impossible) is None

@@ -168,6 +168,15 @@ class TestMerit:
         assert accepted(rest, near_target=1)
         assert not accepted(rest, -DOWN, near_target=1)
 
+    @pytest.mark.parametrize(("side", "penalty"), [(1, 12.0), (-1, 0.1 * 3 / np.sqrt(2))])
+    def test_the_penalty_weight_covers_what_the_task_part_costs_the_criterion(self, side, penalty):
+        """The task part changes H by 3 and |r| by 0.5; where H rises, half of mu times 0.5 covers the rise."""
+        task = NEWTON + np.array([0.0, 0.0, 1.0])
+        model = quadratic_model(J, R, gradient=np.array([0.0, 0.0, 3.0 * side]), hessian=np.zeros((3, 3)))
+        state = {name: casadi.SX(0.0) for name in ("task", "null", "penalty")}
+        after = Pair(Given(task), Null(np.zeros(3))).update(model, state).state
+        assert numbers(after["penalty"]) == pytest.approx(penalty)
+
     def test_without_a_criterion_V_must_fall(self):
         assert accepted(criterion=False)
         assert not accepted(-NEWTON, criterion=False)
