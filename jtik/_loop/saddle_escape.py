@@ -51,12 +51,12 @@ class SaddleEscape:
 
     @cached_property
     def _moved(self) -> CompiledFunction:
-        """(q, v, target) -> q + v and V there."""
+        """(q, v, target) -> q + v and V at it."""
         q, target, _ = self._problem.symbols()
         v = symbol("v", self._problem.robot.n)
-        there = self._problem.robot.integrate(q, v)
-        V = sumsqr(self._problem.residual(there, target)) / 2
-        return CompiledFunction(function("moved", [q, v, target], [there, V]))
+        moved_q = self._problem.robot.integrate(q, v)
+        V = sumsqr(self._problem.residual(moved_q, target)) / 2
+        return CompiledFunction(function("moved", [q, v, target], [moved_q, V]))
 
     @cached_property
     def _clearances_hold(self) -> CompiledFunction:
@@ -127,11 +127,11 @@ class SaddleEscape:
         step = FIRST_STEP * vector
         for _ in range(HALVINGS):
             for sign in (1.0, -1.0):
-                there, V = self._moved(q, sign * step, target)
-                allowed = all(lower[i] <= there[i, 0] <= upper[i] for i, _ in self._problem.bounded)
+                moved_q, V = self._moved(q, sign * step, target)
+                allowed = all(lower[i] <= moved_q[i, 0] <= upper[i] for i, _ in self._problem.bounded)
                 falls = allowed and V[0, 0] < (1 - MINIMUM_DECREASE) * before
                 if falls and self._clear(q, sign * step, inputs):
-                    q[:] = there[:, 0]
+                    q[:] = moved_q[:, 0]
                     return True
             step /= 2
         return False

@@ -1,7 +1,7 @@
-"""The active set: which joint limits are active in a step, so that the other joints go on without them.
+"""The active set: which joint limits are active in a step, so that the step is made with the other joints.
 
 A joint whose limit is *active* has zero columns in J and zero entries in the gradient, and the strategy works with the
-joints that are left. The active set is part of the state (formulations/joint_limits.md):
+remaining joints. The active set is part of the state (formulations/joint_limits.md):
 
 - Far from the target, or without a criterion, the task decides: the limit of a joint at its limit that -J' r pushes
   outward is active, and after a refused step also that of a joint that the step pushed outward. The state of a
@@ -108,8 +108,8 @@ class ActiveSet:
     def task_gradient_norm(self) -> Expression:
         """Norm of dV/dv over the joints that the task itself does not push outward at a limit."""
         pairs = zip(self._pushed, self._problem.bounded, strict=True)
-        lost = sum(if_else(pushed, self._task_gradient[j] ** 2, 0) for pushed, (_, j) in pairs)
-        return fmax(sumsqr(self._task_gradient) - lost, 0) ** 0.5
+        of_active = sum(if_else(pushed, self._task_gradient[j] ** 2, 0) for pushed, (_, j) in pairs)
+        return fmax(sumsqr(self._task_gradient) - of_active, 0) ** 0.5
 
     def _wrong_multipliers(self, model: LocalModel) -> list[Expression]:
         """For each active limit by how much its multiplier has the wrong sign, non-negative.

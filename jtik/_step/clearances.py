@@ -32,8 +32,8 @@ def clearance_model(
     distance, J, figures = measured
     lower, upper = limits
     dq = symbol("dq", problem.robot.n)
-    there = clamped(problem.robot.integrate(q, dq), lower, upper, problem.bounded)
-    after = problem.distances(there, parameters)
+    candidate = clamped(problem.robot.integrate(q, dq), lower, upper, problem.bounded)
+    after = problem.distances(candidate, parameters)
     safe, aim, influence, gain = (figures[:, i] for i in range(4))
     return ClearanceModel(
         distance=distance,

@@ -42,7 +42,7 @@ from jtik.symbolic import (
 from jtik.symbolic.compile import Library, bind, library
 from jtik.types import Array
 
-OWN = "strategy."
+STRATEGY_PREFIX = "strategy."
 """Prefix of the names of the strategy's own state within the state of the step."""
 
 
@@ -122,7 +122,11 @@ def fused_step(
 
     at = linearized(problem, q, inputs, state, qps)
     model, active = at.model, at.active_set
-    update = checked_update(strategy, model, {name[len(OWN) :]: v for name, v in state.items() if name.startswith(OWN)})
+    update = checked_update(
+        strategy,
+        model,
+        {name[len(STRATEGY_PREFIX) :]: v for name, v in state.items() if name.startswith(STRATEGY_PREFIX)},
+    )
     restoration = model.restoration if model.clearance and model.clearance.restores else None
     stop = Stop(problem, model, settings, active, update.stationarity_residual, restoration)
     progress = Progress.of(model, state, stop)
@@ -146,7 +150,7 @@ def fused_step(
         after |= restoration.after(update.dq, accepted)
     if active and evaluated:
         after["active"] = active.after(model, update.wanted, update.candidate.q, accepted)
-    after |= {f"{OWN}{name}": value for name, value in update.state.items()}
+    after |= {f"{STRATEGY_PREFIX}{name}": value for name, value in update.state.items()}
     code = progress.code(done, stalled)
     if qps:
         code = if_else(qps.solved(), code, Code.UNSOLVED)
@@ -175,7 +179,7 @@ def _first_state(problem: SymbolicProblem, strategy: Strategy, *, evaluated: boo
         state["active"] = np.zeros(len(problem.bounded))
     robot = problem.robot
     shape = Shape(robot.n, robot.nq, problem.m, problem.has_criterion, bool(problem.clearances))
-    return state | {f"{OWN}{name}": value for name, value in first_state(strategy, shape).items()}
+    return state | {f"{STRATEGY_PREFIX}{name}": value for name, value in first_state(strategy, shape).items()}
 
 
 def _input_symbols(problem: SymbolicProblem) -> Inputs[Expression]:

@@ -20,7 +20,7 @@ class Settings(NamedTuple):
         position_tolerance: norm of the position error that counts as reached [m].
         orientation_tolerance: norm of the orientation error that counts as reached [rad].
         optimality_tolerance: null-space residual, relative to max(1, |dH/dv|), that counts as stationary.
-        until_stationary: 1 to go on until the criterion is stationary, 0 to stop on arrival.
+        until_stationary: 1 to continue until the criterion is stationary, 0 to stop at the target.
     """
 
     position_tolerance: Any = 1e-6

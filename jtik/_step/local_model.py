@@ -57,14 +57,14 @@ def linearized(
     at = [symbol(f"at{i}", *part.shape) for i, part in enumerate(parts)] if qps else parts
     q, residual, J, H, gradient = at[:5]
     here = Evaluation(q, residual, H)
-    neighbourhood = near = 0
+    neighbourhood = near_target = 0
     if problem.has_criterion:
         known = state["neighbourhood"]
         neighbourhood = if_else(known > 0, known, NEIGHBOURHOOD * sqrt(squared_length(J) + TINY))
-        near = here.length <= neighbourhood
+        near_target = here.length <= neighbourhood
     active = None
     if problem.bounded:
-        active = ActiveSet(problem, state, here, near, J, gradient, limits, uses_qp=bool(qps))
+        active = ActiveSet(problem, state, here, near_target, J, gradient, limits, uses_qp=bool(qps))
     model = LocalModel(
         robot=problem.robot,
         here=here,
@@ -73,7 +73,7 @@ def linearized(
         J_free=active.masked(J) if active else J,
         gradient_free=active.masked(gradient.T).T if active else gradient,
         has_criterion=problem.has_criterion,
-        near_target=near,
+        near_target=near_target,
         neighbourhood=neighbourhood,
         lower=inputs.lower,
         upper=inputs.upper,

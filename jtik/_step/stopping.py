@@ -1,4 +1,4 @@
-"""When a solve ends: tests of arrival and stationarity, and the code that the fused function returns."""
+"""When a solve ends: tests of the error and of stationarity, and the code that the fused function returns."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ OUTCOME = StepOutcome(*range(len(StepOutcome._fields)))
 
 
 class Stop:
-    """The tests of arrival and stationarity.
+    """The tests of the error and of stationarity.
 
     Args:
         problem: the problem.

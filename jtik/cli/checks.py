@@ -49,5 +49,5 @@ def call(where: str, make: Callable[..., T], options: Any) -> T:
         return make(**options)
     except JtikError:
         raise
-    except (TypeError, ValueError) as error:  # a text where a number belongs, say
+    except (TypeError, ValueError) as error:  # such as a text in place of a number
         raise InputError(f"{where}: {error}") from error

@@ -232,7 +232,7 @@ class ClearanceModel:
 
 def lever_arms(robot: Robot) -> Array:
     """Upper bound of the motion of any point of the robot per unit of each velocity entry, (n,) [m/rad] or [m/m]."""
-    beyond = {frame: _own_reach(robot, frame) for frame in robot.frame_names}
+    beyond = {frame: _largest_extent(robot, frame) for frame in robot.frame_names}
     for joint in reversed(robot.joints):
         length = float(np.linalg.norm(joint.origin[:3, 3])) + _stroke(joint)
         beyond[joint.parent] = max(beyond[joint.parent], length + beyond[joint.child])
@@ -247,7 +247,7 @@ def lever_arms(robot: Robot) -> Array:
     return result
 
 
-def _own_reach(robot: Robot, frame: str) -> float:
+def _largest_extent(robot: Robot, frame: str) -> float:
     """Distance of the farthest point of a frame's solids from its origin [m]."""
     from jtik.geometry import enclosing_segment
 

@@ -31,19 +31,19 @@ def box_function(bounds: Bounds) -> Function:
     q, last, clock = symbol("q", robot.nq), symbol("last", robot.n), symbol("clock", 2)
     dt, lower, upper = clock[0], [-math.inf] * robot.nq, [math.inf] * robot.nq
     for i, j in bounds.bounded:
-        reach = bounds.velocity[j] * dt
+        largest_step = bounds.velocity[j] * dt
         change = bounds.acceleration[j] * dt**2 if bounds.acceleration[j] < math.inf else None
-        low, high = _allowed(last[j] * (dt / clock[1]), reach, change)
+        low, high = _allowed(last[j] * (dt / clock[1]), largest_step, change)
         lower[i], upper[i] = _merged(q[i], bounds.lower[i], bounds.upper[i], low, high, change)
     return function("step_box", [q, last, clock], [vertcat(*lower), vertcat(*upper)])
 
 
-def _allowed(last: Expression, reach: Expression, change: Expression | None) -> tuple[Expression, Expression]:
+def _allowed(last: Expression, largest_step: Expression, change: Expression | None) -> tuple[Expression, Expression]:
     """Displacements that (M1) and (M2) allow; if the two do not intersect, the one of (M2) closest to (M1)."""
     if change is None:
-        return -reach, reach
+        return -largest_step, largest_step
     smallest, largest = last - change, last + change
-    return fmin(fmax(-reach, smallest), largest), fmin(fmax(reach, smallest), largest)
+    return fmin(fmax(-largest_step, smallest), largest), fmin(fmax(largest_step, smallest), largest)
 
 
 def _merged(
@@ -113,9 +113,9 @@ class StepBox:
         scalar_q, scalar_v = self._robot.scalar_q, self._robot.scalar_v
         base[scalar_v] = self._inside(self._q)[scalar_q] - self._q[scalar_q]
         last = self._last[self._unboxed] * (self._clock[0] / self._clock[1])
-        reach = self._bounds.velocity[self._unboxed] * self._dt
+        largest_step = self._bounds.velocity[self._unboxed] * self._dt
         change = self._bounds.acceleration[self._unboxed] * self._dt**2
-        low, high = (np.clip(end, last - change, last + change) for end in (-reach, reach))
+        low, high = (np.clip(end, last - change, last + change) for end in (-largest_step, largest_step))
         base[self._unboxed] = stay = np.clip(0.0, low, high)
         share = _share(displacement[self._unboxed] - stay, low - stay, high - stay)
         if share >= 1:

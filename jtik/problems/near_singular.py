@@ -163,10 +163,10 @@ def _target(
         return setup.target_at(setup.robot.random_configuration(generator))
     length = 1.0 if task.kind == "orientation" else reach.size(setup.robot, task.frame)
     first = 1.0 if generator.random() < 0.5 else -1.0
-    there = setup.target_at(posture)
+    singular_target = setup.target_at(posture)
     for halving in range(HALVINGS + 1):
         for side in (first, -first):
-            target = _along(task, setup.robot, there, side * length * distance / 2**halving * u)
+            target = _along(task, setup.robot, singular_target, side * length * distance / 2**halving * u)
             if setup.solve(target, start, restarts=10) is not None:
                 return target
     return None

@@ -161,10 +161,10 @@ class SecondOrder(SecondaryTerm):
         if not self.corrections:
             return dq
         wanted = model.here.residual + model.J @ dq
-        there, corrected = model.candidate(dq), dq
-        rows = RowSpace(_masked(model.J, _free(model, there.q))) if model.bounded else model.row_space_free
+        candidate, corrected = model.candidate(dq), dq
+        rows = RowSpace(_masked(model.J, _free(model, candidate.q))) if model.bounded else model.row_space_free
         for k in range(self.corrections):
-            error = (there if k == 0 else model.candidate(corrected)).residual - wanted
+            error = (candidate if k == 0 else model.candidate(corrected)).residual - wanted
             corrected = model.within_limits(corrected - rows.least_squares(error).vector)
         small = logic_and(model.near_target, norm(corrected - dq) <= SHORT * norm(dq))
         return if_else(small, corrected, dq)

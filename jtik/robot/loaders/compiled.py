@@ -159,12 +159,12 @@ class ModelReader:
                 )
                 self._notes.append(text + "by a polynomial of higher order than one")
                 continue
-            there = float(model.qpos0[model.jnt_qposadr[leader]])
+            leader_offset = float(model.qpos0[model.jnt_qposadr[leader]])
             yield JointCoupling(
                 joint=self._joint_names[joint],
                 leader=self._joint_names[leader],
                 multiplier=ratio,
-                offset=here + constant - ratio * there,
+                offset=here + constant - ratio * leader_offset,
             )
 
     def _masses(self) -> dict[str, Mass]:

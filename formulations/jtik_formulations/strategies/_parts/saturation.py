@@ -150,12 +150,12 @@ class Saturation:
         motion = free * rate
         squared = sumsqr(motion)
         moving = squared > DEPENDENT**2
-        pace = moving * squared if by_itself else 1
+        speed = moving * squared if by_itself else 1
         times = self._times_to_events(free, rate, logic_not(moving))
         next_event: Expression = UNLIMITED
         for i in range(times.shape[0]):
             next_event = fmin(next_event, times[i])
-        end = fmax(fmin(remaining / fmax(pace, DEPENDENT**2), UNLIMITED), UNLIMITED * (pace <= 0) * (remaining > 0))
+        end = fmax(fmin(remaining / fmax(speed, DEPENDENT**2), UNLIMITED), UNLIMITED * (speed <= 0) * (remaining > 0))
         ends = logic_and(end < UNLIMITED, end <= next_event)
         time = fmax(fmin(end, next_event), 0)
         time = (time < UNLIMITED) * time
@@ -172,14 +172,14 @@ class Saturation:
             side=(1 - marked) * self.side + marked * free * (2 * (rate > 0) - 1),
         )
         response, rate = self._pivoted(marked, rate)
-        return replace(after, response=response), rate, if_else(ends, 0, fmax(remaining - time * pace, 0))
+        return replace(after, response=response), rate, if_else(ends, 0, fmax(remaining - time * speed, 0))
 
     def _times_to_events(self, free: Expression, rate: Expression, stationary: Expression) -> Expression:
         """The times until each free joint reaches a bound, and until the multipliers of the others are zero."""
         small = fabs(rate) <= SIGN
-        pace = 1 / (rate + small)
-        to_bound = fmax((self.upper - self.x) * pace, (self.lower - self.x) * pace)
-        time_to_event = if_else(free, to_bound, -self.multiplier * pace)
+        inverse_rate = 1 / (rate + small)
+        to_bound = fmax((self.upper - self.x) * inverse_rate, (self.lower - self.x) * inverse_rate)
+        time_to_event = if_else(free, to_bound, -self.multiplier * inverse_rate)
         no_event = small + free * stationary + (self.side * rate > 0)
         return fmax(time_to_event, UNLIMITED * no_event)
 
