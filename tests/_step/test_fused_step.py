@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik._step.fused_step import OWN, fused_step
+from jtik._step.fused_step import STRATEGY_PREFIX, fused_step
 from jtik._step.stopping import Code, StepOutcome
 from jtik.qp import backend_of
 from jtik.strategy import Strategy, Update
@@ -56,7 +56,7 @@ def test_an_accepted_step_is_the_displacement_of_the_strategy():
     _, q, state, outcome, _ = called(GaussNewton())
     assert q == pytest.approx(Q + NEWTON)
     assert (outcome.code, outcome.tried, outcome.accepted) == (Code.CONTINUE, 1, 1)
-    assert state[OWN + "calls"].item() == 1
+    assert state[STRATEGY_PREFIX + "calls"].item() == 1
 
 
 def test_its_outcome_has_the_error_where_it_ends():
@@ -70,7 +70,7 @@ def test_a_refused_step_changes_the_state_only():
     _, q, state, outcome, _ = called(GaussNewton(accepted=0))
     assert q.tolist() == Q.tolist()
     assert (outcome.tried, outcome.accepted) == (1, 0)
-    assert (state[OWN + "calls"].item(), state["refused"].item()) == (1, 1)
+    assert (state[STRATEGY_PREFIX + "calls"].item(), state["refused"].item()) == (1, 1)
     assert outcome.position_error == pytest.approx(np.linalg.norm(planar_points(Q)[-1] - TARGET))
 
 
@@ -117,7 +117,7 @@ class TestState:
     def test_the_parts_of_the_engine_come_first_then_those_of_the_strategy(self):
         fused = called(GaussNewton(), robot=planar(3, lower=-2, upper=2), criteria=JointCentering())[0]
         names = list(fused.state.slices)
-        assert names[-1] == OWN + "calls"
+        assert names[-1] == STRATEGY_PREFIX + "calls"
         assert {"refused", "stagnant", "without_progress", "best", "patience", "neighbourhood", "active"} == set(
             names[:-1]
         )
@@ -130,7 +130,7 @@ class TestState:
         after = called(GaussNewton(), q=q, criteria=JointCentering(), memory=memory)[2]
         assert state["neighbourhood"].item() > 0
         assert after["neighbourhood"].tolist() == state["neighbourhood"].tolist()
-        assert after[OWN + "calls"].item() == 2
+        assert after[STRATEGY_PREFIX + "calls"].item() == 2
 
 
 def test_a_record_is_given_on_demand():
