@@ -387,7 +387,7 @@ def step_alone(ik: jtik.InverseKinematics, home: Array, path: Sequence[Any], clo
 
 def runner_of(ik: jtik.InverseKinematics) -> Any:
     """The runner that ``ik.step`` with dt uses."""
-    return ik._engine.runners.timed[0]
+    return ik._engine.runners.timed_step[0]
 
 
 def placo_alone(robot: jtik.Robot, within: float, clock: Clock) -> Callable[[], float]:

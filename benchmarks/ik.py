@@ -68,7 +68,7 @@ class Row:
         targets: number of targets.
         solved: share of targets with an answer that the check accepts [%].
         wrong: number of answers that the solver reports as a success and the check rejects.
-        gave_up: number of targets without an answer.
+        unanswered: number of targets for which it returns no solution.
         median: median time [us].
         mean: mean time [us].
         p90: ninetieth percentile of the time [us].
@@ -82,7 +82,7 @@ class Row:
     targets: int = 0
     solved: float = 0.0
     wrong: int = 0
-    gave_up: int = 0
+    unanswered: int = 0
     median: float = 0.0
     mean: float = 0.0
     p90: float = 0.0
@@ -159,10 +159,10 @@ def run_rounds(
 
 def row(arm: Arm, name: str, tally: Tally, targets: Sequence[Array], accuracy: Accuracy) -> Row:
     """The figures of a solver, with a check of every answer."""
-    solved = wrong = gave_up = 0
+    solved = wrong = unanswered = 0
     for i, answer in zip(tally.targets, tally.answers, strict=True):
         if answer is None:
-            gave_up += 1
+            unanswered += 1
             continue
         result = check(arm, targets[WARM_UP + i], answer)
         accepted = result.within and (
@@ -179,7 +179,7 @@ def row(arm: Arm, name: str, tally: Tally, targets: Sequence[Array], accuracy: A
         targets=len(times),
         solved=100 * solved / len(times),
         wrong=wrong,
-        gave_up=gave_up,
+        unanswered=unanswered,
         median=float(median),
         mean=float(times.mean()),
         p90=float(p90),
@@ -201,11 +201,11 @@ def with_ratios(rows: list[Row]) -> list[Row]:
 
 def show(rows: list[Row], out: Any) -> None:
     """Print the table of an arm."""
-    head = "targets  solved [%]  wrong  gave up  median [us]  mean [us]  90 % [us]  x best median  x best mean"
+    head = "targets  solved [%]  wrong  no answer  median [us]  mean [us]  90 % [us]  x best median  x best mean"
     print(f"\n{rows[0].arm:14} {head}", file=out)
     for each in rows:
         figures = (
-            f"{each.targets:7}  {each.solved:10.2f}  {each.wrong:5}  {each.gave_up:7}"
+            f"{each.targets:7}  {each.solved:10.2f}  {each.wrong:5}  {each.unanswered:9}"
             f"  {each.median:11.1f}  {each.mean:9.1f}  {each.p90:9.1f}"
         )
         if each.median_ratio is not None and each.mean_ratio is not None:

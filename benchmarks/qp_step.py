@@ -297,7 +297,7 @@ def path_time(step: Step, path: Path, clock: Clock) -> Callable[[], float]:
 def step_alone(ik: jtik.InverseKinematics, path: Path, clock: Clock) -> Callable[[], float]:
     """The fused step alone, with configuration, target and limits already set."""
     ik.step(path.q[0], path.targets[0], dt=DT)
-    runner, _ = ik._engine.runners.timed
+    runner, _ = ik._engine.runners.timed_step
 
     def place(q: Array, target: Array) -> None:
         ik.step(q, target, dt=DT)

@@ -82,7 +82,7 @@ def repeated(call: Callable[[], object]) -> Timer:
 def step_alone(ik: jtik.InverseKinematics, q: np.ndarray, target: tuple[float, float]) -> Timer:
     """The fused step alone, always from the same configuration and initial state."""
     ik.solve(target, q0=q, max_iterations=0)  # writes target and tolerances to the inputs of the step
-    runner = ik._engine.runners.plain
+    runner = ik._engine.runners.solve
     runner.start(q)
     return repeated(runner.calls[0])
 

@@ -53,11 +53,11 @@ def solve_times(
     times: list[list[float]] = [[] for _ in problems]
     for _ in range(rounds):
         ik.solve(problems[0].target, q0=problems[0].q0, **options)
-        for case, own in zip(problems, times, strict=True):
+        for case, seconds in zip(problems, times, strict=True):
             target, q0 = case.target, case.q0
             begin = time.perf_counter()
             ik.solve(target, q0=q0, **options)
-            own.append(time.perf_counter() - begin)
+            seconds.append(time.perf_counter() - begin)
     return times
 
 
@@ -93,9 +93,9 @@ def main() -> None:
         for _ in range(TURNS):
             result = jtik.compare(robot, task, problems=some, repeats=rounds, **study)
             for strategy, ik in solvers.items():
-                rows, own = result.rows(contender=strategy), solve_times(ik, some, rounds, options)
+                rows, alone = result.rows(contender=strategy), solve_times(ik, some, rounds, options)
                 studied[strategy].append(np.array([result.columns[name][rows] for name in ("seconds", "seconds_low")]))
-                looped[strategy].append(np.array([[statistics.median(each), min(each)] for each in own]).T)
+                looped[strategy].append(np.array([[statistics.median(each), min(each)] for each in alone]).T)
         time.perf_counter = clock
         print(f"\n{'':22}   study    alone     ratio   ratio of minima")
         for strategy in STRATEGIES:

@@ -1,6 +1,6 @@
-"""Redundancy resolution: joint positions for what the end effector must do, with a criterion for the freedom left.
+"""Redundancy resolution: inverse kinematics with a criterion for the redundant degrees of freedom.
 
-`InverseKinematics` solves; a robot, a task, criteria and a strategy are its arguments; a `Solution` is the answer.
+`InverseKinematics` solves; a robot, a task, criteria and a strategy are its arguments; it returns a `Solution`.
 
 Three mappings list what is registered, and each shows itself as a table: ``jtik.strategies``, ``jtik.criteria`` and
 ``jtik.secondaries`` (null-space terms, for pairs such as ``strategy="newton+qp"``). `register_strategy`,

@@ -1,7 +1,7 @@
 """Errors of jtik, and the check of arguments that are arrays.
 
 Every error derives from `JtikError`, so ``except JtikError`` catches all of them and nothing else. Each keeps its data
-as attributes. Its message says what would have been accepted.
+as attributes. Its message contains what would have been accepted.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class MissingExtraError(JtikError, ImportError):
     Attributes:
         package: the package that is missing.
         extra: the extra of jtik that installs it.
-        feature: what was asked for.
+        feature: the feature that needs the package.
     """
 
     def __init__(self, package: str, extra: str, feature: str) -> None:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class InverseKinematics(LockedJoints, FixedSolver):
-    """Joint positions for what the end effector must do and what the remaining freedom should do.
+    """Joint positions that achieve a task and minimise a criterion with the remaining degrees of freedom.
 
     Building one compiles the step. Targets, parameters and tolerances are numbers that can change from call to call at
     no cost. It can be copied and pickled: the copy is built from the same arguments, with the parameters as they are.
@@ -43,7 +43,7 @@ class InverseKinematics(LockedJoints, FixedSolver):
     - ``position_tolerance``: norm of the position error that counts as reached [m].
     - ``orientation_tolerance``: norm of the orientation error that counts as reached [rad].
     - ``optimality_tolerance``: norm of (I - J+ J) dH/dv that counts as stationary, relative to max(1, |dH/dv|).
-    - ``until``: "stationary" continues until the criterion cannot fall further; "reached" stops on arrival.
+    - ``until``: "stationary" continues until the criterion cannot fall further; "reached" stops at the target.
 
     Args:
         robot: the robot.
@@ -57,8 +57,8 @@ class InverseKinematics(LockedJoints, FixedSolver):
             and ``step(dt=)``. True for the robot's own positions and velocities; False leaves its position limits out.
         clearances: distances that no accepted step may bring below their safe values, for strategies that support
             them: "weighted_qp", "lexicographic_qp", and task steps with "+qp", such as "hybrid+qp".
-        joints: names of the joints to move, or "all"; by default those that move what the tasks are about, so that
-            the fingers of a hand are no part of an arm's solution.
+        joints: names of the joints to move, or "all"; by default those on which the tasks depend, so that
+            the fingers of a hand are not part of an arm's solution.
         at: configuration of the full robot at which the other joints are locked, its neutral one by default.
         compiled: run the step as generated C, three to five times faster. This needs a C compiler and, the first time,
             about a second.
@@ -93,16 +93,16 @@ class InverseKinematics(LockedJoints, FixedSolver):
         self._lock(robot, task, joints, at)
         self.limits: Limits = limits_of(limits)
         self.strategy: Strategy = strategy_of(strategy)
-        kept_clear, chosen = clearances_of(clearances), CriterionSum.of(criteria)
-        terms = CriterionTerms.of(self.robot, chosen, kept_clear)
+        clearance_list, criterion_sum = clearances_of(clearances), CriterionSum.of(criteria)
+        terms = CriterionTerms.of(self.robot, criterion_sum, clearance_list)
         self.parameters: Parameters = terms.parameters
         bounds = self.limits.of(self.robot)
-        problem = SymbolicProblem(self.robot, self.tasks, terms, bounds.bounded, kept_clear)
+        problem = SymbolicProblem(self.robot, self.tasks, terms, bounds.bounded, clearance_list)
         self._engine = Engine(problem, self.strategy, solver, bounds, compiled)
         self._stepping, self._solving = self._engine.stepping, self._engine.solving
-        about = {"robot": robot, "task": self.tasks.tasks, "criteria": chosen, "strategy": self.strategy}
-        rules = {"solver": solver, "limits": self.limits, "clearances": kept_clear, "compiled": compiled}
-        self._fix({**about, **rules, "joints": joints, "at": self._locked})
+        arguments = {"robot": robot, "task": self.tasks.tasks, "criteria": criterion_sum, "strategy": self.strategy}
+        arguments |= {"solver": solver, "limits": self.limits, "clearances": clearance_list, "compiled": compiled}
+        self._fix({**arguments, "joints": joints, "at": self._locked})
 
     def __repr__(self) -> str:
         names = " + ".join(name for name, _, _ in self._engine.problem.terms.named) or "no criterion"
@@ -122,14 +122,15 @@ class InverseKinematics(LockedJoints, FixedSolver):
         until: Until = "stationary",
         trace: bool = False,
     ) -> Solution:
-        """Iterate to the target. It always returns a Solution, which says why it stopped.
+        """Iterate to the target. It always returns a Solution, whose status is why it stopped.
 
         Args:
             target: what the task accepts, such as (x, y); for several tasks a dict of targets by task name.
             q0: where to start, (nq,); the robot's neutral configuration by default. It is clamped to the limits.
             restarts: how many other starting configurations to try, drawn within the limits, when q0 does not lead to
-                the target. Each attempt without progress then ends early. If none arrives, the nearest is the answer.
-            seed: seed of the restarts; None is 0. The same seed gives the same answer.
+                the target. Each attempt without progress then ends early. If none reaches the target, the
+                one with the smallest error is returned.
+            seed: seed of the restarts; None is 0. The same seed gives the same solution.
             max_iterations: most steps to try in an attempt.
             position_tolerance, orientation_tolerance, optimality_tolerance, until: see the class.
             trace: keep every iteration in ``solution.trace``.
@@ -176,10 +177,10 @@ class InverseKinematics(LockedJoints, FixedSolver):
 
         A refused step leaves q where it is, and the next call tries a smaller one. `reset` forgets the state.
 
-        With ``dt``, limits of velocity and acceleration hold as well, from ``q`` to the answer and from the last step
+        With ``dt``, limits of velocity and acceleration hold as well, from ``q`` to the result and from the last step
         with a ``dt`` to this one, and no joint is so fast that it could not stop before its position limits. A moving
-        joint cannot stop at once: a refused step is then the nearest to stopping. Steps with and without a ``dt`` have
-        separate states.
+        joint cannot stop at once: a refused step then slows the joints down as fast as they can.
+        Steps with and without a ``dt`` have separate states.
 
         Args:
             q: configuration, (nq,). It is clamped to the limits, with ``dt`` as fast as they allow.

@@ -41,8 +41,8 @@ arm
 # %%
 target, start = [1.6, 1.4], [1.2, 0.8, -0.4, -0.6, 0.5]  # [m], [rad]
 ik = jtik.InverseKinematics(arm, task)
-plain = ik.solve(target, q0=start)
-plain
+without_criterion = ik.solve(target, q0=start)
+without_criterion
 
 # %% [markdown]
 # The first line is the status as a sentence. `solve` does not raise if a target cannot be reached; the status says why
@@ -73,7 +73,7 @@ solution
 print("second order:       ", solution.second_order)
 print("H, term by term:    ", {name: round(value, 4) for name, value in solution.criteria.items()})
 print("null-space residual:", f"{solution.null_space_residual:.1e}")
-print("without criterion H would be", round(ik.solve(target, q0=plain.q, max_iterations=0).cost, 4))
+print("without criterion H would be", round(ik.solve(target, q0=without_criterion.q, max_iterations=0).cost, 4))
 
 # %% [markdown]
 # The last line uses `max_iterations=0`, which only evaluates a configuration.
@@ -125,7 +125,7 @@ left, right = figure.subfigures(1, 2, width_ratios=[1, 1.1])
 axes = left.subplots()
 axes.set(xlim=(-1.0, 2.2), ylim=(-0.2, 3.9), aspect="equal", xlabel="x [m]", ylabel="y [m]")
 draw_obstacles(axes, [disc])
-draw_postures(axes, arm, [start, plain.q, solution.q], width=0.06)
+draw_postures(axes, arm, [start, without_criterion.q, solution.q], width=0.06)
 draw_base(axes, size=0.06)
 axes.plot(*target, "x", color="black", markersize=10, markeredgewidth=2, zorder=6)
 axes.set_title("light: start; middle: no criterion; dark: with criterion", fontsize=10, loc="left")

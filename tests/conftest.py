@@ -61,7 +61,7 @@ def ball_arm():
         [
             jtik.Joint("shoulder", JointType.BALL, "base", "upper", origin=_pose((0, 0, 0.3), (0.2, 0.1, 0))),
             jtik.Joint("elbow", JointType.REVOLUTE, "upper", "fore", origin=_pose((0.5, 0, 0)), axis=y),
-            jtik.Joint("slide", JointType.PRISMATIC, "fore", "rod", origin=_pose((0.3, 0, 0)), lower=-0.1, upper=0.2),
+            jtik.Joint("lift", JointType.PRISMATIC, "fore", "rod", origin=_pose((0.3, 0, 0)), lower=-0.1, upper=0.2),
             jtik.Joint("wrist", JointType.BALL, "rod", "hand", origin=_pose((0.2, 0.1, 0))),
             jtik.Joint("tip", JointType.FIXED, "hand", "tip", origin=_pose((0.15, 0, 0.05), (0, 0.4, 0))),
         ],
@@ -85,7 +85,7 @@ def floating_arm():
     )
 
 
-def look(ik, q, target):
+def report_at(ik, q, target):
     """The solver's report on the configuration ``q``: a Solution of no iterations."""
     return ik.solve(target, q0=q, max_iterations=0)
 

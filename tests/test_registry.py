@@ -356,7 +356,7 @@ class TestEntryPoints:
     def test_a_pair_with_a_broken_secondary_term_names_its_distribution(self, distribution, monkeypatch):
         distribution(secondaries={"broken": "thirdparty_broken:Term"})
         registry = Registry("secondary term", SecondaryTerm, "jtik.secondaries")
-        monkeypatch.setattr("jtik.registry.selection.secondaries", registry)
+        monkeypatch.setattr("jtik.registry.strategy_argument.secondaries", registry)
         with pytest.raises(jtik.PluginError, match="plugin 'broken' of distribution 'third-party'"):
             jtik.InverseKinematics(planar(2), jtik.FrameTask(), strategy="newton+broken")
 

@@ -20,7 +20,7 @@ class BatchEntry(NamedTuple):
     Attributes:
         found: where it ended.
         status: why.
-        converged: whether what was asked for was achieved.
+        converged: whether the solve succeeded.
         errors: norms of position [m] and orientation [rad] rows of the error.
         seconds: wall time [s].
     """

@@ -11,7 +11,7 @@ from jtik.criterion import Parameters
 from jtik.errors import ImmutableError, JtikError
 from jtik.types import Array
 
-Solver = TypeVar("Solver", bound="FixedSolver")
+S = TypeVar("S", bound="FixedSolver")
 
 INSTEAD = {"parameters": "assign ik.parameters[name]", "tasks": "build a new InverseKinematics(..., task=...)"}
 """What to do instead of assigning an attribute; for an argument of the constructor it follows from its name."""
@@ -61,7 +61,7 @@ class FixedSolver:
         return _rebuilt, (type(self), arguments, dict(self.parameters))
 
 
-def _rebuilt(kind: type[Solver], arguments: Mapping[str, Any], parameters: Mapping[str, Array]) -> Solver:
+def _rebuilt(kind: type[S], arguments: Mapping[str, Any], parameters: Mapping[str, Array]) -> S:
     """A solver with these arguments and parameters."""
     solver = kind(**arguments)
     for name, value in parameters.items():

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jtik._loop.arguments import ConfigurationReader
-from jtik._loop.exclusive import ExclusiveUse
+from jtik._loop.exclusive_use import ExclusiveUse
 from jtik._loop.inspection import Inspector
-from jtik._loop.native import NativeSearch
+from jtik._loop.native_search import NativeSearch
 from jtik._loop.runners import Runners
 from jtik._loop.saddle_escape import SaddleEscape
 from jtik._loop.search import Search
@@ -69,9 +69,9 @@ class Engine:
         escape = SaddleEscape(problem)
         inspector = Inspector(problem, escape, self.runners)
         self.search = Search(robot, escape, inputs)
-        plain = self.runners.plain
-        if plain.fused.library:
-            self.search.native = NativeSearch(plain.fused.library, plain, inputs)
+        runner = self.runners.solve
+        if runner.fused.library:
+            self.search.native = NativeSearch(runner.fused.library, runner, inputs)
         self.stepping = Stepping(
             robot,
             tasks,
@@ -87,14 +87,14 @@ class Engine:
 
     def build(self, q: Any, target: Any, qp: str | None) -> qpsolvers.Problem:
         """A quadratic program of a first step, as `InverseKinematics.build` describes it."""
-        plain = self.runners.plain
-        parts = plain.fused.parts
+        runner = self.runners.solve
+        parts = runner.fused.parts
         if parts is None:
             accepted = "one that uses quadratic programs, such as 'newton+qp' with a criterion"
             raise ArgumentError("strategy", self._strategy, accepted)
         with self._exclusive:
             self.memory.inputs.target[:] = self.problem.tasks.read_target(target)
             start = self.configurations.clamped(self.configurations.read("q", q))
-            numbers = parts.program(qp, [start, *self.runners.step_inputs, plain.first_state])
+            numbers = parts.numeric_qp(qp, [start, *self.runners.step_inputs, runner.first_state])
             problem: qpsolvers.Problem = as_problem(numbers)[0]
             return problem

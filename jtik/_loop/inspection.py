@@ -1,4 +1,4 @@
-"""The inspection of a configuration: its report, its status and what was relaxed, each computed when asked for."""
+"""The inspection of a configuration: its report, its status and its relaxations, each computed when it is read."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from jtik.types import Array
 
 
 class Inspector:
-    """Evaluates a problem at a configuration, for the inputs it is given.
+    """Evaluates a problem at a configuration, for given inputs.
 
-    A report may be read in another thread than the one that solves: one evaluation waits for the other.
+    A report may be read in a thread other than the one that solves: the two evaluations then run one after the other.
     """
 
     def __init__(self, problem: SymbolicProblem, escape: SaddleEscape, runners: Runners) -> None:
@@ -64,7 +64,7 @@ class Inspector:
         Args:
             q: configuration, (nq,).
             numbers: the inputs, one after the other, as in `InputMemory`.
-            target: the target as it was given, of which the report says what is not used; None to leave that out.
+            target: the target as it was given, for the report's ``unused``; None to leave that out.
         """
         inputs = self._runners.memory.views(numbers)
         with self._lock:
@@ -107,19 +107,19 @@ class Inspector:
             return self._error(q, inputs.target)[0][:, 0]
 
     def status(self, q: Array, code: Code, numbers: Array, report: Callable[[], Report]) -> Status:
-        """Why a solve ended at ``q`` with the last code of its steps, in the order in which a user would ask."""
+        """Why a solve ended at ``q`` with the last code of its steps: the first of the statuses below that applies."""
         if code is Code.DONE and not self._criteria:
-            return Status.CONVERGED  # the step has tested it
+            return Status.CONVERGED  # the step has checked this
         found = report()
         if code is Code.NOT_FINITE or not found.finite:
             return Status.NOT_FINITE
         if code is Code.UNSOLVED and not found.reached:
             return Status.UNSOLVED
         if found.reached:
-            # whether clearances keep the criterion from falling is in the step's own test, not in the report
+            # the report does not consider clearances, which may prevent the criterion from falling; the step does
             stationary = code is Code.DONE if self._problem.clearances else found.stationary
             return Status.CONVERGED if not self._criteria or stationary else Status.REACHED
-        if code is Code.GO_ON:
+        if code is Code.CONTINUE:
             return Status.ITERATION_LIMIT
         inputs = self._runners.memory.views(numbers)
         if self._blocked(q, inputs):
@@ -128,7 +128,7 @@ class Inspector:
         if of_all > FLAT:
             return Status.LIMITS if of_free <= FLAT else Status.STALLED
         lowest = self._lowest_curvature(q, inputs)[0]
-        # beside a minimum, curvatures that are zero at it can be negative by as much as the relative gradient
+        # close to a minimum, an eigenvalue that is zero at the minimum can be as negative as the relative gradient
         return Status.LOCAL_MINIMUM if lowest > -max(NEGATIVE, of_all) else Status.SINGULAR
 
     def _curvature(self, q: Array, inputs: Inputs[Array], multipliers: Array) -> Array:
@@ -137,7 +137,7 @@ class Inspector:
             return self._hessian(q, inputs.target, inputs.parameters, multipliers)[0]
 
     def _blocked(self, q: Array, inputs: Inputs[Array]) -> bool:
-        """Whether a clearance is as small as its rows let it become."""
+        """Whether a clearance is as small as its constraint allows."""
         if not self._problem.clearances:
             return False
         distance, _, figures = self._clearance(q, inputs.parameters)
@@ -147,25 +147,25 @@ class Inspector:
     def _relaxations(self, q: Array, inputs: Inputs[Array]) -> tuple[Relaxation, ...]:
         """What the strategy's first step from q relaxes."""
         with self._lock:
-            witness = self._runners.witness
-            for memory, part in zip(witness.inputs, inputs, strict=True):
+            runner = self._runners.inspection
+            for memory, part in zip(runner.inputs, inputs, strict=True):
                 memory[:] = part
-            witness.start(q)
-            witness.calls[0]()
-            if witness.view[0] == Code.UNSOLVED:
+            runner.start(q)
+            runner.calls[0]()
+            if runner.view[0] == Code.UNSOLVED:
                 return ()
-            return self._runners.relaxation.relaxed(witness.record[witness.fused.record.slices["relaxed"]])
+            return self._runners.relaxation.relaxed(runner.record[runner.fused.record.slices["relaxed"]])
 
 
 class Inspection:
-    """What there is to say about one configuration. Calling it gives its `report`."""
+    """The report and the status of one configuration, computed when needed. Calling it returns its `report`."""
 
     def __init__(self, inspector: Inspector, q: Array, numbers: Array, target: Any) -> None:
         self._inspector, self._q, self._numbers, self._target = inspector, q, numbers, target
 
     @cached_property
     def report(self) -> Report:
-        """Task and criteria there, as numbers."""
+        """Task and criteria at the configuration, as numbers."""
         return self._inspector.report(self._q, self._numbers, self._target)
 
     def __call__(self) -> Report:
@@ -173,5 +173,5 @@ class Inspection:
         return self.report
 
     def status(self, code: Code) -> Status:
-        """Why a solve ended there with this last code."""
+        """Why a solve whose last code was ``code`` ended at the configuration."""
         return self._inspector.status(self._q, code, self._numbers, self)

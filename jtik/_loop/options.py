@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from jtik._loop.search import Request
+from jtik._loop.search import SearchOptions
 from jtik._step.inputs import Settings
 from jtik.errors import ArgumentError, positive_number
 
@@ -52,13 +52,13 @@ def _callers_level() -> int:
     return level
 
 
-def read_request(restarts: int, seed: int | None, max_iterations: int) -> Request:
+def read_search_options(restarts: int, seed: int | None, max_iterations: int) -> SearchOptions:
     """What a search may use.
 
     Raises:
         ArgumentError: for a value that is not a count, naming it.
     """
-    return Request(
+    return SearchOptions(
         limit=_count("max_iterations", max_iterations),
         restarts=_count("restarts", restarts),
         seed=0 if seed is None else _count("seed", seed),

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik._step.fused import FusedStep
+from jtik._step.fused_step import FusedStep
 from jtik._step.inputs import Inputs
 from jtik._step.stopping import StepOutcome
 from jtik.types import Array

@@ -6,9 +6,9 @@ from functools import cached_property
 
 import numpy as np
 
-from jtik._loop import native
+from jtik._loop import native_search
 from jtik._loop.runner import Runner
-from jtik._step.fused import FusedStep, fused_step
+from jtik._step.fused_step import FusedStep, fused_step
 from jtik._step.inputs import InputMemory, Inputs, Settings
 from jtik._step.relaxation import RelaxationTerms
 from jtik._step.symbolic_problem import SymbolicProblem
@@ -34,7 +34,7 @@ class Runners:
 
     Attributes:
         memory: the inputs of `solve`.
-        plain: the runner of `solve`.
+        solve: the runner of `InverseKinematics.solve`.
         step_inputs: the inputs of `step`: those of `solve`, with settings of their own.
     """
 
@@ -51,37 +51,37 @@ class Runners:
         self._problem, self._strategy, self._backend = problem, strategy, backend
         self._bounds, self._compiled = bounds, compiled
         self.memory = memory
-        self.plain = self._runner(self._fused(), memory.inputs)
+        self.solve = self._runner(self._fused(), memory.inputs)
         self.step_inputs = memory.inputs._replace(settings=np.array(Settings()))
 
     @property
     def relaxation(self) -> RelaxationTerms:
         """What a step may relax."""
-        return self.plain.fused.relaxation
+        return self.solve.fused.relaxation
 
     @cached_property
-    def arriving(self) -> Runner:
-        """The runner of `step`: the errors it gives are always those where the step arrives."""
-        return self._started(self._runner(self._arriving, self.step_inputs))
+    def step(self) -> Runner:
+        """The runner of `step`: the errors that it returns are always those after the step."""
+        return self._started(self._runner(self._evaluated, self.step_inputs))
 
     @cached_property
-    def timed(self) -> tuple[Runner, StepBox]:
-        """The runner of ``step(dt=)``: as `arriving`, within a box on the step that it owns."""
+    def timed_step(self) -> tuple[Runner, StepBox]:
+        """The runner of ``step(dt=)``: as `step`, within a box on the step that it owns."""
         lower, upper = self._bounds.lower.copy(), self._bounds.upper.copy()
-        runner = self._runner(self._arriving, self.step_inputs._replace(lower=lower, upper=upper))
+        runner = self._runner(self._evaluated, self.step_inputs._replace(lower=lower, upper=upper))
         return self._started(runner), StepBox(self._bounds, self._box_function, lower, upper)
 
     @cached_property
-    def recording(self) -> Runner:
+    def traced_solve(self) -> Runner:
         """The runner of ``solve(trace=True)``: it gives the figures of a trace."""
         fused = fused_step(self._problem, self._strategy, backend=self._backend, recorded=True)
         return self._runner(fused, self.memory.inputs)
 
     @cached_property
-    def witness(self) -> Runner:
-        """As `recording`, on inputs that are copied into it: for inspecting one step beside a solve."""
+    def inspection(self) -> Runner:
+        """As `traced_solve`, on inputs that are copied into it: for inspecting one step beside a solve."""
         inputs: Inputs[Array] = Inputs(*[np.zeros_like(part) for part in self.memory.inputs])
-        return self._runner(self.recording.fused, inputs)
+        return self._runner(self.traced_solve.fused, inputs)
 
     def tracking_box(self) -> StepBox:
         """The box on each step of a path, written into the inputs of `solve`."""
@@ -95,15 +95,15 @@ class Runners:
         runner.start(self._problem.robot.neutral)
         return runner
 
-    def _fused(self, *, arriving: bool = False) -> FusedStep:
-        fused = fused_step(self._problem, self._strategy, backend=self._backend, arriving=arriving)
-        return fused.compiled(native.source(fused.state)) if self._compiled else fused
+    def _fused(self, *, evaluated: bool = False) -> FusedStep:
+        fused = fused_step(self._problem, self._strategy, backend=self._backend, evaluated=evaluated)
+        return fused.compiled(native_search.source(fused.state)) if self._compiled else fused
 
     @cached_property
-    def _arriving(self) -> FusedStep:
-        """The fused step whose errors are those where it arrives."""
+    def _evaluated(self) -> FusedStep:
+        """The fused step whose errors are those after the step."""
         evaluated = self._strategy.evaluates_candidate(self._problem.has_criterion)
-        return self.plain.fused if evaluated else self._fused(arriving=True)
+        return self.solve.fused if evaluated else self._fused(evaluated=True)
 
     @cached_property
     def _box_function(self) -> Function:

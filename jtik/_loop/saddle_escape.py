@@ -1,6 +1,6 @@
 """The saddle escape: a step along a direction of negative curvature of V, from a pose where its gradient is zero.
 
-At a straight arm whose target lies on its own line, J' r = 0 with r != 0. The Hessian of V says whether that is a
+At a straight arm whose target lies on its own line, J' r = 0 with r != 0. The Hessian of V shows whether that is a
 minimum or a saddle point; along its most negative eigenvector V falls to second order. The escape is deterministic: no
 noise is added. It keeps limits and clearances, as any step does. See formulations/singular_escape.md.
 """
@@ -24,7 +24,7 @@ FIRST_STEP = 0.5
 """Length of the first step tried along the eigenvector [rad]; halved until V falls."""
 
 HALVINGS = 20
-"""Times the first step is halved at most."""
+"""Maximum number of times that the first step is halved."""
 
 PROJECTIONS = 100
 """Projected power iterations for the direction of most negative curvature among those that limits allow."""
@@ -51,12 +51,12 @@ class SaddleEscape:
 
     @cached_property
     def _moved(self) -> CompiledFunction:
-        """(q, v, target) -> q + v and V there."""
+        """(q, v, target) -> q + v and V at it."""
         q, target, _ = self._problem.symbols()
         v = symbol("v", self._problem.robot.n)
-        there = self._problem.robot.integrate(q, v)
-        V = sumsqr(self._problem.residual(there, target)) / 2
-        return CompiledFunction(function("moved", [q, v, target], [there, V]))
+        moved_q = self._problem.robot.integrate(q, v)
+        V = sumsqr(self._problem.residual(moved_q, target)) / 2
+        return CompiledFunction(function("moved", [q, v, target], [moved_q, V]))
 
     @cached_property
     def _clearances_hold(self) -> CompiledFunction:
@@ -66,14 +66,14 @@ class SaddleEscape:
         v = symbol("v", problem.robot.n)
         limits = symbol("lower", problem.robot.nq), symbol("upper", problem.robot.nq)
         model = clearance_model(problem, q, problem.clearance(q, parameters), parameters, limits)
-        return CompiledFunction(function("supports_clearances", [q, v, parameters, *limits], [model.keeps(v)]))
+        return CompiledFunction(function("clearances_hold", [q, v, parameters, *limits], [model.keeps(v)]))
 
     def lowest_curvature(self, q: Array, inputs: Inputs[Array]) -> tuple[float, Array, Array]:
         """The direction of most negative curvature of V that the limits allow.
 
         Joints inside their limits are considered first. Only where their lowest eigenvalue is not negative are joints
         at a limit considered as well, each in the direction in which it can still move. Where V can fall to first
-        order, the curvature given is 0: there is nothing to escape from.
+        order, the curvature returned is 0, because no escape is needed.
 
         Returns:
             v' (d2V/dv2) v relative to the largest eigenvalue; the unit direction v, (n,); and dH/dv, (n,).
@@ -105,7 +105,7 @@ class SaddleEscape:
         return lowest, best, criterion[:, 0]
 
     def escape(self, q: Array, inputs: Inputs[Array]) -> bool:
-        """Leave a saddle point of V.
+        """Move q away from a saddle point of V.
 
         Args:
             q: configuration, (nq,), changed in place.
@@ -127,11 +127,11 @@ class SaddleEscape:
         step = FIRST_STEP * vector
         for _ in range(HALVINGS):
             for sign in (1.0, -1.0):
-                there, V = self._moved(q, sign * step, target)
-                allowed = all(lower[i] <= there[i, 0] <= upper[i] for i, _ in self._problem.bounded)
+                moved_q, V = self._moved(q, sign * step, target)
+                allowed = all(lower[i] <= moved_q[i, 0] <= upper[i] for i, _ in self._problem.bounded)
                 falls = allowed and V[0, 0] < (1 - MINIMUM_DECREASE) * before
                 if falls and self._clear(q, sign * step, inputs):
-                    q[:] = there[:, 0]
+                    q[:] = moved_q[:, 0]
                     return True
             step /= 2
         return False

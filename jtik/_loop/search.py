@@ -1,8 +1,8 @@
 """The search: attempts from one configuration or from several until one reaches the target.
 
-An attempt calls the fused step until its code says otherwise. With restarts, an attempt ends as soon as it has not
-lowered the error for a few calls, and the next begins elsewhere. When none arrives, the one that came nearest and the
-first are continued to their ends (formulations/restarts.md).
+An attempt calls the fused step until its code ends the attempt. With restarts, an attempt also ends as soon as it has
+not reduced the error for a few calls, and the next one starts from another configuration. When none reaches the target,
+the attempt with the smallest error and the first one are continued until they end (formulations/restarts.md).
 """
 
 from __future__ import annotations
@@ -10,29 +10,29 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from jtik._loop.native import NativeSearch
-from jtik._loop.recording import TraceRecorder
+from jtik._loop.native_search import NativeSearch
 from jtik._loop.restarts import RestartConfigurations
 from jtik._loop.runner import Runner
 from jtik._loop.saddle_escape import SaddleEscape
+from jtik._loop.trace_recorder import TraceRecorder
 from jtik._step.inputs import Inputs, Settings
 from jtik._step.stopping import OUTCOME, Code
 from jtik.robot import Robot
 from jtik.types import Array
 
-MOST_ESCAPES = 20
-"""Saddle escapes that an attempt may make."""
+MAX_ESCAPES = 20
+"""Largest number of saddle escapes of an attempt."""
 
 PATIENCE = 4.0
 """Calls without progress after which an attempt that a restart can replace ends."""
 
 
-class Request(NamedTuple):
-    """What a search may use.
+class SearchOptions(NamedTuple):
+    """Options of a search.
 
     Attributes:
-        limit: most calls of an attempt.
-        restarts: most restarts.
+        limit: largest number of calls of an attempt.
+        restarts: largest number of restarts.
         seed: seed of the restart configurations.
     """
 
@@ -62,7 +62,7 @@ class SearchResult(NamedTuple):
 
 
 class Search:
-    """Attempts on the memory of a solver; the inputs, the target among them, are read where they are.
+    """Attempts with a runner's memory; the inputs, such as the target, are read from the memory that the steps use.
 
     Attributes:
         native: the search in C, where the step runs as generated C.
@@ -74,12 +74,14 @@ class Search:
         self.native: NativeSearch | None = None
         self._addressed: tuple[Array | None, int] = (None, 0)
 
-    def find(self, runner: Runner, q0: Array, request: Request, recorder: TraceRecorder | None = None) -> SearchResult:
+    def find(
+        self, runner: Runner, q0: Array, options: SearchOptions, recorder: TraceRecorder | None = None
+    ) -> SearchResult:
         """Search from ``q0`` (nq,), then from the restart configurations."""
-        limit, restarts, seed = request
+        limit, restarts, seed = options
         starts = self._restarts.table(seed, restarts, q0) if restarts else None
         if self.native and runner is self.native.runner and recorder is None:
-            found = self._native_find(self.native, q0, starts, request)
+            found = self._native_find(self.native, q0, starts, options)
             if found:
                 return found
         if starts is None:
@@ -108,8 +110,8 @@ class Search:
                 return SearchResult(q, code, iterations, escapes, number, errors)
             ends.append((view[OUTCOME.V], runner.q[runner.at].copy()))
         finals: list[tuple[float, Array, Code]] = []
-        nearest = min(range(len(ends)), key=lambda number: ends[number][0])
-        for number in {nearest: None, 0: None}:  # from the caller's q0, too: without restarts it might have arrived
+        best = min(range(len(ends)), key=lambda number: ends[number][0])
+        for number in {best: None, 0: None}:  # the attempt from the caller's q0 too: it may still reach the target
             code, calls, made = self._attempt(runner, ends[number][1], limit, recorder)
             iterations, escapes = iterations + calls, escapes + made
             finals.append((view[OUTCOME.V], runner.q[runner.at].copy(), code))
@@ -118,23 +120,25 @@ class Search:
         _, q, code = min(finals, key=lambda final: final[0])
         return SearchResult(q, code, iterations, escapes, restarts)
 
-    def prepare(self, request: Request) -> bool:
-        """Make ``native.again()`` the search for this request; False where it cannot be."""
-        if self.native is None or self._restarts.depend_on_start or request.limit == 0:
+    def prepare(self, options: SearchOptions) -> bool:
+        """Set ``native.run_prepared()`` to search with these options; False where it cannot."""
+        if self.native is None or self._restarts.depend_on_start or options.limit == 0:
             return False
-        starts = self._restarts.table(request.seed, request.restarts, self.native.q0) if request.restarts else None
-        self.native.prepare(starts, request.restarts, request.limit, PATIENCE)
+        starts = self._restarts.table(options.seed, options.restarts, self.native.q0) if options.restarts else None
+        self.native.prepare(starts, options.restarts, options.limit, PATIENCE)
         return True
 
-    def find_all(self, targets: Array, q0: Array, request: Request) -> list[tuple[SearchResult | None, float]] | None:
+    def find_all(
+        self, targets: Array, q0: Array, options: SearchOptions
+    ) -> list[tuple[SearchResult | None, float]] | None:
         """Searches for each row of ``targets`` in one call, with their times [s]; None without the search in C.
 
         A row without a result needs `find`.
         """
         if self.native is None or (len(q0) > 1 and self._restarts.depend_on_start):
             return None
-        starts = self._restarts.table(request.seed, request.restarts, q0[0]) if request.restarts else None
-        batch = self.native.batch(targets, q0, self._address(starts), request.restarts, request.limit, PATIENCE)
+        starts = self._restarts.table(options.seed, options.restarts, q0[0]) if options.restarts else None
+        batch = self.native.batch(targets, q0, self._address(starts), options.restarts, options.limit, PATIENCE)
         found: list[tuple[SearchResult | None, float]] = []
         rows = zip(batch.q, batch.errors.tolist(), batch.seconds.tolist(), batch.tallies.tolist(), strict=True)
         for q, errors, seconds, (code, iterations, number) in rows:
@@ -144,10 +148,10 @@ class Search:
         return found
 
     def _native_find(
-        self, native: NativeSearch, q0: Array, starts: Array | None, request: Request
+        self, native: NativeSearch, q0: Array, starts: Array | None, options: SearchOptions
     ) -> SearchResult | None:
         """The search in C; None where the search in Python has to begin again."""
-        code = native.find(q0, self._address(starts), request.restarts, request.limit, PATIENCE)
+        code = native.find(q0, self._address(starts), options.restarts, options.limit, PATIENCE)
         if code < 0:
             return None
         iterations, number, at = native.tally.tolist()
@@ -165,7 +169,7 @@ class Search:
     def _attempt(
         self, runner: Runner, q0: Array, limit: int, recorder: TraceRecorder | None, patience: float = math.inf
     ) -> tuple[Code, int, int]:
-        """Call until the code says otherwise, or ``patience`` calls bring no progress.
+        """Call the step until its code ends the attempt, or ``patience`` calls have made no progress.
 
         Returns the last code, the number of calls that tried a step, and the number of saddle escapes.
         """
@@ -174,7 +178,7 @@ class Search:
             recorder.begin()
         calls, view = runner.calls, runner.view
         replaceable = patience < math.inf  # an attempt that a restart can replace only escapes where it began
-        code, escapes, k, at = Code.GO_ON, 0, 0, 0
+        code, escapes, k, at = Code.CONTINUE, 0, 0, 0
         while k < limit:
             if recorder is not None:
                 recorder.before(runner.q[at])
@@ -186,18 +190,18 @@ class Search:
             if view[0] == 0.0:
                 continue
             code = _CODES[int(view[0])]
-            may_escape = escapes < (1 if replaceable else MOST_ESCAPES) and (k == 1 or not replaceable)
+            may_escape = escapes < (1 if replaceable else MAX_ESCAPES) and (k == 1 or not replaceable)
             if code is Code.STALLED and may_escape and self._escape.escape(runner.q[at], self._inputs):
                 escapes += 1
                 if recorder is not None:
                     recorder.escaped()
                 runner.start(runner.q[at].copy(), patience)
-                code, at = Code.GO_ON, 0
+                code, at = Code.CONTINUE, 0
                 continue
             if not view[OUTCOME.tried]:  # the call stopped before it tried a step: not an iteration
                 k -= 1
                 if recorder is not None:
-                    recorder.forget()
+                    recorder.discard()
             break
         runner.at = at
         return code, k, escapes

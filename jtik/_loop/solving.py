@@ -12,12 +12,12 @@ import numpy as np
 
 from jtik._loop.arguments import ConfigurationReader, read_targets
 from jtik._loop.batch import BatchEntry, collect
-from jtik._loop.exclusive import ExclusiveUse, in_use
+from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspection, Inspector
-from jtik._loop.options import read_request, read_settings
-from jtik._loop.recording import TraceRecorder
+from jtik._loop.options import read_search_options, read_settings
 from jtik._loop.runners import Runners
-from jtik._loop.search import Request, Search, SearchResult
+from jtik._loop.search import Search, SearchOptions, SearchResult
+from jtik._loop.trace_recorder import TraceRecorder
 from jtik._loop.tracking import follow
 from jtik._step.stopping import Code
 from jtik._step.symbolic_problem import SymbolicProblem
@@ -37,7 +37,7 @@ _FLOAT = np.dtype(np.float64)
 
 
 class Solving:
-    """Searches for a target, and makes a Solution of where they end."""
+    """Runs searches and returns their ends as Solutions."""
 
     def __init__(
         self,
@@ -55,10 +55,10 @@ class Solving:
         self._enter, self._leave = exclusive.acquire, exclusive.release
         self._memory = runners.memory
         self._target = self._memory.inputs.target
-        self._plain_target = self._target.shape if self._tasks.plain else None
+        self._vector_shape = self._target.shape if self._tasks.target_is_vector else None
         self._options: tuple[Any, ...] = ()
         self._prepared: tuple[Any, ...] = ()
-        self._request = Request(0, 0, 0)
+        self._search_options = SearchOptions(0, 0, 0)
 
     def solve(self, target: Any, q0: Any, options: Options, trace: bool) -> Solution:
         """Iterate to the target, as `InverseKinematics.solve` describes it."""
@@ -67,14 +67,14 @@ class Solving:
             raise in_use()
         try:
             if options == self._prepared and not trace:
-                solution = self._natively(target, q0, begin)
+                solution = self._solve_native(target, q0, begin)
                 if solution is not None:
                     return solution
             self._target[:] = self._tasks.read_target(target)
             start = self._configurations.read("q0", q0)
-            request = self._requested(options)
-            recorder = TraceRecorder(self._runners.recording) if trace else None
-            found, status, inspection = self._found(start, request, target, recorder)
+            search_options = self._read_options(options)
+            recorder = TraceRecorder(self._runners.traced_solve) if trace else None
+            found, status, inspection = self._search_in_memory(start, search_options, target, recorder)
             return Solution.of(
                 q=found.q,
                 status=status,
@@ -94,16 +94,16 @@ class Solving:
         with self._exclusive:
             given, numbers = read_targets(self._tasks, targets)
             starts = self._configurations.table("q0", q0, len(numbers))
-            request = self._requested(options)
+            search_options = self._read_options(options)
             table = np.array(numbers).reshape(len(numbers), len(self._target))
-            native = self._search.find_all(table, np.array(starts), request) if progress is False else None
+            native = self._search.find_all(table, np.array(starts), search_options) if progress is False else None
 
             def solve(i: int) -> BatchEntry:
                 begin = time.perf_counter()
                 self._target[:] = numbers[i]
                 found, seconds = native[i] if native else (None, 0.0)
                 if found is None:
-                    found, status, _ = self._found(starts[i % len(starts)], request, given[i])
+                    found, status, _ = self._search_in_memory(starts[i % len(starts)], search_options, given[i])
                 else:
                     status = self._inspector.current(found.q).status(found.code)
                 seconds += time.perf_counter() - begin
@@ -131,33 +131,33 @@ class Solving:
             def solve(target: Any, q: Array) -> Solution:
                 return self.solve(target, q, options, False)
 
-            return follow(self._robot, given, start, dt, self._runners.tracking_box(), solve, self._moved)
+            return follow(self._robot, given, start, dt, self._runners.tracking_box(), solve, self._at_another_q)
 
-    def _requested(self, options: Options) -> Request:
-        """What a search may use, and its tolerances where the step reads them; read again when they change."""
+    def _read_options(self, options: Options) -> SearchOptions:
+        """The options of a search; the tolerances are written to the step's memory. Both only when they change."""
         if self._options != options:
             self._options = self._prepared = ()
-            self._request = read_request(*options[:3])
+            self._search_options = read_search_options(*options[:3])
             self._memory.inputs.settings[:] = read_settings(*options[3], options[4])
             self._options = options
-            if not self._has_criterion and self._search.prepare(self._request):
+            if not self._has_criterion and self._search.prepare(self._search_options):
                 self._prepared = options
-        return self._request
+        return self._search_options
 
-    def _natively(self, target: Any, q0: Any, begin: float) -> Solution | None:
-        """The usual solve of a compiled solver without a criterion, in as little Python as possible.
+    def _solve_native(self, target: Any, q0: Any, begin: float) -> Solution | None:
+        """Solve by the native search alone, with as little work in Python as possible.
 
-        None where anything is not usual: no native search, q0, or how the search ended.
+        None where that is impossible: there is no native search, q0 is not an array, or the search did not converge.
         """
         native, start = self._search.native, self._robot.neutral if q0 is None else q0
         if native is None or type(start) is not np.ndarray or start.shape != native.q0.shape:
             return None
-        if type(target) is np.ndarray and target.dtype is _FLOAT and target.shape == self._plain_target:
-            self._target[:] = target  # where it is not finite the search does not end in DONE
+        if type(target) is np.ndarray and target.dtype is _FLOAT and target.shape == self._vector_shape:
+            self._target[:] = target  # not checked: if it is not finite, the search does not end in DONE
         else:
             self._target[:] = self._tasks.read_target(target)
         native.q0[:] = start
-        if native.again() != Code.DONE:
+        if native.run_prepared() != Code.DONE:
             return None
         iterations, restarts, at = native.tally.tolist()
         q = native.runner.q[at].copy()
@@ -173,14 +173,14 @@ class Solving:
             trace=None,
         )
 
-    def _found(
-        self, start: Array, request: Request, target: Any, recorder: TraceRecorder | None = None
+    def _search_in_memory(
+        self, start: Array, search_options: SearchOptions, target: Any, recorder: TraceRecorder | None = None
     ) -> tuple[SearchResult, Status, Inspection]:
-        """Search for the target that is in memory; where it ended, why, and the inspection of that."""
-        if recorder or request.limit == 0:
-            start = self._configurations.clamped(start)  # else the step does it
-        runner = recorder.runner if recorder else self._runners.plain
-        found = self._search.find(runner, start, request, recorder)
+        """Search for the target that is in memory: the result, its status, and its inspection."""
+        if recorder or search_options.limit == 0:
+            start = self._configurations.clamped(start)  # otherwise the first step clamps it
+        runner = recorder.runner if recorder else self._runners.solve
+        found = self._search.find(runner, start, search_options, recorder)
         inspection = self._inspector.snapshot(found.q, target)
         return found, inspection.status(found.code), inspection
 
@@ -188,7 +188,7 @@ class Solving:
         """The task error at q for the target that is in memory, (m,)."""
         return self._inspector.error(q, self._memory.inputs)
 
-    def _moved(self, solution: Solution, q: Array) -> Solution:
-        """The solution for another configuration and the same target."""
+    def _at_another_q(self, solution: Solution, q: Array) -> Solution:
+        """The solution with another configuration for the same target."""
         inspection = self._inspector.snapshot(q, None)
-        return replace(solution, q=q, inspect=inspection, status=inspection.status(Code.GO_ON))
+        return replace(solution, q=q, inspect=inspection, status=inspection.status(Code.CONTINUE))

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from jtik._loop.arguments import ConfigurationReader
-from jtik._loop.exclusive import ExclusiveUse, in_use
+from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
 from jtik._loop.runner import Runner
 from jtik._loop.runners import Runners
@@ -22,7 +22,7 @@ _new_tuple = tuple.__new__
 
 
 class Stepping:
-    """One update a call; the state of the strategy is kept from call to call."""
+    """One update per call; the state of the strategy is kept from call to call."""
 
     def __init__(
         self,
@@ -40,9 +40,9 @@ class Stepping:
         self._escape, self._inspector = escape, inspector
         self._enter, self._leave = exclusive.acquire, exclusive.release
         self._target = runners.memory.inputs.target
-        # a target of this shape is copied as it is; only a step that is not finite has its arguments read
-        self._plain_target = self._target.shape if tasks.plain else None
-        self._arriving: Runner | None = None
+        # a target of this shape is copied without a check; arguments are checked after a step that is not finite
+        self._vector_shape = self._target.shape if tasks.target_is_vector else None
+        self._untimed: Runner | None = None
         self._timed: tuple[Runner, StepBox] | None = None
 
     def step(self, q: Any, target: Any, dt: float | None) -> Step:
@@ -51,10 +51,10 @@ class Stepping:
             raise in_use()
         try:
             if dt is None:
-                runner, box = self._arriving or self._first(), None
+                runner, box = self._untimed or self._first(), None
             else:
                 runner, box = self._timed or self._first_timed()
-            if type(target) is np.ndarray and target.shape == self._plain_target:
+            if type(target) is np.ndarray and target.shape == self._vector_shape:
                 self._target[:] = target
             else:
                 self._target[:] = self._tasks.read_target(target)
@@ -73,7 +73,7 @@ class Stepping:
             code, tried, accepted, position, orientation, _ = runner.view
             if tried:
                 runner.at = 1 - at
-            elif code == Code.NOT_FINITE:  # perhaps an argument is not, which was copied as it is
+            elif code == Code.NOT_FINITE:  # perhaps because of an argument that was copied without a check
                 self._read("q", q)
                 self._tasks.read_target(target)
             moved, done, escaped = accepted == 1.0, code == 1.0, False
@@ -97,8 +97,8 @@ class Stepping:
         if not self._enter(False):
             raise in_use()
         try:
-            if self._arriving is not None:
-                self._arriving.start(self._robot.neutral)
+            if self._untimed is not None:
+                self._untimed.start(self._robot.neutral)
             if self._timed is not None:
                 runner, box = self._timed
                 runner.start(self._robot.neutral)
@@ -107,9 +107,9 @@ class Stepping:
             self._leave()
 
     def _first(self) -> Runner:
-        self._arriving = self._runners.arriving
-        return self._arriving
+        self._untimed = self._runners.step
+        return self._untimed
 
     def _first_timed(self) -> tuple[Runner, StepBox]:
-        self._timed = self._runners.timed
+        self._timed = self._runners.timed_step
         return self._timed

@@ -1,11 +1,11 @@
-"""The active set: which joint limits are active in a step, so that the other joints go on without them.
+"""The active set: which joint limits are active in a step, so that the step is made with the other joints.
 
 A joint whose limit is *active* has zero columns in J and zero entries in the gradient, and the strategy works with the
-joints that are left. The active set is part of the state (formulations/joint_limits.md):
+remaining joints. The active set is part of the state (formulations/joint_limits.md):
 
 - Far from the target, or without a criterion, the task decides: the limit of a joint at its limit that -J' r pushes
-  outward is active, and after a refused step also that of a joint that the step pushed outward. A strategy that
-  refuses nothing needs no memory for that.
+  outward is active, and after a refused step also that of a joint that the step pushed outward. The state of a
+  strategy that accepts every step has no active set.
 - Near the target the working set of an active-set method is kept: a joint enters when a step pushes it outward, and
   one joint at a time leaves, the one with the largest multiplier of the wrong sign, once that is larger than the
   projected gradient.
@@ -54,6 +54,9 @@ class ActiveSet:
         gradient: dH/dv of all joints (n, 1).
         limits: lower and upper limits of q.
         uses_qp: whether the strategy's quadratic programs find the active limits by themselves.
+
+    Attributes:
+        active: 1 for each bounded joint whose limit is active in this step, else 0.
     """
 
     def __init__(
@@ -79,8 +82,8 @@ class ActiveSet:
         if "active" in state:
             before = [logic_and(at, state["active"][k]) for k, at in enumerate(self._at_limit(here.q))]
             self.active = [
-                if_else(self._kept, own, logic_or(own, pushed))
-                for own, pushed in zip(before, self._pushed, strict=True)
+                if_else(self._kept, active, logic_or(active, pushed))
+                for active, pushed in zip(before, self._pushed, strict=True)
             ]
 
     def masked(self, columns: Expression) -> Expression:
@@ -105,8 +108,8 @@ class ActiveSet:
     def task_gradient_norm(self) -> Expression:
         """Norm of dV/dv over the joints that the task itself does not push outward at a limit."""
         pairs = zip(self._pushed, self._problem.bounded, strict=True)
-        lost = sum(if_else(pushed, self._task_gradient[j] ** 2, 0) for pushed, (_, j) in pairs)
-        return fmax(sumsqr(self._task_gradient) - lost, 0) ** 0.5
+        of_active = sum(if_else(pushed, self._task_gradient[j] ** 2, 0) for pushed, (_, j) in pairs)
+        return fmax(sumsqr(self._task_gradient) - of_active, 0) ** 0.5
 
     def _wrong_multipliers(self, model: LocalModel) -> list[Expression]:
         """For each active limit by how much its multiplier has the wrong sign, non-negative.
@@ -122,7 +125,7 @@ class ActiveSet:
         ]
 
     def largest_wrong_multiplier(self, model: LocalModel) -> Expression:
-        """The largest multiplier of the wrong sign: 0 where the active set is right."""
+        """The largest multiplier of the wrong sign, non-negative: 0 where no active limit should be released."""
         largest: Expression = 0
         for each in self._wrong_multipliers(model):
             largest = fmax(largest, each)
@@ -139,7 +142,7 @@ class ActiveSet:
         """
         q = if_else(accepted, arrived, self._here.q)
         pushed = [logic_and(at, out) for at, out in zip(self._at_limit(q), self._outward(wanted, q), strict=True)]
-        blocked = [if_else(accepted, 0, logic_or(own, push)) for own, push in zip(self.active, pushed, strict=True)]
+        blocked = [if_else(accepted, 0, logic_or(own, out)) for own, out in zip(self.active, pushed, strict=True)]
         if not self._problem.has_criterion:
             return vertcat(*blocked)
         wrong, largest = self._wrong_multipliers(model), self.largest_wrong_multiplier(model)
@@ -148,4 +151,4 @@ class ActiveSet:
             logic_or(push, logic_and(own, logic_not(logic_and(leaves, each == largest))))
             for own, push, each in zip(self.active, pushed, wrong, strict=True)
         ]
-        return vertcat(*[if_else(self._kept, near, far) for near, far in zip(kept, blocked, strict=True)])
+        return vertcat(*[if_else(self._kept, inside, outside) for inside, outside in zip(kept, blocked, strict=True)])

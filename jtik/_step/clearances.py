@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from jtik._step.active_set import clamped
 from jtik._step.symbolic_problem import SymbolicProblem
-from jtik.constraints.clearance import ClearanceModel, travels
+from jtik.constraints.clearance import ClearanceModel, lever_arms
 from jtik.symbolic import Expression, mmin, substitute, symbol
 
 
@@ -26,14 +26,14 @@ def clearance_model(
         measured: distances, their Jacobian and their figures, as `SymbolicProblem.clearance` returns them.
         parameters: live parameters.
         limits: lower and upper limits of q.
-        state: state of the step, with what the feasibility restoration remembers.
+        state: state of the step, with that of the feasibility restoration; None outside a solve.
     """
     state = state or {}
     distance, J, figures = measured
     lower, upper = limits
     dq = symbol("dq", problem.robot.n)
-    there = clamped(problem.robot.integrate(q, dq), lower, upper, problem.bounded)
-    after = problem.distances(there, parameters)
+    candidate = clamped(problem.robot.integrate(q, dq), lower, upper, problem.bounded)
+    after = problem.distances(candidate, parameters)
     safe, aim, influence, gain = (figures[:, i] for i in range(4))
     return ClearanceModel(
         distance=distance,
@@ -43,10 +43,10 @@ def clearance_model(
         influence=influence,
         gain=gain,
         curvature_radius=mmin(figures[:, 4]),
-        travel=travels(problem.robot),
+        lever_arms=lever_arms(problem.robot),
         rotational=problem.robot.rotational,
         after=lambda step: substitute(after, dq, step),
         restored=problem.restored,
         longest=state.get("longest", 0),
-        record=state.get("violation", 0),
+        smallest_violation=state.get("violation", 0),
     )

@@ -1,4 +1,4 @@
-"""What the compiled step reads besides q and its state: one named structure, as symbols and as memory."""
+"""The inputs of the compiled step besides q and its state: one named structure, as symbols and as memory."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Settings(NamedTuple):
         position_tolerance: norm of the position error that counts as reached [m].
         orientation_tolerance: norm of the orientation error that counts as reached [rad].
         optimality_tolerance: null-space residual, relative to max(1, |dH/dv|), that counts as stationary.
-        until_stationary: 1 to go on until the criterion is stationary, 0 to stop on arrival.
+        until_stationary: 1 to continue until the criterion is stationary, 0 to stop at the target.
     """
 
     position_tolerance: Any = 1e-6
@@ -39,7 +39,7 @@ SETTING = Settings(*range(len(Settings._fields)))
 
 
 class Inputs(NamedTuple, Generic[T]):
-    """Arguments of the compiled step between q and state, in the order in which it takes them.
+    """Arguments of the compiled step between q and state, in their order.
 
     Attributes:
         target: target of the tasks, (target size,).
@@ -57,7 +57,7 @@ class Inputs(NamedTuple, Generic[T]):
 
 
 class InputMemory:
-    """The inputs as numbers in one piece of memory, so that a copy of all of them is one copy.
+    """The inputs as numbers in one contiguous array, which is copied at once.
 
     Attributes:
         numbers: all inputs, one after the other.

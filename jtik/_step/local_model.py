@@ -1,4 +1,4 @@
-"""The local model of a problem: what the strategy of a fused step sees."""
+"""The local model of a problem at one configuration, which a strategy works with."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jtik.symbolic import TINY, Expression, if_else, sqrt, substitute, symbol
 from jtik.symbolic.factorization import squared_length
 
 NEIGHBOURHOOD = 0.02
-"""Radius of the neighbourhood of the target: the error that a motion of so many rad (or m) can make, |J| times this."""
+"""Radius of the neighbourhood of the target relative to |J|: the error that a motion of this many rad (or m) makes."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Linearized:
     Attributes:
         parts: q, residual, Jacobian, H and its gradient as expressions of the inputs; with clearances also distances,
             their Jacobian and their figures.
-        at: the same as the strategy sees them: symbols, where the stages between quadratic programs share them.
+        at: the same as the strategy gets them: symbols where several stages of a step share them.
         model: the local model, written in ``at``.
         active_set: the active set; None without limits.
     """
@@ -47,24 +47,24 @@ def linearized(
 
     Args:
         problem: the problem.
-        start: configuration that the step is given.
+        start: configuration at the start of the step (nq, 1).
         inputs: inputs of the step.
         state: state of the step.
-        qps: takes the quadratic programs of a strategy that solves any.
+        qps: records the quadratic programs; None for a strategy without any.
     """
     limits = inputs.lower, inputs.upper
     parts = _parts(problem, clamped(start, *limits, problem.bounded), inputs.target, inputs.parameters)
     at = [symbol(f"at{i}", *part.shape) for i, part in enumerate(parts)] if qps else parts
     q, residual, J, H, gradient = at[:5]
     here = Evaluation(q, residual, H)
-    neighbourhood = near = 0
+    neighbourhood = near_target = 0
     if problem.has_criterion:
         known = state["neighbourhood"]
         neighbourhood = if_else(known > 0, known, NEIGHBOURHOOD * sqrt(squared_length(J) + TINY))
-        near = here.length <= neighbourhood
+        near_target = here.length <= neighbourhood
     active = None
     if problem.bounded:
-        active = ActiveSet(problem, state, here, near, J, gradient, limits, uses_qp=bool(qps))
+        active = ActiveSet(problem, state, here, near_target, J, gradient, limits, uses_qp=bool(qps))
     model = LocalModel(
         robot=problem.robot,
         here=here,
@@ -73,7 +73,7 @@ def linearized(
         J_free=active.masked(J) if active else J,
         gradient_free=active.masked(gradient.T).T if active else gradient,
         has_criterion=problem.has_criterion,
-        near_target=near,
+        near_target=near_target,
         neighbourhood=neighbourhood,
         lower=inputs.lower,
         upper=inputs.upper,

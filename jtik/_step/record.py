@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from jtik._step.layout import VectorLayout
+from jtik._step.checked_update import CheckedUpdate
 from jtik._step.relaxation import RelaxationTerms
-from jtik._step.update import CheckedUpdate
+from jtik._step.vector_layout import VectorLayout
 from jtik.strategy import LocalModel
 from jtik.symbolic import Expression, vertcat
 
@@ -37,4 +37,5 @@ def figures_of(
 
 
 def _rows(value: Expression) -> int:
+    """Number of rows of a column; 1 for a number."""
     return int(getattr(value, "shape", (1, 1))[0])

@@ -1,4 +1,4 @@
-"""What a step relaxes: names and units of relaxable constraints, with their amounts as expressions of the step."""
+"""Constraints that a step may relax: their names and units, and the amounts as expressions of the step."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from jtik.symbolic import Expression, mmax, vertcat
 from jtik.types import Array
 
 if TYPE_CHECKING:
+    from jtik._step.checked_update import CheckedUpdate
     from jtik._step.symbolic_problem import SymbolicProblem
-    from jtik._step.update import CheckedUpdate
     from jtik.qp.recorder import QPRecorder
     from jtik.strategy import FeasibilityRestoration
 
 NEGLIGIBLE = 1e-6
-"""Amounts up to this are within a solver's tolerance: nothing was relaxed."""
+"""Amounts up to this are within the tolerance of a QP solver and do not count as relaxed."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class RelaxationTerms:
         restoration: FeasibilityRestoration | None,
         problem: SymbolicProblem,
     ) -> RelaxationTerms:
-        """Those the strategy names itself, clearances that stay too small, and elastic rows of its QPs."""
+        """Constraints that the strategy names, clearances that stay too small, and elastic rows of its QPs."""
         entries, amounts, figures = [], list[Expression](), dict[str, Expression]()
         for (name, unit), amount in update.relaxed.items():
             entries.append((name, unit))
@@ -50,10 +50,10 @@ class RelaxationTerms:
             amounts.append(restoration.missing)
             figures["too_near"] = mmax(restoration.clearance.lacking)
         slacks = []
-        for program, solution in qps.solutions() if qps else ():
-            for group in program.rows:
+        for qp, solution in qps.solutions() if qps else ():
+            for group in qp.rows:
                 if group.elastic:
-                    entries += [(f"{program.name}: {group.name}, row {i}", "") for i in range(group.count)]
+                    entries += [(f"{qp.name}: {group.name}, row {i}", "") for i in range(group.count)]
                     slacks.append(solution.slack(group.name))
         if slacks:
             figures["slack"] = mmax(vertcat(*slacks))

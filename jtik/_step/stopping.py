@@ -1,4 +1,4 @@
-"""When a solve ends: tests of arrival and stationarity, and the code that the fused function answers."""
+"""When a solve ends: tests of the error and of stationarity, and the code that the fused function returns."""
 
 from __future__ import annotations
 
@@ -18,9 +18,18 @@ STATIONARY = 1e-9
 
 
 class Code(IntEnum):
-    """What the fused function answers about the next call."""
+    """What the loop does after a call of the fused function.
 
-    GO_ON = 0
+    Attributes:
+        CONTINUE: call it again.
+        DONE: the target is reached, and the criterion is stationary if that is required.
+        STALLED: the task is stationary off the target, or steps are refused or without progress.
+        NOT_FINITE: task, criterion or a derivative is not finite.
+        SLOW: the patience of the attempt is used up.
+        UNSOLVED: a quadratic program or a computation has no valid result.
+    """
+
+    CONTINUE = 0
     DONE = 1
     STALLED = 2
     NOT_FINITE = 3
@@ -29,7 +38,7 @@ class Code(IntEnum):
 
 
 class StepOutcome(NamedTuple):
-    """What the fused function answers besides q and state.
+    """What the fused function returns besides q and state.
 
     Attributes:
         code: a `Code`.
@@ -53,15 +62,21 @@ OUTCOME = StepOutcome(*range(len(StepOutcome._fields)))
 
 
 class Stop:
-    """The tests of arrival and stationarity.
+    """The tests of the error and of stationarity.
 
     Args:
         problem: the problem.
         model: its local model.
         settings: tolerances, as expressions.
         active: the active set; None without limits.
-        stationarity_residual: how far H is from stationary, if the strategy knows that better than the model.
+        stationarity_residual: the strategy's stationarity residual of H; None for that of the model.
         restoration: the feasibility restoration; None if nothing is restored.
+
+    Attributes:
+        errors_before: norms of the position rows [m] and of the orientation rows [rad] before the step.
+        reached_before: 1 if they are within the tolerances.
+        done_before: 1 if the solve ends without a step.
+        stationary: 1 if the task is stationary off the target.
     """
 
     def __init__(
@@ -80,8 +95,8 @@ class Stop:
         self.reached_before = self._reached(self.errors_before)
         self.done_before = self.reached_before
         gradient_norm = active.task_gradient_norm if active else model.task_gradient_norm
-        flat = gradient_norm <= STATIONARY * model.jacobian_norm * model.here.length
-        self.stationary = logic_and(flat, logic_not(self.reached_before))
+        vanishes = gradient_norm <= STATIONARY * model.jacobian_norm * model.here.length
+        self.stationary = logic_and(vanishes, logic_not(self.reached_before))
         if problem.has_criterion:
             residual = stationarity_residual
             if residual is None:
@@ -90,8 +105,8 @@ class Stop:
             small = residual <= settings.optimality_tolerance * fmax(1, model.gradient_norm)
             self.done_before = logic_and(self.reached_before, logic_or(small, settings.until_stationary == 0))
         if restoration:
-            over = logic_or(logic_not(restoration.pending), settings.until_stationary == 0)
-            self.done_before = logic_and(self.done_before, over)
+            restored = logic_or(logic_not(restoration.pending), settings.until_stationary == 0)
+            self.done_before = logic_and(self.done_before, restored)
             self.stationary = logic_and(self.stationary, logic_not(restoration.pending))
 
     def errors(self, point: Evaluation) -> tuple[Expression, Expression]:
@@ -108,7 +123,7 @@ class Stop:
         return logic_and(position <= settings.position_tolerance, orientation <= settings.orientation_tolerance)
 
     def done_after(self, point: Evaluation) -> Expression:
-        """Whether arriving there ends the solve without another test of the criterion."""
+        """Whether the solve ends at ``point`` without another test of the criterion."""
         reached = self._reached(self.errors(point))
         waits = self._problem.has_criterion or self._restoration
         return logic_and(reached, self._settings.until_stationary == 0) if waits else reached

@@ -1,4 +1,4 @@
-"""Robot, tasks, criteria and limits as CasADi functions: what every strategy solves."""
+"""The problem that a strategy solves: robot, tasks, criteria and limits as CasADi functions."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ class SymbolicProblem:
                 for i, distance in enumerate(body):
                     self.pairs.append(f"{clearance.name}: {named} to obstacle {i}")
                     restored.append(clearance.restore)
-                    # no point is nearer than safe: the surface of distance safe has the largest curvature
+                    # the largest curvature is that of the surface at the distance safe from the obstacle
                     radius = measured["radii"][i] if "radii" in measured else 0
                     row = (own["safe"], own["safe"] + clearance.margin, own["influence"], clearance.gain)
                     distances.append(distance)
@@ -114,7 +114,7 @@ class SymbolicProblem:
 
     @property
     def has_criterion(self) -> bool:
-        """Whether there is anything to minimise."""
+        """Whether there is a criterion."""
         return len(self.terms.named) > 0
 
     def gradient(self, expression: Expression, q: Expression) -> Expression:
@@ -155,7 +155,7 @@ class SymbolicProblem:
         return function("hessian", [q, target, parameters, multipliers], [second])
 
     def curvature(self) -> Function:
-        """(q, target, parameters) -> |J| |r|, dV/dv, d2V/dv2, dH/dv: for poses where dV/dv is zero."""
+        """(q, target, parameters) -> |J| |r|, dV/dv, d2V/dv2, dH/dv: for configurations where dV/dv is zero."""
         q, target, parameters = self.symbols()
         v = symbol("v", self.robot.n)
         moved = self.residual(self.robot.integrate(q, v), target)

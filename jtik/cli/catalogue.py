@@ -6,14 +6,14 @@ import argparse
 from collections.abc import Sequence
 
 from jtik.registry import criteria, secondaries, strategies
-from jtik.registry.table import HEADINGS, Row, text_table
+from jtik.registry.table import HEADINGS, TableRow, text_table
 from jtik.robot import gallery
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the tables; plain columns, one line a row, where rich is not installed."""
+    """Print the tables; as columns of text, one line per row, where rich is not installed."""
     described = [gallery.describe(name) for name in gallery.names()]
-    robots = [Row(robot.name, robot.summary, robot.source) for robot in described]
+    robots = [TableRow(robot.name, robot.summary, robot.source) for robot in described]
     sections = [
         ("Strategies", strategies.rows()),
         ("Secondary terms, for pairs such as newton+qp", secondaries.rows()),
@@ -27,7 +27,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _print_with_rich(sections: Sequence[tuple[str, Sequence[Row]]]) -> None:
+def _print_with_rich(sections: Sequence[tuple[str, Sequence[TableRow]]]) -> None:
     from rich import box
     from rich.console import Console
     from rich.markup import escape

@@ -1,4 +1,4 @@
-"""Checks of what a document or an option says; each names the place in its error."""
+"""Checks of the values of documents and options; each error names the place."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ T = TypeVar("T")
 
 
 class InputError(JtikError):
-    """Input of the command line that cannot be used. The message says what is accepted."""
+    """Input of the command line that cannot be used. The message contains what is accepted."""
 
 
 def checked_table(where: str, given: Any, accepted: Iterable[str] | None = None) -> Table:
@@ -49,5 +49,5 @@ def call(where: str, make: Callable[..., T], options: Any) -> T:
         return make(**options)
     except JtikError:
         raise
-    except (TypeError, ValueError) as error:  # a text where a number belongs, say
+    except (TypeError, ValueError) as error:  # such as a text in place of a number
         raise InputError(f"{where}: {error}") from error

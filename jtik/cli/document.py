@@ -35,7 +35,7 @@ from pathlib import Path
 from typing import Any
 
 from jtik.cli.checks import InputError, Table, checked_table
-from jtik.cli.sections import read_criteria, read_obstacles, read_robot, read_strategy, read_tasks
+from jtik.cli.document_sections import read_criteria, read_obstacles, read_robot, read_strategy, read_tasks
 from jtik.criterion import CriterionSum
 from jtik.errors import ArgumentError
 from jtik.robot import Robot

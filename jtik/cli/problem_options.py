@@ -7,7 +7,7 @@ from typing import Any
 
 from jtik.cli.checks import InputError
 from jtik.cli.document import load
-from jtik.cli.sections import robot_table
+from jtik.cli.document_sections import robot_table
 
 SHAPES = {"circle": ("X", "Y", "RADIUS"), "sphere": ("X", "Y", "Z", "RADIUS"), "point": ("X",)}
 

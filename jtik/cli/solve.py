@@ -24,7 +24,7 @@ def add_arguments(commands: Any) -> None:
     command = commands.add_parser(
         "solve",
         help="joint positions for a target",
-        description="Find joint positions for a target. Options override what a --file says.",
+        description="Find joint positions for a target. Options override the values of a --file.",
         epilog="Exit code: 0 converged, 1 ended otherwise, 2 wrong input. Lengths in m, angles in rad.",
     )
     add_problem_options(command, kind="position")
@@ -92,18 +92,18 @@ def as_json(problem: DocumentProblem, solution: Solution) -> dict[str, Any]:
         "strategy": repr(problem.ik.strategy),
         "why": solution.status.value,
     }
-    return document | {name: _plain(getattr(solution, name)) for name in SHOWN}
+    return document | {name: _json_value(getattr(solution, name)) for name in SHOWN}
 
 
-def _plain(value: Any) -> Any:
+def _json_value(value: Any) -> Any:
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): _json_value(item) for key, item in value.items()}
     if isinstance(value, np.ndarray):
-        return _plain(value.tolist())
+        return _json_value(value.tolist())
     if isinstance(value, np.generic):
-        return _plain(value.item())
+        return _json_value(value.item())
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
+        return [_json_value(item) for item in value]
     if isinstance(value, Enum):
         return value.name
     if isinstance(value, float):

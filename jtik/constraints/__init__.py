@@ -1,4 +1,4 @@
-"""What must hold: limits of position, velocity and acceleration, the box of a step, and clearances."""
+"""Constraints: limits of position, velocity and acceleration, the box of a step, and clearances."""
 
 from jtik.constraints.clearance import Clearance
 from jtik.constraints.limits import Limits

@@ -1,4 +1,4 @@
-"""Clearances: distances that must stay above a safe value on the whole way of a step (formulations/clearance.md).
+"""Clearances: distances that must stay above a safe value along the path of a step (formulations/clearance.md).
 
 The distances come from a criterion that measures them, such as ObstacleAvoidance; its parameters stay live.
 """
@@ -26,13 +26,17 @@ SAMPLES = 4
 TOLERATED = 0.5
 """Share of the margin by which a distance may fall short of its aim before it is restored.
 
-Along an obstacle every step ends slightly short of the aim; a quadratic program for that would be wasted.
+A body that moves along an obstacle ends every step slightly short of the aim, which needs no restoration.
 """
 
 
 @runtime_checkable
 class Measure(Protocol):
-    """What measures distances [m]: a criterion with parameters and signed distances of each body to each obstacle."""
+    """A measure of distances [m]: a criterion with parameters and signed distances of each body to each obstacle.
+
+    Attributes:
+        name: name of the criterion.
+    """
 
     name: str
 
@@ -40,15 +44,15 @@ class Measure(Protocol):
         """Names and first values of its live parameters."""
 
     def distances(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> list[list[Expression]]:
-        """One list a body, one entry an obstacle."""
+        """Distances [m]: one list for each body, with one entry for each obstacle."""
 
 
 class Clearance:
-    """Keeps every distance of a measure at ``safe`` or more, at the end of each step and on the way there.
+    """Keeps every distance of a measure at ``safe`` or more along the path of each step.
 
     A row limits the approach of each step, grad d' dq >= -gain (d - safe - margin), for distances below ``influence``:
     the velocity damper of Faverjon and Tournassoud, with ``influence=math.inf`` its control-barrier form. Where the
-    task asks for more than the rows allow, the task is relaxed. A distance below ``safe`` plus half the margin is
+    task requires more than the rows allow, the task is relaxed. A distance below ``safe`` plus half the margin is
     restored first, grad d' dq = gain (safe + margin - d), as far as limits and the other clearances allow; it never
     becomes smaller. ``Solution.relaxed`` lists what cannot be met.
 
@@ -124,7 +128,7 @@ def clearances_of(given: Clearance | Iterable[Clearance] | None) -> tuple[Cleara
 
 
 def names_of(measure: Measure, robot: Robot, count: int) -> list[str]:
-    """What a measure's bodies are called: by its own ``body_names(robot)`` where it has that, else by number."""
+    """Names of a measure's bodies: those of its ``body_names(robot)`` where it has that method, else numbers."""
     named = getattr(measure, "body_names", None)
     names = list(named(robot)) if callable(named) else []
     return names if len(names) == count else [f"body {i}" for i in range(count)]
@@ -142,12 +146,12 @@ class ClearanceModel:
         influence: distance from which on each is not constrained (k, 1) [m].
         gain: share of the distance to the aim that a step may use (k, 1).
         curvature_radius: smallest radius of curvature of a surface of constant distance [m].
-        travel: how far a unit of each velocity entry can move any point of the robot (n,) [m].
+        lever_arms: upper bound of the motion of any point of the robot per unit of each velocity entry (n,) [m].
         rotational: which velocity entries are rotations (n,).
         after: dq -> the distances after that displacement, (k, 1) [m].
         restored: which distances are restored when they are too small (k,).
         longest: how far each velocity entry may move for the restoration in this step [rad] or [m].
-        record: smallest violation so far [m].
+        smallest_violation: smallest violation so far [m].
     """
 
     distance: Expression
@@ -157,17 +161,17 @@ class ClearanceModel:
     influence: Expression
     gain: Expression
     curvature_radius: Expression
-    travel: Array
+    lever_arms: Array
     rotational: NDArray[np.bool_]
     after: Any
     restored: NDArray[np.bool_]
     longest: Expression = 0
-    record: Expression = 0
+    smallest_violation: Expression = 0
 
     @property
-    def lever(self) -> float:
-        """Bound of the length of a row of the Jacobian [m]."""
-        return float(np.linalg.norm(self.travel)) or 1.0
+    def row_norm_bound(self) -> float:
+        """Upper bound of the norm of a row of the Jacobian [m]."""
+        return float(np.linalg.norm(self.lever_arms)) or 1.0
 
     @property
     def restores(self) -> bool:
@@ -192,23 +196,23 @@ class ClearanceModel:
         return self._lacking(self.distance)
 
     def violation(self, distance: Expression) -> Expression:
-        """Sum of what the restored distances fall short of their aims [m]."""
+        """Total violation: the sum of `lacking` for these distances (k, 1) [m]."""
         return sum1(self._lacking(distance))
 
     def _lacking(self, distance: Expression) -> Expression:
         lacks = self.aim - distance
-        asked = vertcat(*self.restored.astype(float).tolist()) * (lacks > TOLERATED * (self.aim - self.safe))
-        return if_else(asked, lacks, 0)
+        counts = vertcat(*self.restored.astype(float).tolist()) * (lacks > TOLERATED * (self.aim - self.safe))
+        return if_else(counts, lacks, 0)
 
     def keeps(self, dq: Expression) -> Expression:
-        """1 if every distance stays safe on the whole way of the displacement dq.
+        """1 if every distance stays safe along the straight path of the displacement dq (n, 1).
 
         The distances are evaluated at the samples and bounded between them. A point of a body moves at most L in the
-        whole step and its link rotates by at most S; between samples a distance lies at most
+        step and its link rotates by at most S; between samples a distance lies at most
         (L^2 / rho + L S) / (8 K^2) below the chord of a convex stretch, and L / (2 K) below the lower end.
         """
-        size = [fabs(dq[j]) for j in range(len(self.travel))]
-        travelled = sum(reach * length for reach, length in zip(self.travel, size, strict=True))
+        size = [fabs(dq[j]) for j in range(len(self.lever_arms))]
+        travelled = sum(arm * length for arm, length in zip(self.lever_arms, size, strict=True))
         # a rotation moves the axis of a prismatic joint behind it: each such pair of entries counts twice
         twice = 1 if self.rotational.all() else 2
         turned = twice * sum((length for length, turns in zip(size, self.rotational, strict=True) if turns), 0)
@@ -220,15 +224,15 @@ class ClearanceModel:
         for k in range(1, SAMPLES + 1):
             after = self.after(k / SAMPLES * dq)
             low = fmin(before, after) - dip
-            near = if_else(self.distance < self.safe, after - self.distance + 1e-12, low - smallest)
-            good = good * (mmin(near) >= 0)
+            surplus = if_else(self.distance < self.safe, after - self.distance + 1e-12, low - smallest)
+            good = good * (mmin(surplus) >= 0)
             before = after
         return good
 
 
-def travels(robot: Robot) -> Array:
-    """How far a unit of each velocity entry can move any point of the robot, at any configuration, (n,) [m]."""
-    beyond = {frame: _own_reach(robot, frame) for frame in robot.frame_names}
+def lever_arms(robot: Robot) -> Array:
+    """Upper bound of the motion of any point of the robot per unit of each velocity entry, (n,) [m/rad] or [m/m]."""
+    beyond = {frame: _largest_extent(robot, frame) for frame in robot.frame_names}
     for joint in reversed(robot.joints):
         length = float(np.linalg.norm(joint.origin[:3, 3])) + _stroke(joint)
         beyond[joint.parent] = max(beyond[joint.parent], length + beyond[joint.child])
@@ -243,8 +247,8 @@ def travels(robot: Robot) -> Array:
     return result
 
 
-def _own_reach(robot: Robot, frame: str) -> float:
-    """The farthest point of a frame's solids from its origin [m]."""
+def _largest_extent(robot: Robot, frame: str) -> float:
+    """Distance of the farthest point of a frame's solids from its origin [m]."""
     from jtik.geometry import enclosing_segment
 
     farthest = 0.0
@@ -254,7 +258,7 @@ def _own_reach(robot: Robot, frame: str) -> float:
 
 
 def _stroke(joint: Any) -> float:
-    """How far a prismatic joint can move its child [m]."""
+    """Largest translation of a prismatic joint [m]; 0 for other joints and without limits."""
     if joint.type is not JointType.PRISMATIC:
         return 0.0
     ends = max(abs(joint.lower), abs(joint.upper))

@@ -1,4 +1,4 @@
-"""Limits of position, velocity and acceleration: which of them hold, and their numbers for one robot."""
+"""Limits of position, velocity and acceleration: which of them apply, and their values for one robot."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ Speeds: TypeAlias = bool | float | Sequence[float] | NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """Which limits hold, for `InverseKinematics`.
+    """Which limits apply, for `InverseKinematics`.
 
-    Position limits always hold. Velocity and acceleration limits hold where a time is given, in ``track`` and in
+    Position limits always apply. Velocity and acceleration limits apply where a time is given, in ``track`` and in
     ``step(..., dt=)``; there all three are one box on the step, which is never empty (formulations/limits.md). Each
-    revolute and prismatic joint has limits of its own; a ball or free joint is slowed as a whole.
+    revolute and prismatic joint has its own limits; the velocity of a ball or free joint is scaled.
 
     A joint that starts at rest inside its limits keeps all three, whatever the strategy does. If a start violates one,
     accelerations have priority over velocities, and these over positions; the joint returns to its position limits as
-    fast as the others allow. With an acceleration limit, joints brake before position limits, but not before targets or
-    clearances: targets should move as the robot can, and a strategy with the box in its quadratic program
+    fast as the others allow. With an acceleration limit, joints decelerate before position limits, but not before
+    targets or clearances: targets should move as the robot can, and a strategy with the box in its quadratic program
     ("weighted_qp", "lexicographic_qp") follows them best.
 
     Attributes:
-        position: whether the robot's position limits hold.
+        position: whether the robot's position limits apply.
         velocity: largest speeds: True for the robot's own ``velocity_limit``, False for none, a number for all joints,
             or (n,) for the joints that the solver moves [rad/s] or [m/s]; ``inf`` for none.
         acceleration: largest accelerations: None for none, a number, or (n,) [rad/s^2] or [m/s^2].

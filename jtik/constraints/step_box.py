@@ -20,7 +20,7 @@ from jtik.types import Array
 def braking(distance: Expression, change: float | Expression) -> Expression:
     """The longest step towards a limit at ``distance`` after which a joint can still stop before it (M3).
 
-    Each following step is shorter by ``change``. A negative distance is the way back to the limit, and the answer.
+    Each following step is shorter by ``change``. A negative distance is returned as it is: the step back to the limit.
     """
     return 2 * distance / (1 + sqrt(1 + 2 * fmax(distance, 0) / change))
 
@@ -31,19 +31,19 @@ def box_function(bounds: Bounds) -> Function:
     q, last, clock = symbol("q", robot.nq), symbol("last", robot.n), symbol("clock", 2)
     dt, lower, upper = clock[0], [-math.inf] * robot.nq, [math.inf] * robot.nq
     for i, j in bounds.bounded:
-        reach = bounds.velocity[j] * dt
+        largest_step = bounds.velocity[j] * dt
         change = bounds.acceleration[j] * dt**2 if bounds.acceleration[j] < math.inf else None
-        low, high = _allowed(last[j] * (dt / clock[1]), reach, change)
+        low, high = _allowed(last[j] * (dt / clock[1]), largest_step, change)
         lower[i], upper[i] = _merged(q[i], bounds.lower[i], bounds.upper[i], low, high, change)
     return function("step_box", [q, last, clock], [vertcat(*lower), vertcat(*upper)])
 
 
-def _allowed(last: Expression, reach: Expression, change: Expression | None) -> tuple[Expression, Expression]:
+def _allowed(last: Expression, largest_step: Expression, change: Expression | None) -> tuple[Expression, Expression]:
     """Displacements that (M1) and (M2) allow; if the two do not intersect, the one of (M2) closest to (M1)."""
     if change is None:
-        return -reach, reach
-    least, most = last - change, last + change
-    return fmin(fmax(-reach, least), most), fmin(fmax(reach, least), most)
+        return -largest_step, largest_step
+    smallest, largest = last - change, last + change
+    return fmin(fmax(-largest_step, smallest), largest), fmin(fmax(largest_step, smallest), largest)
 
 
 def _merged(
@@ -51,18 +51,18 @@ def _merged(
 ) -> tuple[Expression, Expression]:
     """The same with the position limits (M4), as positions; if the two do not intersect, the closest to the limit."""
     down, up = q + low, q + high
-    least, most = -math.inf, math.inf
+    lowest, highest = -math.inf, math.inf
     if lower > -math.inf:
-        least = lower if change is None else fmax(q - braking(q - lower, change), lower)
+        lowest = lower if change is None else fmax(q - braking(q - lower, change), lower)
     if upper < math.inf:
-        most = upper if change is None else fmin(q + braking(upper - q, change), upper)
-    if change is not None:  # outside one limit, the way back is no longer than the other limit allows
-        least, most = fmin(least, fmax(most, q)), fmax(most, fmin(least, q))
-    return fmin(fmax(least, down), up), fmin(fmax(most, down), up)
+        highest = upper if change is None else fmin(q + braking(upper - q, change), upper)
+    if change is not None:  # outside one limit, the return is no longer than the other limit allows
+        lowest, highest = fmin(lowest, fmax(highest, q)), fmax(highest, fmin(lowest, q))
+    return fmin(fmax(lowest, down), up), fmin(fmax(highest, down), up)
 
 
 class StepBox:
-    """The box of each step in turn, written to memory that a solver reads; it remembers the last step.
+    """The box of each step, written to memory that a solver reads, from the step before it.
 
     Attributes:
         lower: lower bounds of q (nq,).
@@ -72,7 +72,7 @@ class StepBox:
     def __init__(self, bounds: Bounds, box: Function, lower: Array, upper: Array) -> None:
         self._bounds, self._robot = bounds, bounds.robot
         self._remembers = bool((bounds.acceleration < math.inf).any())
-        self._plain = self._robot.nq == self._robot.n
+        self._vector = self._robot.nq == self._robot.n
         self._unboxed = bounds.unboxed
         self._q, self._last, self._clock = np.zeros(self._robot.nq), np.zeros(self._robot.n), np.ones(2)
         self._dt = self._before = 1.0
@@ -94,7 +94,7 @@ class StepBox:
         """Remember that the step ended at ``q`` (nq,)."""
         if not self._remembers:
             return
-        if self._plain:
+        if self._vector:
             np.subtract(q, self._q, self._last)
         else:
             self._last[:] = self._robot.difference(self._q, q)
@@ -106,21 +106,21 @@ class StepBox:
         self._last[:] = 0
 
     def slowed(self, q: Array) -> Array:
-        """``q`` (nq,), or the part of the way to it after which no ball or free joint is too fast (M6)."""
+        """``q`` (nq,), or the configuration before it at which no ball or free joint exceeds its limits (M6)."""
         if not self._unboxed.size:
             return q
-        way, base = self._robot.difference(self._q, q), np.zeros(self._robot.n)
+        displacement, base = self._robot.difference(self._q, q), np.zeros(self._robot.n)
         scalar_q, scalar_v = self._robot.scalar_q, self._robot.scalar_v
         base[scalar_v] = self._inside(self._q)[scalar_q] - self._q[scalar_q]
         last = self._last[self._unboxed] * (self._clock[0] / self._clock[1])
-        reach = self._bounds.velocity[self._unboxed] * self._dt
+        largest_step = self._bounds.velocity[self._unboxed] * self._dt
         change = self._bounds.acceleration[self._unboxed] * self._dt**2
-        low, high = (np.clip(end, last - change, last + change) for end in (-reach, reach))
+        low, high = (np.clip(end, last - change, last + change) for end in (-largest_step, largest_step))
         base[self._unboxed] = stay = np.clip(0.0, low, high)
-        share = _share(way[self._unboxed] - stay, low - stay, high - stay)
+        share = _share(displacement[self._unboxed] - stay, low - stay, high - stay)
         if share >= 1:
             return q
-        return self._inside(self._robot.integrate(self._q, base + share * (way - base)))
+        return self._inside(self._robot.integrate(self._q, base + share * (displacement - base)))
 
     def _inside(self, q: Array) -> Array:
         """q clamped to the box."""
@@ -129,9 +129,9 @@ class StepBox:
         return q
 
 
-def _share(way: Array, low: Array, high: Array) -> float:
-    """Largest share of the way, at most 1, that stays between low <= 0 and high >= 0."""
-    margin = np.where(way > 0, high, low)
-    beyond = (way < low) | (way > high)
-    shares: NDArray[np.float64] = np.divide(margin, way, out=np.ones(len(way)), where=beyond)
+def _share(displacement: Array, low: Array, high: Array) -> float:
+    """Largest share of the displacement, at most 1, that stays between low <= 0 and high >= 0."""
+    margin = np.where(displacement > 0, high, low)
+    beyond = (displacement < low) | (displacement > high)
+    shares: NDArray[np.float64] = np.divide(margin, displacement, out=np.ones(len(displacement)), where=beyond)
     return float(shares.min(initial=1.0))

@@ -1,4 +1,4 @@
-"""The secondary: a scalar H(q) that the freedom left by the task minimises, with live parameters."""
+"""Criteria: scalars H(q) that a redundant robot minimises besides its task, with live parameters."""
 
 from jtik.criterion.base import Criteria, Criterion, CriterionError, CriterionSum
 from jtik.criterion.decorator import FunctionCriterion, criterion

@@ -1,4 +1,4 @@
-"""The secondary: a scalar H(q) to be minimised by the freedom the task leaves, with live parameters.
+"""Criteria: scalars H(q) that a redundant robot minimises besides its task, with live parameters.
 
 A criterion is a pure function of q and of named parameters, made of operations CasADi can trace. Its gradient is
 derived from it by CasADi. Parameters stay inputs of the compiled step, so changing one costs a copy.
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik.criterion import evaluation
-from jtik.criterion.accepted import hint, registered
+from jtik.criterion.criteria_argument import hint, registered
 from jtik.criterion.tracing import CriterionError
 from jtik.errors import ArgumentError, UnknownNameError, finite_array
 from jtik.robot import Kinematics, Robot

@@ -10,7 +10,7 @@ from typing import Any, overload
 from numpy.typing import ArrayLike
 
 from jtik.criterion.base import Criterion
-from jtik.criterion.summary import call_text
+from jtik.criterion.short_repr import call_text
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression

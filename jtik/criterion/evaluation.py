@@ -82,7 +82,7 @@ class _CompiledCriterion:
         self._gradient: Function | None = None
 
     def gradient(self, robot: Robot) -> Function:
-        """The gradient, built when it is first asked for."""
+        """The gradient, built when it is first used."""
         if self._gradient is None:
             along = robot.tangent(self._q).T @ gradient(self._H, self._q)
             self._gradient = function("gradient", [self._q, self._column], [along])

@@ -31,13 +31,13 @@ class Parameters(MutableMapping[str, Array]):
     """Live parameters by name. Assigning one changes the compiled step at once; nothing is compiled again.
 
     A value that is read is a read-only copy: ``parameters["a.b"][0] = 1`` raises ValueError. To change one entry
-    assign the whole value::
+    assign all entries at once::
 
         radii = parameters["obstacle_avoidance.radii"].copy()
         radii[0] = 0.2
         parameters["obstacle_avoidance.radii"] = radii
 
-    A scalar is accepted for every parameter and fills its whole shape: ``parameters["joint_centering.stiffness"] = 2``.
+    A scalar is accepted for every parameter and fills all entries: ``parameters["joint_centering.stiffness"] = 2``.
 
     Args:
         values: first values by name: finite scalars, vectors or matrices.

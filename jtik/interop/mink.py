@@ -14,17 +14,18 @@ from mink.tasks import BaseTask, Objective
 
 from jtik.criterion.base import Criterion, CriterionSum
 from jtik.errors import ArgumentError
+from jtik.interop.criterion_evaluation import CriterionNumbers, Curvature, checked
 from jtik.interop.limit_rows import Inequality, LimitRows
-from jtik.interop.mujoco_model import Correspondence, to_mujoco
-from jtik.interop.numbers import CriterionNumbers, Curvature, checked
+from jtik.interop.mujoco_model import MujocoCorrespondence, to_mujoco
+from jtik.interop.renamed import renamed_classes
 from jtik.robot import Robot
 from jtik.types import Array
 
 __all__ = [
-    "Correspondence",
-    "CriterionTask",
     "LimitRows",
-    "TaskCriterion",
+    "MinkCriterionTask",
+    "MinkTaskCriterion",
+    "MujocoCorrespondence",
     "as_criterion",
     "criterion_task",
     "limit_rows",
@@ -33,7 +34,7 @@ __all__ = [
 ]
 
 
-class CriterionTask(BaseTask):
+class MinkCriterionTask(BaseTask):
     """A jtik criterion as a mink task, made by `criterion_task`.
 
     Next to other tasks it is weighted against them; with the tasks as ``constraints`` it has strictly lower priority.
@@ -52,7 +53,7 @@ class CriterionTask(BaseTask):
         checked(gain, curvature)
         self.gain, self.curvature = float(gain), curvature
         self._numbers = CriterionNumbers(criterion, robot)
-        self._correspondence = Correspondence(robot, model)
+        self._correspondence = MujocoCorrespondence(robot, model)
         self.parameters = self._numbers.parameters
 
     def value(self, configuration: mink.Configuration) -> float:
@@ -73,7 +74,7 @@ def criterion_task(
     *,
     gain: float = 1.0,
     curvature: Curvature = "identity",
-) -> CriterionTask:
+) -> MinkCriterionTask:
     """A criterion as a task for ``mink.solve_ik(tasks=[...])`` on ``model``.
 
     Args:
@@ -86,17 +87,17 @@ def criterion_task(
     Raises:
         ArgumentError: when the gain is not positive, or the model does not have a joint of the robot.
     """
-    return CriterionTask(criterion, robot, model, gain=gain, curvature=curvature)
+    return MinkCriterionTask(criterion, robot, model, gain=gain, curvature=curvature)
 
 
-class TaskCriterion:
+class MinkTaskCriterion:
     """H = 1/2 e' W^2 e of a mink task, evaluated on a jtik robot; made by `as_criterion`."""
 
     def __init__(self, task: BaseTask, robot: Robot, model: Any) -> None:
         if not isinstance(task, BaseTask):
             raise ArgumentError("task", task, "a mink task")
         self._task, self._robot = task, robot
-        self._correspondence = Correspondence(robot, model)
+        self._correspondence = MujocoCorrespondence(robot, model)
         self._configuration = mink.Configuration(model)
 
     def value(self, q: Any) -> float:
@@ -130,7 +131,7 @@ class TaskCriterion:
         return moves.T @ P @ moves, moves.T @ c
 
 
-def as_criterion(task: BaseTask, robot: Robot, model: Any) -> TaskCriterion:
+def as_criterion(task: BaseTask, robot: Robot, model: Any) -> MinkTaskCriterion:
     """The function of q that a mink task minimises, with its gradient and Gauss-Newton Hessian.
 
     It is evaluated in Python and is not an expression; use it for comparisons and checks. To solve with a mink task
@@ -144,7 +145,7 @@ def as_criterion(task: BaseTask, robot: Robot, model: Any) -> TaskCriterion:
     Raises:
         ArgumentError: when it is not a mink task, or the model does not have a joint of the robot.
     """
-    return TaskCriterion(task, robot, model)
+    return MinkTaskCriterion(task, robot, model)
 
 
 class MinkRows(LimitRows):
@@ -159,7 +160,7 @@ class MinkRows(LimitRows):
         self._limit = limit
         # h of this limit is a speed in place of a displacement; at 1 s both are the same number
         self._dt = 1.0 if isinstance(limit, mink.CollisionAvoidanceLimit) else float(dt)
-        self._correspondence = Correspondence(robot, model)
+        self._correspondence = MujocoCorrespondence(robot, model)
         self._configuration = mink.Configuration(model)
 
     def _all(self, q: Array) -> Inequality:
@@ -196,3 +197,9 @@ def velocity_limit(robot: Robot, model: Any) -> mink.VelocityLimit:
         if np.isfinite(joint.velocity_limit)
     }
     return mink.VelocityLimit(model, finite)
+
+
+__getattr__ = renamed_classes(
+    __name__,
+    {"Correspondence": MujocoCorrespondence, "CriterionTask": MinkCriterionTask, "TaskCriterion": MinkTaskCriterion},
+)

@@ -10,6 +10,7 @@ import numpy as np
 
 from jtik.errors import ArgumentError
 from jtik.geometry import Ball, Box, Capsule, Cylinder, Solid
+from jtik.interop.renamed import renamed_classes
 from jtik.robot import Joint, JointType, Robot
 from jtik.robot.loaders.compiled import ModelReader
 from jtik.types import Array
@@ -32,7 +33,7 @@ def to_mujoco(robot: Robot, *, obstacles: Iterable[Solid] = ()) -> Any:
     """The robot as a ``mujoco.MjModel``; every frame becomes a body, and every joint a joint, with the same name.
 
     Limits, masses, the solids of the frames (as geoms "FRAME solid0" ...) and mimic joints (as equalities of joints)
-    are kept. qpos is in MuJoCo's order, see `Correspondence`.
+    are kept. qpos is in MuJoCo's order, see `MujocoCorrespondence`.
 
     Args:
         robot: the robot.
@@ -71,7 +72,7 @@ def to_mujoco(robot: Robot, *, obstacles: Iterable[Solid] = ()) -> Any:
     return spec.compile()
 
 
-class Correspondence:
+class MujocoCorrespondence:
     """The correspondence of a robot's joints with those of a MuJoCo model, by their names.
 
     The robot may be read from the model, or the model may be made of the robot, or of a robot of which it is a subset.
@@ -198,3 +199,6 @@ def _quaternion(pose: Array) -> Array:
     quaternion = np.zeros(4)
     mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(pose[:3, :3]).ravel())
     return quaternion
+
+
+__getattr__ = renamed_classes(__name__, {"Correspondence": MujocoCorrespondence})

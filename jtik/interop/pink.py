@@ -13,18 +13,19 @@ import numpy as np
 
 from jtik.criterion.base import Criterion, CriterionSum
 from jtik.errors import ArgumentError, MissingExtraError
+from jtik.interop.criterion_evaluation import CriterionNumbers, Curvature, checked
 from jtik.interop.limit_rows import Inequality, LimitRows
-from jtik.interop.numbers import CriterionNumbers, Curvature, checked
-from jtik.interop.pinocchio_model import Correspondence
+from jtik.interop.pinocchio_model import PinocchioCorrespondence
+from jtik.interop.renamed import renamed_classes
 from jtik.robot import Robot
 from jtik.types import Array
 
 __all__ = [
-    "Correspondence",
-    "CriterionTask",
     "FreshBarrier",
     "LimitRows",
-    "TaskCriterion",
+    "PinkCriterionTask",
+    "PinkTaskCriterion",
+    "PinocchioCorrespondence",
     "as_criterion",
     "criterion_task",
     "fresh",
@@ -32,7 +33,7 @@ __all__ = [
 ]
 
 
-class CriterionTask:
+class PinkCriterionTask:
     """A jtik criterion as a pink task, made by `criterion_task`: pink uses only the objective of a task.
 
     Attributes:
@@ -47,11 +48,11 @@ class CriterionTask:
         checked(gain, curvature)
         self.gain, self.curvature = float(gain), curvature
         self._numbers = CriterionNumbers(criterion, robot)
-        self._correspondence = Correspondence(robot, model)
+        self._correspondence = PinocchioCorrespondence(robot, model)
         self.parameters = self._numbers.parameters
 
     def __repr__(self) -> str:
-        return f"CriterionTask({', '.join(self.parameters)}, gain={self.gain:g})"
+        return f"PinkCriterionTask({', '.join(self.parameters)}, gain={self.gain:g})"
 
     def value(self, configuration: Any) -> float:
         """H at a pink configuration."""
@@ -72,7 +73,7 @@ def criterion_task(
     *,
     gain: float = 1.0,
     curvature: Curvature = "identity",
-) -> CriterionTask:
+) -> PinkCriterionTask:
     """A criterion as a task for ``pink.solve_ik(tasks=[...])``.
 
     Args:
@@ -85,17 +86,17 @@ def criterion_task(
     Raises:
         ArgumentError: when the gain is not positive, or the model does not have a joint of the robot.
     """
-    return CriterionTask(criterion, robot, model, gain=gain, curvature=curvature)
+    return PinkCriterionTask(criterion, robot, model, gain=gain, curvature=curvature)
 
 
-class TaskCriterion:
+class PinkTaskCriterion:
     """H = 1/2 e' W^2 e of a pink task, evaluated on a jtik robot; made by `as_criterion`."""
 
     def __init__(self, task: Any, robot: Robot, model: Any) -> None:
         if not (hasattr(task, "compute_error") and hasattr(task, "compute_jacobian")):
             raise ArgumentError("task", task, "a pink task, with an error and a Jacobian")
         self._task, self._robot = task, robot
-        self._correspondence = Correspondence(robot, model)
+        self._correspondence = PinocchioCorrespondence(robot, model)
         self._configuration = _configuration(model, self._correspondence.theirs(robot.neutral))
 
     def value(self, q: Any) -> float:
@@ -122,7 +123,7 @@ class TaskCriterion:
         return cost * e, cost[:, None] * J
 
 
-def as_criterion(task: Any, robot: Robot, model: Any) -> TaskCriterion:
+def as_criterion(task: Any, robot: Robot, model: Any) -> PinkTaskCriterion:
     """The function of q that a pink task minimises, with its gradient and Gauss-Newton Hessian.
 
     It is evaluated in Python and is not an expression; use it for comparisons and checks.
@@ -136,7 +137,7 @@ def as_criterion(task: Any, robot: Robot, model: Any) -> TaskCriterion:
         ArgumentError: when it is not a pink task, or the model does not have a joint of the robot.
         MissingExtraError: when pink is not installed.
     """
-    return TaskCriterion(task, robot, model)
+    return PinkTaskCriterion(task, robot, model)
 
 
 class FreshBarrier:
@@ -193,7 +194,7 @@ class PinkRows(LimitRows):
             raise ArgumentError("limit", limit, "a pink limit or barrier")
         super().__init__(robot, dt)
         self._limit, self._dt = limit, float(dt)
-        self._correspondence = Correspondence(robot, model)
+        self._correspondence = PinocchioCorrespondence(robot, model)
         self._configuration = _configuration(model, self._correspondence.theirs(robot.neutral))
 
     def _all(self, q: Array) -> Inequality:
@@ -228,3 +229,9 @@ def _configuration(model: Any, q: Array) -> Any:
     except ImportError as error:
         raise MissingExtraError("pink", "pink", "a pink task or limit") from error
     return pink.Configuration(model, model.createData(), q)
+
+
+__getattr__ = renamed_classes(
+    __name__,
+    {"Correspondence": PinocchioCorrespondence, "CriterionTask": PinkCriterionTask, "TaskCriterion": PinkTaskCriterion},
+)

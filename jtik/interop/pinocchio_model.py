@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from jtik.errors import ArgumentError
+from jtik.interop.renamed import renamed_classes
 from jtik.robot import JointType, Robot
 from jtik.robot.loaders.transforms import pose_of
 from jtik.types import Array
@@ -19,7 +20,7 @@ _TO_XYZW = [1, 2, 3, 0]
 _TO_WXYZ = [3, 0, 1, 2]
 
 
-class Correspondence:
+class PinocchioCorrespondence:
     """The correspondence of a robot's joints with those of a Pinocchio model, by name; a free joint also with its root.
 
     In Pinocchio an unlimited revolute joint is (cos, sin), a quaternion is (x, y, z, w), and the linear velocity of a
@@ -90,3 +91,6 @@ def _neutral(model: Any) -> Array:
 
     neutral: Array = pinocchio.neutral(model)
     return neutral
+
+
+__getattr__ = renamed_classes(__name__, {"Correspondence": PinocchioCorrespondence})

@@ -12,7 +12,7 @@ import numpy as np
 
 from jtik.errors import ArgumentError
 from jtik.robot import Joint, JointType, Robot
-from jtik.robot.body import Mass
+from jtik.robot.masses_and_shapes import Mass
 from jtik.types import Array
 
 UNLIMITED = 1e6

@@ -1,11 +1,11 @@
 """Pictures of planar robots: postures, obstacles, paths and animations.
 
-`posture_figure` makes a whole figure and `write_animation` a GIF. The other functions draw on axes of your own, in
+`posture_figure` makes a figure and `write_animation` a GIF. The other functions draw on axes of your own, in
 metres. They need the extra "plot" (matplotlib and pillow), and open no window.
 """
 
 from jtik.plotting.animation import write_animation
-from jtik.plotting.arm import DrawnArm, draw_postures
+from jtik.plotting.drawn_arm import DrawnArm, draw_postures
 from jtik.plotting.figure import (
     Axes,
     Figure,

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from jtik.errors import ArgumentError, finite_array
 from jtik.geometry import Obstacle
-from jtik.plotting.arm import draw_postures
+from jtik.plotting.drawn_arm import draw_postures
 from jtik.plotting.figure import Figure, Window, blank_figure, label_axes, window_around
 from jtik.plotting.scenery import draw_obstacles, draw_path
 from jtik.plotting.skeleton import Skeleton

@@ -41,9 +41,9 @@ def anywhere(spread: float) -> Callable[[np.random.Generator], Drawn]:
     return lambda drawn: (drawn.uniform(-spread, spread, LINKS), tip(drawn.uniform(-spread, spread, LINKS)))
 
 
-def straight(bend: float) -> Callable[[np.random.Generator], Drawn]:
-    """Joint angles normal with standard deviation ``bend``; the target on the x axis between 3 and 9 m."""
-    return lambda drawn: (bend * drawn.standard_normal(LINKS), np.array([drawn.uniform(3, 9), 0.0]))
+def straight(deviation: float) -> Callable[[np.random.Generator], Drawn]:
+    """Joint angles normal with standard deviation ``deviation``; the target on the x axis between 3 and 9 m."""
+    return lambda drawn: (deviation * drawn.standard_normal(LINKS), np.array([drawn.uniform(3, 9), 0.0]))
 
 
 def ring(radius: float) -> Callable[[np.random.Generator], Drawn]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable
 from typing import Any
 
@@ -42,10 +43,12 @@ def near_singular(
     count: int = 100,
     *,
     seed: int = 0,
-    bend: tuple[float, float] = (1e-6, 1e-3),
-    far: tuple[float, float] = (0.05, 0.3),
+    start_distance: tuple[float, float] = (1e-6, 1e-3),
+    target_distance: tuple[float, float] = (0.05, 0.3),
     joints: str | Iterable[str] | None = None,
     at: ArrayLike | None = None,
+    bend: tuple[float, float] | None = None,
+    far: tuple[float, float] | None = None,
 ) -> ProblemSet:
     """Draw problems that start close to a singular posture.
 
@@ -53,11 +56,11 @@ def near_singular(
 
     For each case, a configuration is drawn as in `reachable`. Newton's method on J' u = 0, |u| = 1 moves it to a
     singular posture within the limits, such as a stretched or folded arm, or a wrist with aligned axes. The start is
-    this posture plus a random displacement, whose length is log-uniform in ``bend``. The target lies along u, the
-    singular direction of the task. Its distance is uniform in ``far``, relative to the robot's size (to one radian for
-    an orientation task). The sign of the direction is drawn; the opposite sign is tried as well. The distance is
-    halved up to four times until the target is reached. With several tasks, or a task other than `FrameTask`, the
-    target is that of another drawn configuration.
+    this posture plus a random displacement, whose length is log-uniform in ``start_distance``. The target lies
+    along u, the singular direction of the task. Its distance is uniform in ``target_distance``, relative to the robot's
+    size (to one radian for an orientation task). The sign of the direction is drawn; the opposite sign is tried as
+    well. The distance is halved up to four times until the target is reached. With several tasks, or a task other than
+    `FrameTask`, the target is that of another drawn configuration.
 
     ``known["sigma_min"]`` and ``known["sigma_max"]`` are the smallest and largest singular values of J at the start.
 
@@ -66,10 +69,12 @@ def near_singular(
         task: a Task, or several.
         count: number of cases.
         seed: seed of the random numbers; case i is the same for every count.
-        bend: smallest and largest distance of the start from the singular posture [rad] or [m].
-        far: smallest and largest distance of the target, as shares of the robot's size.
+        start_distance: smallest and largest distance of the start from the singular posture [rad] or [m].
+        target_distance: smallest and largest distance of the target, as shares of the robot's size.
         joints: joints that move, as in `InverseKinematics`.
         at: configuration at which the other joints are locked, as in `InverseKinematics`.
+        bend: deprecated, use ``start_distance``.
+        far: deprecated, use ``target_distance``.
 
     Raises:
         ArgumentError: if no singular posture is found within the limits, the task has more rows than the robot has
@@ -77,8 +82,12 @@ def near_singular(
     """
     setup = ProblemSetup(robot, task, joints, at)
     arm = setup.robot
-    bends = _range("bend", bend)
-    distances = _range("far", far)
+    for old, new, value in (("bend", "start_distance", bend), ("far", "target_distance", far)):
+        if value is not None:
+            text = f"the argument {old} of near_singular is deprecated: use {new}"
+            warnings.warn(text, DeprecationWarning, stacklevel=2)
+    starts = _range("start_distance", start_distance if bend is None else bend)
+    distances = _range("target_distance", target_distance if far is None else far)
     rows = sum(each.row_count(arm) for each in setup.tasks.tasks)
     if rows > arm.n:
         raise ArgumentError(
@@ -86,7 +95,7 @@ def near_singular(
             setup.tasks.tasks,
             f"a task with at most as many rows as the robot has joints ({arm.n}); it has {rows}",
         )
-    origin = f"{bends[0]:g} to {bends[1]:g} from a singular posture; the target along the singular direction"
+    origin = f"{starts[0]:g} to {starts[1]:g} from a singular posture; the target along the singular direction"
 
     def draw(name: str, generator: np.random.Generator) -> Case:
         for _ in range(ATTEMPTS):
@@ -95,7 +104,7 @@ def near_singular(
                 continue
             posture, u = found
             away = generator.standard_normal(arm.n)
-            length = float(np.exp(generator.uniform(*np.log(bends))))
+            length = float(np.exp(generator.uniform(*np.log(starts))))
             start = setup.clamped(arm.integrate(posture, length * away / np.linalg.norm(away)))
             target = _target(setup, posture, u, start, float(generator.uniform(*distances)), generator)
             if target is None:
@@ -154,10 +163,10 @@ def _target(
         return setup.target_at(setup.robot.random_configuration(generator))
     length = 1.0 if task.kind == "orientation" else reach.size(setup.robot, task.frame)
     first = 1.0 if generator.random() < 0.5 else -1.0
-    there = setup.target_at(posture)
+    singular_target = setup.target_at(posture)
     for halving in range(HALVINGS + 1):
         for side in (first, -first):
-            target = _along(task, setup.robot, there, side * length * distance / 2**halving * u)
+            target = _along(task, setup.robot, singular_target, side * length * distance / 2**halving * u)
             if setup.solve(target, start, restarts=10) is not None:
                 return target
     return None

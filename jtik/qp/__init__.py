@@ -17,7 +17,7 @@ from jtik.qp.backend import (
 )
 from jtik.qp.conic import Conic
 from jtik.qp.elastic import Elastic
-from jtik.qp.persistent import PersistentOSQP
+from jtik.qp.persistent_osqp import PersistentOSQP
 from jtik.qp.qpsolvers_backend import QPSolversBackend, as_problem
 from jtik.qp.quadratic_program import QuadraticProgram
 from jtik.qp.recorder import QPRecorder, RecordedQP

@@ -1,4 +1,4 @@
-"""Back ends that solve quadratic programs: base classes, and the names that ``InverseKinematics(solver=)`` takes."""
+"""Back ends that solve quadratic programs: base classes, and the names that ``InverseKinematics(solver=)`` accepts."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class _BackendBase(ABC):
     """What both kinds of back end have in common.
 
     Attributes:
-        name: the name that ``solver=`` takes.
+        name: the name that ``solver=`` accepts.
         accuracy: largest violation, and largest stationarity residual relative to 1 + |q|, of an accepted solution.
         fallback: back end for QPs that a fused one fails to solve; None for none.
     """

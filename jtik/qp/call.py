@@ -33,9 +33,9 @@ class QPCall:
     expansion: SlackExpansion | None = None
 
     @classmethod
-    def of(cls, program: QuadraticProgram) -> QPCall:
-        """The call for QPs of the size of ``program``."""
-        return cls(program.name, program.size, program.row_count, program.expansion)
+    def of(cls, qp: QuadraticProgram) -> QPCall:
+        """The call for QPs of the size of ``qp``."""
+        return cls(qp.name, qp.size, qp.row_count, qp.expansion)
 
     @property
     def sizes(self) -> list[int]:
@@ -84,10 +84,10 @@ class QPCall:
     def solution(self, given: Sequence[Expression], backend: FusedBackend) -> list[Expression]:
         """Expressions of x, row multipliers and box multipliers, by a fused back end, for a QP's data."""
         expanded = called(self.expansion.function(), given) if self.expansion else given
-        answer = called(backend.function(self.expanded_size, self.rows), expanded)
+        solution = called(backend.function(self.expanded_size, self.rows), expanded)
         if self.expansion:  # the slacks are the last entries; they follow from x
-            answer = [answer[0][: self.n], answer[1], answer[2][: self.n]]
-        return answer
+            solution = [solution[0][: self.n], solution[1], solution[2][: self.n]]
+        return solution
 
     @property
     def data_sizes(self) -> list[tuple[int, int]]:
@@ -115,38 +115,38 @@ class PythonCall:
 class BoundSolver:
     """A QP solver bound to the memory of its QP and of its solution, which is NaN if there is none."""
 
-    def __init__(self, backend: CalledBackend, qp: NumericQP, answer: list[Array]) -> None:
+    def __init__(self, backend: CalledBackend, qp: NumericQP, solution: list[Array]) -> None:
         self._solver = backend.solver(len(qp.q), len(qp.low))
-        self._qp, self._answer = qp, answer
+        self._qp, self._results = qp, solution
 
     def __call__(self) -> None:
         """Solve the QP that is in memory."""
         solution = self._solver.solve(self._qp) if self._qp.valid else None
         if solution is None:
-            for memory in self._answer:
+            for memory in self._results:
                 memory[:] = np.nan
             return
-        for memory, values in zip(self._answer, solution, strict=True):
+        for memory, values in zip(self._results, solution, strict=True):
             memory[:] = values[: len(memory)]  # the slacks are the last entries
 
 
 class BoundComputation:
     """A Python function bound to the memory of its arguments and of its results, which are NaN if there are none."""
 
-    def __init__(self, compute: Compute, data: list[Array], answer: list[Array]) -> None:
-        self._compute, self._data, self._answer = compute, data, answer
+    def __init__(self, compute: Compute, data: list[Array], results: list[Array]) -> None:
+        self._compute, self._data, self._results = compute, data, results
 
     def __call__(self) -> None:
         """Compute from the arguments that are in memory."""
-        found = self._compute(self._data)
-        for i, memory in enumerate(self._answer):
-            memory[:] = np.nan if found is None else np.asarray(found[i], dtype=float).ravel(order="F")
+        values = self._compute(self._data)
+        for i, memory in enumerate(self._results):
+            memory[:] = np.nan if values is None else np.asarray(values[i], dtype=float).ravel(order="F")
 
 
 def called(inner: Function, arguments: Sequence[Expression]) -> list[Expression]:
     """The outputs of a function called on expressions, always as a list."""
-    answer = inner(*arguments)
-    return list(answer) if isinstance(answer, (tuple, list)) else [answer]
+    outputs = inner(*arguments)
+    return list(outputs) if isinstance(outputs, (tuple, list)) else [outputs]
 
 
 def evaluated(of: Function, arguments: list[Array]) -> list[Array]:

@@ -19,6 +19,7 @@ from jtik.symbolic import (
     if_else,
     is_symbolic,
     symbol,
+    vec,
     vertcat,
     zeros,
 )
@@ -34,8 +35,8 @@ class Elastic:
 
     Args:
         penalty: penalty weight of a unit of slack, positive, in the QP's unit of cost over the row's unit.
-        max_slack: upper bound of the slack, non-negative, in the row's unit. ``max(-lower, 0)`` and the like are just
-            enough to keep x = 0 feasible.
+        max_slack: upper bound of the slack, non-negative, in the row's unit. ``max(-lower, 0)`` and the like are the
+            smallest with which x = 0 is feasible.
         curvature: weight of the quadratic penalty, positive, so that several relaxed rows share the slack;
             ``penalty`` by default.
         price: deprecated name of ``penalty``.
@@ -136,9 +137,11 @@ class SlackExpansion:
         slack = zeros(k, m)
         for column, (side, sign) in enumerate(zip(sides, signs, strict=True)):
             slack[self.elastic[side], column] = sign
-        P = vertcat(horzcat(P, zeros(n, m)), horzcat(zeros(m, n), diag(curvature[sides])))
-        bounds = vertcat(lower, zeros(m)), vertcat(upper, max_slack[sides])
-        expanded = [P, vertcat(q, penalty[sides]), horzcat(C, slack), low, high, *bounds]
+        # entries of a column of one entry are a row
+        penalty, curvature, max_slack = (vec(column[sides]) for column in (penalty, curvature, max_slack))
+        P = vertcat(horzcat(P, zeros(n, m)), horzcat(zeros(m, n), diag(curvature)))
+        bounds = vertcat(lower, zeros(m)), vertcat(upper, max_slack)
+        expanded = [P, vertcat(q, penalty), horzcat(C, slack), low, high, *bounds]
         return function("elastic", given, expanded)
 
 

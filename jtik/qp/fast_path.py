@@ -19,7 +19,7 @@ NOT_WRITTEN = -1.0
 
 
 class NoBackend(CalledBackend):
-    """A back end that solves nothing: the step then reports an unsolved QP and stays where it is."""
+    """A back end that solves no QP: the step then reports an unsolved QP and does not change q."""
 
     name = "none"
     accuracy = 0.0
@@ -30,23 +30,23 @@ class NoBackend(CalledBackend):
 
 
 class _NoSolver(QPSolver):
-    """A solver without solutions."""
+    """A solver that never finds a solution."""
 
     def solve(self, qp: NumericQP) -> Sequence[Array] | None:
-        """None."""
+        """Return None: there is no solution."""
         return None
 
 
 def fast_or_qp_path(
-    whole: Function, parts: Staged, unsolved: int, arguments: list[Array], results: list[Array]
+    joined: Function, parts: Staged, unsolved: int, arguments: list[Array], results: list[Array]
 ) -> Callable[[], None]:
     """The step as a call on this memory.
 
-    It takes the fast path where no QP has to be solved, else the QP path with the back end; if that finds no solution,
+    It uses the fast path where no QP has to be solved, else the QP path with the back end; if that finds no solution,
     the QP path with the back end's fallback.
 
     Args:
-        whole: the parts joined by a fused back end.
+        joined: the parts joined by a fused back end.
         parts: the parts of the step.
         unsolved: value of ``results[2][0]`` after a step whose QP was not solved.
         arguments: memory of the step's inputs, as in `Staged.bind`.
@@ -54,7 +54,7 @@ def fast_or_qp_path(
     """
     fallback = _Fallback(parts, arguments, results)
     if parts.fast_path is None:
-        return _with_fallback(bind(whole, arguments, results), fallback, unsolved)
+        return _with_fallback(bind(joined, arguments, results), fallback, unsolved)
     valid, *between = output_memory(parts.fast_path)[len(results) :]
     no_qp_needed: Any = memoryview(valid.data)
     fast_path = bind(parts.fast_path, arguments, [*results, valid, *between])

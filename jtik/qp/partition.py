@@ -82,34 +82,34 @@ class _Graph:
         """From the instructions of one function that computes all wanted expressions."""
         symbols = [(k, each) for k, group in enumerate(known) for each in group]
         outputs = [(k, i) for k, group in enumerate(wanted) for i in range(len(group))]
-        whole = function("whole", [each for _, each in symbols], [wanted[k][i] for k, i in outputs])
+        joined = function("joined", [each for _, each in symbols], [wanted[k][i] for k, i in outputs])
         graph = cls([], {}, [], set(), [[[0] * each.numel() for each in group] for group in wanted])
         memory: dict[int, int] = {}
-        for at in range(whole.n_instructions()):
-            operation = whole.instruction_id(at)
+        for at in range(joined.n_instructions()):
+            operation = joined.instruction_id(at)
             if operation == OP_OUTPUT:
-                (k, i), entry = outputs[whole.instruction_output(at)[0]], whole.instruction_output(at)[1]
-                node = memory[whole.instruction_input(at)[0]]
+                (k, i), entry = outputs[joined.instruction_output(at)[0]], joined.instruction_output(at)[1]
+                node = memory[joined.instruction_input(at)[0]]
                 graph.results[k][i][entry] = node
                 graph._use(node, k)
                 continue
             node = len(graph.nodes)
             operands: tuple[int, ...] = ()
             if operation == OP_INPUT:
-                argument, entry = whole.instruction_input(at)
+                argument, entry = joined.instruction_input(at)
                 stage, given = symbols[argument]
                 graph.given[node] = given.nz[entry]
             elif operation == OP_CONST:
                 stage = -1
-                graph.given[node] = SX(whole.instruction_constant(at))
+                graph.given[node] = SX(joined.instruction_constant(at))
             else:
-                operands = tuple(memory[place] for place in whole.instruction_input(at))
+                operands = tuple(memory[place] for place in joined.instruction_input(at))
                 stage = max(graph.stage[operand] for operand in operands)
             graph.nodes.append((operation, operands))
             graph.stage.append(stage)
             for operand in operands:
                 graph._use(operand, stage)
-            memory[whole.instruction_output(at)[0]] = node
+            memory[joined.instruction_output(at)[0]] = node
         return graph
 
     def _use(self, node: int, stage: int) -> None:

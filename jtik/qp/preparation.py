@@ -34,14 +34,14 @@ class PreparationCall:
     @classmethod
     def of(cls, preparation: Preparation, known: Sequence[Expression]) -> PreparationCall:
         """From a preparation written in the symbols ``known``."""
-        program, solution = preparation.solution.program, preparation.solution
-        name = f"jtik_{program.name}"
-        answer = [solution.x, solution.row_multipliers, solution.box_multipliers]
+        qp, solution = preparation.solution.qp, preparation.solution
+        name = f"jtik_{qp.name}"
+        symbols = [solution.x, solution.row_multipliers, solution.box_multipliers]
         return cls(
             function(f"{name}_needed", known, [preparation.needed]),
-            function(f"{name}_data", known, [*program.data(), *program.penalties]),
-            function(f"{name}_finish", [*known, *answer], preparation.results),
-            QPCall.of(program),
+            function(f"{name}_data", known, [*qp.data(), *qp.penalties]),
+            function(f"{name}_finish", [*known, *symbols], preparation.results),
+            QPCall.of(qp),
         )
 
     @property
@@ -56,8 +56,8 @@ class PreparationCall:
     def solver_function(self, backend: FusedBackend) -> Function:
         """known values -> results, by a fused back end; zeros where the QP is not needed."""
         known = [MX.sym(f"k{i}", *self.needed.size_in(i)) for i in range(self.needed.n_in())]
-        answer = self.call.solution(called(self.data, known), backend)
-        solved = function("needed", known, called(self.finish, [*known, *answer]))
+        solution = self.call.solution(called(self.data, known), backend)
+        solved = function("needed", known, called(self.finish, [*known, *solution]))
         skipped = function("skipped", known, [MX.zeros(size, 1) for size in self.sizes])
         return function(self.call.name, known, called(either(solved, skipped), [*called(self.needed, known), *known]))
 
@@ -67,12 +67,12 @@ class PreparationCall:
             return bind(self.solver_function(backend), known, results)
         data, needed = output_memory(self.data), np.zeros(1)
         memory, expand = self.call.expanded_memory(data)
-        answer = [np.zeros(size) for size in self.call.sizes]
+        solution = [np.zeros(size) for size in self.call.sizes]
         calls = [bind(self.data, known, data)]
         if expand:
             calls.append(expand)
-        calls.append(BoundSolver(backend, self.call.numeric_qp(memory), answer))
-        calls.append(bind(self.finish, [*known, *answer], results))
+        calls.append(BoundSolver(backend, self.call.numeric_qp(memory), solution))
+        calls.append(bind(self.finish, [*known, *solution], results))
         evaluate_needed = bind(self.needed, known, [needed])
 
         def prepare() -> None:

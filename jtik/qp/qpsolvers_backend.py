@@ -131,7 +131,7 @@ def as_problem(qp: NumericQP) -> tuple[Any, NDArray[np.bool_], NDArray[np.bool_]
 
 
 def _sparse(problem: Any) -> Any:
-    """The same problem with sparse matrices, for a solver that takes no dense ones."""
+    """The same problem with sparse matrices, for a solver that accepts only sparse ones."""
     import qpsolvers
     from scipy import sparse
 

@@ -2,9 +2,9 @@
 
     minimise 1/2 x' P x + q' x   subject to   l <= C x <= u (each group of rows),   lb <= x <= ub
 
-A strategy writes a QP where it needs the solution and goes on with the solution as an expression; the engine calls the
-solver in between. A strategy may use several QPs, each with the solutions of those before. Rows may be elastic: they
-are relaxed where they cannot be satisfied, with a penalty, and the solution reports by how much.
+A strategy writes a QP where it needs the solution and continues with the solution as an expression; the engine calls
+the solver in between. A strategy may use several QPs, and each may depend on the solutions of those before it. Rows may
+be elastic: they are relaxed where they cannot be satisfied, with a penalty, and the solution reports by how much.
 """
 
 from __future__ import annotations
@@ -91,8 +91,8 @@ class QuadraticProgram:
 
     @cached_property
     def convex(self) -> Expression:
-        """1 where P is positive semidefinite, else 0: a stationary point then need not be a minimum."""
-        return 1 if self.closed_form else is_convex(self.P)  # a strategy with a closed form vouches for its P
+        """1 where P is positive semidefinite, else 0, where a stationary point need not be a minimum."""
+        return 1 if self.closed_form else is_convex(self.P)  # a strategy with a closed form guarantees that P is convex
 
     @cached_property
     def valid(self) -> Expression:
@@ -151,7 +151,7 @@ class QuadraticProgram:
     def solution_without_solver(self) -> tuple[Expression, Expression]:
         """The closed-form solution, or else the unconstrained minimiser, and whether it solves the QP.
 
-        Far from limits it solves most QPs, and no solver is called. Where P is singular the unconstrained minimiser is
+        Far from limits this solves most QPs without a solver. Where P is singular the unconstrained minimiser is
         not finite, and no solution.
 
         Returns:

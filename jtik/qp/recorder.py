@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 
 from jtik.qp.quadratic_program import QuadraticProgram
 from jtik.qp.solution import QPSolution
+from jtik.result.deprecated import RenamedAttribute
 from jtik.symbolic import Expression, logic_and, logic_or, symbol
 from jtik.types import Array
 
@@ -20,24 +21,26 @@ class RecordedQP:
     """A QP and the symbols of its solution.
 
     Attributes:
-        program: the QP.
+        qp: the QP.
         solution: its solution, as symbols.
     """
 
-    program: QuadraticProgram
+    qp: QuadraticProgram
     solution: QPSolution
+    program = RenamedAttribute("qp")
+    answers = RenamedAttribute("result_symbols")
 
     @property
     def name(self) -> str:
         """The QP's name."""
-        return self.program.name
+        return self.qp.name
 
     def data(self) -> list[Expression]:
         """The QP's data, as the solver is given them."""
-        return self.program.data()
+        return self.qp.data()
 
     @property
-    def answers(self) -> list[Expression]:
+    def result_symbols(self) -> list[Expression]:
         """Symbols of x, row multipliers and box multipliers."""
         return [self.solution.x, self.solution.row_multipliers, self.solution.box_multipliers]
 
@@ -54,13 +57,14 @@ class RecordedComputation:
         name: name of the computation.
         compute: the Python function.
         inputs: expressions of its arguments.
-        answers: symbols of its results.
+        result_symbols: symbols of its results.
     """
 
     name: str
     compute: Compute
     inputs: list[Expression]
-    answers: list[Expression]
+    result_symbols: list[Expression]
+    answers = RenamedAttribute("result_symbols")
 
     def data(self) -> list[Expression]:
         """Expressions of the arguments."""
@@ -69,10 +73,10 @@ class RecordedComputation:
     def solved(self, accuracy: float) -> Expression:
         """1 where no result is NaN, else 0."""
         good: Expression = 1
-        for answer in self.answers:
-            for i in range(answer.numel()):
+        for result in self.result_symbols:
+            for i in range(result.numel()):
                 # every number is on one side of zero, NaN on neither
-                good = logic_and(good, logic_or(answer[i] <= 0, answer[i] >= 0))
+                good = logic_and(good, logic_or(result[i] <= 0, result[i] >= 0))
         return good
 
 
@@ -84,30 +88,31 @@ class Preparation:
         needed: 1 where the QP is needed, else 0.
         solution: the QP's solution, as symbols.
         results: expressions of that solution.
-        answers: symbols of the results, as the step uses them.
+        result_symbols: symbols of the results, as the step uses them.
     """
 
     needed: Expression
     solution: QPSolution
     results: list[Expression]
-    answers: list[Expression]
+    result_symbols: list[Expression]
 
 
 @dataclass
 class QPRecorder:
-    """Records QPs and computations in the order in which a strategy asks for their results.
+    """Records QPs and computations in the order in which a strategy uses their results.
 
     Attributes:
         accuracy: what solutions are checked against.
         solver: name of the back end.
-        programs: the QPs and computations so far.
+        calls: the QPs and computations so far.
         preparations: the QPs that are solved before the step.
     """
 
     accuracy: float
     solver: str = "daqp"
-    programs: list[RecordedQP | RecordedComputation] = field(default_factory=list)
+    calls: list[RecordedQP | RecordedComputation] = field(default_factory=list)
     preparations: list[Preparation] = field(default_factory=list)
+    programs = RenamedAttribute("calls")
 
     def compute(
         self, name: str, compute: Compute, inputs: Sequence[Expression], shapes: Sequence[tuple[int, int]]
@@ -123,56 +128,56 @@ class QPRecorder:
         Returns:
             Symbols of the results.
         """
-        k = len(self.programs)
-        answers = [symbol(f"c{k}_{i}", *shape) for i, shape in enumerate(shapes)]
-        self.programs.append(RecordedComputation(name, compute, list(inputs), answers))
-        return answers
+        k = len(self.calls)
+        symbols = [symbol(f"c{k}_{i}", *shape) for i, shape in enumerate(shapes)]
+        self.calls.append(RecordedComputation(name, compute, list(inputs), symbols))
+        return symbols
 
-    def solve(self, program: QuadraticProgram) -> QPSolution:
+    def solve(self, qp: QuadraticProgram) -> QPSolution:
         """Record a QP and return its solution, as symbols."""
-        solution = _symbols(program, str(len(self.programs)))
-        self.programs.append(RecordedQP(program, solution))
+        solution = _symbols(qp, str(len(self.calls)))
+        self.calls.append(RecordedQP(qp, solution))
         return solution
 
     def solutions(self) -> list[tuple[QuadraticProgram, QPSolution]]:
         """The QPs so far, with their solutions."""
-        return [(each.program, each.solution) for each in self.programs if isinstance(each, RecordedQP)]
+        return [(each.qp, each.solution) for each in self.calls if isinstance(each, RecordedQP)]
 
     def prepare(
         self,
         needed: Expression,
-        program: QuadraticProgram,
+        qp: QuadraticProgram,
         results: Callable[[QPSolution], Sequence[Expression]],
     ) -> list[Expression]:
         """Record a QP that is solved before the step, where it is needed.
 
-        The results are not checked: the step must be valid without them. Where the QP is not needed, none of it is
+        The results are not checked: the step must be valid without them. Where the QP is not needed, nothing of it is
         evaluated.
 
         Args:
             needed: 1 where the QP is needed, else 0.
-            program: the QP; it depends on the local model only.
+            qp: the QP; it depends on the local model only.
             results: columns made of the QP's solution.
 
         Returns:
             Symbols of the results; zeros where the QP is not needed.
         """
         name = f"prepared{len(self.preparations)}"
-        solution = _symbols(program, name)
+        solution = _symbols(qp, name)
         made = list(results(solution))
-        answers = [symbol(f"{name}_{i}", each.shape[0]) for i, each in enumerate(made)]
-        self.preparations.append(Preparation(needed, solution, made, answers))
-        return answers
+        symbols = [symbol(f"{name}_{i}", each.shape[0]) for i, each in enumerate(made)]
+        self.preparations.append(Preparation(needed, solution, made, symbols))
+        return symbols
 
     def solved(self) -> Expression:
         """1 where all QPs and computations so far have valid results, else 0."""
         good: Expression = 1
-        for recorded in self.programs:
+        for recorded in self.calls:
             good = logic_and(good, recorded.solved(self.accuracy))
         return good
 
 
-def _symbols(program: QuadraticProgram, name: str) -> QPSolution:
+def _symbols(qp: QuadraticProgram, name: str) -> QPSolution:
     """The solution of a QP as symbols."""
-    n, rows = program.size, program.row_count
-    return QPSolution(symbol(f"x{name}", n), symbol(f"y{name}", rows), symbol(f"z{name}", n), program)
+    n, rows = qp.size, qp.row_count
+    return QPSolution(symbol(f"x{name}", n), symbol(f"y{name}", rows), symbol(f"z{name}", n), qp)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from jtik.errors import ArgumentError
 from jtik.qp.elastic import multiplier_error
+from jtik.result.deprecated import RenamedAttribute
 from jtik.symbolic import Expression, fmax, is_finite, logic_and, mmax, norm_inf, vertcat
 
 if TYPE_CHECKING:
@@ -22,17 +23,18 @@ class QPSolution:
         x: minimiser (n, 1).
         row_multipliers: multipliers of all rows (k, 1), positive where an upper bound is active.
         box_multipliers: multipliers of the box (n, 1), positive where an upper bound is active.
-        program: the QP.
+        qp: the QP.
     """
 
     x: Expression
     row_multipliers: Expression
     box_multipliers: Expression
-    program: QuadraticProgram
+    qp: QuadraticProgram
+    program = RenamedAttribute("qp")
 
     def multipliers(self, name: str) -> Expression:
         """Multipliers of one group of rows, (k, 1)."""
-        return self.row_multipliers[self.program.rows_of(name)[1]]
+        return self.row_multipliers[self.qp.rows_of(name)[1]]
 
     def slack(self, name: str) -> Expression:
         """How far each row of an elastic group is relaxed, (k, 1), non-negative.
@@ -40,9 +42,9 @@ class QPSolution:
         Raises:
             ArgumentError: if there is no elastic group of that name.
         """
-        group, _ = self.program.rows_of(name)
+        group, _ = self.qp.rows_of(name)
         if group.elastic is None:
-            elastic = [each.name for each in self.program.rows if each.elastic]
+            elastic = [each.name for each in self.qp.rows if each.elastic]
             raise ArgumentError("name", name, f"an elastic group of rows, one of {elastic}")
         used = group.matrix @ self.x
         return fmax(fmax(group.lower - used, used - group.upper), 0)
@@ -50,13 +52,13 @@ class QPSolution:
     @cached_property
     def violation(self) -> Expression:
         """Largest violation of a row, beyond its largest slack, or of the box."""
-        _, _, C, low, high, lower, upper = self.program.data()
+        _, _, C, low, high, lower, upper = self.qp.data()
         worst = fmax(mmax(lower - self.x), mmax(self.x - upper))
-        if self.program.row_count:
+        if self.qp.row_count:
             Cx = C @ self.x
             below, above = low - Cx, Cx - high
-            if self.program.expansion:
-                rows, max_slack = list(self.program.expansion.elastic), self.program.penalties[2]
+            if self.qp.expansion:
+                rows, max_slack = list(self.qp.expansion.elastic), self.qp.penalties[2]
                 below[rows] -= max_slack
                 above[rows] -= max_slack
             worst = fmax(worst, fmax(mmax(below), mmax(above)))
@@ -65,7 +67,7 @@ class QPSolution:
     @cached_property
     def stationarity(self) -> Expression:
         """Stationarity residual: the largest entry of P x + q + C' row_multipliers + box_multipliers."""
-        P, q, C = self.program.data()[:3]
+        P, q, C = self.qp.data()[:3]
         return norm_inf(P @ self.x + q + C.T @ self.row_multipliers + self.box_multipliers)
 
     def solved(self, accuracy: float) -> Expression:
@@ -73,12 +75,12 @@ class QPSolution:
 
         Violation, and stationarity relative to 1 + |q|, are at most ``accuracy``; P is convex; nothing is NaN.
         """
-        size = 1 + norm_inf(self.program.q)
-        good = logic_and(self.violation <= accuracy, self.stationarity <= accuracy * size)
-        good = logic_and(good, logic_and(self.program.convex, self.program.valid))
-        if self.program.expansion:
-            groups = [group.name for group in self.program.rows if group.elastic]
+        scale = 1 + norm_inf(self.qp.q)
+        good = logic_and(self.violation <= accuracy, self.stationarity <= accuracy * scale)
+        good = logic_and(good, logic_and(self.qp.convex, self.qp.valid))
+        if self.qp.expansion:
+            groups = [group.name for group in self.qp.rows if group.elastic]
             slacks, multipliers = (vertcat(*map(of, groups)) for of in (self.slack, self.multipliers))
-            good = logic_and(good, multiplier_error(slacks, multipliers, self.program.penalties, accuracy) <= accuracy)
+            good = logic_and(good, multiplier_error(slacks, multipliers, self.qp.penalties, accuracy) <= accuracy)
         # maxima pass over NaN, sums do not
         return logic_and(good, is_finite(vertcat(self.x, self.row_multipliers, self.box_multipliers)))

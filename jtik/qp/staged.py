@@ -3,7 +3,7 @@
 The stages are SX functions, fast and available as generated C. A fused back end joins stages and calls into one MX
 function; any other back end is called between the stages. Most steps need no solver, because each QP has a closed-form
 solution or an unconstrained minimiser that is feasible. With a fused back end such a step is one function, the fast
-path, which also reports whether it was valid; where it was not, the QP path goes on from what the fast path computed.
+path, which also reports whether it was valid; where it was not, the QP path continues from the values of the fast path.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from jtik.symbolic import MX, Expression, Function, either, function, logic_and,
 from jtik.symbolic.compile import bind, to_c
 from jtik.types import Array
 
-Call: TypeAlias = QPCall | PythonCall
+StageCall: TypeAlias = QPCall | PythonCall
 """A call between two stages."""
 
 
@@ -49,7 +49,7 @@ class Staged:
 
     local: Function
     stages: tuple[Function, ...]
-    calls: tuple[Call, ...]
+    calls: tuple[StageCall, ...]
     backend: Backend
     preparations: tuple[PreparationCall, ...] = ()
     fast_path: Function | None = None
@@ -105,7 +105,7 @@ class Staged:
             known = [*known, intermediate, *called(call.solver_function(self.backend), data)]
         return called(self.stages[-1], known)
 
-    def program(self, name: str | None, arguments: list[Array]) -> NumericQP:
+    def numeric_qp(self, name: str | None, arguments: list[Array]) -> NumericQP:
         """The numeric QP called ``name``, or the first one; the QPs before it are solved by DAQP.
 
         Args:
@@ -128,13 +128,13 @@ class Staged:
         for stage, call in zip(self.stages, self.calls, strict=False):
             *data, intermediate = evaluated(stage, known)
             if isinstance(call, PythonCall):
-                answer = [np.zeros(size) for size in call.sizes]
-                BoundComputation(call.compute, data, answer)()
+                call_results = [np.zeros(size) for size in call.sizes]
+                BoundComputation(call.compute, data, call_results)()
             elif call.name == wanted:
                 return call.expanded_qp(data)
             else:
-                answer = evaluated(call.solver_function(Conic()), data)
-            known += [intermediate, *answer]
+                call_results = evaluated(call.solver_function(Conic()), data)
+            known += [intermediate, *call_results]
         raise AssertionError(wanted)
 
     def bind(self, arguments: list[Array], results: list[Array]) -> Callable[[], None]:
@@ -148,22 +148,22 @@ class Staged:
         calls: list[Callable[[], None]] = [bind(self.local, arguments, local)]
         at = known = [*arguments, *local]
         for each in self.preparations:
-            answer = [np.zeros(size) for size in each.sizes]
-            calls.append(each.bind(self.backend, at, answer))
-            known = [*known, *answer]
+            call_results = [np.zeros(size) for size in each.sizes]
+            calls.append(each.bind(self.backend, at, call_results))
+            known = [*known, *call_results]
         for stage, call in zip(self.stages, self.calls, strict=False):
             *data, intermediate = outputs = output_memory(stage)
             calls.append(bind(stage, known, outputs))
-            answer = [np.zeros(size) for size in call.sizes]
+            call_results = [np.zeros(size) for size in call.sizes]
             if isinstance(call, PythonCall):
-                calls.append(BoundComputation(call.compute, data, answer))
+                calls.append(BoundComputation(call.compute, data, call_results))
             elif isinstance(self.backend, FusedBackend):
-                calls.append(bind(call.solver_function(self.backend), data, answer))
+                calls.append(bind(call.solver_function(self.backend), data, call_results))
             else:
                 memory, expand = call.expanded_memory(data)
                 calls += [expand] if expand else []
-                calls.append(BoundSolver(self.backend, call.numeric_qp(memory), answer))
-            known = [*known, intermediate, *answer]
+                calls.append(BoundSolver(self.backend, call.numeric_qp(memory), call_results))
+            known = [*known, intermediate, *call_results]
         calls.append(bind(self.stages[-1], known, results))
 
         def step() -> None:
@@ -177,7 +177,7 @@ def staged(
     inputs: Sequence[Expression],
     local: Sequence[Expression],
     cut: Sequence[Expression],
-    programs: QPRecorder,
+    recorder: QPRecorder,
     outputs: Sequence[Expression],
     backend: Backend,
     *,
@@ -189,7 +189,7 @@ def staged(
         inputs: symbols of the step's inputs.
         local: expressions of the local model, in ``inputs``.
         cut: symbols of the local model, in which everything else is written.
-        programs: the QPs and computations.
+        recorder: the QPs and computations.
         outputs: expressions of the step's outputs, in ``inputs``, ``cut`` and the symbols of the results.
         backend: what solves the QPs.
         fast_path: whether to build the fast path. Without it a step is smaller; it is of little use where most steps
@@ -197,24 +197,25 @@ def staged(
     """
     model = function("jtik_local", inputs, local)
     at = [*inputs, *cut]
-    known: list[Sequence[Expression]] = [[*at, *[part for each in programs.preparations for part in each.answers]]]
-    calls: list[Call] = []
-    for recorded in programs.programs:
+    prepared_symbols = [part for each in recorder.preparations for part in each.result_symbols]
+    known: list[Sequence[Expression]] = [[*at, *prepared_symbols]]
+    calls: list[StageCall] = []
+    for recorded in recorder.calls:
         if isinstance(recorded, RecordedComputation):
-            sizes = [int(answer.numel()) for answer in recorded.answers]
+            sizes = [int(result.numel()) for result in recorded.result_symbols]
             calls.append(PythonCall(recorded.name, recorded.compute, sizes))
         else:
-            calls.append(QPCall.of(recorded.program))
-        known.append(recorded.answers)
-    names = [*[f"jtik_program{k}" for k in range(len(calls))], "jtik_end"]
-    stages = partitioned(names, known, [*[_call_data(each) for each in programs.programs], outputs])
-    prepared = tuple(PreparationCall.of(each, at) for each in programs.preparations)
+            calls.append(QPCall.of(recorded.qp))
+        known.append(recorded.result_symbols)
+    names = [*[f"jtik_stage{k}" for k in range(len(calls))], "jtik_end"]
+    stages = partitioned(names, known, [*[_call_data(each) for each in recorder.calls], outputs])
+    prepared = tuple(PreparationCall.of(each, at) for each in recorder.preparations)
     parts = Staged(model, tuple(stages), tuple(calls), backend, prepared)
     return replace(parts, fast_path=_fast_path(parts)) if fast_path and parts.fusible and not prepared else parts
 
 
 def _fast_path(parts: Staged) -> Function:
-    """The whole step without solver; see `Staged`."""
+    """The step without a solver; see `Staged`."""
     inputs = [symbol(f"i{k}", *parts.local.size_in(k)) for k in range(parts.local.n_in())]
     local = called(parts.local, inputs)
     known: list[Expression] = [*inputs, *local]
@@ -237,4 +238,4 @@ def _call_data(recorded: RecordedQP | RecordedComputation) -> list[Expression]:
     """The data of a call."""
     if isinstance(recorded, RecordedComputation):
         return recorded.data()
-    return [*recorded.data(), *recorded.program.penalties, *recorded.program.solution_without_solver()]
+    return [*recorded.data(), *recorded.qp.penalties, *recorded.qp.solution_without_solver()]

@@ -21,7 +21,7 @@ from jtik.registry.decorators import (
 )
 from jtik.registry.mapping import Registry
 from jtik.registry.plugins import PluginError
-from jtik.registry.selection import strategy_of, supporting_clearances
+from jtik.registry.strategy_argument import strategy_of, supporting_clearances
 
 __all__ = [
     "PluginError",

@@ -1,4 +1,4 @@
-"""A mapping from name to class. Reading it loads the built-in classes, and of third parties what is asked for."""
+"""A mapping from name to class. Reading it loads the built-in classes, and a third party's class when looked up."""
 
 from __future__ import annotations
 
@@ -100,21 +100,21 @@ class Registry(Mapping[str, type[T]], Generic[T]):
         return {name: self._classes[name] for name in sorted(self._classes)}
 
     def names(self) -> list[str]:
-        """The names that can be asked for, sorted; loads no code of third parties."""
+        """All names, sorted; no code of third parties is loaded."""
         self._load_built_in()
         return sorted({*self._classes, *self._plugins.untried})
 
-    def rows(self) -> list[table.Row]:
-        """The rows of the table. A plugin that cannot be loaded has one, too, which says why; this does not warn."""
+    def rows(self) -> list[table.TableRow]:
+        """The rows of the table. A plugin that cannot be loaded has a row with the reason; there is no warning."""
         self._load_built_in()
         self._plugins.load_all()
         broken = [
-            table.Row(error.plugin, f"could not be loaded: {' '.join(error.reason.split())}", error.distribution)
+            table.TableRow(error.plugin, f"could not be loaded: {' '.join(error.reason.split())}", error.distribution)
             for error in self._plugins.broken
         ]
         return sorted([*table.rows(self._classes), *broken])
 
-    def _table(self) -> tuple[str, list[table.Row]]:
+    def _table(self) -> tuple[str, list[table.TableRow]]:
         rows = self.rows()
         broken = len(rows) - len(self._classes)
         return f"{self._title}: {len(self._classes)}{f', and {broken} broken' if broken else ''}", rows
@@ -123,7 +123,7 @@ class Registry(Mapping[str, type[T]], Generic[T]):
         importlib.import_module(BUILT_IN)
 
     def _load(self, name: object) -> PluginError | None:
-        """Load the class of one name, if it is not there yet. Returns what went wrong."""
+        """Load the class of one name if it is not loaded yet. Returns the error of a plugin, or None."""
         self._load_built_in()
         return None if name in self._classes else self._plugins.load(name)
 

@@ -28,7 +28,7 @@ class PluginError(JtikError):
 
 
 class Plugins:
-    """The entry points of one group. Each is loaded at most once, unless its own name is asked for again.
+    """The entry points of one group. Each is loaded at most once, unless its own name is looked up again.
 
     Args:
         group: the entry-point group.
@@ -57,7 +57,7 @@ class Plugins:
 
     @property
     def untried(self) -> tuple[str, ...]:
-        """Names that nobody has asked for yet."""
+        """Names that have not been looked up yet."""
         return tuple(entry.name for entry in self._entries if entry not in self._loaded and entry not in self._broken)
 
     def load_all(self) -> None:

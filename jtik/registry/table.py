@@ -16,7 +16,7 @@ MIN_SOURCE = 30
 """Width that the source column has at least, if it needs it; the summaries get the rest."""
 
 
-class Row(NamedTuple):
+class TableRow(NamedTuple):
     """One registered class, as lists show it.
 
     Attributes:
@@ -30,15 +30,15 @@ class Row(NamedTuple):
     source: str
 
 
-HEADINGS = Row("name", "what it does", "source")
+HEADINGS = TableRow("name", "what it does", "source")
 
 
-def rows(registered: Mapping[str, type]) -> list[Row]:
+def rows(registered: Mapping[str, type]) -> list[TableRow]:
     """One row a class, in the mapping's order."""
     found = []
     for name, plugin in registered.items():
         summary = getattr(plugin, "summary", "") or (plugin.__doc__ or "").strip().partition("\n")[0]
-        found.append(Row(name, _one_line(summary), _one_line(getattr(plugin, "source", ""))))
+        found.append(TableRow(name, _one_line(summary), _one_line(getattr(plugin, "source", ""))))
     return found
 
 
@@ -63,7 +63,7 @@ def html_table(title: str, table: Sequence[Sequence[str]]) -> str:
 
 
 def _narrowed(widths: Sequence[int], width: int) -> list[int]:
-    """Column widths that fit together: names whole if they can be, then the summaries, then the sources."""
+    """Column widths that fit into ``width``: names are shortened last, summaries before them, sources first."""
     left = width - 2 * len(GAP)
     name = min(widths[0], left // 3)
     source = min(widths[2], max(MIN_SOURCE, left - name - widths[1]))

@@ -27,7 +27,7 @@ class SolutionBatch:
     Attributes:
         q: configurations, (k, nq) [rad] and [m].
         status: why each solve stopped, k of them.
-        converged: whether what was asked for was achieved, (k,).
+        converged: whether the solve succeeded, (k,).
         position_error: norm of the position error at q, (k,) [m].
         orientation_error: norm of the orientation error at q, (k,) [rad].
         iterations: steps tried, (k,).

@@ -14,15 +14,15 @@ from jtik.result.relaxation import Relaxation
 from jtik.types import Array
 
 SecondOrder = Literal["minimum", "saddle", "flat"]
-"""What the second derivatives say of a posture where H is stationary."""
+"""The kind of a stationary point of H, by the second derivatives."""
 
 FLAT = 1e-6
-"""An eigenvalue of the reduced Hessian below this fraction of the Hessian's norm counts as zero: q is that exact."""
+"""An eigenvalue of the reduced Hessian below this fraction of the Hessian's norm counts as zero: q is no more exact."""
 
 
 @dataclass(frozen=True, eq=False)
 class Report:
-    """Task and criteria at one configuration; what needs a factorisation is computed when first read.
+    """Task and criteria at one configuration; whatever needs a factorisation is computed when it is first read.
 
     Attributes:
         error: task error e, (m,), rows in [m] or [rad].
@@ -104,7 +104,7 @@ class Report:
 
     @cached_property
     def second_order(self) -> SecondOrder | None:
-        """Kind of the stationary point, by the Hessian of H + lambda' r over motions that keep task and active limits.
+        """Kind of the stationary point, by the Hessian of H + lambda' r over motions that task and active limits allow.
 
         None without a criterion, off the target, or where H is not stationary.
         """

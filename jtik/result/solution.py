@@ -1,4 +1,4 @@
-"""The result of a solve: where it ended, why, and what there is to know about it."""
+"""The result of a solve: where it ended, why, and the figures of that configuration."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ class Solution:
     Attributes:
         q: configuration, (nq,) [rad] and [m].
         status: why the solve stopped; ``status.value`` is a sentence.
-        converged: whether what was asked for was achieved; with ``until="reached"`` arriving is enough.
+        converged: whether the solve succeeded; with ``until="reached"`` the criterion need not be stationary.
         iterations: steps tried, accepted or not, in all attempts together.
         escapes: how many saddle escapes there were.
         restarts: how many other starting configurations were tried.
         seconds: wall time of the solve [s].
         inspect: function that computes `report`.
-        trace: the iterations, when asked for.
+        trace: the iterations, with ``trace=True``; else None.
     """
 
     q: Array
@@ -132,7 +132,7 @@ class Solution:
 
     @property
     def relaxed(self) -> tuple[Relaxation, ...]:
-        """Constraints that were relaxed at q, each with name, amount and unit; empty where all are met.
+        """Constraints that are relaxed at q, each with name, amount and unit; empty where all are met.
 
         They are those of the strategy's first step from q: the share of the task step that clearances do not allow,
         clearances that cannot be kept, priority levels that limits keep from their aim, and elastic rows of quadratic

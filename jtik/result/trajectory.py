@@ -66,7 +66,7 @@ class Trajectory:
         """Write it to a ``.npz`` or a ``.csv`` file; `load` reads both back to the last bit.
 
         Args:
-            path: file to write; the suffix says which form.
+            path: file to write; its suffix determines the format.
 
         Raises:
             ArgumentError: for another suffix.

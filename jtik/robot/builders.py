@@ -11,7 +11,7 @@ import numpy as np
 from jtik.errors import ArgumentError, RobotFileError
 from jtik.robot import gallery
 from jtik.robot.chains import dh_joints, planar_joints, vehicle_joints
-from jtik.robot.dh import Convention, Row
+from jtik.robot.dh import Convention, DHRowLike
 from jtik.robot.tree import check_moves
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ class Builders:
     @classmethod
     def from_dh(
         cls,
-        rows: Iterable[Row],
+        rows: Iterable[DHRowLike],
         *,
         convention: Convention = "standard",
         base: object = None,

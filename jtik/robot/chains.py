@@ -9,21 +9,21 @@ from typing import TypeAlias, get_args
 import numpy as np
 
 from jtik.errors import ArgumentError, finite_array
-from jtik.robot.dh import JOINT_TYPES, Convention, Row, as_row, translation
-from jtik.robot.joints import JointType
+from jtik.robot.dh import JOINT_TYPES, Convention, DHRowLike, as_row, translation
+from jtik.robot.joint_type import JointType
 from jtik.robot.tree import Joint
 from jtik.types import Array
 
-Bounds: TypeAlias = tuple[object, object, object]
+JointBounds: TypeAlias = tuple[object, object, object]
 """Lower limits, upper limits and speed limits: each is one number for all joints, or one number for each joint."""
 
 
-def planar_joints(links: object, bounds: Bounds) -> list[Joint]:
+def planar_joints(links: object, bounds: JointBounds) -> list[Joint]:
     """A planar arm of unit links or given lengths [m] on the frame "base"."""
     return arm_joints("base", _lengths(links), bounds)
 
 
-def arm_joints(parent: str, lengths: Array, bounds: Bounds) -> list[Joint]:
+def arm_joints(parent: str, lengths: Array, bounds: JointBounds) -> list[Joint]:
     """A planar arm on the frame ``parent``: a revolute joint for each of ``lengths`` (n,) [m], and the tip."""
     limits = _spread(("lower", "upper", "velocity_limit"), bounds, len(lengths))
     joints = []
@@ -47,7 +47,7 @@ def arm_joints(parent: str, lengths: Array, bounds: Bounds) -> list[Joint]:
     return [*joints, Joint("tip", JointType.FIXED, parent, "tip", origin=translation(offset, 0, 0))]
 
 
-def vehicle_joints(links: object, heading: bool, arm: Bounds, carriage: Bounds) -> list[Joint]:
+def vehicle_joints(links: object, heading: bool, arm: JointBounds, carriage: JointBounds) -> list[Joint]:
     """The joints of a planar vehicle and its arm; see `Robot.vehicle`."""
     names = ["x", "y", "heading"] if heading else ["x", "y"]
     frames = ["slide_x", "slide_y", "vehicle"] if heading else ["slide_x", "vehicle"]
@@ -72,7 +72,7 @@ def vehicle_joints(links: object, heading: bool, arm: Bounds, carriage: Bounds) 
     return [*joints, *arm_joints("vehicle", _lengths(links), arm)]
 
 
-def dh_joints(rows: Iterable[Row], convention: Convention, base: object, tool: object) -> list[Joint]:
+def dh_joints(rows: Iterable[DHRowLike], convention: Convention, base: object, tool: object) -> list[Joint]:
     """The joints of a Denavit-Hartenberg chain; see `Robot.from_dh`."""
     if convention not in get_args(Convention):
         raise ArgumentError("convention", convention, " or ".join(repr(c) for c in get_args(Convention)))
@@ -115,7 +115,7 @@ def _lengths(links: object) -> Array:
     return lengths
 
 
-def _spread(arguments: tuple[str, str, str], bounds: Bounds, count: int) -> list[tuple[float, float, float]]:
+def _spread(arguments: tuple[str, str, str], bounds: JointBounds, count: int) -> list[tuple[float, float, float]]:
     """The bounds of each of ``count`` joints."""
     columns = []
     for argument, bound in zip(arguments, bounds, strict=True):

@@ -10,7 +10,7 @@ from typing import Any, Literal, TypeAlias, get_args
 import numpy as np
 
 from jtik.errors import ArgumentError, finite_array
-from jtik.robot.joints import JointType
+from jtik.robot.joint_type import JointType
 from jtik.types import Array
 
 Convention: TypeAlias = Literal["standard", "modified"]
@@ -71,10 +71,10 @@ class DHRow:
         return np.eye(4) if convention == "modified" else translation(self.a, 0, 0) @ rotation_x(self.alpha)
 
 
-Row: TypeAlias = DHRow | Mapping[str, Any] | Sequence[float]
+DHRowLike: TypeAlias = DHRow | Mapping[str, Any] | Sequence[float]
 
 
-def as_row(index: int, row: Row) -> DHRow:
+def as_row(index: int, row: DHRowLike) -> DHRow:
     """Row number ``index`` (from 1) as a `DHRow`.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Numeric and symbolic evaluation of the same kinematics: one formula, compiled when numbers ask for it."""
+"""Numeric and symbolic evaluation of the same kinematics: one formula, compiled when first evaluated with numbers."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Evaluator:
             symbolic_q = symbol("q", self._robot.nq)
             result = getattr(self._robot.at(symbolic_q), quantity)(frame)
             self._compiled[key] = function(quantity, [symbolic_q], [result], ["q"], [quantity])
-        return _answer(self._compiled[key], [value])
+        return _result(self._compiled[key], [value])
 
     def of_layout(self, quantity: LayoutQuantity, *values: Expression) -> Any:
         """The tangent map, the configuration after a displacement, or the displacement between two configurations."""
@@ -59,7 +59,7 @@ class Evaluator:
             self._compiled[key] = function(quantity, inputs, [self._build(quantity, *inputs)], names, [quantity])
         if any(isinstance(value, SX) for value in checked):
             return self._build(quantity, *[SX(value) for value in checked])
-        return _answer(self._compiled[key], checked)
+        return _result(self._compiled[key], checked)
 
     def _build(self, quantity: LayoutQuantity, *values: Expression) -> Expression:
         joints = self._robot.independent_joints
@@ -90,7 +90,7 @@ class Evaluator:
         return value
 
 
-def _answer(compiled: Function, values: list[Expression]) -> Any:
+def _result(compiled: Function, values: list[Expression]) -> Any:
     result, quantity = compiled(*values), compiled.name_out(0)
     if is_symbolic(result):
         return by_rows(result) if quantity in _READ_BY_ROWS else result

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from jtik.errors import ArgumentError
 from jtik.robot import quaternion
-from jtik.robot.joints import JointType
+from jtik.robot.joint_type import JointType
 from jtik.robot.rotation import Rotation
 from jtik.robot.row_indexing import by_rows
 from jtik.robot.tree import Joint
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from jtik.robot.model import Robot
 
 
-Rows: TypeAlias = Literal["linear", "angular"] | None
+JacobianRows: TypeAlias = Literal["linear", "angular"] | None
 """Rows of a geometric Jacobian: those of the linear velocity, those of the angular velocity, or None for all six."""
 
 
-def jacobian_rows(rows: Rows, dimension: int) -> slice | None:
+def jacobian_rows(rows: JacobianRows, dimension: int) -> slice | None:
     """The indices of ``rows`` in a geometric Jacobian (6, n); None for all. Raises ArgumentError for anything else."""
     if rows is None:
         return None
@@ -151,7 +151,7 @@ class Kinematics:
             pose = self._after(pose, joint)
         return pose
 
-    def jacobian(self, frame: str | None = None, *, rows: Rows = None) -> Expression:
+    def jacobian(self, frame: str | None = None, *, rows: JacobianRows = None) -> Expression:
         """The geometric Jacobian: velocity of the frame's origin, then angular velocity.
 
         Both are in base axes, for velocities v = dq/dt in the tangent space: [m/rad] or [m/m], then [rad/rad] or

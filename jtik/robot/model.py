@@ -10,12 +10,12 @@ from typing import Any
 from jtik.errors import ArgumentError, ImmutableError, UnknownNameError
 from jtik.geometry import Solid
 from jtik.robot import skeleton
-from jtik.robot.body import Mass, masses_on, shapes_on
 from jtik.robot.builders import Builders
+from jtik.robot.configuration_space import ConfigurationSpace
 from jtik.robot.evaluator import Evaluator
-from jtik.robot.kinematics import Kinematics, Rows, jacobian_rows
-from jtik.robot.layout import Layout
-from jtik.robot.space import ConfigurationSpace
+from jtik.robot.joint_layout import JointLayout
+from jtik.robot.kinematics import JacobianRows, Kinematics, jacobian_rows
+from jtik.robot.masses_and_shapes import Mass, masses_on, shapes_on
 from jtik.robot.subset import Reduction, locked_joints
 from jtik.robot.tree import Joint, check_moves, check_planar, check_tree, frozen
 from jtik.symbolic import SX, Expression, is_equal
@@ -64,7 +64,7 @@ class Robot(ConfigurationSpace, Builders):
         if planar:
             check_planar(self._joints)
         self._name, self._planar, self._base = name, bool(planar), base
-        self._layout = Layout.of(self._joints)
+        self._layout = JointLayout.of(self._joints)
         self._carrier = {joint.child: joint for joint in self._joints}
         self._paths: dict[str, tuple[Joint, ...]] = {base: ()}
         self._tip = self.frame_names[-1] if tip is None else tip
@@ -256,7 +256,7 @@ class Robot(ConfigurationSpace, Builders):
         """
         return self._evaluator.of_frame("position", q, frame)
 
-    def jacobian(self, q: Expression, frame: str | None = None, *, rows: Rows = None) -> Any:
+    def jacobian(self, q: Expression, frame: str | None = None, *, rows: JacobianRows = None) -> Any:
         """The geometric Jacobian of the frame's origin, in base axes.
 
         Symbolic results are indexed by rows, as NumPy arrays are: ``J[:3]`` has shape (3, n).

@@ -1,7 +1,7 @@
 """Rotations of a chain of joints as expressions with few operations.
 
-Each revolute joint of a chain multiplies the rotation by one more. Plain 3 x 3 products need 45 operations a joint;
-this form avoids most of them. A rotation is kept as
+Each revolute joint of a chain multiplies the rotation by one more. Products of full 3 x 3 matrices need 45 operations
+per joint; this form avoids most of them. A rotation is kept as
 
     R = base . Rot(axis, angle) . constant
 

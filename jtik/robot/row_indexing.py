@@ -39,8 +39,10 @@ class _RowIndexing:
         return by_rows(super().T)  # type: ignore[misc]
 
     def __array_function__(self, func: Any, types: Any, args: Any, kwargs: Any) -> Any:
-        plain = _plain(self)  # CasADi answers NumPy for its own types only
-        return plain.__array_function__(func, (type(plain),), [_plain(each) for each in args], kwargs)
+        casadi_matrix = _as_casadi(self)  # CasADi implements NumPy functions for its own types only
+        return casadi_matrix.__array_function__(
+            func, (type(casadi_matrix),), [_as_casadi(each) for each in args], kwargs
+        )
 
 
 class RowIndexedSX(_RowIndexing, SX):  # type: ignore[misc]
@@ -51,13 +53,13 @@ class RowIndexedMX(_RowIndexing, MX):  # type: ignore[misc]
     """A ``casadi.MX`` that a single index reads by rows."""
 
 
-def _plain(value: Any) -> Any:
+def _as_casadi(value: Any) -> Any:
     """CasADi's own type for a matrix read by rows, also inside a list; anything else as it is."""
     if isinstance(value, RowIndexedSX):
         return SX(value)
     if isinstance(value, RowIndexedMX):
         return MX(value)
-    return type(value)(map(_plain, value)) if type(value) in (list, tuple) else value
+    return type(value)(map(_as_casadi, value)) if type(value) in (list, tuple) else value
 
 
 def by_rows(matrix: Expression) -> Expression:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from jtik.robot.joints import JointType
+from jtik.robot.joint_type import JointType
 from jtik.robot.tree import Joint
 from jtik.symbolic import function, symbol, vertcat
 

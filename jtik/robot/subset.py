@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.errors import UnknownNameError
-from jtik.robot.joints import JointType
+from jtik.robot.joint_type import JointType
 from jtik.robot.tree import Joint, frozen
 from jtik.types import Array
 

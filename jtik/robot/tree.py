@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from jtik.errors import ArgumentError, UnknownNameError, finite_array
-from jtik.robot.joints import JointType
+from jtik.robot.joint_type import JointType
 from jtik.types import Array
 
 UNIT_TOLERANCE = 1e-9
@@ -97,7 +97,7 @@ class Joint:
                 raise ArgumentError(f"{who} mimic", f"a {self.type.value} joint", "a revolute or prismatic joint")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Rebuilt through the constructor: a plain copy of the state would thaw the arrays.
+        # Rebuilt by the constructor: the arrays in a copy of the state would not be read-only.
         return partial(type(self), **{f.name: getattr(self, f.name) for f in fields(self)}), ()
 
     @property

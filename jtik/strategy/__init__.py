@@ -1,4 +1,4 @@
-"""The contract of a strategy: the local model it sees, the update it returns, and the two ways to write one.
+"""The contract of a strategy: the local model it gets, the update it returns, and the two base classes to write one.
 
 `Composition` joins a task displacement and a null-space displacement; `Programmed` takes one displacement from
 quadratic programs. Merit functions, backtracking, limits of a step and checks of options are shared by all strategies.
@@ -17,7 +17,7 @@ from jtik.strategy.feasibility_restoration import FeasibilityRestoration
 from jtik.strategy.level_merit import LevelMerit
 from jtik.strategy.merit import Merit, Verdict
 from jtik.strategy.model import LocalModel
-from jtik.strategy.options import (
+from jtik.strategy.option_checks import (
     check_choice,
     check_gain,
     check_non_negative,

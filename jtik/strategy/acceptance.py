@@ -1,4 +1,4 @@
-"""The tests that every accepted step passes, whatever its strategy, and which part of a refused one is shortened."""
+"""The tests that every accepted step passes, and the decision which part of a refused step is shortened."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ Acceptance = Literal["merit", "task", "always"]
 """By which test a step is accepted."""
 
 
-class Tested(NamedTuple):
-    """A step after all tests.
+class FinalVerdict(NamedTuple):
+    """The verdict on a step after all tests.
 
     Attributes:
         accepted: 1 if it is taken.
@@ -26,7 +26,7 @@ class Tested(NamedTuple):
     shorten_null_space: Expression
 
 
-def tested(
+def final_verdict(
     model: LocalModel,
     dq: Expression,
     candidate: Evaluation,
@@ -34,15 +34,15 @@ def tested(
     *,
     null_longer: Expression,
     evaluated: bool,
-) -> Tested:
-    """A step that also restores clearances or keeps them, and ends where everything is finite.
+) -> FinalVerdict:
+    """The verdict of the merit function, and of the tests for clearances and finite numbers.
 
     Args:
         model: the local model.
         dq: the displacement (n, 1).
         candidate: task and criterion after it.
         accepted: whether the merit function accepts it.
-        null_longer: 1 where the null-space part is longer than the task part, and so is the one to shorten.
+        null_longer: 1 where the null-space part is the longer one and is shortened after a refusal.
         evaluated: whether the strategy depends on task and criterion at the candidate.
     """
     shorten_null = null_longer if model.has_criterion else 0
@@ -53,6 +53,6 @@ def tested(
     if model.clearance:
         clear = model.clearance.keeps(dq)
         accepted = logic_and(accepted, clear)
-        # the step is too long for its whole way to be known to be safe: both parts get shorter
+        # a step whose path is not proved safe is too long: both of its parts are shortened
         shorten_task, shorten_null = (logic_or(part, logic_not(clear)) for part in (shorten_task, shorten_null))
-    return Tested(accepted, shorten_task, shorten_null)
+    return FinalVerdict(accepted, shorten_task, shorten_null)

@@ -1,4 +1,4 @@
-"""How a step gets shorter after a refusal: by a fraction of the step, or by damping."""
+"""Shortening of a step after a refusal: by a fraction of the step, or by damping."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ class Backtracking:
     name: str = "fraction"
 
     def initial_state(self) -> Mapping[str, Array]:
-        """The whole step."""
+        """The fraction 1."""
         return {self.name: np.ones(1)} if self.active else {}
 
     def fraction(self, state: State) -> Expression:
-        """The fraction to take now."""
+        """The fraction of this step."""
         return state[self.name] if self.active else 1
 
     def adapt(self, state: State, outcome: Outcome) -> State:
-        """The fraction to take next."""
+        """The fraction of the next step."""
         if not self.active:
             return {}
         return {self.name: adapted_fraction(state[self.name], outcome.accepted, outcome.shorten_task)}

@@ -1,4 +1,4 @@
-"""What a strategy is: the symbolic update of one step, and the state it carries from one step to the next."""
+"""Base class of strategies: the symbolic update of one step, and the state carried from one step to the next."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ State = Mapping[str, Expression]
 
 @dataclass(frozen=True)
 class Shape:
-    """What a state may depend on.
+    """Sizes of a problem, on which the state of a strategy may depend.
 
     Attributes:
         n: number of velocity entries.
@@ -47,10 +47,10 @@ class Update:
         candidate: what ``model.candidate(dq)`` returned, for a strategy that has evaluated it already.
         wanted: the displacement before limits shortened it (n, 1); ``dq`` by default.
         null_space: the part of ``dq`` meant to move only the null space (n, 1); zeros by default.
-        figures: what a trace reports, such as the gains alpha and beta; scalars by name.
-        stationarity_residual: how far H is from stationary; ``model.null_gradient_norm`` by default.
+        figures: scalars for the trace, by name, such as the gains alpha and beta.
+        stationarity_residual: stationarity residual of H; ``model.null_gradient_norm`` by default.
         progress: relative decrease of what the strategy minimises, if that is not V.
-        relaxed: by how much something falls short of what was asked for, non-negative, by (name, unit).
+        relaxed: amount by which each constraint is relaxed, non-negative, by (name, unit).
     """
 
     dq: Expression
@@ -103,7 +103,7 @@ class Strategy(ABC):
     def evaluates_candidate(self, has_criterion: bool) -> bool:
         """Whether acceptance depends on task or criterion where the step ends.
 
-        If not, the engine does not evaluate them there either.
+        If not, the engine does not evaluate them there.
         """
         return True
 
@@ -116,7 +116,7 @@ class Strategy(ABC):
         return False
 
     def supports_clearances(self) -> bool:
-        """Whether its quadratic programs have the rows of clearances, and no step that breaks one is accepted."""
+        """Whether its quadratic programs have the rows of clearances. No step that violates one is then accepted."""
         return False
 
     @abstractmethod

@@ -2,11 +2,11 @@
 
 Acceptance, the third part, is the same for all of them (formulations/merit.md):
 
-- ``"merit"``: outside a neighbourhood of the target only V counts, and the null-space displacement may not spoil its
-  decrease; inside, the exact penalty H + mu |r| must fall. Without a criterion this is monotone decrease of V.
+- ``"merit"``: outside a neighbourhood of the target V must fall by the full step; inside, the exact penalty function
+  H + mu |r| must fall. Without a criterion this is monotone decrease of V.
 - ``"task"``: V must fall by the task displacement alone; the null-space displacement is added unchecked (the paper's
   rules for beta bound it).
-- ``"always"``: every step is taken, as the paper prints it.
+- ``"always"``: every step is taken, as in the paper.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from jtik.strategy.acceptance import Acceptance, tested
+from jtik.strategy.acceptance import Acceptance, final_verdict
 from jtik.strategy.base import Shape, State, Strategy, Update, take_renamed
 from jtik.strategy.displacement import NullSpaceDisplacement, Outcome, TaskDisplacement
-from jtik.strategy.errors import Call
+from jtik.strategy.errors import CheckedCall
 from jtik.strategy.evaluation import Evaluation
-from jtik.strategy.merit import SUFFICIENT, penalty_falls, penalty_weight, reach_of
+from jtik.strategy.merit import SUFFICIENT, penalty_falls, penalty_weight, residual_reduction
 from jtik.strategy.model import LocalModel
 from jtik.symbolic import Expression, dot, fabs, fmax, if_else, logic_and, logic_or, ratio, sumsqr
 from jtik.symbolic.factorization import RowVector
@@ -40,10 +40,25 @@ class TaskStep(ABC):
 
     @abstractmethod
     def propose(self, model: LocalModel, state: State) -> TaskDisplacement:
-        """A displacement towards the target."""
+        """A displacement towards the target.
+
+        Args:
+            model: the local model at q.
+            state: this part's state.
+        """
 
     def adapt(self, model: LocalModel, state: State, task: TaskDisplacement, outcome: Outcome) -> State:
-        """The state after the outcome is known."""
+        """The state after the outcome is known.
+
+        Args:
+            model: the local model at q.
+            state: this part's state before the update.
+            task: the displacement that `propose` returned.
+            outcome: whether the step was accepted, and if not, which parts to shorten.
+
+        Returns:
+            New values by name; an entry that is left out is kept.
+        """
         return {}
 
 
@@ -70,7 +85,13 @@ class SecondaryTerm(ABC):
 
     @abstractmethod
     def propose(self, model: LocalModel, state: State, task_dq: Expression) -> NullSpaceDisplacement:
-        """A displacement in the null space of J, beside the task displacement ``task_dq`` (n, 1)."""
+        """A displacement in the null space of J.
+
+        Args:
+            model: the local model at q.
+            state: this part's state.
+            task_dq: the task displacement (n, 1), to which it is added.
+        """
 
     def uses_qp(self) -> bool:
         """Whether it solves quadratic programs, by ``model.solve``."""
@@ -82,15 +103,25 @@ class SecondaryTerm(ABC):
 
     @property
     def bounds_itself(self) -> bool:
-        """Whether its own rule bounds it, so that it is added without a test of the merit function."""
+        """Whether its own rule bounds its length, so that it is added without a test of the merit function."""
         return False
 
     def correct(self, model: LocalModel, dq: Expression) -> Expression:
-        """The whole displacement ``dq`` (n, 1), both parts, as it is to be tried, within the limits."""
+        """The displacement to try (n, 1), within the limits, for the sum ``dq`` (n, 1) of both parts."""
         return dq
 
     def adapt(self, model: LocalModel, state: State, null_space: NullSpaceDisplacement, outcome: Outcome) -> State:
-        """The state after the outcome is known."""
+        """The state after the outcome is known.
+
+        Args:
+            model: the local model at q.
+            state: this part's state before the update.
+            null_space: the displacement that `propose` returned.
+            outcome: whether the step was accepted, and if not, which parts to shorten.
+
+        Returns:
+            New values by name; an entry that is left out is kept.
+        """
         return {}
 
 
@@ -102,7 +133,7 @@ def acceptance_beside(backtracking: bool, secondary: SecondaryTerm) -> Acceptanc
 
 
 class Composition(Strategy):
-    """Task step x secondary term x acceptance. Subclasses say which."""
+    """A strategy composed of a task step, a secondary term and an acceptance, which a subclass names."""
 
     @abstractmethod
     def task_step(self) -> TaskStep:
@@ -138,7 +169,7 @@ class Composition(Strategy):
         return self.secondary_term().supports_clearances()
 
     def update(self, model: LocalModel, state: State) -> Update:
-        """Propose both displacements, join them, judge the sum, adapt the state."""
+        """Propose both displacements, add them, test the sum, adapt the state."""
         task_step, secondary = self.task_step(), self.secondary_term()
         has_null_space = bool(model.has_criterion or model.clearance)
         task = self._task_displacement(task_step, model, state)
@@ -154,10 +185,10 @@ class Composition(Strategy):
         candidate = model.candidate(dq)
 
         step = _Step(model, task, task_dq, null, dq, candidate)
-        accepted, actual, mu = self._judge(step, state)
+        accepted, actual, mu = self._verdict(step, state)
         evaluated = self.evaluates_candidate(model.has_criterion)
         longer = null.length > task.length
-        verdict = tested(model, dq, candidate, accepted, null_longer=longer, evaluated=evaluated)
+        verdict = final_verdict(model, dq, candidate, accepted, null_longer=longer, evaluated=evaluated)
         gained = ratio(actual, fmax(step.predicted, 0))
         if self.acceptance() == "merit" and model.has_criterion:
             gained = if_else(model.near_target, verdict.accepted, gained)
@@ -187,46 +218,47 @@ class Composition(Strategy):
         )
 
     def _task_displacement(self, step: TaskStep, model: LocalModel, state: State) -> TaskDisplacement:
-        call = Call(self, step.propose)
+        call = CheckedCall(self, step.propose)
         proposed = call(TaskDisplacement, model, state)
         return replace(proposed, dq=call.column("dq", proposed.dq, model.robot.n)).completed(model)
 
     def _null_space_displacement(
         self, term: SecondaryTerm, model: LocalModel, state: State, task_dq: Expression
     ) -> NullSpaceDisplacement:
-        call = Call(self, term.propose)
+        call = CheckedCall(self, term.propose)
         proposed = call(NullSpaceDisplacement, model, state, task_dq)
         return replace(proposed, dq=call.column("dq", proposed.dq, model.robot.n)).completed(model)
 
-    def _judge(self, step: _Step, state: State) -> tuple[Expression, Expression, Expression]:
+    def _verdict(self, step: _Step, state: State) -> tuple[Expression, Expression, Expression]:
         """Whether the step is accepted, by how much V falls, and the penalty weight after it."""
         rule, model, penalty = self.acceptance(), step.model, state.get("penalty")
         by_task = rule == "task" and model.has_criterion
-        judged = model.candidate(step.task_dq) if by_task else step.candidate
-        actual = model.here.V - judged.V
+        candidate = model.candidate(step.task_dq) if by_task else step.candidate
+        actual = model.here.V - candidate.V
         falls = logic_and(step.predicted > 0, actual >= SUFFICIENT * step.predicted)
         if rule == "always":
             return 1, actual, penalty
         if by_task:
-            return logic_or(falls, logic_and(model.near_target, judged.length <= model.neighbourhood)), actual, penalty
+            stays = logic_and(model.near_target, candidate.length <= model.neighbourhood)
+            return logic_or(falls, stays), actual, penalty
         if not model.has_criterion:
             return falls, actual, penalty
-        decrease, reach = step.decrease_of_criterion, reach_of(model, step.predicted)
-        mu = penalty_weight(model, penalty, decrease, reach, step.squared_lengths, step.candidate.H)
-        near = penalty_falls(model, mu, step.candidate, decrease, reach)
-        return if_else(model.near_target, near, falls), actual, mu
+        decrease, reduction = step.decrease_of_criterion, residual_reduction(model, step.predicted)
+        mu = penalty_weight(model, penalty, decrease, reduction, step.squared_lengths, step.candidate.H)
+        better = penalty_falls(model, mu, step.candidate, decrease, reduction)
+        return if_else(model.near_target, better, falls), actual, mu
 
 
 @dataclass(frozen=True)
 class _Step:
-    """A step of a composition that is to be judged.
+    """A step of a composition before the acceptance tests.
 
     Attributes:
         model: the local model.
         task: the task displacement as proposed.
         task_dq: its displacement as it is tried, within limits and clearances (n, 1).
         null: the null-space displacement as it is tried.
-        dq: the whole displacement (n, 1).
+        dq: the sum of both displacements (n, 1).
         candidate: task and criterion after it.
     """
 
@@ -244,7 +276,7 @@ class _Step:
 
     @cached_property
     def predicted(self) -> Expression:
-        """Decrease of V that the linear model promises for the task displacement."""
+        """Decrease of V that the linear model predicts for the task displacement."""
         image = self.task.image if self.as_proposed else self.model.J_free @ self.task_dq
         return self.model.predicted_decrease(image)
 
@@ -254,21 +286,21 @@ class _Step:
 
     @property
     def decrease_of_criterion(self) -> Expression:
-        """Decrease of H that both displacements promise to first order."""
+        """Predicted decrease of H by both displacements, to first order."""
         row = self._row_vector
         change = self.model.criterion_change(row) if row else dot(self.model.gradient_free, self.task_dq)
         return self.null.decrease - change
 
     @property
     def squared_lengths(self) -> tuple[Expression, Expression]:
-        """Squared norms of the task displacement and of the whole step."""
-        if self._row_vector:  # the two parts are at right angles
+        """Squared norms of the task displacement and of the sum of both displacements."""
+        if self._row_vector:  # the two parts are orthogonal
             return self.task.length**2, self.task.length**2 + self.null.length**2
         return sumsqr(self.task_dq), sumsqr(self.dq)
 
 
 def _shortened(model: LocalModel, task_dq: Expression, null: NullSpaceDisplacement) -> NullSpaceDisplacement:
-    """The null-space displacement shortened as a whole, so that the sum ends inside the limits."""
+    """The null-space displacement, all entries scaled alike so that the sum ends inside the limits."""
     if not (model.bounded and model.has_criterion):
         return null
     scale: Expression = 1

@@ -28,11 +28,11 @@ def lagrangian_hessian(
         multipliers: lambda (m, 1), constant in the derivative; None for the Hessian of H alone.
     """
     at, v = symbol("at", robot.nq), symbol("v", robot.n)
-    there = robot.integrate(at, v)
-    L, old, new = criterion(there, parameters), [v, at], [zeros(robot.n), q]
+    moved_q = robot.integrate(at, v)
+    L, old, new = criterion(moved_q, parameters), [v, at], [zeros(robot.n), q]
     if multipliers is not None:
         constants = symbol("lambda", *multipliers.shape)
-        L = L + dot(constants, residual(there, target))
+        L = L + dot(constants, residual(moved_q, target))
         old, new = [*old, constants], [*new, multipliers]
     second = hessian(L, v)
     for before, after in zip(old, new, strict=True):

@@ -1,4 +1,4 @@
-"""Displacements of one update: for the task, in its null space, and the verdict on both together."""
+"""Displacements of one update: for the task, in its null space, and the outcome of their sum."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 class TaskDisplacement:
     """The part of a step that moves the end effector.
 
-    Only ``dq`` is needed. A step that knows its image or its norm from its own arithmetic saves the engine work.
+    Only ``dq`` is needed. The engine computes ``image`` and ``length`` where they are not given.
 
     Attributes:
         dq: displacement that is added to q (n, 1).
@@ -55,14 +55,14 @@ class NullSpaceDisplacement:
     Attributes:
         dq: displacement that is added to q (n, 1).
         length: norm of dq.
-        decrease: decrease of H that dq promises to first order, -(dH/dv)' dq.
+        decrease: predicted decrease of H to first order, -(dH/dv)' dq.
         beta: the gain that a trace reports; NaN without one.
-        stationarity_residual: how far H is from stationary; None for ``model.null_gradient_norm``.
+        stationarity_residual: stationarity residual of H; None for ``model.null_gradient_norm``.
         task_scale: share of the task displacement to take, where clearances do not allow all of it.
         within_limits: whether both displacements together end inside the limits as they are; if not, the engine
             shortens this one.
-        figures: what a trace reports besides, scalars by name.
-        relaxed: by how much something falls short of what was asked for, non-negative, by (name, unit).
+        figures: further scalars for the trace, by name.
+        relaxed: amount by which each constraint is relaxed, non-negative, by (name, unit).
     """
 
     dq: Expression
@@ -77,7 +77,7 @@ class NullSpaceDisplacement:
 
     @classmethod
     def none(cls, n: int) -> NullSpaceDisplacement:
-        """No displacement of n velocity entries: where there is nothing to minimise."""
+        """A zero displacement of n velocity entries, for a problem without a criterion."""
         return cls(zeros(n), 0, 0, 0)
 
     def completed(self, model: LocalModel) -> NullSpaceDisplacement:
@@ -87,7 +87,7 @@ class NullSpaceDisplacement:
         return replace(self, length=length, decrease=decrease)
 
     def scaled(self, share: Expression) -> NullSpaceDisplacement:
-        """A share of it, with length, decrease and gain in proportion."""
+        """The displacement times ``share``, with length, decrease and gain in proportion."""
         return replace(
             self,
             dq=share * self.dq,
@@ -99,15 +99,14 @@ class NullSpaceDisplacement:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The verdict on a proposed step.
+    """The outcome of a proposed step, with which task step and secondary term adapt their states.
 
     Attributes:
         accepted: 1 if the step is taken, else 0.
         ratio: actual over predicted decrease.
-        null_space: the null-space displacement as it was judged.
+        null_space: the null-space displacement as it was tried.
         shorten_task: 1 if the task displacement is to be shortened after a poor outcome.
-        shorten_null_space: 1 if the null-space displacement is. It is the longer of the two, so that neither is
-            shortened for the other's fault.
+        shorten_null_space: 1 if the null-space displacement is. Only the longer of the two is shortened.
     """
 
     accepted: Expression

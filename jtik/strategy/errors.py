@@ -33,7 +33,7 @@ class StrategyError(JtikError):
         return f"strategy {self.strategy}: {self.method} {self.returned}; accepted: {self.expected}"
 
 
-class Call:
+class CheckedCall:
     """One method of a strategy or of a part of it, called and checked.
 
     Args:
@@ -87,7 +87,7 @@ _TRACEABLE = "CasADi operations on the expressions that the method is given, suc
 
 
 class KnownState(dict[str, Expression]):
-    """The state of a strategy by name; a name that ``initial_state`` did not give raises StrategyError."""
+    """The state of a strategy by name. A name that ``initial_state`` did not return raises StrategyError."""
 
     def __init__(self, state: Mapping[str, Expression], strategy: object) -> None:
         super().__init__(state)

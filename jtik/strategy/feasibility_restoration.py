@@ -1,4 +1,4 @@
-"""Feasibility restoration: distances that are too small are restored first (formulations/clearance.md)."""
+"""Feasibility restoration: a step that first increases distances that are too small (formulations/clearance.md)."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ PENALTY = 1e5
 """Penalty weight of a demand that is not met, for a row of the largest possible length; shorter rows weigh less."""
 
 SIGNIFICANT = 1e-6
-"""Distance [m] below which a demand, or what a step gains, is solver tolerance."""
+"""Distance [m] below which a demanded or an achieved increase is within the tolerance of the QP solver."""
 
 SUFFICIENT = 0.1
-"""Share of the promised gain that a step must keep to be accepted for the restoration."""
+"""Share of the predicted increase that a step must achieve to be accepted for the restoration."""
 
 MET = 0.9
 """A demand of which a smaller share is met counts as relaxed."""
@@ -58,7 +58,7 @@ class FeasibilityRestoration:
         clearance: the clearances at q.
         jacobian: Jacobian of the residual of the task (m, n).
         length: norm of the residual.
-        record: smallest violation so far [m].
+        smallest_violation: smallest violation so far [m].
     """
 
     dq: Expression
@@ -66,11 +66,11 @@ class FeasibilityRestoration:
     clearance: ClearanceModel
     jacobian: Expression
     length: Expression
-    record: Expression
+    smallest_violation: Expression
 
     @cached_property
     def rows(self) -> Rows:
-        """Rows for a displacement; ``dq`` satisfies them all, and so does 0 where nothing can be gained."""
+        """Rows for a displacement. ``dq`` satisfies all of them, and so does 0 where no distance can be increased."""
         low = self.clearance.low
         if self.clearance.restores:
             low = fmin(low, self.gained)
@@ -96,10 +96,10 @@ class FeasibilityRestoration:
         return self.clearance.violation(self.clearance.after(dq))
 
     def accepts(self, dq: Expression, length: Expression) -> Expression:
-        """1 where the displacement dq is accepted for what it restores, whatever it does to the criterion.
+        """1 where the displacement dq is accepted for the restoration, without regard to the criterion.
 
-        It must keep a share of the promised gain, reduce the smallest violation so far, and may not increase the
-        residual by more than the restoration explains.
+        It must achieve a share of the predicted increase, reduce the smallest violation so far, and not increase the
+        residual by more than the restoration does.
 
         Args:
             dq: displacement (n, 1).
@@ -107,24 +107,24 @@ class FeasibilityRestoration:
         """
         if not self.clearance.restores:
             return 0
-        promised = mmax(self._met)
-        made = self.record - self._violation(dq)
+        predicted = mmax(self._met)
+        achieved = self.smallest_violation - self._violation(dq)
         first_order = norm(self.jacobian @ self.dq)
         second_order = norm(self.jacobian.reshape((-1, 1))) * sumsqr(self.dq)
         explained = length <= self.length + 2 * first_order + second_order
-        return logic_and(logic_and(promised > SIGNIFICANT, made >= SUFFICIENT * promised), explained)
+        return logic_and(logic_and(predicted > SIGNIFICANT, achieved >= SUFFICIENT * predicted), explained)
 
     def after(self, dq: Expression, accepted: Expression) -> dict[str, Expression]:
-        """The state for the next step: how far a restoration step may go, and the smallest violation.
+        """The state of the next step: the largest motion in a restoration step, and the smallest violation.
 
-        Where a distance was not safe on the whole way, the longer part of the step is shortened.
+        Where the path of the step was not safe, only the longer part of the step is shortened.
         """
         longest = self.clearance.longest
-        reached = fmin(self.record, self._violation(dq))
+        reached = fmin(self.smallest_violation, self._violation(dq))
         shorten = logic_or(self.clearance.keeps(dq), 4 * sumsqr(self.dq) >= sumsqr(dq))
         return {
             "longest": if_else(accepted, fmin(2 * longest, LONGEST), if_else(shorten, longest / 4, longest)),
-            "violation": if_else(accepted, reached, self.record),
+            "violation": if_else(accepted, reached, self.smallest_violation),
         }
 
     @cached_property
@@ -153,7 +153,7 @@ def feasibility_restoration(
 
     Args:
         clearance: distances and what is demanded of them.
-        qps: takes the quadratic program, which is solved only where there is a demand.
+        qps: records the quadratic program, which is solved only where there is a demand.
         box: lower and upper bounds of dq, (n, 1) each, with 0 between them.
         task_rows: returns orthonormal rows of the directions that change the task.
         jacobian: Jacobian of the residual (m, n).
@@ -165,9 +165,9 @@ def feasibility_restoration(
         return FeasibilityRestoration(*none, clearance, jacobian, length, 0)
     C, K, demand = clearance.jacobian, task_rows(), clearance.demand
     lower, upper = fmax(box[0], -clearance.longest), fmin(box[1], clearance.longest)
-    penalty = PENALTY * (1 + TASK_WEIGHT) / clearance.lever**2
+    penalty = PENALTY * (1 + TASK_WEIGHT) / clearance.row_norm_bound**2
     floor = clearance.low - demand
-    program = QuadraticProgram(
+    qp = QuadraticProgram(
         P=identity(n) + TASK_WEIGHT * K.T @ K + penalty * _gram(if_else(demand > 0, 1, 0), C),
         q=-penalty * C.T @ demand,
         lower=lower,
@@ -176,16 +176,16 @@ def feasibility_restoration(
         name="restoration",
     )
 
-    def results(answer: QPSolution) -> list[Expression]:
-        dq = fmin(fmax(answer.x, lower), upper)  # rounding must not leave the box
+    def results(solution: QPSolution) -> list[Expression]:
+        dq = fmin(fmax(solution.x, lower), upper)  # rounding must not leave the box
         gained = C @ dq
-        # of the solution only this must hold: no distance becomes smaller than it may; else nothing is restored
-        feasible = logic_and(is_finite(answer.x), mmin(gained - floor) >= -qps.accuracy)
+        # the only check of the solution: if a distance becomes smaller than allowed, nothing is restored
+        feasible = logic_and(is_finite(solution.x), mmin(gained - floor) >= -qps.accuracy)
         return [if_else(feasible, dq, 0), if_else(feasible, gained, 0)]
 
-    dq, gained = qps.prepare(mmax(demand) > SIGNIFICANT, program, results)
-    record = fmin(clearance.record, clearance.violation(clearance.distance))
-    return FeasibilityRestoration(dq, gained, clearance, jacobian, length, record)
+    dq, gained = qps.prepare(mmax(demand) > SIGNIFICANT, qp, results)
+    smallest_violation = fmin(clearance.smallest_violation, clearance.violation(clearance.distance))
+    return FeasibilityRestoration(dq, gained, clearance, jacobian, length, smallest_violation)
 
 
 def _gram(weights: Expression, matrix: Expression) -> Expression:

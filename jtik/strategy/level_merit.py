@@ -40,14 +40,14 @@ MULTIPLIER_DAMPING = 1e-6
 class LevelMerit(Merit):
     """F = sum of w_k |r_k| over the levels k of priority; near the target H + mu F.
 
-    The weight of each level exceeds what the levels below can gain by its error. With one level it is |r|.
+    The weight of each level exceeds the decrease that the levels below can gain by its error. With one level F is |r|.
     """
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
-        """Weights of the levels, as many as rows since the number of levels is not known here, and mu."""
+        """One weight for each row, because the number of levels is not known here, and mu."""
         return {"weights": np.zeros(shape.m), "penalty": np.zeros(1)}
 
-    def judge(self, model: LocalModel, state: State, proposal: Proposal, candidate: Evaluation) -> Verdict:
+    def verdict(self, model: LocalModel, state: State, proposal: Proposal, candidate: Evaluation) -> Verdict:
         """Armijo's test of F, or near the target of H + mu F."""
         null, step = proposal.null_space, proposal.task
         assert null is not None
@@ -57,19 +57,19 @@ class LevelMerit(Merit):
         after = [norm(candidate.residual[list(rows)]) for rows in levels]
         gains = [length - norm(r[list(rows)] + image[list(rows)]) for length, rows in zip(before, levels, strict=True)]
         weights = _weights(model, state["weights"], gains)
-        F, F_after, promised = (sum(w * v for w, v in zip(weights, of, strict=True)) for of in (before, after, gains))
-        falls = logic_and(promised > 0, F - F_after >= SUFFICIENT * promised)
+        F, F_after, predicted = (sum(w * v for w, v in zip(weights, of, strict=True)) for of in (before, after, gains))
+        falls = logic_and(predicted > 0, F - F_after >= SUFFICIENT * predicted)
         progress = ratio(F - F_after, F)
-        gained = ratio(F - F_after, fmax(promised, 0))
+        gained = ratio(F - F_after, fmax(predicted, 0))
         accepted, mu = falls, state["penalty"]
         if model.has_criterion:
             decrease = null.decrease - dot(model.gradient, step)
             lengths = (sumsqr(step), sumsqr(step + null.dq))
-            mu = penalty_weight(model, mu, decrease, promised, lengths, candidate.H)
+            mu = penalty_weight(model, mu, decrease, predicted, lengths, candidate.H)
             merit, merit_after = model.here.H + mu * F, candidate.H + mu * F_after
             size = fabs(model.here.H) + fabs(merit)
-            worth = mu * promised + decrease
-            better = logic_and(worth > 0, merit - merit_after >= SUFFICIENT * worth - ROUNDING * size)
+            total = mu * predicted + decrease
+            better = logic_and(total > 0, merit - merit_after >= SUFFICIENT * total - ROUNDING * size)
             inside = logic_and(candidate.length <= model.neighbourhood, better)
             accepted = if_else(model.near_target, inside, falls)
             gained = if_else(model.near_target, inside, gained)
@@ -83,17 +83,17 @@ class LevelMerit(Merit):
 
 
 def _weights(model: LocalModel, known: Expression, gains: Sequence[Expression]) -> list[Expression]:
-    """1 for the lowest level; each level above weighs more than the levels below can gain by its error."""
+    """Weights of the levels: 1 for the lowest; each above exceeds what the levels below can gain by its error."""
     J, r, levels = model.J, model.here.residual, model.levels
     lengths = [sqrt(squared_length(J[list(rows), :]) + TINY) for rows in levels]
     last = len(gains) - 1
     weights: list[Expression] = [1] * len(gains)
-    pull = zeros(J.shape[1])
+    gradient = zeros(J.shape[1])  # of the weighted sum of the levels below
     for k in reversed(range(last)):
         below = list(levels[k + 1])
-        pull = pull + weights[k + 1] * ratio(J[below, :].T @ r[below], norm(r[below]))
+        gradient = gradient + weights[k + 1] * ratio(J[below, :].T @ r[below], norm(r[below]))
         above = J[[row for rows in levels[: k + 1] for row in rows], :]
-        multipliers = damped_multipliers(above, MULTIPLIER_DAMPING * squared_length(above), above @ pull)
+        multipliers = damped_multipliers(above, MULTIPLIER_DAMPING * squared_length(above), above @ gradient)
         own = multipliers[multipliers.shape[0] - len(levels[k]) :]
         floor = sum(weights[i] * lengths[i] for i in range(k + 1, last + 1)) / lengths[k]
         smallest = 1.5 * norm(own) + 0.5 * floor

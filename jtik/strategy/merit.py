@@ -1,4 +1,4 @@
-"""Merit functions: what must fall in an accepted step, the exact penalty near the target (formulations/merit.md)."""
+"""Merit functions, which must fall in an accepted step, and the exact penalty function (formulations/merit.md)."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Verdict:
         ratio: actual over predicted decrease.
         state: state of the merit function after the step, by name.
         progress: relative decrease of what the merit function minimises, if that is not V.
-        predicted_decrease: decrease that the model promises; what a trace reports.
+        predicted_decrease: decrease that the model predicts, for the trace; None to report none.
     """
 
     accepted: Expression
@@ -49,19 +49,26 @@ class Merit(ABC):
     """A merit function of a `Programmed` strategy."""
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
-        """State that it carries from step to step, such as a penalty weight."""
+        """State carried from step to step, such as a penalty weight."""
         return {}
 
     @abstractmethod
-    def judge(self, model: LocalModel, state: State, proposal: Proposal, candidate: Evaluation) -> Verdict:
-        """Whether the step to ``candidate`` decreases it sufficiently."""
+    def verdict(self, model: LocalModel, state: State, proposal: Proposal, candidate: Evaluation) -> Verdict:
+        """Whether the step to ``candidate`` decreases the merit function sufficiently.
+
+        Args:
+            model: the local model.
+            state: state of the strategy, with that of the merit function.
+            proposal: the proposed step.
+            candidate: task and criterion after it.
+        """
 
 
 def penalty_weight(
     model: LocalModel,
     before: Expression,
     decrease: Expression,
-    reach: Expression,
+    reduction: Expression,
     lengths: tuple[Expression, Expression],
     H_after: Expression,
 ) -> Expression:
@@ -70,31 +77,31 @@ def penalty_weight(
     Args:
         model: the local model.
         before: mu of the step before.
-        decrease: decrease of H that the step promises to first order.
-        reach: decrease of |r| that the step promises.
-        lengths: squared norms of its task part and of the whole step.
+        decrease: predicted decrease of H by the step, to first order.
+        reduction: predicted decrease of |r| by the step.
+        lengths: squared norms of its task part and of the full step.
         H_after: H where the step ends.
     """
-    own, whole = lengths
-    curvature = ratio(2 * fmax(H_after - model.here.H + decrease, 0), whole)
+    task, full = lengths
+    curvature = ratio(2 * fmax(H_after - model.here.H + decrease, 0), full)
     smallest = 1.5 * norm(model.multipliers)
-    smallest += (0.1 * model.gradient_norm + curvature * own**0.5) / model.jacobian_norm
-    needed = fmin(ratio(curvature * own - decrease, 0.5 * fmax(reach, 0)), LARGEST_INCREASE * smallest)
+    smallest += (0.1 * model.gradient_norm + curvature * task**0.5) / model.jacobian_norm
+    needed = fmin(ratio(curvature * task - decrease, 0.5 * fmax(reduction, 0)), LARGEST_INCREASE * smallest)
     return fmax(fmax(smallest, 0.5 * before), needed)
 
 
-def reach_of(model: LocalModel, predicted: Expression) -> Expression:
+def residual_reduction(model: LocalModel, predicted: Expression) -> Expression:
     """Decrease of |r| when V falls by ``predicted``."""
     return model.here.length - sqrt(fmax(2 * (model.here.V - predicted), 0))
 
 
 def penalty_falls(
-    model: LocalModel, mu: Expression, candidate: Evaluation, decrease: Expression, reach: Expression
+    model: LocalModel, mu: Expression, candidate: Evaluation, decrease: Expression, reduction: Expression
 ) -> Expression:
     """1 where H + mu |r| falls sufficiently and the step ends in the neighbourhood of the target (M5)."""
     here = model.here
-    promised = mu * reach + decrease
+    predicted = mu * reduction + decrease
     merit, after = here.H + mu * here.length, candidate.H + mu * candidate.length
     noise = ROUNDING * (fabs(here.H) + fabs(merit) + mu * model.jacobian_norm)
-    better = logic_and(promised > -noise, merit - after >= SUFFICIENT * promised - noise)
+    better = logic_and(predicted > -noise, merit - after >= SUFFICIENT * predicted - noise)
     return logic_and(candidate.length <= model.neighbourhood, better)

@@ -1,4 +1,4 @@
-"""The local model: everything a strategy may look at, at one configuration, as shared CasADi expressions."""
+"""The local model: task, criterion and limits at one configuration, as CasADi expressions that a strategy uses."""
 
 from __future__ import annotations
 
@@ -24,14 +24,15 @@ from jtik.task import TaskStack
 
 @dataclass(frozen=True)
 class LocalModel:
-    """Task, criterion, limits and clearances at one configuration, as a strategy sees them.
+    """Task, criterion, limits and clearances at one configuration, for a strategy.
 
-    The weighting is inside: with r = L' e and J = L' dx/dv, the paper's e' Kp J J' Kp e reads r' J J' r.
+    Residual and Jacobian contain the weighting: with r = L' e and J = L' dx/dv, the paper's e' Kp J J' Kp e is
+    r' J J' r.
 
     ``J`` and ``gradient`` are those of all joints. ``J_free`` and ``gradient_free`` are zero for the joints whose limit
     is active. Use the first pair in a quadratic program that has the limits as its box, which finds the active limits
-    by itself; use the second in a strategy that ignores limits, such as a pseudo-inverse, and let the engine's active
-    set take care of them. Without limits both pairs are the same.
+    by itself; use the second in a strategy that ignores limits, such as a pseudo-inverse; the engine's active set then
+    handles them. Without limits both pairs are the same.
 
     Attributes:
         robot: the robot.
@@ -51,7 +52,7 @@ class LocalModel:
         criterion_function: (q, parameters) -> H.
         target: target of the tasks.
         parameters: live parameters of criteria and clearances.
-        qps: takes the quadratic programs of a strategy that solves any.
+        qps: records the quadratic programs; None for a strategy without any.
         clearance: distances that may not fall below their safe values; None without any.
         tasks: the tasks themselves, for strategies that hand them to another library.
     """
@@ -79,25 +80,32 @@ class LocalModel:
 
     # -- quadratic programs ---------------------------------------------------------------------------------------
 
-    def solve(self, program: QuadraticProgram) -> QPSolution:
-        """The solution of a quadratic program, as expressions to go on with."""
+    def solve(self, qp: QuadraticProgram) -> QPSolution:
+        """The solution of a quadratic program, as expressions.
+
+        Raises:
+            JtikError: for a strategy whose ``uses_qp()`` is False.
+        """
         if self.qps is None:
-            raise JtikError(f"quadratic program {program.name!r} of a strategy whose uses_qp() is False")
-        return self.qps.solve(program)
+            raise JtikError(f"quadratic program {qp.name!r} of a strategy whose uses_qp() is False")
+        return self.qps.solve(qp)
 
     def compute(
         self, name: str, compute: Compute, inputs: Sequence[Expression], shapes: Sequence[tuple[int, int]]
     ) -> list[Expression]:
-        """What a Python function returns in the middle of the step, as expressions of these shapes.
+        """The results of a Python function that is called within the step, as expressions of these shapes.
 
-        A step with such a call is not one function any more and takes the time that the Python takes.
+        A step with such a call is no longer a single compiled function.
 
         Args:
             name: name of the computation.
             compute: called with ``inputs`` as flat arrays, columns first. It returns one array for each shape, or
-                None if it has no answer, which ends the solve with `jtik.Status.UNSOLVED`.
+                None if it has no result, which ends the solve with `jtik.Status.UNSOLVED`.
             inputs: expressions whose values it needs.
             shapes: shapes of its results.
+
+        Raises:
+            JtikError: for a strategy whose ``uses_qp()`` is False.
         """
         if self.qps is None:
             raise JtikError(f"computation {name!r} of a strategy whose uses_qp() is False")
@@ -115,7 +123,11 @@ class LocalModel:
     def restoration(self) -> FeasibilityRestoration:
         """The step that restores clearances that are too small, and the rows of all clearances for a QP.
 
-        The engine accepts a step that ``restoration.accepts``, and none that breaks ``clearance.keeps``.
+        The engine accepts a step for which ``restoration.accepts`` is 1, and no step for which ``clearance.keeps`` is
+        0.
+
+        Raises:
+            JtikError: without clearances, or for a strategy whose ``uses_qp()`` is False.
         """
         if self.clearance is None or self.qps is None:
             raise JtikError("feasibility restoration without clearances, or of a strategy whose uses_qp() is False")
@@ -219,7 +231,7 @@ class LocalModel:
 
         Args:
             dq: displacement (n, 1).
-            squared_length: its squared norm, which saves work where every entry is a rotation.
+            squared_length: its squared norm, used where every entry is a rotation.
         """
         if self.all_rotational and squared_length is not None:
             return sqrt(squared_length)
@@ -257,5 +269,5 @@ class LocalModel:
         return Evaluation(q, self.residual(q), H, dq)
 
     def predicted_decrease(self, image: Expression) -> Expression:
-        """Decrease of V that the linear model promises for a displacement with ``image`` = J dq."""
+        """Decrease of V that the linear model predicts for a displacement with ``image`` = J dq (m, 1)."""
         return self.here.V - sumsqr(self.here.residual + image) / 2

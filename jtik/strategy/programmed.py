@@ -1,4 +1,4 @@
-"""Strategies that propose one displacement, usually from quadratic programs; the engine judges it and does the rest."""
+"""Base class of strategies that propose one displacement, usually from quadratic programs."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from jtik.strategy.acceptance import Acceptance, tested
+from jtik.strategy.acceptance import Acceptance, final_verdict
 from jtik.strategy.backtracking import AdaptiveDamping, Backtracking
 from jtik.strategy.base import Shape, State, Strategy, Update
 from jtik.strategy.composition import SecondaryTerm
 from jtik.strategy.displacement import NullSpaceDisplacement, Outcome
-from jtik.strategy.errors import Call
+from jtik.strategy.errors import CheckedCall
 from jtik.strategy.merit import Merit, Verdict
 from jtik.strategy.model import LocalModel
 from jtik.symbolic import Expression, norm
@@ -30,15 +30,15 @@ class Proposal:
         task: the part of it for the tasks (n, 1); ``dq`` without the null-space part by default.
         null_space: the part of it for the criterion; none by default.
         null_space_unlimited: the same before limits and backtracking shortened it; ``null_space`` by default.
-        null_space_longer: 1 where the null-space part is longer than the task part; by default their norms tell.
+        null_space_longer: 1 where the null-space part is longer than the task part; by default from their norms.
         wanted: the displacement before limits and backtracking shortened it (n, 1); ``dq`` by default.
-        predicted_decrease: decrease of the merit function that the quadratic program promises, for a merit that
-            takes it from there.
+        predicted_decrease: decrease of the merit function that the quadratic program predicts, for a merit function
+            that uses it.
         smallest_damping: smallest damping after a refusal; ``SMALLEST_DAMPING`` |J|^2 by default.
         state: entries of the strategy's own state after the step.
-        figures: what a trace reports besides, scalars by name.
-        stationarity_residual: how far H is from stationary, if the strategy knows that better than the engine.
-        relaxed: by how much something falls short of what was asked for, non-negative, by (name, unit).
+        figures: further scalars for the trace, by name.
+        stationarity_residual: stationarity residual of H; that of the null-space part or of the engine by default.
+        relaxed: amount by which each constraint is relaxed, non-negative, by (name, unit).
     """
 
     dq: Expression
@@ -56,11 +56,11 @@ class Proposal:
 
 
 class Programmed(Strategy):
-    """One displacement from quadratic programs, judged by a merit function.
+    """A strategy that takes one displacement from quadratic programs and tests it by a merit function.
 
     A subclass writes `propose` and names its `merit`. Acceptance, damping after a refusal, feasibility restoration,
-    clearances, the report of what was relaxed, and figures are the engine's. The state has what the subclass's
-    `own_state` returns, the state of the merit function, that of `shortening`, and that of the `secondary_term`.
+    clearances, the report of relaxed constraints, and figures are provided by this class and the engine. The state
+    joins those of `own_state`, of the merit function, of `shortening`, and of the `secondary_term`.
     """
 
     @abstractmethod
@@ -76,7 +76,7 @@ class Programmed(Strategy):
         return "always" if self.merit() is None else "merit"
 
     def shortening(self) -> AdaptiveDamping | Backtracking | None:
-        """How the next step gets shorter after a refusal; None if the strategy's own state does that."""
+        """How the next step is shortened after a refusal; None if the strategy's own state does that."""
         return None
 
     def secondary_term(self) -> SecondaryTerm | None:
@@ -88,7 +88,14 @@ class Programmed(Strategy):
         return {}
 
     def adapt(self, model: LocalModel, state: State, proposal: Proposal, outcome: Outcome) -> State:
-        """These entries after the outcome is known; by default those of ``proposal.state``."""
+        """The entries of `own_state` after the outcome is known; by default those of ``proposal.state``.
+
+        Args:
+            model: the local model at q.
+            state: the state before the update.
+            proposal: what `propose` returned.
+            outcome: whether the step was accepted, and if not, which parts to shorten.
+        """
         return proposal.state
 
     def uses_qp(self, has_criterion: bool) -> bool:
@@ -112,15 +119,15 @@ class Programmed(Strategy):
         return state
 
     def update(self, model: LocalModel, state: State) -> Update:
-        """Propose, judge, adapt the state."""
+        """Propose, test, adapt the state."""
         proposal = self._proposed(model, state)
         null = proposal.null_space
         assert null is not None
         candidate = model.candidate(proposal.dq)
         merit = self.merit()
-        verdict = merit.judge(model, state, proposal, candidate) if merit else Verdict(1)
+        verdict = merit.verdict(model, state, proposal, candidate) if merit else Verdict(1)
         longer = proposal.null_space_longer
-        final = tested(
+        final = final_verdict(
             model,
             proposal.dq,
             candidate,
@@ -150,7 +157,7 @@ class Programmed(Strategy):
 
     def _proposed(self, model: LocalModel, state: State) -> Proposal:
         """What `propose` returns, checked and with its defaults filled in."""
-        call, n = Call(self, self.propose), model.robot.n
+        call, n = CheckedCall(self, self.propose), model.robot.n
         proposal = call(Proposal, model, state)
         dq = call.column("dq", proposal.dq, n)
         null = proposal.null_space or NullSpaceDisplacement.none(n)

@@ -38,11 +38,11 @@ RENAMED: dict[str, tuple[str, Any]] = {
     "NullMove": ("NullSpaceDisplacement, whose dq is added to q", null_move),
     "Point": ("Evaluation", Evaluation),
 }
-"""Former name -> (present name and difference, what stands in for it)."""
+"""Former name -> (present name and difference, replacement)."""
 
 
 def former(name: str) -> Any:
-    """What a former name stands for, with a DeprecationWarning; AttributeError for any other name."""
+    """The replacement of a former name, with a DeprecationWarning. Raises AttributeError for any other name."""
     if name not in RENAMED:
         raise AttributeError(f"module 'jtik.strategy' has no attribute {name!r}")
     present, stand_in = RENAMED[name]

@@ -1,4 +1,4 @@
-"""Limits of how far a step may rotate the joints: each by itself in a box, or the step as a whole."""
+"""Limits on the rotation of a step: of each joint by a box, or of the norm by scaling the step."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def within_step_limit(
 ) -> Expression:
     """The factor, at most 1, that brings the rotational part of ``dq`` (n, 1) down to ``limit`` [rad]; 1 if infinite.
 
-    Scaling the whole displacement keeps its direction, and so that of the end effector.
+    Scaling all entries alike keeps the direction of the displacement, and so that of the end effector.
     """
     if not math.isfinite(limit):
         return 1

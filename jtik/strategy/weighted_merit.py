@@ -17,19 +17,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class WeightedMerit(Merit):
-    """gain V + weight H.
+    """The merit function gain V + weight H.
 
-    The decrease that a step promises is its quadratic program's own, ``Proposal.predicted_decrease``.
+    The predicted decrease is that of the quadratic program, ``Proposal.predicted_decrease``.
 
     Attributes:
-        gain: of V.
-        weight: of H, [unit of V / unit of H].
+        gain: weight of V.
+        weight: weight of H [unit of V / unit of H].
     """
 
     gain: float
     weight: float
 
-    def judge(self, model: LocalModel, state: State, proposal: Proposal, candidate: Evaluation) -> Verdict:
+    def verdict(self, model: LocalModel, state: State, proposal: Proposal, candidate: Evaluation) -> Verdict:
         """Armijo's test of the sum."""
         actual = self.gain * (model.here.V - candidate.V)
         noise: Expression = 0

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik._loop.options import Until, read_request, read_settings
+from jtik._loop.options import Until, read_search_options, read_settings
 from jtik.constraints.clearance import Clearance, clearances_of
 from jtik.criterion.base import Criterion, CriterionSum
 from jtik.errors import ArgumentError
@@ -110,7 +110,7 @@ def compare(
         CriterionError: for an invalid criterion.
         MissingExtraError: for a progress bar without rich.
     """
-    read_request(restarts, seed, max_iterations)
+    read_search_options(restarts, seed, max_iterations)
     read_settings(position_tolerance, orientation_tolerance, optimality_tolerance, until)
     if not isinstance(limits, (bool, np.bool_)):
         raise ArgumentError(

@@ -17,7 +17,7 @@ from jtik.errors import MissingExtraError
 from jtik.problems import ProblemSet
 from jtik.result.solution import Trace
 from jtik.robot import Robot
-from jtik.study import display
+from jtik.study import tables
 from jtik.study.rows import COLUMNS, FAILURES, FALSE_SUCCESS, OLD_FALSE_SUCCESS, TEXTS
 from jtik.study.summary import summary
 from jtik.task import Task
@@ -130,7 +130,7 @@ class Comparison:
 
     def to_markdown(self, by: str | Sequence[str] | None = None) -> str:
         """The summary table in Markdown."""
-        return display.markdown(self.summary(by))
+        return tables.markdown(self.summary(by))
 
     def to_csv(self, path: str | Path) -> None:
         """Write all rows to a file without loss of precision. Raises OSError if it cannot be written."""
@@ -217,11 +217,11 @@ class Comparison:
         return read(path)
 
     def __repr__(self) -> str:
-        return "\n".join([self._title(), display.text(self.summary()), *self._notes()])
+        return "\n".join([self._title(), tables.text(self.summary()), *self._notes()])
 
     def _repr_html_(self) -> str:
         notes = "".join(f"<li>{html.escape(note.strip())}</li>" for note in self._notes())
-        return f"<p>{html.escape(self._title())}</p>{display.markup(self.summary())}<ul>{notes}</ul>"
+        return f"<p>{html.escape(self._title())}</p>{tables.markup(self.summary())}<ul>{notes}</ul>"
 
     def _title(self) -> str:
         kinds = ", ".join(f"{len(self.problems.of(kind))} {kind}" for kind in self.problems.kinds)

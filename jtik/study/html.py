@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from jtik.errors import ArgumentError
 from jtik.plotting.planar import Figure
-from jtik.study import display
+from jtik.study import tables
 
 if TYPE_CHECKING:
     from jtik.study.comparison import Comparison
@@ -55,7 +55,7 @@ def page(comparison: Comparison) -> str:
 
 
 def _table(table: dict[str, list[Any]]) -> str:
-    return f'<div class="wide">{display.markup(table)}</div>'
+    return f'<div class="wide">{tables.markup(table)}</div>'
 
 
 def _notes(comparison: Comparison) -> str:

@@ -85,10 +85,10 @@ class _Model:
     def __init__(self, robot: Robot, model: Any) -> None:
         import mujoco
 
-        from jtik.interop.mujoco_model import Correspondence
+        from jtik.interop.mujoco_model import MujocoCorrespondence
 
         self._mujoco, self._model, self._data = mujoco, model, mujoco.MjData(model)
-        self._places = Correspondence(robot, model)
+        self._places = MujocoCorrespondence(robot, model)
         self._frames = {frame: model.body(frame).id for frame in robot.frame_names if frame != robot.base}
         self._at: bytes = b""
 

@@ -17,7 +17,7 @@ from jtik.errors import ArgumentError
 from jtik.problems import ProblemSet
 from jtik.result.solution import Trace
 from jtik.study.comparison import Comparison, assembled
-from jtik.study.description import DescriptionError, as_data, from_data
+from jtik.study.plain_data import DescriptionError, as_data, from_data
 from jtik.study.rows import COLUMNS, Row
 from jtik.study.work_units import StudyPlan, UnitResult
 from jtik.types import Array

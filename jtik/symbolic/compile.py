@@ -26,10 +26,15 @@ from jtik.types import Array
 
 
 def bind(function: Function, arguments: list[Array], results: list[Array]) -> Callable[[], None]:
-    """A call without arguments that reads ``arguments`` and overwrites ``results`` in place.
+    """A call without arguments that evaluates a function on memory that is bound once.
 
-    Every array is one-dimensional, contiguous float64 and as long as the function's input or output has
-    elements (columns first); an empty one stands for an empty input. The arrays are kept alive by the call.
+    Every array is one-dimensional, contiguous float64, with the elements of a matrix in column-major order. The call
+    keeps the arrays alive.
+
+    Args:
+        function: the function.
+        arguments: memory of each input; empty arrays for empty inputs.
+        results: memory of each output, which the call overwrites.
     """
     buffer, evaluate = function.buffer()
     for set_memory, arrays in ((buffer.set_arg, arguments), (buffer.set_res, results)):

@@ -112,7 +112,15 @@ def solve_ldl(A: Expression, b: Expression) -> Expression:
 
 
 def conic(name: str, plugin: str, n: int, rows: int, options: Mapping[str, Any]) -> Function:
-    """(P, q, C, l, u, lb, ub) -> (x, row multipliers, box multipliers) by a conic plugin, for dense data."""
+    """(P, q, C, l, u, lb, ub) -> (x, row multipliers, box multipliers) by a conic plugin, for dense data.
+
+    Args:
+        name: name of the function.
+        plugin: name of CasADi's plugin.
+        n: number of variables.
+        rows: number of rows of C.
+        options: options of the plugin.
+    """
     shapes = {"h": casadi.Sparsity.dense(n, n), "a": casadi.Sparsity.dense(rows, n)}
     solver = casadi.conic(name, plugin, shapes, dict(options))
     sizes = ((n, n), (n, 1), (rows, n), (rows, 1), (rows, 1), (n, 1), (n, 1))
@@ -139,7 +147,15 @@ def function(
     input_names: Sequence[str] = (),
     output_names: Sequence[str] = (),
 ) -> Function:
-    """One ``casadi.Function`` with common subexpressions removed; all outputs dense."""
+    """A ``casadi.Function`` with common subexpressions eliminated and dense outputs.
+
+    Args:
+        name: name of the function.
+        inputs: symbols of the inputs.
+        outputs: expressions of the outputs.
+        input_names: names of the inputs; CasADi's by default.
+        output_names: names of the outputs; give both or neither.
+    """
     dense = [casadi.densify(output) for output in outputs]
     names = [list(input_names), list(output_names)] if input_names else []
     return casadi.Function(name, list(inputs), dense, *names, {"cse": True})

@@ -21,7 +21,7 @@ from jtik.symbolic.operations import TINY, Expression, dot, fabs, fmax, fmin, if
 SWEEPS = {1: 0, 2: 1, 3: 5, 4: 5, 5: 6, 6: 6}
 """Sweeps over all pairs after which m rows are orthogonal to working precision, by m; measured."""
 
-MOST_SWEEPS = 8
+MAX_SWEEPS = 8
 """The number of sweeps for more rows; measured up to 16 rows."""
 
 
@@ -46,7 +46,7 @@ class SingularValues:
         self._m, self._n = J.shape
         if sweeps is not None and sweeps < 0:
             raise ArgumentError("sweeps", sweeps, "a non-negative number, or None for as many as the rows need")
-        rounds = SWEEPS.get(self._m, MOST_SWEEPS) if sweeps is None else sweeps
+        rounds = SWEEPS.get(self._m, MAX_SWEEPS) if sweeps is None else sweeps
         rows = [J[i, :].T for i in range(self._m)]
         self._rotations: list[tuple[int, int, Expression, Expression]] = []
         for _ in range(rounds):
@@ -67,7 +67,7 @@ class SingularValues:
         return tuple(sqrt(squared + TINY) for squared in self.squared)
 
     def components(self, r: Expression) -> list[Expression]:
-        """u_i' r of a vector (m, 1), by the rotations of the rows: cheaper than U itself."""
+        """u_i' r of a vector (m, 1), by the rotations of the rows, without computing U."""
         entries = [r[i] for i in range(self._m)]
         for p, q, c, s in self._rotations:
             entries[p], entries[q] = c * entries[p] + s * entries[q], c * entries[q] - s * entries[p]

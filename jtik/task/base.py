@@ -6,6 +6,7 @@ import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, ClassVar
 
 from jtik.robot import Kinematics, Robot
@@ -20,8 +21,8 @@ class TaskRows:
     Attributes:
         error: the error (m, 1) [m] and [rad].
         linear: for each row, True for a length [m] and False for an angle [rad].
-        jacobian: derivative of the error with respect to the velocity, (m, n), for a task that has a cheaper one than
-            CasADi derives; None otherwise.
+        jacobian: derivative of the error with respect to the velocity, (m, n), where there is a simpler expression
+            than CasADi derives; None otherwise.
     """
 
     error: Expression
@@ -30,7 +31,7 @@ class TaskRows:
 
 
 class Task(ABC):
-    """A task: an error that the robot must bring to zero. Subclass it with an error and the numbers of a target.
+    """A task: an error that the solver reduces to zero. Subclass it with an error and the numbers of a target.
 
     Attributes:
         name: identifies the task in a dict of targets.
@@ -40,12 +41,13 @@ class Task(ABC):
     name: str
     priority: int
 
-    _renamed: ClassVar[Mapping[str, str]] = {}
-    """Old name of a method that subclasses define, to its present name."""
+    _renamed: ClassVar[Mapping[str, str]] = MappingProxyType({"plain": "target_is_vector"})
+    """Deprecated names of methods that subclasses define, to the present ones."""
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
-        for old, new in cls._renamed.items():
+        renamed = {old: new for base in cls.__mro__ for old, new in vars(base).get("_renamed", {}).items()}
+        for old, new in renamed.items():
             if old in vars(cls):
                 text = f"{cls.__name__}.{old} is now {cls.__name__}.{new}"
                 warnings.warn(text, DeprecationWarning, stacklevel=2)
@@ -71,7 +73,7 @@ class Task(ABC):
             target: a target that `read_target` accepts.
 
         Returns:
-            Words for a report; None where all of the target is used.
+            A text for the report; None where all of the target is used.
         """
         return None
 
@@ -79,9 +81,14 @@ class Task(ABC):
         """The frames on which the error depends; empty where the joints are read from the error itself."""
         return ()
 
-    def plain(self, robot: Robot) -> bool:
+    def target_is_vector(self, robot: Robot) -> bool:
         """Whether a vector of ``target_size`` finite numbers is a target without any conversion."""
         return False
+
+    def plain(self, robot: Robot) -> bool:
+        """Deprecated: use `target_is_vector`."""
+        warnings.warn("Task.plain is now Task.target_is_vector", DeprecationWarning, stacklevel=2)
+        return self.target_is_vector(robot)
 
     @abstractmethod
     def rows(self, kinematics: Kinematics, target: Expression) -> TaskRows:

@@ -54,7 +54,7 @@ class CenterOfMassTask(WeightedTask):
         """2 on a planar robot, else 3; coordinates of axes that are not kept are not used."""
         return robot.dimension
 
-    def plain(self, robot: Robot) -> bool:
+    def target_is_vector(self, robot: Robot) -> bool:
         """True: a point is read as it is."""
         return True
 

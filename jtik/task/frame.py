@@ -31,7 +31,7 @@ class FrameTask(PlacementTask):
     - on a planar robot also (x, y), an angle [rad], or (x, y, angle).
 
     Of a pose (4, 4), or in another form, only the position is used by kind "position", and only the orientation by kind
-    "orientation"; `unused` says so.
+    "orientation"; `unused` reports it.
 
     Args:
         frame: name of the frame.

@@ -34,7 +34,7 @@ class LookAtTask(PointingTask):
         ArgumentError: when the axis is zero or not a direction, or the priority or the stiffness cannot be used.
     """
 
-    def plain(self, robot: Robot) -> bool:
+    def target_is_vector(self, robot: Robot) -> bool:
         """True: a point is read as it is."""
         return True
 

@@ -66,7 +66,7 @@ class PlacementTask(WeightedTask):
         position, orientation = (2, 1) if robot.dimension == 2 else (3, 9)
         return {"position": position, "orientation": orientation, "pose": position + orientation}[self.kind]
 
-    def plain(self, robot: Robot) -> bool:
+    def target_is_vector(self, robot: Robot) -> bool:
         """True for positions, and for every kind on a planar robot."""
         return self.kind == "position" or robot.dimension == 2
 

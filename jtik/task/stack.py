@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from jtik.errors import ArgumentError
+from jtik.result.deprecated import RenamedAttribute
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, jacobian, symbol, symvar, vertcat
 from jtik.task.base import Task
@@ -73,9 +74,11 @@ class TaskStack:
         return sum(task.target_size(self.robot) for task in self.tasks)
 
     @property
-    def plain(self) -> bool:
+    def target_is_vector(self) -> bool:
         """Whether a target is a vector of ``target_size`` numbers that needs no conversion."""
-        return len(self.tasks) == 1 and self.tasks[0].plain(self.robot)
+        return len(self.tasks) == 1 and self.tasks[0].target_is_vector(self.robot)
+
+    plain = RenamedAttribute("target_is_vector")
 
     def read_target(self, target: Any) -> Array:
         """The numbers of one target, or of a dict from task name to target, shape (target_size,).
@@ -99,7 +102,7 @@ class TaskStack:
             target: one target, or a dict from task name to target, that `read_target` accepts.
 
         Returns:
-            Words for a report, with the names of the tasks for a dict; None where all of the target is used.
+            A text for the report, with the names of the tasks for a dict; None where all of the target is used.
         """
         if not isinstance(target, dict):
             return self.tasks[0].unused(self.robot, target)
@@ -111,11 +114,13 @@ class TaskStack:
     def _parts(self) -> dict[str, tuple[Task, tuple[int, ...] | None]]:
         """Each task by its name, with the shape of a target that needs no conversion, or None."""
         sizes = {task.name: (task.target_size(self.robot),) for task in self.tasks}
-        return {task.name: (task, sizes[task.name] if task.plain(self.robot) else None) for task in self.tasks}
+        return {
+            task.name: (task, sizes[task.name] if task.target_is_vector(self.robot) else None) for task in self.tasks
+        }
 
-    def _read(self, name: str, task: Task, plain: tuple[int, ...] | None, target: Any) -> Array:
+    def _read(self, name: str, task: Task, vector_shape: tuple[int, ...] | None, target: Any) -> Array:
         """The numbers of one target of a dict; an array that needs no conversion is read without a copy."""
-        if type(target) is np.ndarray and target.shape == plain and target.dtype == np.float64:
+        if type(target) is np.ndarray and target.shape == vector_shape and target.dtype == np.float64:
             numbers: Array = target
             if math.isfinite(sum(numbers.tolist())):
                 return numbers

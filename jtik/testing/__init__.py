@@ -1,6 +1,6 @@
 """Contract tests for criteria and strategies, jtik's own and those of third parties.
 
-Call `check_criterion` and `check_strategy` in the tests of a plugin. A violation raises an AssertionError that says
+Call `check_criterion` and `check_strategy` in the tests of a plugin. A violation raises an AssertionError with
 what was expected, or the JtikError that a solver would raise.
 """
 

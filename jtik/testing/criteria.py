@@ -50,7 +50,7 @@ def check_criterion(
         rng: a seed, or a generator.
 
     Raises:
-        AssertionError: when the criterion violates the contract; the message says how, and at which q.
+        AssertionError: when the criterion violates the contract; the message contains how, and at which q.
         JtikError: when the solver refuses the criterion.
     """
     who = f"criterion {getattr(criterion, 'name', criterion)!r}"

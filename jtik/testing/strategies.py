@@ -19,7 +19,7 @@ RISE = 1e-12
 """Relative rise of V that is rounding of its evaluation."""
 
 EASY_TOLERANCE = 1e-3
-"""Error [m] and [rad] to which an easy target must be reached: steepest descent gets there, too."""
+"""Error [m] and [rad] to which an easy target must be reached: steepest descent reaches it as well."""
 
 
 def check_strategy(
@@ -33,28 +33,29 @@ def check_strategy(
 ) -> None:
     """Check that a strategy keeps its contract, on planar, spatial, mixed and limited robots.
 
-    It reaches near targets, with and without a criterion; its displacement has the right sign; with a criterion H
-    falls; no iterate is NaN or leaves the joint limits; V never rises where the strategy says so; a target out of
-    reach and an exactly straight start end in a Solution; the same question has the same answer; and nothing raises.
+    It reaches targets close to the start, with and without a criterion; its displacement has the right sign; with a
+    criterion H falls; no iterate is NaN or leaves the joint limits; V never rises where the strategy guarantees it; a
+    solve from an exactly straight start, or for a target out of reach, returns a Solution; equal solves have equal
+    results; and nothing raises.
 
     Args:
         strategy: a registered name or a Strategy.
         samples: number of starts on each robot.
         rng: a seed, or a generator.
-        monotone: whether V may never rise in an accepted step without a criterion; by default what ``acceptance()``
-            says, and no claim for a strategy without it.
-        tolerance: error to which near targets must be reached [m] and [rad].
+        monotone: whether V may never rise in an accepted step without a criterion; by default taken from
+            ``acceptance()``, and False for a strategy without it.
+        tolerance: error to which the targets must be reached [m] and [rad].
         max_iterations: number of steps in which they must be reached.
 
     Raises:
-        AssertionError: when something does not hold; the message says what and where.
+        AssertionError: when something does not hold; the message contains what and where.
         StrategyError: when a method returns what cannot be used.
         JtikError: when the solver refuses the strategy.
     """
     checked = strategy_of(strategy)
     claims_monotone = _claims_monotone(checked) if monotone is None else monotone
     generator = np.random.default_rng(rng)
-    for robot, task in _benches():
+    for robot, task in _test_cases():
         for criteria in (None, posture):
             ik = InverseKinematics(robot, task, criteria=criteria, strategy=checked)
             where = f"strategy {checked!r} on {robot!r} {'with' if criteria else 'without'} a criterion"
@@ -62,15 +63,15 @@ def check_strategy(
             for _ in range(samples):
                 start = moved(robot, robot.neutral, generator.uniform(-0.6, 0.6, robot.n))
                 aim = moved(robot, start, generator.uniform(-0.15, 0.15, robot.n))
-                _check_near(where, ik, start, robot.pose(aim), tolerance, max_iterations, falls=falls)
-                _check_far(where, ik, start, falls=falls)
+                _check_reachable(where, ik, start, robot.pose(aim), tolerance, max_iterations, falls=falls)
+                _check_out_of_reach(where, ik, start, falls=falls)
                 if criteria and task.row_count(robot) < robot.n:
                     _check_criterion_falls(where, ik, start)
             _check_straight(where, ik, falls=falls)
 
 
-def _benches() -> list[tuple[Robot, Task]]:
-    """Robots and tasks that together have every property that a strategy could fail on."""
+def _test_cases() -> list[tuple[Robot, Task]]:
+    """Robots and tasks that together have all properties that a strategy has to support."""
     half = np.pi / 2
     spatial = [(0.1, half, 0.3), (0.4, 0.3, 0.0), (0.0, -half, 0.1), (0.3, half, 0.3), (0.0, -half, 0.2)]
     spatial += [(0.0, half, 0.0), (0.1, 0.0, 0.1)]
@@ -102,7 +103,7 @@ def _benches() -> list[tuple[Robot, Task]]:
     ]
 
 
-def _can_travel(robot: Robot) -> bool:
+def _has_unlimited_translation(robot: Robot) -> bool:
     return any(
         not robot.rotational[robot.v_slice(name).start] and np.isinf(robot.upper[robot.q_slice(name).start])
         for name in robot.joint_names
@@ -136,7 +137,7 @@ def _check_solution(where: str, robot: Robot, solution: Solution, *, falls: bool
         )
 
 
-def _check_near(
+def _check_reachable(
     where: str,
     ik: InverseKinematics,
     start: Array,
@@ -146,7 +147,7 @@ def _check_near(
     *,
     falls: bool,
 ) -> None:
-    answers = [
+    solutions = [
         ik.solve(
             target,
             q0=start,
@@ -158,7 +159,7 @@ def _check_near(
         )
         for trace in (True, False)
     ]
-    solution, again = answers
+    solution, again = solutions
     _check_solution(where, ik.robot, solution, falls=falls)
     if not solution.converged:
         _check_sign(where, ik, start, target)
@@ -166,10 +167,10 @@ def _check_near(
         solution.converged,
         f"{where} does not reach a target within 0.15 rad of q0 = {start.tolist()}: {solution.status.value}",
     )
-    require(np.array_equal(again.q, solution.q), f"{where} answers the same question differently")
+    require(np.array_equal(again.q, solution.q), f"{where} returns different results for the same arguments")
     ik.reset()
     stepped = ik.step(start, target).q
-    require(bool(np.isfinite(stepped).all()), f"a step of {where} arrives at {stepped}")
+    require(bool(np.isfinite(stepped).all()), f"a step of {where} returns {stepped}")
 
 
 def _check_sign(where: str, ik: InverseKinematics, start: Array, target: Array) -> None:
@@ -198,7 +199,7 @@ def _check_criterion_falls(where: str, ik: InverseKinematics, start: Array) -> N
 
 
 class _Reversed(Strategy):
-    """A strategy whose displacements have the other sign, and are all taken."""
+    """A strategy with the displacements of another, negated; every step is taken."""
 
     def __init__(self, strategy: Strategy) -> None:
         self._strategy = strategy
@@ -215,19 +216,19 @@ class _Reversed(Strategy):
         return self._strategy.initial_state(shape)
 
     def update(self, model: LocalModel, state: State) -> Update:
-        """The displacement of the strategy, reversed."""
+        """The displacement of the strategy, negated."""
         return Update(-self._strategy.update(model, state).dq)
 
 
-def _check_far(where: str, ik: InverseKinematics, start: Array, *, falls: bool) -> None:
-    """A kilometre away, unless the robot can drive there."""
-    if _can_travel(ik.robot):
+def _check_out_of_reach(where: str, ik: InverseKinematics, start: Array, *, falls: bool) -> None:
+    """A target a kilometre away is not reached, unless the robot can drive there."""
+    if _has_unlimited_translation(ik.robot):
         return
     away = ik.robot.pose(start)
     away[:2, 3] += 1e3
-    lost = ik.solve(away, q0=start, max_iterations=200, trace=True)
-    _check_solution(where, ik.robot, lost, falls=falls)
-    require(not lost.converged, f"{where} claims to reach a target a kilometre away: {lost!r}")
+    solution = ik.solve(away, q0=start, max_iterations=200, trace=True)
+    _check_solution(where, ik.robot, solution, falls=falls)
+    require(not solution.converged, f"{where} claims to reach a target a kilometre away: {solution!r}")
 
 
 def _check_straight(where: str, ik: InverseKinematics, *, falls: bool) -> None:

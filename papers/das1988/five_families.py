@@ -75,9 +75,9 @@ def anywhere(spread: float) -> Callable[[np.random.Generator], Problem]:
     return lambda rng: (rng.uniform(-spread, spread, LINKS), tip(rng.uniform(-spread, spread, LINKS)))
 
 
-def straight(bend: float) -> Callable[[np.random.Generator], Problem]:
-    """Joint angles normal with standard deviation ``bend``; the target on the x axis between 3 and 9 m."""
-    return lambda rng: (bend * rng.standard_normal(LINKS), np.array([rng.uniform(3, 9), 0.0]))
+def straight(deviation: float) -> Callable[[np.random.Generator], Problem]:
+    """Joint angles normal with standard deviation ``deviation`` [rad]; the target on the x axis between 3 and 9 m."""
+    return lambda rng: (deviation * rng.standard_normal(LINKS), np.array([rng.uniform(3, 9), 0.0]))
 
 
 def ring(radius: float) -> Callable[[np.random.Generator], Problem]:

@@ -105,7 +105,7 @@ def solved(family: str, strategy: str, ik: jtik.InverseKinematics, count: int) -
         spent.append(solution.iterations if solution.position_error <= 1e-6 else math.inf)
         rose.append(raised(solution.trace))
     successful = [each for each in spent if math.isfinite(each)]
-    row: Row = {"family": family, "law": strategy, "reached": percent(map(math.isfinite, spent))}
+    row: Row = {"family": family, "strategy": strategy, "reached": percent(map(math.isfinite, spent))}
     row |= {"iterations": median(spent), "rises": percent(rose)}
     return row | ({"mean": float(np.mean(successful))} if successful else {})
 
@@ -122,7 +122,7 @@ def compute(quick: bool) -> list[Row]:
 
 def statements(rows: Sequence[Row]) -> dict[str, bool]:
     """Statements about these rows, and whether they hold."""
-    at = by_key(rows, ["family", "law"])
+    at = by_key(rows, ["family", "strategy"])
 
     def of(family: str, strategy: str, column: str) -> float:
         return float(at[f"{family} | {strategy}"][column])
@@ -152,7 +152,7 @@ def statements(rows: Sequence[Row]) -> dict[str, bool]:
 
 SCRIPT = Script(
     name="hybrid_switch",
-    keys=("family", "law"),
+    keys=("family", "strategy"),
     tolerances={"reached": SHARE, "iterations": MEDIAN, "rises": SHARE, "mean": Within(absolute=3.0, relative=0.25)},
     compute=compute,
     statements=statements,

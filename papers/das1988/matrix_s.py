@@ -70,12 +70,12 @@ def steps(robot: jtik.Robot, strategy: str, starts: list[tuple[Array, Array]]) -
 def prismatic_arm() -> jtik.Robot:
     """Three prismatic joints in the plane."""
     axes = [np.array([math.cos(0.7 * k), math.sin(0.7 * k), 0.0]) for k in range(3)]
-    frames = ["base", "slide1", "slide2", "tip"]
+    frames = ["base", "carriage1", "carriage2", "tip"]
     joints = [
         jtik.Joint(f"joint{k + 1}", jtik.JointType.PRISMATIC, frames[k], frames[k + 1], axis=axis)
         for k, axis in enumerate(axes)
     ]
-    return jtik.Robot(joints, name="slides", planar=True)
+    return jtik.Robot(joints, name="prismatic", planar=True)
 
 
 def kind(name: str, robot: jtik.Robot, count: int) -> Row:
@@ -100,11 +100,11 @@ def kind(name: str, robot: jtik.Robot, count: int) -> Row:
             target = target + rng.uniform(-FAR, FAR, 2)
         starts.append((q0, target))
     revolute = robot.rotational
-    plain, printed, after = (steps(robot, strategy, starts) for strategy in STRATEGIES)
+    unlimited, printed, after = (steps(robot, strategy, starts) for strategy in STRATEGIES)
     ik = jtik.InverseKinematics(robot, jtik.FrameTask(robot.frame(None)), strategy=Hybrid())
     differences, limited, longest, after_longest, alone = [], [], [], [], []
     for (dq, _, V), (dq_printed, _, _), (dq_after, _, _), (q0, target) in zip(
-        plain, printed, after, starts, strict=True
+        unlimited, printed, after, starts, strict=True
     ):
         differences.append(np.linalg.norm(dq_printed - dq) / np.linalg.norm(dq))
         Q = np.linalg.norm(dq[revolute])
@@ -229,9 +229,9 @@ def compute(quick: bool) -> list[Row]:
     many, few = (40, 3) if quick else (400, 40)
     robots: dict[str, Callable[[], jtik.Robot]] = {
         "revolute, 10 links": lambda: jtik.Robot.planar(10),
-        "slides only": prismatic_arm,
-        "two slides, 3 unit links": lambda: mixed(3),
-        "slides in line, 3 short links": rail,
+        "prismatic joints only": prismatic_arm,
+        "two prismatic joints, 3 unit links": lambda: mixed(3),
+        "prismatic joints in line, 3 short links": rail,
     }
     rows = [kind(name, build(), many) for name, build in robots.items()]
     return rows + [approach(links, few) for links in ((1, 2, 3, 5) if quick else (1, 2, 3, 5, 10))]
@@ -240,8 +240,8 @@ def compute(quick: bool) -> list[Row]:
 def statements(rows: Sequence[Row]) -> dict[str, bool]:
     """Statements about these rows, and whether they hold."""
     at = by_key(rows, ["case"])
-    revolute, prismatic = at["revolute, 10 links"], at["slides only"]
-    both = [at["two slides, 3 unit links"], at["slides in line, 3 short links"]]
+    revolute, prismatic = at["revolute, 10 links"], at["prismatic joints only"]
+    both = [at["two prismatic joints, 3 unit links"], at["prismatic joints in line, 3 short links"]]
     vehicles = [row for name, row in at.items() if name.startswith("vehicle")]
     return {
         "on a revolute arm the printed S changes nothing": float(revolute["printed_changes"]) < 1e-12

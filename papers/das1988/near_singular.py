@@ -50,7 +50,7 @@ def solved(family: str, strategy: str, ik: jtik.InverseKinematics, given: Given)
         spent.append(solution.iterations if solution.position_error <= 1e-6 else math.inf)
     return {
         "case": family,
-        "law": strategy,
+        "strategy": strategy,
         "longest": median(longest),
         "longest_of_all": max(longest),
         "rises": percent(rose),
@@ -70,8 +70,8 @@ def upright(count: int) -> tuple[jtik.Robot, Given]:
 def weak_pose() -> Array:
     """Ten links on a flat arc with a smallest singular value of J of 1e-4."""
 
-    def sigma(bend: float) -> float:
-        return float(np.linalg.svd(ARM.jacobian(np.full(10, bend), "tip")[:2], compute_uv=False)[1]) - WEAK
+    def sigma(angle: float) -> float:
+        return float(np.linalg.svd(ARM.jacobian(np.full(10, angle), "tip")[:2], compute_uv=False)[1]) - WEAK
 
     return np.full(10, brentq(sigma, 1e-9, 1e-2, xtol=1e-16))
 
@@ -86,7 +86,7 @@ def along(case: str, share: float) -> list[Row]:
         ik = jtik.InverseKinematics(ARM, jtik.FrameTask("tip"), strategy=METHODS[strategy])
         trace = ik.solve(ARM.position(q, "tip") - e, q0=q, max_iterations=1, trace=True).trace
         assert trace is not None
-        rows.append({"case": case, "law": strategy, "longest": float(trace.step_length[0])})
+        rows.append({"case": case, "strategy": strategy, "longest": float(trace.step_length[0])})
     return rows
 
 
@@ -106,7 +106,7 @@ def compute(quick: bool) -> list[Row]:
 
 def statements(rows: Sequence[Row]) -> dict[str, bool]:
     """Statements about these rows, and whether they hold."""
-    at = by_key(rows, ["case", "law"])
+    at = by_key(rows, ["case", "strategy"])
     near = (*FAMILIES[:2], "iiwa14, upright")
 
     def of(case: str, strategy: str, column: str) -> float:
@@ -152,7 +152,7 @@ def statements(rows: Sequence[Row]) -> dict[str, bool]:
 
 SCRIPT = Script(
     name="near_singular",
-    keys=("case", "law"),
+    keys=("case", "strategy"),
     tolerances={
         "longest": Within(relative=0.05),
         "longest_of_all": Within(relative=0.5),

@@ -87,7 +87,7 @@ def agreement() -> Row:
         assert trace is not None
         own = as_printed(ik, (6.0, 1.0), q0, len(trace))
         differences.append(float(np.abs(np.array(own) - trace.q[: len(own)]).max()))
-    return {"case": "all, bent start", "law": "difference", "difference": max(differences)}
+    return {"case": "all, bent start", "strategy": "difference", "difference": max(differences)}
 
 
 def alone(case: str) -> Row:
@@ -106,7 +106,7 @@ def alone(case: str) -> Row:
     ]
     return {
         "case": case,
-        "law": "as printed",
+        "strategy": "as printed",
         "moves": percent(len(path) > 1 for path in paths),
         "reached": percent(reached),
         "iterations": median([len(path) - 1 if ok else math.inf for path, ok in zip(paths, reached, strict=True)]),
@@ -119,7 +119,7 @@ def escaping(case: str, method: str, strategy: jtik.Strategy) -> Row:
     solutions = [ik.solve((target, 0.0), q0=np.zeros(10), until="reached") for target in TARGETS]
     return {
         "case": case,
-        "law": method,
+        "strategy": method,
         "reached": percent(solution.converged for solution in solutions),
         "iterations": median([s.iterations if s.converged else math.inf for s in solutions]),
         "escapes": median([float(solution.escapes) for solution in solutions]),
@@ -143,7 +143,7 @@ def bent(count: int) -> list[Row]:
         escapes.append(float(solution.escapes))
     rows: list[Row] = []
     for method, spent in (("as printed", printed), ("hybrid", own)):
-        row: Row = {"case": "none, bent by 1e-8", "law": method, "reached": percent(map(math.isfinite, spent))}
+        row: Row = {"case": "none, bent by 1e-8", "strategy": method, "reached": percent(map(math.isfinite, spent))}
         rows.append(row | {"iterations": median(spent)})
     rows[1]["escapes"] = median(escapes)
     return rows
@@ -158,7 +158,7 @@ def compute(quick: bool) -> list[Row]:
 
 def statements(rows: Sequence[Row]) -> dict[str, bool]:
     """Statements about these rows, and whether they hold."""
-    at = by_key(rows, ["case", "law"])
+    at = by_key(rows, ["case", "strategy"])
 
     def moves(*cases: str) -> set[float]:
         return {float(at[f"{case} | as printed"]["moves"]) for case in cases}
@@ -173,7 +173,9 @@ def statements(rows: Sequence[Row]) -> dict[str, bool]:
         == {0},
         "obstacles off the line and non-zero angles move it out": moves(*freeing) == {100}
         and all(at[f"{case} | as printed"]["reached"] == 100 for case in freeing),
-        "a bend of 1e-8 rad moves it out without a criterion": float(at["none, bent by 1e-8 | as printed"]["reached"])
+        "an offset of 1e-8 rad moves it out without a criterion": float(
+            at["none, bent by 1e-8 | as printed"]["reached"]
+        )
         > 95,
         "jtik's saddle escape and the hybrid reach the target in every case": all(
             at[f"{case} | hybrid"]["reached"] == 100 for case in CRITERIA
@@ -184,7 +186,7 @@ def statements(rows: Sequence[Row]) -> dict[str, bool]:
 
 SCRIPT = Script(
     name="out_of_singular",
-    keys=("case", "law"),
+    keys=("case", "strategy"),
     tolerances={
         "difference": Within(absolute=1e-9),
         "moves": SHARE,

@@ -193,7 +193,7 @@ def test_dh_robots_come_from_a_file() -> None:
     np.testing.assert_array_equal(built.pose(q), jtik.Robot.from_dh(rows, convention="modified").pose(q))
 
 
-def test_a_file_says_all_of_a_problem(problem_file: Path) -> None:
+def test_a_file_describes_a_problem_completely(problem_file: Path) -> None:
     problem = read(load(problem_file))
     ik = problem.ik
     assert ik.robot.lower.tolist() == [-2.0] * 4
@@ -205,10 +205,10 @@ def test_a_file_says_all_of_a_problem(problem_file: Path) -> None:
     assert problem.options == {"max_iterations": 500, "q0": [0.4, 0.3, 0.2, 0.1]}
 
 
-def test_json_and_toml_files_say_the_same(capsys: Capture, problem_file: Path) -> None:
-    twin = problem_file.with_suffix(".json")
-    twin.write_text(json.dumps(load(problem_file)))
-    first, second = (solved(capsys, "--file", str(file)) for file in (problem_file, twin))
+def test_json_and_toml_files_give_the_same_solution(capsys: Capture, problem_file: Path) -> None:
+    as_json = problem_file.with_suffix(".json")
+    as_json.write_text(json.dumps(load(problem_file)))
+    first, second = (solved(capsys, "--file", str(file)) for file in (problem_file, as_json))
     assert {**first, "seconds": 0} == {**second, "seconds": 0}
 
 
@@ -245,7 +245,7 @@ def test_until_reached_stops_earlier(capsys: Capture) -> None:
 
 
 def test_limits_can_be_ignored(capsys: Capture, problem_file: Path) -> None:
-    far = [
+    out_of_limits = [
         "--file",
         str(problem_file),
         "--target",
@@ -259,9 +259,9 @@ def test_limits_can_be_ignored(capsys: Capture, problem_file: Path) -> None:
         "1",
         "1",
     ]
-    held = solved(capsys, *far, code=1)
-    assert held["active_limits"]
-    free = solved(capsys, *far, "--no-limits")
+    limited = solved(capsys, *out_of_limits, code=1)
+    assert limited["active_limits"]
+    free = solved(capsys, *out_of_limits, "--no-limits")
     assert max(np.abs(free["q"])) > 2.0
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.constraints.clearance import travels
+from jtik.constraints.clearance import lever_arms
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from ..conftest import dh_arm, planar, planar_points
@@ -264,7 +264,7 @@ def test_without_restoration_a_distance_only_becomes_no_smaller(problems):
     q, target = problems[0]
     near = jtik.Circle(planar_points(q)[2] + (0.0, 0.31), 0.3)
     ik = solver(planar(5), field=[near], restore=False)
-    assert "restoration" not in [call.call.name for call in ik._engine.runners.plain.fused.parts.preparations]
+    assert "restoration" not in [call.call.name for call in ik._engine.runners.solve.fused.parts.preparations]
     least = [gaps(p, [near]).min() for p in ik.solve(target, q0=q, trace=True, max_iterations=200).trace.q]
     assert min(least) >= gaps(q, [near]).min() - 1e-6
 
@@ -330,7 +330,7 @@ def test_rows_name_what_they_are(problems):
 def test_travel_bounds_hold(rng):
     """No point of the body moves farther, for a unit of one joint, than its bound."""
     for robot in (planar(4), dh_arm(6, 1), jtik.Robot.vehicle(2, vehicle_lower=-1, vehicle_upper=1)):
-        bound = travels(robot)
+        bound = lever_arms(robot)
         for _ in range(20):
             q = robot.random_configuration(rng)
             for frame in robot.frame_names:

@@ -8,7 +8,7 @@ import pytest
 import jtik
 from jtik_formulations import JointCentering
 
-from ..conftest import DIFFERENCES, EXACT, ball_arm, dh_arm, differences, look, planar
+from ..conftest import DIFFERENCES, EXACT, ball_arm, dh_arm, differences, planar, report_at
 
 
 def solver(robot, criterion, kind="position"):
@@ -16,7 +16,7 @@ def solver(robot, criterion, kind="position"):
 
 
 def at(ik, q):
-    return look(ik, q, ik.robot.pose(q))
+    return report_at(ik, q, ik.robot.pose(q))
 
 
 def test_default_is_half_the_squared_angles(rng):
@@ -110,13 +110,13 @@ class TestStiffnessByJointName:
     def test_places_follow_q_where_a_joint_has_several_entries(self, rng):
         robot = ball_arm()
         q = robot.random_configuration(rng)
-        criterion = JointCentering({"slide": 5.0, "elbow": 2.0})
-        elbow, slide = q[robot.q_slice("elbow")][0], q[robot.q_slice("slide")][0]
-        assert criterion(q, robot) == pytest.approx(elbow**2 + 2.5 * slide**2)
+        criterion = JointCentering({"lift": 5.0, "elbow": 2.0})
+        elbow, lift = q[robot.q_slice("elbow")][0], q[robot.q_slice("lift")][0]
+        assert criterion(q, robot) == pytest.approx(elbow**2 + 2.5 * lift**2)
 
     @pytest.mark.parametrize("joint", ["elbw", "wrist", "tip"])
     def test_a_name_that_is_no_revolute_or_prismatic_joint(self, joint):
-        with pytest.raises(jtik.UnknownNameError, match=f"revolute or prismatic joint '{joint}'.*known: elbow, slide"):
+        with pytest.raises(jtik.UnknownNameError, match=f"revolute or prismatic joint '{joint}'.*known: elbow, lift"):
             JointCentering({joint: 2.0}).parameters(ball_arm())
 
     @pytest.mark.parametrize("value", [-1.0, np.nan, np.inf, "stiff", [1.0, 2.0]])

@@ -15,10 +15,10 @@ from ..conftest import (
     ball_arm,
     dh_arm,
     differences,
-    look,
     planar,
     planar_jacobian,
     planar_points,
+    report_at,
 )
 
 PAPER = 1e-8
@@ -32,7 +32,7 @@ def solver(robot, obstacles, **options):
 
 
 def at(ik, q):
-    return look(ik, q, ik.robot.position(q))
+    return report_at(ik, q, ik.robot.position(q))
 
 
 def joint_jacobian(q, j):
@@ -253,13 +253,13 @@ def test_the_potential_is_smooth_across_the_floor_and_the_surface(edge):
 def test_a_solution_has_larger_distances_than_without():
     robot, q0, target = planar(10), np.full(10, 0.1), (6.0, 3.0)
     centering = jtik.criteria["joint_centering"]()
-    plain = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=centering).solve(target, q0=q0)
-    center = planar_points(plain.q)[4] + (0.05, 0.3)  # beside the elbow of that answer
+    without = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=centering).solve(target, q0=q0)
+    center = planar_points(without.q)[4] + (0.05, 0.3)  # beside the elbow of that solution
     avoiding = centering + ObstacleAvoidance(jtik.Circle(center, 0.25), bodies="both")
     avoided = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=avoiding).solve(target, q0=q0)
-    assert plain.converged
+    assert without.converged
     assert avoided.converged
-    clearances = [np.linalg.norm(planar_points(s.q) - center, axis=1).min() - 0.25 for s in (plain, avoided)]
+    clearances = [np.linalg.norm(planar_points(s.q) - center, axis=1).min() - 0.25 for s in (without, avoided)]
     assert clearances[1] > clearances[0] + 0.1
 
 

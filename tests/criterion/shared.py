@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import jtik
 
-from ..conftest import look
+from ..conftest import report_at
 
 STRATEGIES = sorted(jtik.strategies)
 
@@ -20,4 +20,4 @@ def solver(robot, criteria, strategy="hybrid", **options):
 
 
 def at(ik, q):
-    return look(ik, q, ik.robot.position(q))
+    return report_at(ik, q, ik.robot.position(q))

@@ -138,9 +138,9 @@ class TestSums:
 
     def test_a_sum_with_something_else_is_a_type_error(self):
         A, _ = self.terms()
-        for wrong in (lambda: A + 1.0, lambda: 1.0 + A, lambda: A - 1, lambda: 1 - A, lambda: A + "joint_centering"):
+        for invalid in (lambda: A + 1.0, lambda: 1.0 + A, lambda: A - 1, lambda: 1 - A, lambda: A + "joint_centering"):
             with pytest.raises(TypeError, match="unsupported operand|concatenate"):
-                wrong()
+                invalid()
 
     def test_none_and_weight_zero_have_no_gradient(self):
         robot, q0, target = planar(4), np.array([0.4, 0.3, 0.2, 0.1]), (2.0, 2.0)

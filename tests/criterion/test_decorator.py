@@ -8,7 +8,7 @@ import pytest
 
 import jtik
 
-from ..conftest import DIFFERENCES, EXACT, dh_arm, differences, look, planar
+from ..conftest import DIFFERENCES, EXACT, dh_arm, differences, planar, report_at
 from .shared import STRATEGIES, at, link_height, solver
 
 
@@ -49,7 +49,7 @@ class TestDecorator:
         robot = dh_arm(4, 1)
         q = robot.random_configuration(rng)
         expected = np.sin(q[0]) ** 2 + np.exp(-q[1]) + abs(q[2]) / 2 + np.sum(robot.pose(q)[:3, 3] ** 2)
-        assert look(solver(robot, wavy), q, robot.position(q)).cost == pytest.approx(expected, rel=1e-11)
+        assert report_at(solver(robot, wavy), q, robot.position(q)).cost == pytest.approx(expected, rel=1e-11)
 
     def test_a_constant_is_a_criterion_with_zero_gradient(self):
         @jtik.criterion
@@ -70,7 +70,7 @@ class TestDecorator:
             link_height(width=1.0)
 
     @pytest.mark.parametrize(
-        "wrong",
+        "invalid",
         [
             lambda q: q,
             lambda q, robot, extra: q,
@@ -80,6 +80,6 @@ class TestDecorator:
             3,
         ],
     )
-    def test_another_signature_is_refused(self, wrong):
+    def test_another_signature_is_refused(self, invalid):
         with pytest.raises(jtik.ArgumentError, match=r"f\(q, robot"):
-            jtik.criterion(wrong)
+            jtik.criterion(invalid)

@@ -265,5 +265,5 @@ class TestCache:
     def test_an_evaluated_criterion_is_copied_and_pickled(self):
         criterion = JointCentering(2.0)
         criterion(Q, planar(4))
-        for twin in (pickle.loads(pickle.dumps(criterion)), copy.deepcopy(criterion)):
-            assert twin(Q, planar(4)) == criterion(Q, planar(4))
+        for copied in (pickle.loads(pickle.dumps(criterion)), copy.deepcopy(criterion)):
+            assert copied(Q, planar(4)) == criterion(Q, planar(4))

@@ -9,15 +9,15 @@ import pytest
 import qpsolvers
 
 import jtik
+from jtik.interop.criterion_evaluation import convex
 from jtik.interop.mink import (
-    Correspondence,
+    MujocoCorrespondence,
     as_criterion,
     criterion_task,
     limit_rows,
     to_mujoco,
     velocity_limit,
 )
-from jtik.interop.numbers import convex
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from ..conftest import DIFFERENCES, differences, floating_arm, planar
@@ -60,7 +60,7 @@ class TestCriterionAsTask:
         criterion = JointCentering() if robot.dimension == 2 else height
         model = to_mujoco(robot)
         task = criterion_task(criterion, robot, model, gain=0.7)
-        correspondence = Correspondence(robot, model)
+        correspondence = MujocoCorrespondence(robot, model)
         q = robot.random_configuration(rng)
         configuration = mink.Configuration(model, correspondence.qpos(q))
         P, c = task.compute_qp_objective(configuration)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.interop.mink import Correspondence, to_mujoco
+from jtik.interop.mink import MujocoCorrespondence, to_mujoco
 from jtik.robot import JointType, Mass
 
 from ..conftest import ball_arm, dh_arm, floating_arm, planar
@@ -29,7 +29,7 @@ def gripper():
     return jtik.Robot(
         [
             jtik.Joint("turn", JointType.REVOLUTE, "world", "palm", origin=shifted(0, 0, 0.2), lower=-1, upper=2),
-            jtik.Joint("far", JointType.REVOLUTE, "world", "post", origin=shifted(1), upper=1),
+            jtik.Joint("outer", JointType.REVOLUTE, "world", "post", origin=shifted(1), upper=1),
             jtik.Joint(
                 "left", JointType.PRISMATIC, "palm", "finger", origin=shifted(0.1, 0.02), axis=X, lower=0, upper=0.1
             ),
@@ -70,7 +70,7 @@ ROBOTS = {
 def test_every_frame_is_a_body_at_the_same_pose_with_the_same_jacobian(name, rng):
     robot = ROBOTS[name]()
     model = to_mujoco(robot)
-    correspondence, data = Correspondence(robot, model), mujoco.MjData(model)
+    correspondence, data = MujocoCorrespondence(robot, model), mujoco.MjData(model)
     for _ in range(3):
         q = robot.random_configuration(rng)
         data.qpos[:] = correspondence.qpos(q)
@@ -90,7 +90,7 @@ def test_every_frame_is_a_body_at_the_same_pose_with_the_same_jacobian(name, rng
 def test_numbers_are_converted_both_ways(name, rng):
     robot = ROBOTS[name]()
     model = to_mujoco(robot)
-    correspondence = Correspondence(robot, model)
+    correspondence = MujocoCorrespondence(robot, model)
     q, v = robot.random_configuration(rng), rng.standard_normal(robot.n)
     assert correspondence.q(correspondence.qpos(q)) == pytest.approx(q, abs=0)
     assert correspondence.velocity(correspondence.moves @ v) == pytest.approx(v, abs=0)
@@ -105,7 +105,7 @@ def test_numbers_are_converted_both_ways(name, rng):
 def test_limits_masses_and_solids_are_kept():
     model = to_mujoco(gripper(), obstacles=[jtik.Sphere([1, 0, 1], 0.2), jtik.Circle([0, 2], 0.1)])
     assert model.joint("turn").range == pytest.approx([-1, 2])
-    assert model.joint("far").range[1] == 1
+    assert model.joint("outer").range[1] == 1
     assert model.joint("left").limited == 1
     assert model.body("palm").mass == pytest.approx(2.0)
     assert model.body("palm").ipos == pytest.approx([0.01, 0, 0])
@@ -114,26 +114,26 @@ def test_limits_masses_and_solids_are_kept():
     assert model.geom("obstacle0").size[0] == 0.2
     assert [model.body(f"obstacle{i}").mocapid >= 0 for i in (0, 1)] == [True, True]
     assert model.neq == 1
-    assert len(Correspondence(gripper(), model).follows) == 1
+    assert len(MujocoCorrespondence(gripper(), model).follows) == 1
 
 
 def test_the_model_a_robot_was_read_from_corresponds_too(rng):
     """Also for joints without names, and for a subset, whose other joints keep their positions."""
     xml = """<mujoco><worldbody><body name="a"><joint axis="0 0 1"/><joint name="up" type="slide" axis="0 0 1"/>
-      <geom size=".1"/><body name="b" pos="1 0 0"><joint name="bend" axis="0 1 0" ref="0.3"/><geom size=".1"/></body>
+      <geom size=".1"/><body name="b" pos="1 0 0"><joint name="elbow" axis="0 1 0" ref="0.3"/><geom size=".1"/></body>
       </body></worldbody></mujoco>"""
     model = mujoco.MjModel.from_xml_string(xml)
     robot = jtik.Robot.from_mujoco(model)
     q = rng.uniform(-1, 1, 3)
-    assert Correspondence(robot, model).qpos(q) == pytest.approx(q, abs=0)
-    part = robot.subset(["bend"])
-    assert Correspondence(part, model, rest=q).qpos(np.array([0.7])) == pytest.approx([*q[:2], 0.7], abs=0)
+    assert MujocoCorrespondence(robot, model).qpos(q) == pytest.approx(q, abs=0)
+    part = robot.subset(["elbow"])
+    assert MujocoCorrespondence(part, model, rest=q).qpos(np.array([0.7])) == pytest.approx([*q[:2], 0.7], abs=0)
 
 
 class TestWrongInput:
     def test_a_model_of_another_robot(self):
         with pytest.raises(jtik.ArgumentError, match="joint 'joint1'"):
-            Correspondence(planar(3), to_mujoco(gripper()))
+            MujocoCorrespondence(planar(3), to_mujoco(gripper()))
 
     def test_a_free_joint_in_the_middle(self):
         robot = jtik.Robot(

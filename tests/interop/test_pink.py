@@ -16,7 +16,7 @@ from ..conftest import DIFFERENCES, differences
 pink = pytest.importorskip("pink")
 pinocchio = pytest.importorskip("pinocchio")
 
-from jtik.interop.pink import Correspondence, as_criterion, criterion_task, fresh, limit_rows  # noqa: E402
+from jtik.interop.pink import PinocchioCorrespondence, as_criterion, criterion_task, fresh, limit_rows  # noqa: E402
 
 DAQP = 1e-8
 """Tolerance on the solution of DAQP, without damping."""
@@ -74,7 +74,7 @@ def low(q, robot, *, wanted=0.1):
 class TestCorrespondence:
     def test_numbers_are_converted_both_ways(self, build, rng):
         robot, model = build()
-        correspondence = Correspondence(robot, model)
+        correspondence = PinocchioCorrespondence(robot, model)
         q = robot.random_configuration(rng)
         assert robot.difference(q, correspondence.q(correspondence.theirs(q))) == pytest.approx(
             np.zeros(robot.n), abs=1e-12
@@ -82,7 +82,7 @@ class TestCorrespondence:
 
     def test_the_same_poses_and_displacements(self, build, rng):
         robot, model = build()
-        correspondence, data = Correspondence(robot, model), model.createData()
+        correspondence, data = PinocchioCorrespondence(robot, model), model.createData()
         q, v = robot.random_configuration(rng), 0.1 * rng.standard_normal(robot.n)
         for at in (correspondence.theirs(q), correspondence.theirs(robot.integrate(q, v))):
             pinocchio.framesForwardKinematics(model, data, at)
@@ -101,7 +101,7 @@ class TestCriterionAsTask:
     def test_its_objective_is_the_gradient(self, build, rng):
         robot, model = build()
         task = criterion_task(low, robot, model, gain=0.7)
-        correspondence = Correspondence(robot, model)
+        correspondence = PinocchioCorrespondence(robot, model)
         q = robot.random_configuration(rng)
         P, c = task.compute_qp_objective(configuration(model, correspondence.theirs(q)))
         gradient = differences(lambda at: task.value(configuration(model, correspondence.theirs(at))), robot, q)[0]
@@ -112,7 +112,7 @@ class TestCriterionAsTask:
         """Newton with the projected gradient, in Pinocchio's velocities."""
         robot, model = build()
         task = criterion_task(low, robot, model, gain=0.4)
-        correspondence = Correspondence(robot, model)
+        correspondence = PinocchioCorrespondence(robot, model)
         q = robot.random_configuration(rng)
         at = configuration(model, correspondence.theirs(q))
         tip = pink.tasks.FrameTask("f", position_cost=1.0, orientation_cost=1.0)
@@ -139,7 +139,7 @@ class TestCriterionAsTask:
 def test_live_parameters_and_a_name():
     robot, model = fixed()
     task = criterion_task(JointCentering(), robot, model)
-    at = configuration(model, Correspondence(robot, model).theirs(np.zeros(5)))
+    at = configuration(model, PinocchioCorrespondence(robot, model).theirs(np.zeros(5)))
     assert task.compute_qp_objective(at)[1] == pytest.approx(np.zeros(5))
     task.parameters["joint_centering.preferred"] = np.full(5, 0.5)
     assert task.compute_qp_objective(at)[1] == pytest.approx(np.full(5, -0.5))
@@ -176,15 +176,17 @@ class TestBarriers:
 
     def test_it_is_the_same_otherwise(self, rng):
         robot, model = fixed()
-        at = configuration(model, Correspondence(robot, model).theirs(robot.random_configuration(rng)))
+        at = configuration(model, PinocchioCorrespondence(robot, model).theirs(robot.random_configuration(rng)))
         options = {"gain": np.array([2.0]), "safe_displacement_gain": 0.5}
         theirs = pink.barriers.PositionBarrier("f", indices=[2], p_min=np.array([-1.0]), **options)
-        for mine, own in zip(
+        for found, expected in zip(
             fresh(theirs).compute_qp_inequalities(at, 0.1), theirs.compute_qp_inequalities(at, 0.1), strict=True
         ):
-            assert mine == pytest.approx(own)
-        for mine, own in zip(fresh(theirs).compute_qp_objective(at), theirs.compute_qp_objective(at), strict=True):
-            assert mine == pytest.approx(own)
+            assert found == pytest.approx(expected)
+        for found, expected in zip(
+            fresh(theirs).compute_qp_objective(at), theirs.compute_qp_objective(at), strict=True
+        ):
+            assert found == pytest.approx(expected)
 
     def test_pink_solves_with_it(self):
         robot, model = fixed()
@@ -193,7 +195,7 @@ class TestBarriers:
         down = criterion_task(low(wanted=-9.0), robot, model, gain=1.0)
         barrier = pink.barriers.PositionBarrier("f", indices=[2], p_min=np.array([height - 0.01]), gain=np.array([1.0]))
         v = pink.solve_ik(configuration=at, tasks=[down], dt=0.1, solver="daqp", limits=[], barriers=[fresh(barrier)])
-        J = robot.jacobian(Correspondence(robot, model).q(at.q), "f")[2]
+        J = robot.jacobian(PinocchioCorrespondence(robot, model).q(at.q), "f")[2]
         assert J @ v == pytest.approx(-0.01, abs=1e-7)
 
     def test_as_rows_on_a_displacement(self, rng):
@@ -235,7 +237,7 @@ class TestWrongInput:
     def test_another_robot(self):
         _, model = fixed()
         with pytest.raises(jtik.ArgumentError, match="a revolute joint 'joint1'"):
-            Correspondence(jtik.Robot.planar(2), model)
+            PinocchioCorrespondence(jtik.Robot.planar(2), model)
 
     def test_something_else(self):
         robot, model = fixed()

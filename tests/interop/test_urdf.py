@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 import jtik
 from jtik.interop.urdf import UNLIMITED, to_urdf
 from jtik.robot import JointType
-from jtik.robot.body import Mass
+from jtik.robot.masses_and_shapes import Mass
 from jtik.robot.tree import Mimic
 
 from ..conftest import ball_arm, floating_arm
@@ -45,7 +45,7 @@ def arm(pitch=0.3):
             ),
             jtik.Joint("rail", JointType.PRISMATIC, "c", "d", axis=skew),
             jtik.Joint("stop", JointType.REVOLUTE, "d", "e", lower=-1.0),
-            jtik.Joint("twin", JointType.REVOLUTE, "e", "f", axis=skew, mimic=Mimic("shoulder", 0.5, 0.1)),
+            jtik.Joint("follower", JointType.REVOLUTE, "e", "f", axis=skew, mimic=Mimic("shoulder", 0.5, 0.1)),
             jtik.Joint("tip", JointType.FIXED, "f", "tip", origin=pose_of(0.1, 0.2, 0.3, 1.0, -pitch, 2.0)),
         ],
         name="arm",
@@ -96,18 +96,18 @@ def test_one_chain_of_a_tree():
     again = jtik.Robot.from_urdf(to_urdf(robot, frame="tip"), tip="tip")
     assert [joint.child for joint in again.joints] == [joint.child for joint in robot.path("tip")]
     q = robot.keyframes["home"]
-    own = np.concatenate([q[robot.q_slice(joint)] for joint in again.joint_names])
-    assert again.pose(own) == pytest.approx(robot.pose(q), abs=EXACT)
+    reordered = np.concatenate([q[robot.q_slice(joint)] for joint in again.joint_names])
+    assert again.pose(reordered) == pytest.approx(robot.pose(q), abs=EXACT)
 
 
 @pytest.mark.parametrize("name", ["panda", "ur5e", "jaco2", "vehicle_panda", "planar10"])
 def test_pinocchio_reads_the_same_robot(name, rng):
     pinocchio = pytest.importorskip("pinocchio")
-    from jtik.interop.pinocchio_model import Correspondence
+    from jtik.interop.pinocchio_model import PinocchioCorrespondence
 
     robot = jtik.Robot.builtin(name)
     model = pinocchio.buildModelFromXML(to_urdf(robot))
-    correspondence, data = Correspondence(robot, model), model.createData()
+    correspondence, data = PinocchioCorrespondence(robot, model), model.createData()
     for _ in range(3):
         q = robot.random_configuration(rng)
         pinocchio.framesForwardKinematics(model, data, correspondence.theirs(q))
@@ -124,7 +124,7 @@ def test_pinocchio_reads_limits_and_followers(rng):
     number = model.joints[model.getJointId("shoulder")]
     assert (model.lowerPositionLimit[number.idx_q], model.upperPositionLimit[number.idx_q]) == (-2.0, 2.5)
     assert model.velocityLimit[number.idx_v] == 1.5
-    assert model.existJointName("twin")
+    assert model.existJointName("follower")
 
 
 class TestWrongInput:

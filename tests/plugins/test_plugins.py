@@ -1,4 +1,4 @@
-"""Two installed distributions: ``good`` is found and passes the contracts, ``broken`` harms nobody.
+"""Two installed distributions: ``good`` is found and passes the contracts, ``broken`` affects no other.
 
 Install both first: ``python -m pip install --no-deps tests/plugins/good tests/plugins/broken``.
 """

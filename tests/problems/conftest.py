@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation as Rotation
 
 import jtik
-from jtik.interop.mink import Correspondence, to_mujoco
+from jtik.interop.mink import MujocoCorrespondence, to_mujoco
 
 ARRIVED = 2e-6
 """Error of a solution to 1e-6 in another kinematics [m], [rad]."""
@@ -23,7 +23,7 @@ def gallery(name):
 @functools.cache
 def model_of(robot):
     model = to_mujoco(robot)
-    return model, mujoco.MjData(model), Correspondence(robot, model)
+    return model, mujoco.MjData(model), MujocoCorrespondence(robot, model)
 
 
 def mujoco_pose(robot, q, frame=None):

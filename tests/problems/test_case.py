@@ -172,7 +172,7 @@ def test_check_compares_parameters_with_those_of_a_solver():
     robot, task = planar(2), jtik.FrameTask()
     criterion = jtik.criteria["obstacle_avoidance"]([jtik.Circle([1.0, 1.0], 0.1)])
     live = jtik.InverseKinematics(robot, task, criteria=criterion).parameters
-    good, wrong, unknown = (
+    valid, invalid, unknown = (
         ProblemSet("s", (case(parameters={key: value}),))
         for key, value in (
             ("obstacle_avoidance.centers", [[1.0, 2.0]]),
@@ -180,9 +180,9 @@ def test_check_compares_parameters_with_those_of_a_solver():
             ("clearance.centers", [[1.0, 2.0]]),
         )
     )
-    good.check(robot, task, parameters=live)
+    valid.check(robot, task, parameters=live)
     unknown.check(robot, task)
     with pytest.raises(jtik.ArgumentError, match=r"shape \(2, 2\).*shape \(1, 2\)"):
-        wrong.check(robot, task, parameters=live)
+        invalid.check(robot, task, parameters=live)
     with pytest.raises(jtik.ArgumentError, match=r"clearance\.centers.*one of"):
         unknown.check(robot, task, parameters=live)

@@ -187,12 +187,12 @@ def test_the_circles_are_round_closed_and_begin_at_the_start(name):
 def test_singular_starts_are_singular_by_mujoco(name):
     entry = named(name)
     for case in entry.problems:
-        bend = float(abs(case.q0[4]))  # of the joint that makes it singular at zero
+        angle = float(abs(case.q0[4]))  # of the joint that makes it singular at zero
         sigma = np.linalg.svd(mujoco_jacobian(entry.robot, case.q0), compute_uv=False)
-        assert sigma[-1] <= max(1e-12, bend)
+        assert sigma[-1] <= max(1e-12, angle)
         assert sigma[-2] > 0.01
-        assert ("sigma_min" in case.known) is (bend == 0)
-        assert (sigma[-1] > 1e-3 * bend) or bend == 0
+        assert ("sigma_min" in case.known) is (angle == 0)
+        assert (sigma[-1] > 1e-3 * angle) or angle == 0
         assert inside(entry.robot, case.q0)
 
 

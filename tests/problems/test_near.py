@@ -29,8 +29,17 @@ def test_a_planar_near_singular_start_is_nearly_straight_with_its_target_on_its_
 
 
 def test_the_distance_from_the_singular_posture_is_as_requested():
-    small = problems.near_singular(planar(3), jtik.FrameTask(), 5, bend=(1e-9, 1e-9))
+    small = problems.near_singular(planar(3), jtik.FrameTask(), 5, start_distance=(1e-9, 1e-9))
     assert max(np.linalg.svd(planar_jacobian(case.q0))[1][-1] for case in small) < 1e-8
+
+
+def test_deprecated_names_of_the_distances_warn():
+    distances = {"start_distance": (1e-4, 1e-4), "target_distance": (0.1, 0.1)}
+    new = problems.near_singular(planar(3), jtik.FrameTask(), 2, **distances)
+    with pytest.warns(DeprecationWarning, match="is deprecated: use") as found:
+        old = problems.near_singular(planar(3), jtik.FrameTask(), 2, bend=(1e-4, 1e-4), far=(0.1, 0.1))
+    assert [str(each.message).split()[-1] for each in found] == [*distances]
+    assert all(np.array_equal(one.q0, other.q0) for one, other in zip(new, old, strict=True))
 
 
 @pytest.mark.parametrize(("name", "kind"), [("panda", "pose"), ("ur5e", "pose"), ("panda", "position")])

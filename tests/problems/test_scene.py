@@ -10,7 +10,7 @@ import pytest
 
 import jtik
 from jtik import problems
-from jtik.interop.mink import Correspondence, to_mujoco
+from jtik.interop.mink import MujocoCorrespondence, to_mujoco
 
 from ..conftest import planar, planar_points
 from .conftest import gallery
@@ -54,7 +54,7 @@ def test_clearance_of_solids_agrees_with_mujoco():
         balls = problems.obstacles_of(case)
         model = to_mujoco(robot, obstacles=balls)
         data = mujoco.MjData(model)
-        data.qpos[:] = Correspondence(robot, model).qpos(case.q0)
+        data.qpos[:] = MujocoCorrespondence(robot, model).qpos(case.q0)
         mujoco.mj_forward(model, data)
         base = {i for i in range(model.ngeom) if model.geom(i).name.startswith("panda_link0")}
         obstacles = [model.geom(f"obstacle{i}").id for i in range(3)]

@@ -164,7 +164,7 @@ class TestNames:
         with pytest.raises(BackendError, match="no usable plugin"):
             Conic("nothing")
 
-    def test_what_is_no_name_and_no_back_end(self):
+    def test_another_object_is_refused(self):
         with pytest.raises(BackendError, match="Backend"):
             backend_of(3.0)
 

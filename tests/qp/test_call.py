@@ -21,7 +21,7 @@ class NumpyNewton(Strategy):
     """dq = -J+ r by NumPy, optionally followed by a QP whose solution is the same dq."""
 
     inverse: Any
-    program: bool = False
+    with_qp: bool = False
 
     def uses_qp(self, has_criterion):
         return True
@@ -29,7 +29,7 @@ class NumpyNewton(Strategy):
     def update(self, model, state):
         n = model.robot.n
         (dq,) = model.compute("inverse", self.inverse, [model.J, model.here.residual], [(n, 1)])
-        if self.program:
+        if self.with_qp:
             low, high = model.box
             dq = model.solve(QuadraticProgram(P=np.eye(n) + zeros(n, n), q=-dq, lower=low, upper=high, name="same")).x
         return Update(dq)
@@ -40,11 +40,11 @@ def pinv(arguments):
     return [-np.linalg.pinv(columns.reshape(-1, len(r)).T) @ r]
 
 
-@pytest.mark.parametrize("program", [False, True])
+@pytest.mark.parametrize("with_qp", [False, True])
 @pytest.mark.parametrize("backend", [Conic(), QPSolversBackend("daqp")], ids=repr)
-def test_the_result_is_the_step(program, backend):
+def test_the_result_is_the_step(with_qp, backend):
     robot = planar(4)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask(), strategy=NumpyNewton(pinv, program), solver=backend)
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask(), strategy=NumpyNewton(pinv, with_qp), solver=backend)
     q, target = np.array([0.3, 0.4, 0.5, 0.6]), np.array([2.0, 2.0])
     expected = -np.linalg.pinv(robot.jacobian(q)[:2]) @ (robot.position(q) - target)
     assert ik.step(q, target).q - q == pytest.approx(expected, abs=1e-9)

@@ -33,12 +33,12 @@ BACKENDS = [
 AGREEMENT = {"daqp": 1e-8, "osqp": 2e-5, "highs": 2e-5}
 
 
-def solved(program, backend=None, joined=None):
+def solved(qp, backend=None, joined=None):
     """x, row multipliers, slack of the group "soft", and whether the solution passes the check."""
     backend = backend_of(backend)
     number, cut = casadi.SX.sym("number"), casadi.SX.sym("cut")
     recorder = QPRecorder(backend.accuracy)
-    solution = recorder.solve(program)
+    solution = recorder.solve(qp)
     outputs = [solution.x, solution.row_multipliers, solution.slack("soft"), recorder.solved()]
     parts = staged([number], [number], [cut], recorder, outputs, backend)
     results = [np.zeros(output.numel()) for output in outputs]
@@ -55,7 +55,7 @@ def random_data(rng, n=5, k=4):
     return M @ M.T + np.eye(n), 4 * rng.standard_normal(n), C, low, high, np.full(n, -0.8), np.full(n, 0.8)
 
 
-def program_of(data, elastic, hard=()):
+def quadratic_program(data, elastic, hard=()):
     P, q, C, low, high, lower, upper = map(casadi.SX, map(np.asarray, data))
     soft = Rows("soft", C, low, high, elastic)
     rows = [Rows("hard", *map(casadi.SX, hard)), soft] if hard else [soft]
@@ -96,7 +96,7 @@ def slsqp(data, penalty, curvature, max_slack=np.inf):
 def test_equals_the_hard_qp_where_the_penalty_exceeds_its_multipliers(rng):
     for _ in range(20):
         data = random_data(rng)
-        x, y, slack, good = solved(program_of(data, Elastic(1e4)))
+        x, y, slack, good = solved(quadratic_program(data, Elastic(1e4)))
         P, q, C, low, high, lower, upper = map(casadi.SX, map(np.asarray, data))
         hard = QuadraticProgram(P, q, lower, upper, [Rows("soft", C, low, high)])
         exact, multipliers = hard_answer(hard)
@@ -107,9 +107,9 @@ def test_equals_the_hard_qp_where_the_penalty_exceeds_its_multipliers(rng):
         assert slack == pytest.approx(np.zeros(4), abs=1e-9)
 
 
-def hard_answer(program):
+def hard_answer(qp):
     recorder = QPRecorder(1e-9)
-    solution = recorder.solve(program)
+    solution = recorder.solve(qp)
     symbols = casadi.SX.sym("a"), casadi.SX.sym("b")
     outputs = [solution.x, solution.row_multipliers, recorder.solved()]
     results = [np.zeros(output.numel()) for output in outputs]
@@ -124,7 +124,7 @@ def test_with_a_smaller_penalty_rows_are_relaxed_as_by_scipy(penalty, rng):
     relaxed = 0
     for _ in range(10):
         data = random_data(rng)
-        x, y, slack, good = solved(program_of(data, Elastic(penalty, curvature=2.0)))
+        x, y, slack, good = solved(quadratic_program(data, Elastic(penalty, curvature=2.0)))
         assert good
         assert x == pytest.approx(slsqp(data, penalty, 2.0), abs=2e-6)
         used = data[2] @ x
@@ -140,7 +140,7 @@ def test_no_slack_exceeds_its_upper_bound(rng):
     relaxed = 0
     for _ in range(10):
         data = random_data(rng)
-        x, _, slack, good = solved(program_of(data, Elastic(0.2, curvature=2.0, max_slack=0.1)))
+        x, _, slack, good = solved(quadratic_program(data, Elastic(0.2, curvature=2.0, max_slack=0.1)))
         assert good
         assert slack.max() <= 0.1 + 1e-8
         assert x == pytest.approx(slsqp(data, 0.2, 2.0, 0.1), abs=2e-6)
@@ -151,17 +151,17 @@ def test_no_slack_exceeds_its_upper_bound(rng):
 @pytest.mark.parametrize("backend", BACKENDS, ids=repr)
 def test_every_back_end_returns_the_same_solution(backend, rng):
     for _ in range(5):
-        program = program_of(random_data(rng), Elastic(1.0, curvature=2.0))
-        x, _, slack, good = solved(program, backend)
-        exact = solved(program)
+        qp = quadratic_program(random_data(rng), Elastic(1.0, curvature=2.0))
+        x, _, slack, good = solved(qp, backend)
+        exact = solved(qp)
         assert good
         assert x == pytest.approx(exact[0], abs=AGREEMENT.get(backend.name, 1e-5))
         assert slack == pytest.approx(exact[2], abs=AGREEMENT.get(backend.name, 1e-5))
 
 
 def test_the_joined_function_and_the_separate_calls_agree(rng):
-    program = program_of(random_data(rng), Elastic(1.0))
-    assert np.concatenate(solved(program, joined=False)[:3]) == pytest.approx(np.concatenate(solved(program)[:3]))
+    qp = quadratic_program(random_data(rng), Elastic(1.0))
+    assert np.concatenate(solved(qp, joined=False)[:3]) == pytest.approx(np.concatenate(solved(qp)[:3]))
 
 
 def test_contradictory_rows_have_the_smallest_total_slack(rng):
@@ -170,7 +170,7 @@ def test_contradictory_rows_have_the_smallest_total_slack(rng):
         C = rng.standard_normal((4, 3))
         low = np.abs(rng.standard_normal(4)) + 1
         data = (np.eye(3), np.zeros(3), C, low, np.full(4, np.inf), np.full(3, -0.3), np.full(3, 0.3))
-        _, _, slack, good = solved(program_of(data, Elastic(1e3, curvature=1.0)))
+        _, _, slack, good = solved(quadratic_program(data, Elastic(1e3, curvature=1.0)))
         smallest = linprog(
             np.r_[np.zeros(3), np.ones(4)],
             A_ub=-np.hstack([C, np.eye(4)]),
@@ -184,14 +184,14 @@ def test_contradictory_rows_have_the_smallest_total_slack(rng):
 def test_equalities_may_be_relaxed_to_either_side():
     """x = 1 and x = -0.5 with the penalties 2 and 3: 2 |x - 1| + 3 |x + 0.5| is smallest at x = -0.5."""
     rows = casadi.SX([[1.0], [1.0]])
-    program = QuadraticProgram(
+    qp = QuadraticProgram(
         casadi.SX(1e-9),
         casadi.SX(0),
         casadi.SX(-np.inf),
         casadi.SX(np.inf),
         [Rows.equal("soft", rows, casadi.SX([1, -0.5]), Elastic([2.0, 3.0], curvature=1e-9))],
     )
-    x, y, slack, good = solved(program)
+    x, y, slack, good = solved(qp)
     assert good
     assert x == pytest.approx([-0.5], abs=1e-7)
     assert slack == pytest.approx([1.5, 0], abs=1e-7)
@@ -202,7 +202,7 @@ def test_hard_rows_beside_them_stay_hard(rng):
     for _ in range(10):
         data, C = random_data(rng), rng.standard_normal((2, 5))
         hard = C, np.full(2, -0.01), np.full(2, 0.01)
-        x, _, slack, good = solved(program_of(data, Elastic(0.3), hard))
+        x, _, slack, good = solved(quadratic_program(data, Elastic(0.3), hard))
         assert good
         assert np.abs(C @ x).max() <= 0.01 + 1e-8
         assert len(slack) == 4
@@ -210,11 +210,11 @@ def test_hard_rows_beside_them_stay_hard(rng):
 
 def test_multipliers_are_checked_against_the_penalty():
     """x >= 3 with the penalty 1 beside |x|^2 / 2: the solution is x = 1 with the multiplier 1."""
-    program = program_of(
+    qp = quadratic_program(
         (np.eye(1), np.zeros(1), np.ones((1, 1)), [3.0], [np.inf], [-9.0], [9.0]), Elastic(1.0, curvature=1e-6)
     )
     recorder = QPRecorder(1e-6)
-    solution = recorder.solve(program)
+    solution = recorder.solve(qp)
     check = casadi.Function(
         "check", [solution.x, solution.row_multipliers, solution.box_multipliers], [recorder.solved()]
     )
@@ -269,12 +269,21 @@ class TestWrongInput:
 
     def test_the_number_of_penalties(self, rng):
         with pytest.raises(jtik.ArgumentError, match=r"penalty.*\(4, 1\)"):
-            program_of(random_data(rng), Elastic([1.0, 2.0]))
+            quadratic_program(random_data(rng), Elastic([1.0, 2.0]))
 
     def test_slack_of_hard_rows(self):
-        program = QuadraticProgram(*map(casadi.SX, (1, 0, -1, 1)), [Rows("hard", *map(casadi.SX, (1, -1, 1)))])
+        qp = QuadraticProgram(*map(casadi.SX, (1, 0, -1, 1)), [Rows("hard", *map(casadi.SX, (1, -1, 1)))])
         with pytest.raises(jtik.ArgumentError, match="elastic"):
-            QPRecorder(1e-9).solve(program).slack("hard")
+            QPRecorder(1e-9).solve(qp).slack("hard")
+
+
+def test_a_single_elastic_row_with_two_bounds():
+    """minimise x^2/2 - 3 x with the elastic equality x = 0.5: x = 3 - y, y = 1 + (x - 0.5)."""
+    P, q, low, high, row, to = (casadi.SX(value) for value in (1, -3, -9, 9, 1, 0.5))
+    qp = QuadraticProgram(P, q, low, high, [Rows.equal("soft", row, to, Elastic(1.0))])
+    x, y, slack, good = solved(qp)
+    assert good
+    assert [x.item(), y.item(), slack.item()] == pytest.approx([1.25, 1.75, 0.75], abs=1e-8)
 
 
 class TestDeprecatedNames:

@@ -25,7 +25,7 @@ def both_paths(strategy, q, limit, preferred=None):
         criteria=JointCentering(preferred=preferred),
         strategy=strategy,
     )
-    fused = ik._engine.runners.plain.fused
+    fused = ik._engine.runners.solve.fused
     parts = fused.parts
     ik._engine.memory.inputs.target[:] = planar_points(q)[-1] + 0.01  # a step that no strategy shortens
     arguments = [q.copy(), *ik._engine.memory.inputs, fused.first_state.copy()]
@@ -72,7 +72,7 @@ def test_a_step_with_clearances_has_no_fast_path():
         strategy="newton+qp",
         clearances=jtik.Clearance(field, safe=0.1),
     )
-    assert ik._engine.runners.plain.fused.parts.fast_path is None
+    assert ik._engine.runners.solve.fused.parts.fast_path is None
 
 
 class Failing(FusedBackend):

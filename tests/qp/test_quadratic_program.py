@@ -16,7 +16,7 @@ from jtik_formulations import JointCentering
 from ..conftest import planar
 
 
-def program(**changes):
+def quadratic_program(**changes):
     data = {
         "P": casadi.SX.eye(3),
         "q": casadi.SX([1.0, -2.0, 0.5]),
@@ -29,10 +29,10 @@ def program(**changes):
 
 def test_groups_of_rows_are_stacked_and_found_by_name():
     more = Rows("more", casadi.SX([[1, 0, 0], [0, 1, 0]]), casadi.SX([-1, -2]), casadi.SX([1, 2]))
-    whole = program(rows=[*program().rows, more])
-    assert whole.row_count == 3
-    assert whole.data()[2].shape == (3, 3)
-    solution = QPRecorder(1e-9).solve(whole)
+    stacked = quadratic_program(rows=[*quadratic_program().rows, more])
+    assert stacked.row_count == 3
+    assert stacked.data()[2].shape == (3, 3)
+    solution = QPRecorder(1e-9).solve(stacked)
     assert solution.multipliers("more").shape == (2, 1)
     with pytest.raises(jtik.ArgumentError, match="'sum', 'more'"):
         solution.multipliers("most")
@@ -48,7 +48,7 @@ def test_groups_of_rows_are_stacked_and_found_by_name():
 )
 def test_shapes_are_checked(change, named):
     with pytest.raises(jtik.ArgumentError, match=named):
-        program(**change)
+        quadratic_program(**change)
 
 
 def test_build_returns_the_qp_for_another_solver():
@@ -96,7 +96,7 @@ def test_an_infeasible_qp_ends_a_solve_with_a_status(solver):
     assert not ik.step([0.1, 0.2, 0.3], [1.0, 1.0]).accepted
 
 
-class TwoPrograms(Strategy):
+class TwoQPs(Strategy):
     """First the shortest step, then the one closest to (1, 1, 1, 1) among those with the same task motion."""
 
     def uses_qp(self, has_criterion):
@@ -115,7 +115,7 @@ class TwoPrograms(Strategy):
 @pytest.mark.parametrize("solver", ["daqp", QPSolversBackend("daqp")], ids=str)
 def test_a_qp_may_use_the_solution_of_the_one_before(solver):
     arm, q, target = planar(4), np.array([0.3, 0.4, 0.5, 0.2]), np.array([2.0, 2.5])
-    ik = jtik.InverseKinematics(arm, jtik.FrameTask(), strategy=TwoPrograms(), solver=solver)
+    ik = jtik.InverseKinematics(arm, jtik.FrameTask(), strategy=TwoQPs(), solver=solver)
     J = arm.jacobian(q)[:2]
     shortest = np.linalg.pinv(J) @ (target - arm.position(q))
     expected = shortest + (np.eye(4) - np.linalg.pinv(J) @ J) @ np.ones(4)

@@ -21,6 +21,6 @@ def test_a_file_imports_results_errors_and_types_only(path):
             imported.add(node.module)
         elif isinstance(node, ast.Import):
             imported |= {alias.name for alias in node.names}
-    own = {name for name in imported if name.split(".")[0] == "jtik"}
-    allowed = {name for name in own if name in ("jtik.errors", "jtik.types") or name.startswith("jtik.result")}
-    assert own == allowed
+    of_jtik = {name for name in imported if name.split(".")[0] == "jtik"}
+    allowed = {name for name in of_jtik if name in ("jtik.errors", "jtik.types") or name.startswith("jtik.result")}
+    assert of_jtik == allowed

@@ -14,7 +14,7 @@ TOLERANCES = (1e-6, 1e-6, 1e-6)
 
 def report(**fields):
     """Two task rows, a length and an angle, of three joints; the task fixes the first two."""
-    plain = {
+    fields_of_a_solution = {
         "error": np.array([3e-7, -4e-7]),
         "jacobian": np.array([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0]]),
         "linear": np.array([True, False]),
@@ -28,7 +28,7 @@ def report(**fields):
         "tolerances": TOLERANCES,
         "rank_threshold": 1e-9,
     }
-    return Report(**plain | fields)
+    return Report(**fields_of_a_solution | fields)
 
 
 def test_errors_are_norms_of_their_rows():

@@ -73,7 +73,7 @@ times,q[0],q[1],dq[0],dq[1],errors,statuses,iterations,seconds
 
 @pytest.mark.parametrize("suffix", [".npz", ".csv"])
 def test_files_of_earlier_versions_are_read(suffix, tmp_path):
-    """They have the norm of the whole error only, and call two columns otherwise."""
+    """They have only the norm of all rows of the error, and other names for two columns."""
     file = tmp_path / f"old{suffix}"
     if suffix == ".csv":
         file.write_text(OLD_CSV)

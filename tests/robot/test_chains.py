@@ -49,7 +49,7 @@ def test_a_planar_arm_describes_itself():
 
 
 @pytest.mark.parametrize("links", [0, -1, 2.5, [], [1.0, 0.0], [1.0, -2.0], [1.0, np.nan], "three", None])
-def test_impossible_links_are_refused(links):
+def test_invalid_links_are_refused(links):
     with pytest.raises(ArgumentError, match=r"^links: given"):
         Robot.planar(links)
 
@@ -156,7 +156,7 @@ def test_dh_limits_reach_the_robot():
         ([], {}, "none of which moves"),
     ],
 )
-def test_dh_tables_that_make_no_sense_are_refused(rows, options, complaint):
+def test_invalid_dh_tables_are_refused(rows, options, complaint):
     with pytest.raises(ArgumentError, match=complaint):
         Robot.from_dh(rows, **options)
 

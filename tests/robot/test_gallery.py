@@ -37,7 +37,7 @@ def test_the_gallery_is_listed():
         assert f'"{name}"' in jtik.Robot.builtin.__doc__
 
 
-def test_an_unknown_name_is_answered_with_the_closest():
+def test_the_error_for_an_unknown_name_has_the_closest_one():
     with pytest.raises(UnknownNameError, match="unknown built-in robot 'pnada'; did you mean 'panda'") as caught:
         jtik.Robot.builtin("pnada")
     assert caught.value.known == gallery.names()

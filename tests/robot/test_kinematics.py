@@ -63,7 +63,7 @@ def test_pose_rotation_and_position_agree(robot):
     assert T[3].tolist() == [0, 0, 0, 1]
 
 
-def test_answers_keep_their_shapes_for_a_single_joint():
+def test_results_keep_their_shapes_for_a_single_joint():
     arm = Robot.planar(1)
     assert arm.position([0.3]).shape == (2,)
     assert arm.jacobian([0.3]).shape == (6, 1)
@@ -101,7 +101,7 @@ def test_numbers_sx_and_mx_agree(robot):
             assert casadi.densify(given).full().reshape(wanted.shape) == pytest.approx(wanted, abs=EXACT)
 
 
-def test_difference_undoes_integrate(robot):
+def test_difference_is_the_inverse_of_integrate(robot):
     q = robot.random_configuration(1)
     dq = np.linspace(-1.0, 1.2, robot.n)
     assert robot.difference(q, robot.integrate(q, dq)) == pytest.approx(dq, abs=EXACT)

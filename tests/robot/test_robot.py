@@ -115,7 +115,7 @@ def test_random_configurations_fill_their_ranges():
             revolute("bounded", "a", "b", lower=1.0, upper=2.0),
             revolute("below", "b", "c", lower=10.0),
             revolute("above", "c", "d", upper=10.0),
-            Joint("slide", JointType.PRISMATIC, "d", "e"),
+            Joint("lift", JointType.PRISMATIC, "d", "e"),
         ]
     )
     generator = np.random.default_rng(0)
@@ -186,7 +186,7 @@ def test_a_piston_is_a_link_but_a_rail_on_the_ground_is_none():
         ([revolute("a", "base", "a"), revolute("b", "c", "b"), revolute("c", "b", "c")], "a cycle b -> c -> b"),
     ],
 )
-def test_what_is_no_tree_is_refused(joints, complaint):
+def test_joints_that_form_no_tree_are_refused(joints, complaint):
     with pytest.raises(ArgumentError, match=complaint):
         Robot(joints)
 
@@ -228,7 +228,7 @@ def test_unknown_parents_tips_and_leaders_are_refused():
         ({"origin": np.vstack([np.eye(4)[:3], np.ones(4)])}, "joint 'j' origin: given last row"),
     ],
 )
-def test_joints_that_make_no_sense_are_refused_by_name(options, complaint):
+def test_invalid_joints_are_refused_by_name(options, complaint):
     with pytest.raises(ArgumentError, match=complaint):
         revolute("j", "base", "j", **options)
 
@@ -244,7 +244,7 @@ def test_limits_and_mimicry_belong_to_scalar_joints():
         Joint("j", "hinge", "base", "j")
 
 
-def test_a_mimic_that_leaves_its_leader_no_room_is_refused():
+def test_limits_of_a_mimic_joint_that_exclude_those_of_its_leader_are_refused():
     follower = revolute("b", "a", "b", lower=3.0, upper=4.0, mimic=Mimic("a"))
     with pytest.raises(ArgumentError, match="limits: given lower 3, upper 4, which 'a' cannot meet"):
         Robot([revolute("a", "base", "a", lower=0.0, upper=1.0), follower])
@@ -275,11 +275,11 @@ def test_a_subset_locks_the_other_joints_where_they_are(robot):
         assert (part.dimension, part.base, part.tip) == (robot.dimension, robot.base, robot.tip)
         moved = q.copy()
         moved[robot.q_slice(name)] = robot.random_configuration(9)[robot.q_slice(name)]
-        own = moved[robot.q_slice(name)]
+        reduced = moved[robot.q_slice(name)]
         for frame in robot.frame_names:
-            assert part.pose(own, frame) == pytest.approx(robot.pose(moved, frame), abs=1e-13)
+            assert part.pose(reduced, frame) == pytest.approx(robot.pose(moved, frame), abs=1e-13)
             columns = robot.jacobian(moved, frame)[:, robot.v_slice(name)]
-            assert part.jacobian(own, frame) == pytest.approx(columns, abs=1e-13)
+            assert part.jacobian(reduced, frame) == pytest.approx(columns, abs=1e-13)
 
 
 def test_a_subset_is_locked_at_neutral_by_default_and_keeps_the_limits(mixed):

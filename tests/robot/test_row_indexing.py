@@ -55,7 +55,7 @@ def at_numbers(build, kind):
 
 @pytest.mark.parametrize("kind", [casadi.SX, casadi.MX])
 @pytest.mark.parametrize("index", INDICES)
-def test_an_index_means_the_same_of_symbols_as_of_numbers(index, kind):
+def test_an_index_selects_the_same_entries_of_symbols_and_of_numbers(index, kind):
     take = INDICES[index]
     expected = np.array(take(J))
     found = at_numbers(lambda q: take(ARM.jacobian(q)), kind)
@@ -125,7 +125,7 @@ class TestInCasadi:
         found = casadi.Function("f", [q], [trace(ARM.jacobian(q))])
         assert float(found(Q)) == pytest.approx(np.trace(J))
 
-    def test_the_engines_matrix_is_a_plain_one(self):
+    def test_the_engines_matrix_is_a_casadi_matrix(self):
         kinematics = ARM.at(casadi.SX.sym("q", 6))
         assert type(kinematics.plain_jacobian()) is casadi.SX
         assert kinematics.plain_jacobian()[:3].shape == (3, 1)

@@ -16,7 +16,7 @@ from jtik.testing import check_strategy
 from jtik_formulations import JointCentering, LexicographicQP, ProjectedGradient
 from jtik_formulations.strategies._parts.levels import DEFINITE, descend
 
-from ..conftest import dh_arm, look, planar, planar_points
+from ..conftest import dh_arm, planar, planar_points, report_at
 
 BARE = LexicographicQP(damping=0.0, q_limit=math.inf, backtracking=False)
 """Nothing but the programs."""
@@ -165,7 +165,7 @@ class TestSteps:
             q = rng.uniform(-1, 1, 8)
             at = robot.pose(q + rng.uniform(-0.1, 0.1, 8))
             target = {"low": robot.pose(q + 0.1, frames[5]), "high": at, "middle": at}
-            seen = look(ik, q, target)
+            seen = report_at(ik, q, target)
             x, N = np.zeros(8), np.eye(8)
             for rows in ([1, 2, 3], [4, 5, 6], [0]):
                 J, e = seen.jacobian[rows], seen.error[rows]
@@ -186,7 +186,7 @@ class TestSteps:
             tip = planar_points(q)[-1] + rng.uniform(-0.1, 0.1, 2)
             both.reset()
             alone.reset()
-            J = look(alone, q, tip).jacobian
+            J = report_at(alone, q, tip).jacobian
             dq = both.step(q, {"tip": tip, "elbow": rng.uniform(-4, 4, 2)}).q - q
             assert J @ dq == pytest.approx(J @ (alone.step(q, tip).q - q), abs=STRICT)
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.interop.mink import Correspondence, to_mujoco
+from jtik.interop.mink import MujocoCorrespondence, to_mujoco
 from jtik_formulations import JointCentering, Mink, Newton, ProjectedGradient
 
 from ..conftest import ball_arm, dh_arm, floating_arm, planar
@@ -205,4 +205,4 @@ def test_correspondence_of_the_model_it_works_on():
     robot = gripper()
     part = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy="mink").robot
     assert isinstance(to_mujoco(part), mujoco.MjModel)
-    assert Correspondence(part, to_mujoco(part)).moves.shape[1] == part.n == 2
+    assert MujocoCorrespondence(part, to_mujoco(part)).moves.shape[1] == part.n == 2

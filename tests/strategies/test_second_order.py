@@ -18,7 +18,7 @@ from jtik.testing import check_strategy
 from jtik_formulations import Hybrid, JointCentering, Newton, ObstacleAvoidance, SecondOrder
 from jtik_formulations.strategies.second_order import convexified
 
-from ..conftest import ball_arm, dh_arm, differences, floating_arm, look, planar, planar_jacobian, planar_points
+from ..conftest import ball_arm, dh_arm, differences, floating_arm, planar, planar_jacobian, planar_points, report_at
 
 FIELD = [jtik.Circle((4.0, 2.5), 0.5), jtik.Circle((6.5, -1.0), 0.8)]
 
@@ -266,9 +266,9 @@ class TestOptimum:
             solution = ik.solve(target, q0=q0, **TIGHT)
             assert solution.status is jtik.Status.CONVERGED
             other = minimize(
-                lambda q, t=target: look(free, q, t).cost,
+                lambda q, t=target: report_at(free, q, t).cost,
                 np.clip(solution.q + rng.uniform(-0.01, 0.01, 10), -limit, limit),
-                jac=lambda q, t=target: look(free, q, t).gradient,
+                jac=lambda q, t=target: report_at(free, q, t).gradient,
                 bounds=None if np.isinf(limit) else [(-limit, limit)] * 10,
                 constraints={
                     "type": "eq",
@@ -294,14 +294,14 @@ class TestOptimum:
             assert solution.status is jtik.Status.CONVERGED
             bound += bool(solution.active_limits)
             other = minimize(
-                lambda q, t=target: look(free, q, t).cost,
+                lambda q, t=target: report_at(free, q, t).cost,
                 np.clip(solution.q + rng.uniform(-0.01, 0.01, 7), -0.5, 0.5),
-                jac=lambda q, t=target: look(free, q, t).gradient,
+                jac=lambda q, t=target: report_at(free, q, t).gradient,
                 bounds=[(-0.5, 0.5)] * 7,
                 constraints={
                     "type": "eq",
-                    "fun": lambda q, t=target: look(free, q, t).error,
-                    "jac": lambda q, t=target: look(free, q, t).jacobian,
+                    "fun": lambda q, t=target: report_at(free, q, t).error,
+                    "jac": lambda q, t=target: report_at(free, q, t).jacobian,
                 },
                 method="SLSQP",
                 options={"ftol": 1e-15, "maxiter": 300},

@@ -17,7 +17,7 @@ from jtik.testing import check_strategy
 from jtik_formulations import SNS, SNSQP, Damped, JointCentering, ProjectedGradient
 from jtik_formulations.strategies._parts.saturation import Saturation
 from jtik_formulations.strategies.sns import sns
-from jtik_formulations.strategies.sns_qp import ScalingProgram
+from jtik_formulations.strategies.sns_qp import QPScaling
 
 from ..conftest import EXACT, dh_arm, planar, planar_jacobian, planar_points
 
@@ -61,7 +61,7 @@ def compiled(m, n, rule="optimal", rounds=None):
 def wishing(m, n, rounds):
     """(J, xdot, lower, upper, wish) -> dq for the task, dq with the wish, s."""
     J, xdot, lower, upper, wish = inputs(m, n)
-    task = Saturation.at_rest(lower, upper, rounds=rounds).with_task(J, xdot)
+    task = Saturation.initial(lower, upper, rounds=rounds).with_task(J, xdot)
     outputs = [task.x, task.towards(wish).x, task.scale]
     return called(casadi.Function("wishing", [J, xdot, lower, upper, wish], outputs))
 
@@ -76,11 +76,11 @@ def twin(m, n):
     """(J, xdot, lower, upper) -> dq, s by a program that DAQP solves."""
     J, xdot, lower, upper, _ = inputs(m, n)
     recorder = QPRecorder(1e-7)
-    task = ScalingProgram.at_rest(recorder.solve, lower, upper).with_task(J, xdot)
-    (recorded,) = recorder.programs
+    task = QPScaling.initial(recorder.solve, lower, upper).with_task(J, xdot)
+    (recorded,) = recorder.calls
     program = casadi.Function("program", [J, xdot, lower, upper], recorded.data())
-    solver = Conic().function(n, recorded.program.row_count)
-    after = casadi.Function("after", [J, xdot, lower, upper, *recorded.answers], [task.x, task.scale])
+    solver = Conic().function(n, recorded.qp.row_count)
+    after = casadi.Function("after", [J, xdot, lower, upper, *recorded.result_symbols], [task.x, task.scale])
     return lambda *arguments: [np.array(value).ravel() for value in after(*arguments, *solver(*program(*arguments)))]
 
 

@@ -11,7 +11,7 @@ from scipy.optimize import lsq_linear
 import jtik
 from jtik_formulations import JointCentering, WeightedQP
 
-from ..conftest import ball_arm, dh_arm, look, planar
+from ..conftest import ball_arm, dh_arm, planar, report_at
 
 BARE = {"backtracking": False, "q_limit": math.inf}
 
@@ -45,7 +45,7 @@ def test_a_step_is_the_minimum_of_the_weighted_sum(gain, with_criterion, rng):
         for _ in range(5):
             q = rng.uniform(-1, 1, robot.n)
             target = robot.pose(q + rng.uniform(-0.2, 0.2, robot.n))
-            seen = look(ik, q, target)
+            seen = report_at(ik, q, target)
             J, e = seen.jacobian, seen.error
             damping = law.damping + law.lm_damping * gain**2 * e @ e + with_criterion * law.weight * law.curvature
             slope = gain * J.T @ e + with_criterion * law.weight * seen.gradient
@@ -68,7 +68,7 @@ def test_limits_are_its_box(pose, rng):
             "straight at a limit": lambda: np.append(0.5, np.zeros(5)),
         }[pose]()
         target = rng.uniform(-4, 4, 2)
-        seen = look(ik, q, target)
+        seen = report_at(ik, q, target)
         low, high = np.maximum(-0.5 - q, -0.2), np.minimum(0.5 - q, 0.2)
         apart = np.where(high - low < 1e-12, 1e-12, 0)
         ik.reset()

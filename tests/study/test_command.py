@@ -38,7 +38,7 @@ def test_the_command_prints_a_table_and_writes_files(tmp_path, capsys) -> None:
     assert Comparison.load(files["study.npz"]).columns["case"].tolist() == [row["case"] for row in rows]
     assert "<svg" not in (page := (tmp_path / "r.html").read_text(encoding="utf-8"))
     assert "data:image/svg+xml" in page
-    assert main(words) == 0  # goes on from what was saved: nothing is left to do
+    assert main(words) == 0  # resumes a complete study
 
 
 def test_a_named_problem_sets_robot_task_and_criterion(tmp_path, capsys) -> None:

@@ -110,7 +110,7 @@ class TestContenders:
         assert study.columns["success"][study.rows(contender="damped")].any()
 
     def test_a_false_report_of_success_is_detected(self, arm, task, fixed):
-        study = jtik.compare(arm, task, strategies=[fixed(START)], problems=case("far", [0.0, 3.0]))
+        study = jtik.compare(arm, task, strategies=[fixed(START)], problems=case("unreachable", [0.0, 3.0]))
         away = np.linalg.norm(arm.position(START) - [0.0, 3.0])
         assert not study.columns["success"][0]
         assert study.columns["position_error"][0] == pytest.approx(away, rel=1e-12)
@@ -238,11 +238,11 @@ class TestWrongInput:
 
     def test_an_invalid_criterion_is_refused(self, arm, task):
         @jtik.criterion
-        def wrong(q, robot):
+        def invalid(q, robot):
             return q
 
         with pytest.raises(jtik.CriterionError, match="scalar"):
-            jtik.compare(arm, task, strategies="damped", criteria=wrong, count=1)
+            jtik.compare(arm, task, strategies="damped", criteria=invalid, count=1)
 
 
 class TestTables:

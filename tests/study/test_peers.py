@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.interop.mujoco_model import Correspondence, to_mujoco
+from jtik.interop.mujoco_model import MujocoCorrespondence, to_mujoco
 from jtik.robot.tree import Mimic
 from jtik.study import peers
 from jtik.study.contender import Setting
@@ -51,7 +51,7 @@ class MujocoPose:
 
     def __init__(self, robot):
         self.robot, self.model = robot, to_mujoco(robot)
-        self.data, self.places = mujoco.MjData(self.model), Correspondence(robot, self.model)
+        self.data, self.places = mujoco.MjData(self.model), MujocoCorrespondence(robot, self.model)
 
     def pose(self, q):
         self.data.qpos[:] = self.places.qpos(q)

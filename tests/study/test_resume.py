@@ -18,12 +18,12 @@ def options(**changed):
 
 
 def interrupt_after(count):
-    def tell(done, total):
+    def report(done, total):
         assert total == 4
         if done == count:
             raise KeyboardInterrupt
 
-    return tell
+    return report
 
 
 @pytest.fixture
@@ -43,11 +43,11 @@ def test_an_interrupted_study_returns_completed_units(arm, task):
 
 
 def test_an_interrupted_study_cancels_units_on_an_executor(arm, task, counted):
-    def tell(done, total):
+    def report(done, total):
         raise KeyboardInterrupt
 
     with ThreadPoolExecutor(1) as pool:
-        study = jtik.compare(arm, task, **options(count=100), executor=pool, progress=tell)
+        study = jtik.compare(arm, task, **options(count=100), executor=pool, progress=report)
     assert not study.complete
     assert 2 * 2 <= len(study) <= 2 * 2 * len(counted)
     assert len(counted) < 50
@@ -55,7 +55,7 @@ def test_an_interrupted_study_cancels_units_on_an_executor(arm, task, counted):
 
 def test_a_study_resumes_from_its_file(arm, task, tmp_path, counted, assert_same):
     path, reported = tmp_path / "study.npz", []
-    whole = jtik.compare(arm, task, **options())
+    complete = jtik.compare(arm, task, **options())
     jtik.compare(arm, task, **options(), save=path, progress=interrupt_after(3))
     assert not jtik.Comparison.load(path).complete
     counted.clear()
@@ -63,10 +63,10 @@ def test_a_study_resumes_from_its_file(arm, task, tmp_path, counted, assert_same
     assert [(unit.start, unit.stop) for unit in counted] == [(6, 8)]
     assert reported == [(1, 4), (2, 4), (3, 4), (4, 4)]
     assert study.complete
-    assert_same(whole, study)
-    assert_same(whole, jtik.Comparison.load(path))
+    assert_same(complete, study)
+    assert_same(complete, jtik.Comparison.load(path))
     counted.clear()
-    assert_same(whole, jtik.compare(arm, task, **options(), save=path))
+    assert_same(complete, jtik.compare(arm, task, **options(), save=path))
     assert not counted
 
 
@@ -80,13 +80,13 @@ def test_a_study_resumes_with_units_of_another_size(arm, task, tmp_path, assert_
 
 
 def test_completed_units_are_saved_after_an_error(arm, task, tmp_path):
-    def tell(done, total):
+    def report(done, total):
         if done == 2:
             raise ZeroDivisionError
 
     path = tmp_path / "study.npz"
     with pytest.raises(ZeroDivisionError):
-        jtik.compare(arm, task, **options(), save=path, progress=tell)
+        jtik.compare(arm, task, **options(), save=path, progress=report)
     assert len(jtik.Comparison.load(path)) == 2 * 4
 
 
@@ -120,6 +120,6 @@ def test_a_file_without_a_study_is_refused_and_unchanged(arm, task, tmp_path):
     with pytest.raises(jtik.ArgumentError):
         jtik.compare(arm, task, **options(), save=path)
     assert path.read_text() == "groceries"
-    for wrong in (tmp_path / "study.csv", tmp_path / "nowhere" / "study.npz"):
+    for invalid in (tmp_path / "study.csv", tmp_path / "nowhere" / "study.npz"):
         with pytest.raises(jtik.ArgumentError, match="save"):
-            jtik.compare(arm, task, **options(), save=wrong)
+            jtik.compare(arm, task, **options(), save=invalid)

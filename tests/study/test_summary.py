@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.study import display
+from jtik.study import tables
 from jtik.study.rows import COLUMNS, TEXTS
 from jtik.study.summary import SUMMARY_COLUMNS, summary
 
@@ -52,11 +52,11 @@ TABLE = {"name": ["one", "a|b"], "time [ms]": [1.23456, math.nan], "iterations l
 
 class TestDisplay:
     def test_cells_have_three_digits(self):
-        cells = [display.cell(value) for value in (1.23456, 12345.6, 1.5e7, math.nan, 3, "x")]
+        cells = [tables.cell(value) for value in (1.23456, 12345.6, 1.5e7, math.nan, 3, "x")]
         assert cells == ["1.23", "12346", "1.5e+07", "", "3", "x"]
 
     def test_text_aligns_numbers_right_and_breaks_long_titles(self):
-        assert display.text(TABLE).splitlines() == [
+        assert tables.text(TABLE).splitlines() == [
             "            iterations",
             "      time        left",
             "name  [ms]         [1]",
@@ -65,9 +65,9 @@ class TestDisplay:
         ]
 
     def test_markdown_has_one_line_for_each_row(self):
-        lines = display.markdown(TABLE).splitlines()
+        lines = tables.markdown(TABLE).splitlines()
         assert lines[1] == "| --- | ---: | ---: |"
         assert lines[2] == "| one | 1.23 | 12346 |"
 
     def test_html_escapes_text(self):
-        assert '<td style="text-align:left">&lt;b&gt;</td>' in display.markup({"name": ["<b>"]})
+        assert '<td style="text-align:left">&lt;b&gt;</td>' in tables.markup({"name": ["<b>"]})

@@ -133,10 +133,10 @@ def test_rows_that_differ_by_less_than_the_threshold_are_one(below, rng):
 def test_rank_is_relative(scale, rng):
     J, r, g = rng.standard_normal((3, 7)), rng.standard_normal(3), rng.standard_normal(7)
     J[2] = J[0] - J[1]
-    plain, scaled = answers(J, r, g), answers(scale * J, r, g)
-    assert scaled[-1] == plain[-1] == 2
-    assert scale * scaled[0] == pytest.approx(plain[0], abs=1e-12)
-    assert scaled[2] == pytest.approx(plain[2], abs=1e-12)
+    unscaled, scaled = answers(J, r, g), answers(scale * J, r, g)
+    assert scaled[-1] == unscaled[-1] == 2
+    assert scale * scaled[0] == pytest.approx(unscaled[0], abs=1e-12)
+    assert scaled[2] == pytest.approx(unscaled[2], abs=1e-12)
 
 
 @settings(deadline=None, max_examples=300)

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 import jtik
 from jtik.task.pointing import NARROW, across, rotation_onto
 
-from ..conftest import DIFFERENCES, EXACT, differences, look
+from ..conftest import DIFFERENCES, EXACT, differences, report_at
 from .conftest import ROBOTS, ball_arm, built, dh_arm, floating_arm, planar, solver
 
 AXES = [(0, 0, 1), (0, 0, -1), (1, 0, 0), (0, 1, 0), (0.3, -0.5, 0.8), (1, 1, 1), (-1, 1, 0)]
@@ -113,7 +113,7 @@ def test_error_is_the_rotation_in_the_frames_axes(name, rng):
         ik = built(robot, jtik.AxisTask, "tip", axis)
         q, direction = robot.random_configuration(rng), rng.standard_normal(3)
         R = robot.pose(q)[:3, :3]
-        found = look(ik, q, direction)
+        found = report_at(ik, q, direction)
         rotation = Rotation.from_rotvec(R @ (found.error @ np.array(across(unit(axis)))))
         assert rotation.apply(unit(direction)) == pytest.approx(R @ unit(axis), abs=1e-10)
         assert found.orientation_error == pytest.approx(np.arccos(unit(direction) @ R @ unit(axis)), abs=1e-9)
@@ -127,9 +127,9 @@ def test_for_the_z_axis_it_is_the_orientation_task_without_rz(rng):
     R = robot.pose(q)[:3, :3]
     error = np.array([0.7, -1.1, 0.0])
     target = R @ Rotation.from_rotvec(-error).as_matrix()
-    of_frame = look(built(robot, jtik.FrameTask, "tip", "orientation", axes=("rx", "ry")), q, target)
+    of_frame = report_at(built(robot, jtik.FrameTask, "tip", "orientation", axes=("rx", "ry")), q, target)
     assert of_frame.error == pytest.approx(error[:2], abs=1e-11)
-    assert look(built(robot, jtik.AxisTask), q, target[:, 2]).error == pytest.approx(error[:2], abs=1e-11)
+    assert report_at(built(robot, jtik.AxisTask), q, target[:, 2]).error == pytest.approx(error[:2], abs=1e-11)
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-7, 1e-5, 0.4, 2.0, np.pi - 0.1])
@@ -139,9 +139,9 @@ def test_jacobian_is_the_derivative_of_the_error(name, angle, rng):
     ik = built(robot, jtik.AxisTask, "tip", (0.6, 0.0, 0.8))
     q = robot.random_configuration(rng)
     direction = robot.pose(q)[:3, :3] @ away(unit((0.6, 0.0, 0.8)), angle, 1.0)
-    numeric = differences(lambda at: look(ik, at, direction).error, robot, q)
+    numeric = differences(lambda at: report_at(ik, at, direction).error, robot, q)
     # at pi - 0.1 third derivatives are some 1e4
-    assert look(ik, q, direction).jacobian == pytest.approx(numeric, abs=DIFFERENCES)
+    assert report_at(ik, q, direction).jacobian == pytest.approx(numeric, abs=DIFFERENCES)
 
 
 @pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-5])
@@ -150,7 +150,7 @@ def test_close_to_pi_the_jacobian_is_the_closed_form(gap, rng):
     robot = dh_arm(7, 2)
     q = robot.random_configuration(rng)
     R, angle = robot.pose(q)[:3, :3], np.pi - gap
-    found = look(built(robot, jtik.AxisTask), q, R @ away(np.array([0.0, 0.0, 1.0]), angle, 0.7))
+    found = report_at(built(robot, jtik.AxisTask), q, R @ away(np.array([0.0, 0.0, 1.0]), angle, 0.7))
     n = unit(found.error)
     m = np.array([-n[1], n[0]])
     w = R.T @ robot.jacobian(q)[3:]
@@ -165,7 +165,7 @@ def test_jacobian_on_the_target_itself(name, rng):
     robot = ROBOTS[name]()
     q = robot.random_configuration(rng)
     R = robot.pose(q)[:3, :3]
-    found = look(built(robot, jtik.AxisTask), q, R[:, 2])
+    found = report_at(built(robot, jtik.AxisTask), q, R[:, 2])
     assert found.error == pytest.approx([0.0, 0.0], abs=EXACT)
     assert found.jacobian == pytest.approx((R.T @ robot.jacobian(q)[3:])[:2], abs=EXACT)
 
@@ -184,7 +184,7 @@ def test_it_is_reached_from_any_angle(make, gap, rng):
 
 
 @pytest.mark.parametrize("axis", [(1, 0, 0), (0, 1, 0), (1, 2, 0)])
-def test_opposite_is_left_by_a_robot_with_parallel_axes(axis):
+def test_a_robot_with_parallel_axes_moves_away_from_the_opposite_direction(axis):
     """For the x axis the rotation about the first basis vector, y, is impossible with parallel axes."""
     robot = jtik.Robot.from_dh([(0.3, 0, 0, 0)] * 3)
     solution = built(robot, jtik.AxisTask, "tip", axis).solve(-np.array(axis), q0=np.zeros(3))
@@ -199,7 +199,7 @@ class TestInThePlane:
         for _ in range(20):
             q, angle = robot.random_configuration(rng), rng.uniform(-np.pi, np.pi)
             expected = (q.sum() + np.arctan2(2, 1) - angle + np.pi) % (2 * np.pi) - np.pi
-            found = look(ik, q, (3 * np.cos(angle), 3 * np.sin(angle)))
+            found = report_at(ik, q, (3 * np.cos(angle), 3 * np.sin(angle)))
             assert found.error == pytest.approx([expected], abs=EXACT)
             assert found.jacobian == pytest.approx(np.ones((1, 4)), abs=EXACT)
 
@@ -213,16 +213,16 @@ class TestInThePlane:
             built(planar(3), jtik.AxisTask)
 
 
-class TestRefusals:
+class TestInvalidInput:
     @pytest.mark.parametrize("axis", [(0, 0, 0), (0, 0), (1e-13, 0, 0), (1,), (1, 0, 0, 0), 1.0, "z", (np.nan, 0, 1)])
     @pytest.mark.parametrize("task", [jtik.AxisTask, jtik.LookAtTask])
-    def test_what_is_no_axis_is_refused_at_once(self, task, axis):
+    def test_an_invalid_axis_is_refused_when_the_task_is_created(self, task, axis):
         with pytest.raises(jtik.ArgumentError, match="^axis: ") as caught:
             task("tip", axis)
         assert caught.value.argument == "axis"
 
     @pytest.mark.parametrize("target", [(0, 0, 0), (0, 1e-13, 0), (1, 0), 1.0, np.eye(3), "up", None, (np.nan, 0, 1)])
-    def test_what_is_no_direction_is_refused(self, target):
+    def test_an_invalid_direction_is_refused(self, target):
         with pytest.raises(jtik.ArgumentError, match=r"(?s)^target: .*a direction \(x, y, z\), not zero"):
             built(dh_arm(), jtik.AxisTask).solve(target)
 
@@ -241,6 +241,6 @@ def test_a_direction_may_have_any_length(rng):
     robot = dh_arm()
     ik = built(robot, jtik.AxisTask)
     q, direction = robot.random_configuration(rng), rng.standard_normal(3)
-    expected = look(ik, q, direction).error
+    expected = report_at(ik, q, direction).error
     for scale in (1e-9, 1e9, 1e200):
-        assert look(ik, q, scale * direction).error == pytest.approx(expected, abs=EXACT)
+        assert report_at(ik, q, scale * direction).error == pytest.approx(expected, abs=EXACT)

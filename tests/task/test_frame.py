@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 import jtik
 
-from ..conftest import DIFFERENCES, EXACT, differences, look
+from ..conftest import DIFFERENCES, EXACT, differences, report_at
 from .conftest import ROBOTS, built, dh_arm, expected_error, planar, solver
 
 KINDS = ("position", "orientation", "pose")
@@ -23,7 +23,7 @@ def test_error_in_space(name, kind, rng):
         q, other = robot.random_configuration(rng), robot.random_configuration(rng)
         target = robot.pose(other)
         # 1e-10: a random rotation may be within 1e-2 of pi, where rounding errors are 100 times larger
-        assert look(ik, q, _target(kind, target)).error == pytest.approx(
+        assert report_at(ik, q, _target(kind, target)).error == pytest.approx(
             expected_error(robot, kind, q, target), abs=1e-10
         )
 
@@ -35,7 +35,7 @@ def test_error_in_the_plane(kind, heading, rng):
     ik = built(robot, jtik.FrameTask, "tip", kind)
     for _ in range(10):
         q, target = robot.random_configuration(rng), robot.pose(robot.random_configuration(rng))
-        found = look(ik, q, target)
+        found = report_at(ik, q, target)
         assert found.error == pytest.approx(expected_error(robot, kind, q, target), abs=EXACT)
         assert found.position_error == pytest.approx(
             0 if kind == "orientation" else np.linalg.norm(found.error[:2]), abs=EXACT
@@ -52,8 +52,8 @@ def test_jacobian_is_the_derivative_of_the_error(name, kind, rng):
         q = robot.random_configuration(rng)
         target = robot.pose(robot.integrate(q, rng.uniform(-0.3, 0.3, robot.n)))
         target = target if name == "plane" else _target(kind, target)
-        numeric = differences(lambda at, t=target: look(ik, at, t).error, robot, q)
-        assert look(ik, q, target).jacobian == pytest.approx(numeric, abs=DIFFERENCES)
+        numeric = differences(lambda at, t=target: report_at(ik, at, t).error, robot, q)
+        assert report_at(ik, q, target).jacobian == pytest.approx(numeric, abs=DIFFERENCES)
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -65,13 +65,13 @@ def test_jacobian_on_the_target_itself(name, rng):
     pose = robot.pose(q)
     geometric = robot.jacobian(q)
     geometric[3:] = pose[:3, :3].T @ geometric[3:]
-    assert look(ik, q, pose).jacobian == pytest.approx(geometric, abs=1e-11)
+    assert report_at(ik, q, pose).jacobian == pytest.approx(geometric, abs=1e-11)
 
 
 def test_any_frame_may_be_the_one_of_the_task(rng):
     robot = planar(4)
     q = robot.random_configuration(rng)
-    found = look(solver(robot, jtik.FrameTask("link3")), q, (0.0, 0.0))
+    found = report_at(solver(robot, jtik.FrameTask("link3")), q, (0.0, 0.0))
     assert found.error == pytest.approx(robot.position(q, "link3"), abs=EXACT)
     assert not found.jacobian[:, 2:].any()
 
@@ -87,8 +87,8 @@ class TestAxes:
     def test_keep_the_rows_named_in_the_order_named(self, axes, rng):
         robot = dh_arm(6, 3)
         q, target = robot.random_configuration(rng), robot.pose(robot.random_configuration(rng))
-        all_rows = look(built(robot, jtik.FrameTask, "tip", "pose"), q, target)
-        kept = look(solver(robot, jtik.FrameTask("tip", "pose", axes=axes)), q, target)
+        all_rows = report_at(built(robot, jtik.FrameTask, "tip", "pose"), q, target)
+        kept = report_at(solver(robot, jtik.FrameTask("tip", "pose", axes=axes)), q, target)
         rows = [self.ALL.index(axis) for axis in axes]
         assert kept.error.tolist() == all_rows.error[rows].tolist()
         assert kept.jacobian == pytest.approx(all_rows.jacobian[rows], abs=EXACT)
@@ -120,7 +120,7 @@ class TestAxes:
             solver(planar(3), jtik.FrameTask("tip", "pose", axes="xz"))
 
 
-class TestRefusals:
+class TestInvalidInput:
     def test_an_unknown_frame_lists_the_frames(self):
         with pytest.raises(jtik.UnknownNameError) as caught:
             solver(planar(2), jtik.FrameTask("hand"))

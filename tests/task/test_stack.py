@@ -10,7 +10,7 @@ import pytest
 
 import jtik
 
-from ..conftest import EXACT, look
+from ..conftest import EXACT, report_at
 from .conftest import planar, solver, two_arms
 
 
@@ -20,8 +20,8 @@ class TestSeveralTasks:
         tip, elbow = jtik.FrameTask("tip"), jtik.FrameTask("link4", "orientation", name="elbow")
         both = solver(robot, [tip, elbow])
         q = robot.random_configuration(rng)
-        found = look(both, q, {"tip": (1.0, 2.0), "elbow": 0.4})
-        one, other = look(solver(robot, tip), q, (1.0, 2.0)), look(solver(robot, elbow), q, 0.4)
+        found = report_at(both, q, {"tip": (1.0, 2.0), "elbow": 0.4})
+        one, other = report_at(solver(robot, tip), q, (1.0, 2.0)), report_at(solver(robot, elbow), q, 0.4)
         assert found.error == pytest.approx([*one.error, *other.error], abs=EXACT)
         assert found.jacobian == pytest.approx(np.vstack([one.jacobian, other.jacobian]), abs=EXACT)
         assert found.position_error == pytest.approx(one.position_error, abs=EXACT)
@@ -55,7 +55,7 @@ class TestSeveralTasks:
             ik.solve(target)
 
     @pytest.mark.parametrize("tasks", [[], [jtik.FrameTask(), jtik.FrameTask()], ["tip"], [None]])
-    def test_none_the_same_twice_or_something_else_is_refused(self, tasks):
+    def test_no_task_a_repeated_name_or_another_object_is_refused(self, tasks):
         with pytest.raises(jtik.ArgumentError, match="^task: "):
             solver(planar(2), tasks)
 
@@ -69,11 +69,11 @@ def named_tasks():
 class TestTargetsByName:
     GOOD: ClassVar = {"left hand": np.eye(4), "eye": (1.0, 0.0, 1.0), "center_of_mass": (0.0, 0.0)}
 
-    def test_the_good_one_is_good(self):
-        assert np.isfinite(look(named_tasks(), two_arms().neutral, self.GOOD).error).all()
+    def test_valid_targets_are_accepted(self):
+        assert np.isfinite(report_at(named_tasks(), two_arms().neutral, self.GOOD).error).all()
 
     @pytest.mark.parametrize(
-        ("name", "wrong", "accepted"),
+        ("name", "invalid", "accepted"),
         [
             ("left hand", np.diag([1.0, 1.0, -1.0, 1.0]), "determinant"),
             ("left hand", np.full((4, 4), np.nan), "finite"),
@@ -82,20 +82,20 @@ class TestTargetsByName:
             ("center_of_mass", np.eye(4), r"\(x, y\)"),
         ],
     )
-    def test_an_error_says_which_of_them_is_wrong(self, name, wrong, accepted):
+    def test_an_error_names_the_invalid_target(self, name, invalid, accepted):
         ik = named_tasks()
         with pytest.raises(jtik.ArgumentError, match=f"(?s)accepted: .*{accepted}") as caught:
-            ik.solve({**self.GOOD, name: wrong})
+            ik.solve({**self.GOOD, name: invalid})
         assert caught.value.argument == f"target[{name!r}]"
-        assert caught.value.given is wrong
+        assert caught.value.given is invalid
 
     def test_one_task_may_have_a_dict_too(self):
         ik = solver(planar(3), jtik.FrameTask("tip"))
-        assert look(ik, np.zeros(3), {"tip": (1.0, 0.5)}).error == pytest.approx([2.0, -0.5], abs=EXACT)
+        assert report_at(ik, np.zeros(3), {"tip": (1.0, 0.5)}).error == pytest.approx([2.0, -0.5], abs=EXACT)
         with pytest.raises(jtik.ArgumentError, match=r"^target\['tip'\]: "):
             ik.solve({"tip": (1.0, np.nan)})
 
-    def test_names_need_not_be_texts_to_be_refused(self):
+    def test_a_name_that_is_no_text_is_refused(self):
         with pytest.raises(jtik.ArgumentError, match="^target: "):
             solver(planar(3), jtik.FrameTask("tip")).solve({3: (0, 0), "tip": (0, 0)})
 
@@ -121,7 +121,7 @@ def test_every_kind_at_once_on_a_floating_base(rng):
             "upright": robot.pose(goal, "head")[:3, 2],
             "eye": eye[:3, 3] + 2 * eye[:3, 2],
         }
-        assert look(ik, goal, target).error == pytest.approx(np.zeros(15), abs=1e-9)
+        assert report_at(ik, goal, target).error == pytest.approx(np.zeros(15), abs=1e-9)
         solution = ik.solve(target, q0=robot.integrate(goal, rng.uniform(-0.2, 0.2, robot.n)))
         assert solution.converged
         assert robot.pose(solution.q, "left") == pytest.approx(left, abs=5e-6)

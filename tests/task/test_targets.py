@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 import jtik
 from jtik.task.targets import read_fast, read_placement
 
-from ..conftest import look
+from ..conftest import report_at
 from .conftest import built, dh_arm, expected_error, planar
 
 
@@ -64,7 +64,7 @@ class TestTargets:
         for kind, targets in forms.items():
             ik = built(robot, jtik.FrameTask, "tip", kind)
             for target in targets:
-                assert look(ik, q, target).error == pytest.approx(expected_error(robot, kind, q, pose), abs=1e-10)
+                assert report_at(ik, q, target).error == pytest.approx(expected_error(robot, kind, q, pose), abs=1e-10)
 
     def test_forms_of_one_target_in_the_plane_give_the_same_error(self, rng):
         robot = planar(3)
@@ -96,14 +96,14 @@ class TestTargets:
         for kind, targets in forms.items():
             ik = built(robot, jtik.FrameTask, "tip", kind)
             for target in targets:
-                assert look(ik, q, target).error == pytest.approx(expected_error(robot, kind, q, pose), abs=1e-11)
+                assert report_at(ik, q, target).error == pytest.approx(expected_error(robot, kind, q, pose), abs=1e-11)
 
     @pytest.mark.parametrize("revolutions", [-3, -1, 0, 1, 2])
     @pytest.mark.parametrize(("angle", "target"), [(3.1, -3.1), (-3.1, 3.1), (0.1, -0.1), (1.0, 4.0)])
     def test_a_planar_angle_has_the_smallest_error(self, angle, target, revolutions):
         ik = built(planar(2), jtik.FrameTask, "tip", "orientation")
         wanted = (angle - target + np.pi) % (2 * np.pi) - np.pi
-        found = look(ik, [angle + 2 * np.pi * revolutions, 0.0], target).error[0]
+        found = report_at(ik, [angle + 2 * np.pi * revolutions, 0.0], target).error[0]
         assert found == pytest.approx(wanted, abs=1e-11)
         assert abs(found) <= np.pi
 
@@ -156,9 +156,9 @@ class TestTargets:
             ("pose", np.eye(4).astype(str)),
         ],
     )
-    def test_what_is_no_target_is_refused_by_name(self, kind, target):
+    def test_an_invalid_target_is_refused_by_name(self, kind, target):
         ik = built(dh_arm(), jtik.FrameTask, "tip", kind)
-        for call in (ik.solve, lambda wrong: ik.step(ik.robot.neutral, wrong)):
+        for call in (ik.solve, lambda invalid: ik.step(ik.robot.neutral, invalid)):
             with pytest.raises(jtik.ArgumentError, match="(?s)^target: .*accepted: .*") as caught:
                 call(target)
             assert caught.value.argument == "target"
@@ -187,12 +187,12 @@ class TestTargets:
             ("position", (1.0, 0.0, 0.0, 0.0)),
         ],
     )
-    def test_what_is_no_planar_target_is_refused_by_name(self, kind, target):
+    def test_an_invalid_planar_target_is_refused_by_name(self, kind, target):
         ik = built(planar(2), jtik.FrameTask, "tip", kind)
         with pytest.raises(jtik.ArgumentError, match="(?s)^target: .*accepted: .*"):
             ik.solve(target)
 
-    def test_an_object_whose_matrix_is_nonsense_is_refused(self):
+    def test_an_object_whose_matrix_is_no_rotation_is_refused(self):
         ik = built(dh_arm(), jtik.FrameTask, "tip", "pose")
         with pytest.raises(jtik.ArgumentError, match="target"):
             ik.solve(SE3(self.BENT))
@@ -205,7 +205,7 @@ class TestTargets:
         with pytest.raises(jtik.ArgumentError, match="target"):
             ik.solve(tilted)
 
-    def test_a_pose_whose_last_row_is_wrong_is_refused(self):
+    def test_a_pose_with_an_invalid_last_row_is_refused(self):
         scaled = np.eye(4)
         scaled[3, 3] = 2.0
         ik = built(dh_arm(), jtik.FrameTask, "tip", "pose")
@@ -215,7 +215,7 @@ class TestTargets:
     def test_a_target_printed_with_six_digits_is_accepted(self):
         R = np.round(Rotation.from_rotvec([0.3, -0.4, 0.5]).as_matrix(), 6)
         ik = built(dh_arm(), jtik.FrameTask, "tip", "orientation")
-        assert np.isfinite(look(ik, ik.robot.neutral, R).error).all()
+        assert np.isfinite(report_at(ik, ik.robot.neutral, R).error).all()
 
     def test_a_target_is_copied(self, rng):
         robot = planar(3)
@@ -233,7 +233,7 @@ class TestTargets:
         R = read_placement(printed, "orientation", 3, "").reshape(3, 3).T
         assert pytest.approx(np.eye(3), abs=1e-15) == R @ R.T
         assert pytest.approx(rotation.as_matrix(), abs=2e-6) == R
-        assert np.isfinite(look(ik, ik.robot.neutral, printed).error).all()
+        assert np.isfinite(report_at(ik, ik.robot.neutral, printed).error).all()
 
 
 class TestFastForms:

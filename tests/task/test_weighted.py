@@ -7,7 +7,7 @@ import pytest
 
 import jtik
 
-from ..conftest import EXACT, look
+from ..conftest import EXACT, report_at
 from .conftest import dh_arm, planar, solver
 
 
@@ -31,7 +31,7 @@ class TestStiffness:
             solution = ik.solve(target, q0=q, max_iterations=1, trace=True)
             e = robot.position(q) - target
             assert solution.trace.V[0] == pytest.approx(e @ Kp @ e / 2, rel=EXACT)
-            assert look(ik, q, target).error == pytest.approx(e, abs=EXACT)
+            assert report_at(ik, q, target).error == pytest.approx(e, abs=EXACT)
 
     @pytest.mark.parametrize(("stiffness", "Kp"), CASES)
     def test_the_transpose_step_goes_along_the_weighted_gradient(self, stiffness, Kp, rng):
@@ -51,13 +51,13 @@ class TestStiffness:
         "stiffness",
         [0.0, -1.0, [1.0, 0.0, 1.0], [1.0, 2.0], np.ones((2, 2)), np.ones((3, 3)), np.triu(np.ones((3, 3)))],
     )
-    def test_what_is_not_positive_definite_or_does_not_fit_is_refused(self, stiffness):
+    def test_a_stiffness_that_is_not_positive_definite_or_of_another_size_is_refused(self, stiffness):
         with pytest.raises(jtik.ArgumentError, match="(?s)stiffness.*positive definite") as caught:
             solver(dh_arm(), jtik.FrameTask("tip", stiffness=stiffness))
         assert caught.value.argument == "stiffness"
 
     @pytest.mark.parametrize("stiffness", [np.nan, np.inf, [1.0, np.nan, 1.0], np.ones((1, 1, 1)), "soft", [[1.0], []]])
-    def test_what_is_not_finite_is_refused_at_once(self, stiffness):
+    def test_a_stiffness_that_is_not_finite_is_refused_when_the_task_is_created(self, stiffness):
         with pytest.raises(jtik.ArgumentError, match="stiffness"):
             jtik.FrameTask("tip", stiffness=stiffness)
 
@@ -75,7 +75,7 @@ class TestOldNamesOfMethods:
         robot = planar(3)
         task = Tip("tip", "position", axes=None, stiffness=1.0, priority=0, name=None)
         q = [0.1, 0.2, 0.3]
-        error = look(jtik.InverseKinematics(robot, task), q, [1.0, 0.5]).error
+        error = report_at(jtik.InverseKinematics(robot, task), q, [1.0, 0.5]).error
         assert error == pytest.approx(robot.position(q) - [1.0, 0.5])
 
     def test_of_a_pointing_task(self):
@@ -95,6 +95,6 @@ class TestOldNamesOfMethods:
         assert [str(each.message) for each in caught] == messages
         robot = dh_arm()
         q = robot.random_configuration(3)
-        error = look(jtik.InverseKinematics(robot, Up("tip")), q, [0.0, 0.0, 1.0]).error
-        expected = look(jtik.InverseKinematics(robot, jtik.AxisTask("tip")), q, [0.0, 0.0, 1.0]).error
+        error = report_at(jtik.InverseKinematics(robot, Up("tip")), q, [0.0, 0.0, 1.0]).error
+        expected = report_at(jtik.InverseKinematics(robot, jtik.AxisTask("tip")), q, [0.0, 0.0, 1.0]).error
         assert error == pytest.approx(expected)

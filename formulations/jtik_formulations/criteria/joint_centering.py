@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik import Criterion, register_criterion
-from jtik.criterion.summary import call_text
+from jtik.criterion.short_repr import call_text
 from jtik.errors import ArgumentError, UnknownNameError, finite_array
 from jtik.robot import JointType, Kinematics, Robot
 from jtik.symbolic import Expression, dot

@@ -8,7 +8,7 @@ from typing import Literal
 from numpy.typing import ArrayLike
 
 from jtik import Criterion, register_criterion
-from jtik.criterion.summary import call_text
+from jtik.criterion.short_repr import call_text
 from jtik.errors import ArgumentError, finite_array
 from jtik.geometry import (
     Obstacle,

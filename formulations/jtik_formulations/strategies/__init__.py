@@ -1,1 +1,1 @@
-"""Update laws, one module each."""
+"""Strategies, one module each."""

@@ -15,7 +15,7 @@ from jtik_formulations.strategies._parts.damped_least_squares import DampedLeast
 class ConstantDamped(DampedLeastSquares):
     """dq = -J' (J J' + lambda I)^-1 r - beta (I - J+ J) grad H, with one lambda for all poses.
 
-    For comparison, and for following a path near singular poses, where an even step matters more than arrival: it
+    For comparison, and for following a path near singular poses, where a smooth step matters more than convergence: it
     converges linearly, the more slowly the smaller the singular values of J are.
 
     Attributes:

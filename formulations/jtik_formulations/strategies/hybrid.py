@@ -38,7 +38,12 @@ POOR, GOOD = 0.25, 0.75
 
 @dataclass(frozen=True, kw_only=True)
 class DoglegStep(TaskStep):
-    """The task step of ``Hybrid``: from the transpose point towards the Newton point, as far as the radius reaches."""
+    """The task step of ``Hybrid``: from the transpose point towards the Newton point, as far as the radius allows.
+
+    Attributes:
+        q_limit: largest trust radius [rad].
+        backtracking: fraction of the step that is taken where prismatic joints move too.
+    """
 
     q_limit: float
     backtracking: Backtracking = BACKTRACKING
@@ -102,14 +107,14 @@ def _along(tt: Expression, tn: Expression, nn: Expression, radius: Expression, s
 class Hybrid(Composition):
     """The transpose step where Newton's is too long to be trusted, Newton's where it is not, a blend between.
 
-    The default. V never rises. It needs as few steps as Newton's method on ordinary targets, and goes on where Newton's
-    method jumps: near singular poses and at the workspace boundary.
+    The default. V never rises. It needs as few steps as Newton's method on ordinary targets, and converges where the
+    steps of Newton's method are too long: near singular poses and at the workspace boundary.
 
     Attributes:
         q_limit: largest trust radius, a limit of Q, the norm of the rotational part of a step [rad].
         secondary: the null-space term.
 
-    Source: Das, Slotine and Sheridan (1988), section 2.3, asks for it; Powell (1970) has the dogleg.
+    Source: Das, Slotine and Sheridan (1988), section 2.3, proposes the combination; Powell (1970) gives the dogleg.
     """
 
     q_limit: float = 0.5

@@ -39,15 +39,15 @@ class Mink(Programmed):
 
     Attributes:
         strict: tasks of the highest priority are equalities, the rest is minimised below them. Where mink finds no
-            solution, at a singularity or behind a limit, that step is soft. False: every step is soft.
+            solution, at a singularity or because of a limit, that step uses the soft form. False: every step is soft.
         weight: of the criterion and of mink's own ``tasks`` relative to 1 of jtik's tasks, where these are soft.
         gain: fraction of the error a step aims to remove, (0, 1].
         lm_damping: mink's damping by the error, in the soft form: weight of |dq|^2 is this times |e|^2.
         damping: mink's constant damping.
         step_limit: largest motion of each rotational joint in a step [rad]; math.inf for no limit.
         descent: step length for the criterion: by its rule for beta below strict tasks, by its ``beta_max`` beside soft
-            tasks, whose damping also damps the criterion and would mislead the rule.
-        tasks: tasks of mink to minimise as well, on ``to_mujoco(ik.robot)``. A solve does not wait for them.
+            tasks, whose damping also damps the criterion, so that the rule would not apply.
+        tasks: tasks of mink to minimise as well, on ``to_mujoco(ik.robot)``. They do not count for convergence.
 
     Source: Zakka, mink (2024).
     """
@@ -90,12 +90,12 @@ class Mink(Programmed):
 
     def propose(self, model: LocalModel, state: State) -> Proposal:
         """The displacement that mink returns."""
-        from jtik_formulations.strategies._parts.mink_step import MinkStep  # MuJoCo takes half a second to load
+        from jtik_formulations.strategies._parts.mink_step import MinkStep  # loading MuJoCo needs half a second
 
         robot, n = model.robot, model.robot.n
         if model.tasks is None or model.qps is None:
             raise ArgumentError("model", model, "that of an InverseKinematics")
-        down = self._descent(model, state)
+        null = self._descent(model, state)
         step = MinkStep(
             self,
             robot,
@@ -105,20 +105,20 @@ class Mink(Programmed):
             has_criterion=model.has_criterion,
         )
         low, high = limited_box(model, self.step_limit)
-        gradient = down.beta * model.gradient
+        gradient = null.beta * model.gradient
         inputs = [model.here.q, model.target, model.here.residual, model.J, gradient, low, high]
         dq, strict = model.compute("mink", step, inputs, [(n, 1), (1, 1)])
         dq = model.within_limits(dq)
         return Proposal(
             dq=dq,
-            null_space_unlimited=down,
-            null_space_longer=2 * down.length**2 > sumsqr(dq),  # the two parts are at right angles
-            figures={"beta": down.beta, "strict": strict},
-            stationarity_residual=if_else(down.beta > 0, ratio(norm(dq), down.beta), model.null_gradient_norm),
+            null_space_unlimited=null,
+            null_space_longer=2 * null.length**2 > sumsqr(dq),  # the two parts are at right angles
+            figures={"beta": null.beta, "strict": strict},
+            stationarity_residual=if_else(null.beta > 0, ratio(norm(dq), null.beta), model.null_gradient_norm),
         )
 
     def _descent(self, model: LocalModel, state: State) -> NullSpaceDisplacement:
-        """The displacement for the criterion, whose gain mink's objective takes over."""
+        """The displacement for the criterion, whose gain mink's objective uses."""
         if not model.has_criterion:
             return NullSpaceDisplacement.none(model.robot.n)
         if self.strict:

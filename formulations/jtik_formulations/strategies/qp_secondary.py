@@ -36,25 +36,25 @@ from jtik_formulations.strategies._parts.significance import significant
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
 NEGLIGIBLE = 1e-6
-"""Norm of the part of a task displacement that is left out [rad] below which it is not reported."""
+"""Norm of the omitted part of a task displacement [rad] below which it is not reported."""
 
-WHOLE = 0.999
-"""A share of the task displacement above this is all of it, within the solver's tolerance."""
+COMPLETE = 0.999
+"""A share of the task displacement above this counts as 1: the rest is the solver's tolerance."""
 
 PENALTY = 1e4
-"""Penalty weight of a share that is left out, in units of what the null space could gain: nearly strict priority."""
+"""Penalty weight of the omitted share over the possible decrease in the null space: nearly strict priority."""
 
 SMALLEST_PENALTY = 1e-9
-"""Keeps the quadratic program strictly convex in s where there is no task displacement left."""
+"""Keeps the quadratic program strictly convex in s where the task displacement is zero."""
 
 
 @register_secondary("qp")
 @dataclass(frozen=True, kw_only=True)
 class QPSecondary(ProjectedGradient):
-    """nu minimises 1/2 nu' W nu + beta grad H' nu where J nu = 0 and task step and nu together keep to the limits.
+    """nu minimises 1/2 nu' W nu + beta grad H' nu where J nu = 0 and task step and nu together are within the limits.
 
     Without limits and with W = I it is the projected gradient. With limits, a joint that reaches its limit does not
-    stop the others: the quadratic program finds the best direction among those that are left, all at once. beta follows
+    stop the others: the quadratic program finds the best of the directions that the limits allow. beta follows
     the rule "merit" of `ProjectedGradient`.
 
     Attributes:
@@ -93,7 +93,7 @@ class QPSecondary(ProjectedGradient):
         return True
 
     def propose(self, model: LocalModel, state: State, task_dq: Expression) -> NullSpaceDisplacement:
-        """The solution of the quadratic program, and how far H is from stationary: |W nu| / beta."""
+        """The solution of the quadratic program, and the stationarity residual of H, |W nu| / beta."""
         h, n = _reduced_gradient(model), model.robot.n
         weight = np.asarray(self.weight, dtype=float)
         if weight.shape not in ((), (n,)):
@@ -106,7 +106,7 @@ class QPSecondary(ProjectedGradient):
         if model.clearance:
             dq, scale = self._with_clearances(model, weight, beta, task_dq)
             figures["task_share"] = scale
-            short = logic_and((1 - scale) * norm(task_dq) > NEGLIGIBLE, scale < WHOLE)
+            short = logic_and((1 - scale) * norm(task_dq) > NEGLIGIBLE, scale < COMPLETE)
             relaxed["task step", "share"] = if_else(short, 1 - scale, 0)
         else:
             dq, scale = self._within_limits(model, weight, beta, length, task_dq), 1
@@ -129,18 +129,18 @@ class QPSecondary(ProjectedGradient):
     ) -> Expression:
         """nu that does not move the end effector, the sum of both displacements in the box."""
         low, high = model.box
-        counts = if_else(significant(length, norm(model.gradient)), 1, 0)
-        answer = model.solve(
+        is_significant = if_else(significant(length, norm(model.gradient)), 1, 0)
+        solution = model.solve(
             QuadraticProgram(
                 P=diag(vertcat(*weight.tolist())),
-                q=counts * beta * model.null_gradient,  # the rest of the gradient changes only the multipliers
+                q=is_significant * beta * model.null_gradient,  # the rest of the gradient changes only the multipliers
                 lower=low - task_dq,
                 upper=high - task_dq,
                 rows=[_task_rows(model, model.row_space.unit_basis)],
                 name="null-space step",
             )
         )
-        return counts * answer.x
+        return is_significant * solution.x
 
     def _with_clearances(
         self, model: LocalModel, weight: Array, beta: Expression, t: Expression
@@ -148,8 +148,8 @@ class QPSecondary(ProjectedGradient):
         """nu and the share s of the task displacement t that the clearances allow, from (y, s) with y = s t + nu.
 
         If no distance is too small, y = 0 and s = 0 are feasible; otherwise y = x and s = 0, with x the restoration
-        step, whose change of the task stays. s has priority over H: its penalty weight is far above what nu could gain.
-        Its unit in the quadratic program is chosen so that the curvature is 1, however short t is.
+        step, whose change of the task is kept. s has priority over H: its penalty weight is far above any
+        decrease of H by nu. Its unit in the quadratic program is chosen so that the curvature is 1, however short t is.
         """
         n = model.robot.n
         low, high = model.box
@@ -161,7 +161,7 @@ class QPSecondary(ProjectedGradient):
         q = vertcat(gradient, -(dot(gradient, t) + penalty) / unit)
         restoration = model.restoration
         kept, demanded = restoration.rows, K @ restoration.dq
-        answer = model.solve(
+        solution = model.solve(
             QuadraticProgram(
                 P=P,
                 q=q,
@@ -174,7 +174,7 @@ class QPSecondary(ProjectedGradient):
                 name="null-space step",
             )
         )
-        y, scale = answer.x[:n], fmin(fmax(answer.x[n] / unit, 0), 1)
+        y, scale = solution.x[:n], fmin(fmax(solution.x[n] / unit, 0), 1)
         return y - scale * t, scale
 
 

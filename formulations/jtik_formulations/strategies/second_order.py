@@ -51,13 +51,13 @@ from jtik_formulations.strategies._parts.convexified import convexified
 from jtik_formulations.strategies._parts.significance import significant
 
 NEGATIVE = 1e-3
-"""A pivot below minus this fraction is a way down without an end in sight: the step goes as far as its cap."""
+"""A pivot below minus this fraction is negative curvature: the step then is as long as its cap allows."""
 
 SHORT = 0.5
-"""A second-order correction longer than this share of the step it corrects is no small one, and is left out."""
+"""Longest second-order correction, relative to the step that it corrects; a longer one is omitted."""
 
-STIFFEST = 1e3
-"""Most by which the Hessian without the task's curvature is scaled up."""
+LARGEST_SCALE = 1e3
+"""Largest factor by which the Hessian without the task's curvature is scaled."""
 
 
 @register_secondary("second_order")
@@ -68,12 +68,12 @@ class SecondOrder(SecondaryTerm):
     x minimises (dH/dv + W t)' x + 1/2 x' W x where J x = 0 and t + x keeps to the limits, with t the task displacement
     and W = d2(H + lambda' r)/dv2 at v = 0. Where W is not positive definite on the null space it is made so.
 
-    Prefer it where the optimum is wanted to the last digits, or where H is so badly scaled that the gradient creeps;
-    a step costs several times that of `ProjectedGradient`.
+    Prefer it where the optimum is wanted with high accuracy, or where H is so badly scaled that gradient steps are
+    slow; a step needs several times the computation of `ProjectedGradient`.
 
     Attributes:
         curvature: ``"exact"``: W as above; ``"gauss_newton"``: without the curvature of the task, the term with
-            lambda. Cheaper, and convex where H is, but of linear convergence where lambda is not zero.
+            lambda. It needs less computation and is convex where H is, but converges linearly where lambda is not zero.
         step_limit: longest null-space step [rad].
         corrections: number of second-order corrections, each -J+ times the task error that the step would leave.
             Without any the merit function refuses good steps near the optimum (Maratos effect); with one it still
@@ -108,7 +108,7 @@ class SecondOrder(SecondaryTerm):
         return first
 
     def propose(self, model: LocalModel, state: State, task_dq: Expression) -> NullSpaceDisplacement:
-        """The solution of the quadratic program, and how far H is from stationary."""
+        """The solution of the quadratic program, and the stationarity residual of H."""
         free, rows, split, gradient = _optimality(model)
         W = lagrangian_hessian(
             model.robot,
@@ -120,7 +120,7 @@ class SecondOrder(SecondaryTerm):
             multipliers=-split.multipliers if self.curvature == "exact" else None,
         )
         if self.curvature == "gauss_newton":
-            W = _stiffness(W, state["null_step"], gradient - state["lagrangian_gradient"]) * W
+            W = _hessian_scale(W, state["null_step"], gradient - state["lagrangian_gradient"]) * W
         basis = rows.unit_basis
         onto_null = diag(free) - basis.T @ basis
         reduced = onto_null @ W @ onto_null
@@ -138,16 +138,16 @@ class SecondOrder(SecondaryTerm):
         # solvers have absolute tolerances: data and solution are scaled to order 1. A step much longer than the cap
         # follows the negative gradient, as one of infinite curvature does
         scaled = moving * after_task / size
-        steep = norm_inf(scaled)
-        unit, ease = fmin(cap, steep) + TINY, fmax(1, ratio(steep, cap))
-        P = (hessian + (ease - 1) * identity(model.robot.n)) / ease
-        answer = model.solve(
-            QuadraticProgram(P, ratio(scaled, steep), lower / unit, upper / unit, [fixed], "null-space step")
+        gradient_size = norm_inf(scaled)
+        unit, stretch = fmin(cap, gradient_size) + TINY, fmax(1, ratio(gradient_size, cap))
+        P = (hessian + (stretch - 1) * identity(model.robot.n)) / stretch
+        solution = model.solve(
+            QuadraticProgram(P, ratio(scaled, gradient_size), lower / unit, upper / unit, [fixed], "null-space step")
         )
-        x = fmin(fmax(unit * answer.x, lower), upper)
-        counts = significant(norm(after_task), norm(model.gradient))
+        x = fmin(fmax(unit * solution.x, lower), upper)
+        is_significant = significant(norm(after_task), norm(model.gradient))
         longest = ratio(cap, norm(x))
-        x = if_else(counts, 1, 0) * if_else(lowest < -NEGATIVE, longest, fmin(1, longest)) * x
+        x = if_else(is_significant, 1, 0) * if_else(lowest < -NEGATIVE, longest, fmin(1, longest)) * x
         residual = _stationarity_residual(model, gradient)
         return NullSpaceDisplacement(
             dq=x,
@@ -161,11 +161,11 @@ class SecondOrder(SecondaryTerm):
         if not self.corrections:
             return dq
         wanted = model.here.residual + model.J @ dq
-        there, corrected = model.candidate(dq), dq
-        rows = RowSpace(_masked(model.J, _free(model, there.q))) if model.bounded else model.row_space_free
+        candidate, corrected = model.candidate(dq), dq
+        rows = RowSpace(_masked(model.J, _free(model, candidate.q))) if model.bounded else model.row_space_free
         for k in range(self.corrections):
-            missed = (there if k == 0 else model.candidate(corrected)).residual - wanted
-            corrected = model.within_limits(corrected - rows.least_squares(missed).vector)
+            error = (candidate if k == 0 else model.candidate(corrected)).residual - wanted
+            corrected = model.within_limits(corrected - rows.least_squares(error).vector)
         small = logic_and(model.near_target, norm(corrected - dq) <= SHORT * norm(dq))
         return if_else(small, corrected, dq)
 
@@ -190,10 +190,10 @@ def _optimality(model: LocalModel) -> tuple[Expression, RowSpace, Split, Express
     return free, rows, split, if_else(free, split.null, at_limit)
 
 
-def _stiffness(W: Expression, step: Expression, change: Expression) -> Expression:
+def _hessian_scale(W: Expression, step: Expression, change: Expression) -> Expression:
     """How much more the gradient changed along the last step than W predicts, at least 1, to prevent overshoot."""
     predicted = dot(step, W @ step)
-    return if_else(predicted > 0, fmin(fmax(ratio(dot(step, change), fmax(predicted, 0)), 1), STIFFEST), 1)
+    return if_else(predicted > 0, fmin(fmax(ratio(dot(step, change), fmax(predicted, 0)), 1), LARGEST_SCALE), 1)
 
 
 def _free(model: LocalModel, q: Expression) -> Expression:

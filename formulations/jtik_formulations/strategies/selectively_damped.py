@@ -34,7 +34,15 @@ Clamp = Literal["hard", "soft"]
 
 @dataclass(frozen=True, kw_only=True)
 class SelectivelyDampedStep(TaskStep):
-    """The task step of ``SelectivelyDamped``."""
+    """The task step of ``SelectivelyDamped``.
+
+    Attributes:
+        clamp: clamp of each singular direction, "hard" or "soft".
+        max_angle: largest joint motion of a singular direction [rad].
+        max_error: largest error that a step aims to remove.
+        effectors: rows of each end effector; None for one end effector with all rows.
+        backtracking: fraction of the step that is taken.
+    """
 
     clamp: Clamp
     max_angle: float
@@ -48,19 +56,19 @@ class SelectivelyDampedStep(TaskStep):
 
     def propose(self, model: LocalModel, state: State) -> TaskDisplacement:
         """-sum of the clamped phi_i, clamped."""
-        found, effectors = SingularValues(model.J_free), self._effectors(model.J_free.shape[0])
-        components = found.components(self._clamped_error(-model.here.residual, effectors))
-        reach = [sum(norm(model.J_free[list(rows), j]) for rows in effectors) for j in range(model.robot.n)]
+        svd, effectors = SingularValues(model.J_free), self._effectors(model.J_free.shape[0])
+        components = svd.components(self._clamped_error(-model.here.residual, effectors))
+        effector_motion = [sum(norm(model.J_free[list(rows), j]) for rows in effectors) for j in range(model.robot.n)]
         gains = []
-        for i, (component, row, squared) in enumerate(zip(components, found.rows, found.squared, strict=True)):
-            wanted = sum(norm(found.left[i][list(rows)]) for rows in effectors) if len(effectors) > 1 else 1
-            moved = sum(fabs(row[j]) * reach[j] for j in range(model.robot.n))
+        for i, (component, row, squared) in enumerate(zip(components, svd.rows, svd.squared, strict=True)):
+            wanted = sum(norm(svd.left[i][list(rows)]) for rows in effectors) if len(effectors) > 1 else 1
+            moved = sum(fabs(row[j]) * effector_motion[j] for j in range(model.robot.n))
             limit = self.max_angle * fmin(1, ratio(wanted * squared, moved))
             gain = ratio(component, squared)
             gains.append(gain * self._scale(limit, fabs(gain) * _largest_rotation(model, row)))
-        full = found.combined(gains)
+        full = svd.combined(gains)
         scale = self._scale_of_sum(_largest_rotation(model, full)) * self.backtracking.fraction(state)
-        return TaskDisplacement(scale * full, scale * found.image(gains))
+        return TaskDisplacement(scale * full, scale * svd.image(gains))
 
     def _scale(self, limit: Expression, angle: Expression) -> Expression:
         """The factor that brings an angle down to its limit."""
@@ -69,7 +77,7 @@ class SelectivelyDampedStep(TaskStep):
         return fmin(1, ratio(limit, angle))
 
     def _scale_of_sum(self, angle: Expression) -> Expression:
-        """The same for the whole step, which even the soft clamp leaves alone as long as it is short enough."""
+        """The same for the sum of the components; both clamps leave it unchanged while it is short enough."""
         if self.clamp == "soft":
             return if_else(angle > self.max_angle, self.max_angle / (self.max_angle + angle), 1)
         return fmin(1, ratio(self.max_angle, angle))
@@ -111,8 +119,8 @@ class SelectivelyDamped(Composition):
     """Newton's step with its part along each singular direction clamped by how far that direction can be trusted.
 
     dq = -clamp(sum phi_i) - beta (I - J+ J) grad H, phi_i = clamp((u_i' r / sigma_i) v_i) to gamma_i. A weak direction,
-    which moves joints much and the tip little, is damped; the others are not. For several effectors, and for targets
-    that may be out of reach.
+    which moves the joints much and the end effector little, is damped; the others are not. Prefer it for several end
+    effectors, and for targets that may be out of reach.
 
     Attributes:
         clamp: "hard", as in the paper: an angle above its limit is brought to it. "soft", as in the code the

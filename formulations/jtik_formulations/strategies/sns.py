@@ -11,7 +11,7 @@ from jtik.strategy import LocalModel, check_choice
 from jtik.symbolic import Expression
 from jtik_formulations.strategies._parts.basic_saturation import BasicSaturation
 from jtik_formulations.strategies._parts.saturation import Saturation
-from jtik_formulations.strategies._parts.task_scaling import Scaled, TaskScaling
+from jtik_formulations.strategies._parts.task_scaling import ScaledDisplacement, TaskScaling
 
 Rule = Literal["optimal", "basic"]
 
@@ -37,9 +37,9 @@ def sns(
         rounds: how many joints the rule "optimal" may put at a bound or take off it; 2 n by default.
     """
     n = J.shape[1]
-    here: Scaled = BasicSaturation.at_rest(lower, upper)
+    here: ScaledDisplacement = BasicSaturation.initial(lower, upper)
     if rule == "optimal":
-        here = Saturation.at_rest(lower, upper, rounds=2 * n if rounds is None else rounds)
+        here = Saturation.initial(lower, upper, rounds=2 * n if rounds is None else rounds)
     here = here.with_task(J, xdot)
     return here.x, here.scale
 
@@ -47,11 +47,11 @@ def sns(
 @register_strategy("sns")
 @dataclass(frozen=True, kw_only=True)
 class SNS(TaskScaling):
-    """J dq = -s r within the limits of positions and steps, with the largest s; of all such dq the nearest to the wish.
+    """J dq = -s r within the limits of positions and steps, with the largest s; of these the closest to -beta grad H.
 
-    The end effector moves straight towards its target. The joints that are left take over the motion of a joint that
-    reaches a limit; the step gets shorter only where all of them together cannot make it. The wish is -beta grad H of a
-    criterion, or no motion. Levels of priority follow one another, each with a scale of its own. Needs no QP solver.
+    The end effector moves straight towards its target. The other joints compensate for a joint that reaches a limit,
+    and the step gets shorter only where they cannot. Without a criterion dq is the shortest. Levels of priority follow
+    one another, each with a scale of its own. No QP solver is needed.
 
     Attributes:
         rule: "optimal", or "basic": as first published, where joints once at a limit stay there for the step.
@@ -82,8 +82,8 @@ class SNS(TaskScaling):
         """The rule "optimal" does."""
         return self.rule == "optimal"
 
-    def at_rest(self, model: LocalModel, lower: Expression, upper: Expression) -> Scaled:
+    def initial(self, model: LocalModel, lower: Expression, upper: Expression) -> ScaledDisplacement:
         """By the rule."""
         if self.rule == "basic":
-            return BasicSaturation.at_rest(lower, upper)
-        return Saturation.at_rest(lower, upper, rounds=self.rounds or model.robot.n)
+            return BasicSaturation.initial(lower, upper)
+        return Saturation.initial(lower, upper, rounds=self.rounds or model.robot.n)

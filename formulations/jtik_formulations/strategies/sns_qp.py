@@ -1,4 +1,4 @@
-"""The quadratic programs that saturation in the null space solves, by a QP solver (formulations/sns.md)."""
+"""Saturation in the null space by quadratic programs, which a QP solver solves (formulations/sns.md)."""
 
 from __future__ import annotations
 
@@ -11,23 +11,24 @@ from jtik.qp import QPSolution, QuadraticProgram, Rows
 from jtik.strategy import LocalModel
 from jtik.symbolic import Expression, dot, fmax, fmin, identity, if_else, logic_and, mmax, norm, sumsqr, vertcat, zeros
 from jtik.symbolic.factorization import RowSpace, squared_length
-from jtik_formulations.strategies._parts.saturation import DEPENDENT, turned
+from jtik_formulations.strategies._parts.saturation import DEPENDENT, rotated_rows
 from jtik_formulations.strategies._parts.task_scaling import TaskScaling
 
 PENALTY = 1e4
-"""Weight of x along the task in units of |x|^2 / 2: above every multiplier that a solution was seen to have."""
+"""Weight of x along the task in units of |x|^2 / 2: larger than every multiplier in our tests."""
 
 INACTIVE = 1e-7
 """Distance from a bound [rad] or [m] above which the bound is surely not active in a solver's solution."""
 
 
 @dataclass(frozen=True)
-class ScalingProgram:
+class QPScaling:
     """A displacement x in a box by one QP for each task: the largest share of the task first, then the shortest x.
 
     Attributes:
         solve: solves quadratic programs.
-        lower, upper: the box, (n, 1) each, lower <= 0 <= upper.
+        lower: lower bounds of x (n, 1), at most 0.
+        upper: upper bounds of x (n, 1), at least 0.
         x: the displacement (n, 1).
         rows: Jacobians of the tasks so far (k, n).
         scale: s of the last task.
@@ -41,38 +42,37 @@ class ScalingProgram:
     scale: Expression
 
     @classmethod
-    def at_rest(
+    def initial(
         cls, solve: Callable[[QuadraticProgram], QPSolution], lower: Expression, upper: Expression
-    ) -> ScalingProgram:
-        """No displacement, nothing to keep."""
+    ) -> QPScaling:
+        """No displacement and no task."""
         n = lower.shape[0]
         return cls(solve, lower, upper, zeros(n), zeros(0, n), 1)
 
-    def with_task(self, J: Expression, change: Expression) -> ScalingProgram:
+    def with_task(self, J: Expression, change: Expression) -> QPScaling:
         """J x changes by s ``change`` (m, 1) with the largest s up to 1; of all such x the shortest."""
-        along, across = turned(J, change)
-        steep = norm(along)
+        along, across = rotated_rows(J, change)
+        row_length = norm(along)
         fixed = vertcat(self.rows, across)
         space = RowSpace(fixed, squared_scale=squared_length(J))
-        rest = space.split(along / steep).null
+        rest = space.split(along / row_length).null
         length = norm(rest)
         direction = if_else(length > DEPENDENT, 1, 0) * rest / length
-        total = norm(change) / (steep * length)
+        total = norm(change) / (row_length * length)
         free = self.x + total * direction  # the solution without a box
         inside = logic_and(self._inside(self.x), self._inside(free))
         away = self.x - PENALTY * fmin(total, 1) * direction
         start = if_else(inside, free, self.x)
-        reach = Rows("task", direction.T, zeros(1) - inf, if_else(inside, 0, total))
-        x = self._solved(space, start, if_else(inside, 0, 1) * away, [reach], "scaled task")
+        task = Rows("task", direction.T, zeros(1) - inf, if_else(inside, 0, total))
+        x = self._solved(space, start, if_else(inside, 0, 1) * away, [task], "scaled task")
         share = fmin(fmax(dot(direction, x - self.x) / total, 0), 1)
         scale = if_else(sumsqr(change) > 0, share, 1)
         return replace(self, x=x, rows=vertcat(self.rows, J), scale=scale)
 
-    def towards(self, wish: Expression) -> ScalingProgram:
-        """Of all x with the same J x the nearest to ``wish`` (n, 1), which changes no task."""
-        q = (
-            if_else(self._inside(self.x), 0, 1) * self.x - wish
-        )  # without bounds x is orthogonal to what changes no task
+    def towards(self, wanted: Expression) -> QPScaling:
+        """Of all x with the same J x, the closest to ``wanted`` (n, 1), a null-space displacement of the tasks."""
+        # without active bounds x is orthogonal to the null space of the tasks
+        q = if_else(self._inside(self.x), 0, 1) * self.x - wanted
         return replace(self, x=self._solved(RowSpace(self.rows), self.x, q, [], "criterion"))
 
     def _inside(self, x: Expression) -> Expression:
@@ -84,8 +84,8 @@ class ScalingProgram:
         basis, n = kept.unit_basis, q.shape[0]
         if basis.shape[0]:
             rows = [Rows("kept", basis, *[kept.dependent_bounds(side) for side in (-1, 1)]), *rows]
-        program = QuadraticProgram(identity(n), q, self.lower - start, self.upper - start, rows, name=name)
-        return fmin(fmax(start + self.solve(program).x, self.lower), self.upper)
+        qp = QuadraticProgram(identity(n), q, self.lower - start, self.upper - start, rows, name=name)
+        return fmin(fmax(start + self.solve(qp).x, self.lower), self.upper)
 
 
 @register_strategy("sns_qp")
@@ -106,13 +106,13 @@ class SNSQP(TaskScaling):
     Source: Flacco, De Luca and Khatib (2015).
     """
 
-    summary = "the programs that saturation in the null space solves, by a QP solver"
+    summary = "saturation in the null space by quadratic programs, for comparison with sns"
     source = "Flacco, De Luca and Khatib 2015"
 
     def uses_qp(self, has_criterion: bool) -> bool:
         """One for each level, and one for a criterion."""
         return True
 
-    def at_rest(self, model: LocalModel, lower: Expression, upper: Expression) -> ScalingProgram:
+    def initial(self, model: LocalModel, lower: Expression, upper: Expression) -> QPScaling:
         """By quadratic programs."""
-        return ScalingProgram.at_rest(model.solve, lower, upper)
+        return QPScaling.initial(model.solve, lower, upper)

@@ -1,4 +1,4 @@
-"""Levels of priority: a lower task moves in the null space of those above (formulations/task_priority.md)."""
+"""PriorityLevels of priority: a lower task moves in the null space of those above (formulations/task_priority.md)."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 Rule = Literal["recursive", "robust"]
 
 
-class Levels:
+class PriorityLevels:
     """The displacement of each level, the highest first.
 
     Args:
@@ -84,16 +84,16 @@ def _projected(vector: Expression, above: Sequence[RowSpace]) -> Expression:
 class TaskPriority(Programmed):
     """dq = -sum (J_k N_k)^+ (r_k + J_k p_k) - beta N grad H, over the levels k of the tasks' ``priority``, 0 first.
 
-    A lower level does what the levels above it leave free, and no more; the criterion does what all of them leave.
-    For tasks that may not all be possible. With one level it is Newton's method. Limits are those of the engine, which
+    A lower level moves only in the null space of the levels above it, the criterion only in that of all levels. Prefer
+    it for tasks that may conflict. With one level it is Newton's method. Limits are those of the engine, which
     stops joints without regard to levels; where they matter, prefer ``"lexicographic_qp"``.
 
     Attributes:
         rule: "recursive": exact where the levels are compatible. "robust": never worse conditioned than the single
             tasks, at the cost that a lower task converges more slowly even where it is compatible.
         damping: lambda / V_k in the inverses below the highest level, [1 / rad^2]; 0 for the undamped inverses of the
-            papers, whose lower levels blow up, within q_limit, where they are about to conflict with higher ones.
-        q_limit: limit of Q, the norm of the rotational part of a step [rad], used up from the highest level down;
+            papers, whose lower levels make very long steps, within q_limit, close to a conflict with higher ones.
+        q_limit: limit of Q, the norm of the rotational part of a step [rad], shared by the levels, the highest first;
             math.inf for none.
         backtracking: halve the step until the penalty function of the levels falls. Without it every step is taken.
         secondary: the null-space term.
@@ -165,15 +165,15 @@ class TaskPriority(Programmed):
         return {"fractions": vertcat(*adapted, *rest)}
 
     def _levels(self, model: LocalModel, fractions: Expression) -> tuple[Expression, list[Expression]]:
-        """The sum of all levels' displacements, each within what those above have left of the Q limit; their norms."""
-        levels = Levels(model.J_free, model.here.residual, self.rule, self.damping)
+        """The sum of all levels' displacements, each within what remains of the Q limit; their norms."""
+        levels = PriorityLevels(model.J_free, model.here.residual, self.rule, self.damping)
         total, lengths = zeros(model.robot.n), []
         for k, rows in enumerate(model.levels):
             part = levels.add(rows, total)
             scale = fractions[k] if self.backtracking else 1
             if math.isfinite(self.q_limit):
-                left = fmax(self.q_limit - model.rotation_norm(total), 0)
-                scale = scale * fmin(1, ratio(left, model.rotation_norm(part)))
+                remaining = fmax(self.q_limit - model.rotation_norm(total), 0)
+                scale = scale * fmin(1, ratio(remaining, model.rotation_norm(part)))
             total = total + scale * part
             lengths.append(norm(scale * part))
         return total, lengths

@@ -30,7 +30,13 @@ from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
 @dataclass(frozen=True, kw_only=True)
 class TransposeStep(TaskStep):
-    """The task step of ``Transpose``."""
+    """The task step of ``Transpose``.
+
+    Attributes:
+        rule: rule of alpha and S, as in `Transpose`.
+        q_limit: limit of Q, the norm of the rotational part of a step [rad].
+        backtracking: fraction of the step that is taken.
+    """
 
     rule: Literal["optimal", "paper"]
     q_limit: float

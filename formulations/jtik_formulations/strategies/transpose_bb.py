@@ -37,12 +37,18 @@ LARGEST_RATIO = 1.9
 """Largest ratio of the monotone gain to the optimal one; from 2 on, the linear model of V does not fall."""
 
 SUFFICIENT = 1e-4
-"""Share of the first-order decrease that a step must bring below the largest V remembered (Grippo 1986)."""
+"""Share of the first-order decrease by which V must fall below the largest remembered V (Grippo 1986)."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class BarzilaiBorweinStep(TaskStep):
-    """The task step of ``TransposeBB``."""
+    """The task step of ``TransposeBB``.
+
+    Attributes:
+        q_limit: limit of Q, the norm of the rotational part of a step [rad].
+        monotone: whether the gain is limited so that V falls at every step.
+        backtracking: fraction of the step that is taken.
+    """
 
     q_limit: float
     monotone: bool
@@ -126,7 +132,7 @@ class TransposeBB(Composition):
         return True
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
-        """The last values of V besides, 0 before there are any."""
+        """The composition's state, and the last values of V, 0 before there are any."""
         state = dict(super().initial_state(shape))
         return state if self.monotone or shape.has_criterion else state | {"energies": np.zeros(self.memory)}
 
@@ -140,9 +146,9 @@ class TransposeBB(Composition):
         kept = [model.here.V, *[state["energies"][i] for i in range(self.memory - 1)]]
         assert update.candidate is not None
         assert update.state is not None
-        gained = reduce(fmax, kept) - update.candidate.V
-        promised = -dot(model.task_gradient, update.dq)
-        accepted = logic_and(update.accepted, gained >= SUFFICIENT * promised)
+        decrease = reduce(fmax, kept) - update.candidate.V
+        predicted = -dot(model.task_gradient, update.dq)
+        accepted = logic_and(update.accepted, decrease >= SUFFICIENT * predicted)
         taken = {**update.state, "energies": vertcat(*kept)}
         refused = {**state, "fraction": state["fraction"] / 2}
         after = {name: if_else(accepted, value, refused[name]) for name, value in taken.items()}

@@ -41,10 +41,10 @@ class WeightedQP(Programmed):
 
     The quadratic program of mink, pink and most differential IK: one QP a step, with the limits in it. It is soft: with
     a criterion it ends at a compromise, where the task is missed by ``weight`` times the multiplier of the task in H.
-    Prefer it where that is wanted, or to compare with those libraries; for a criterion that must not cost the task
-    anything take any other strategy. A posture cost p of theirs is ``weight=p**2`` beside `JointCentering`.
+    Prefer it where that is wanted, or to compare with those libraries; where the criterion must not
+    affect the task, use any other strategy. A posture cost p of theirs is ``weight=p**2`` beside `JointCentering`.
 
-    mu = damping + lm_damping gain^2 |r|^2, and what refused steps have added. Without backtracking every step is
+    mu = damping + lm_damping gain^2 |r|^2, and the damping added by refused steps. Without backtracking every step is
     taken; with ``q_limit=math.inf`` as well it equals theirs to rounding. A finite limit is a velocity limit times dt.
 
     Attributes:
@@ -120,7 +120,7 @@ class WeightedQP(Programmed):
 
 def _limits_active(solution: QPSolution) -> Expression:
     """1 where a limit or a row is active in the step."""
-    program = solution.program
+    program = solution.qp
     multipliers = [fabs(solution.box_multipliers[j]) for j in range(program.size)]
     for group in program.rows:
         of_rows = solution.multipliers(group.name)

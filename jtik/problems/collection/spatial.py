@@ -30,15 +30,15 @@ def panda_stretched() -> NamedProblem:
     for i, others in enumerate(((0.3, 0.5, 0.4, 1.6, 0.5), (0.3, -0.4, -0.9, 2.6, 0.5), (0.0, 0.6, 0.0, 1.8, 0.8))):
         posture = np.array([*others[:3], stretched, 0.0, *others[3:]])
         goal = posture + np.array([0.0, -0.4, 0.0, -0.9, 0.2, 0.5, 0.0])
-        for bend in (0.0, 1e-6, 1e-3):
+        for offset in (0.0, 1e-6, 1e-3):
             cases.append(
                 Case(
-                    name=f"panda_stretched {i} {bend:g}",
+                    name=f"panda_stretched {i} {offset:g}",
                     kind="near_singular",
-                    q0=posture - bend * np.array([0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0]),
+                    q0=posture - offset * np.array([0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0]),
                     targets=(robot.pose(goal),),
                     reachable=True,
-                    known={"error": 0.0} | ({"sigma_min": 0.0} if bend == 0 else {}),
+                    known={"error": 0.0} | ({"sigma_min": 0.0} if offset == 0 else {}),
                     origin=origin,
                 )
             )
@@ -60,18 +60,18 @@ def ur5e_wrist() -> NamedProblem:
     robot, task = Robot.builtin("ur5e"), FrameTask("tip", kind="pose")
     origin = "the wrist singularity of a UR5e, wrist 2 at zero; the target is the pose with wrist 2 at 0.3 rad"
     cases = []
-    for bend in (0.0, 1e-6, 1e-3):
+    for offset in (0.0, 1e-6, 1e-3):
         q0 = robot.keyframes["home"].copy()
         goal = q0 + np.array([0.1, -0.1, 0.2, 0.1, 0.0, 0.2])
-        q0[4], goal[4] = bend, 0.3
+        q0[4], goal[4] = offset, 0.3
         cases.append(
             Case(
-                name=f"ur5e_wrist {bend:g}",
+                name=f"ur5e_wrist {offset:g}",
                 kind="near_singular",
                 q0=q0,
                 targets=(robot.pose(goal),),
                 reachable=True,
-                known={"error": 0.0} | ({"sigma_min": 0.0} if bend == 0 else {}),
+                known={"error": 0.0} | ({"sigma_min": 0.0} if offset == 0 else {}),
                 origin=origin,
             )
         )

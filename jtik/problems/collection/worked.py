@@ -19,14 +19,14 @@ def sns_4r() -> NamedProblem:
     """Four joints with velocity limits, two of which the minimum-norm velocity violates."""
     origin = "Flacco, De Luca and Khatib, ICRA 2012: saturation in the null space, planar 4R"
     q = np.array([1, -1, 1, -1]) * _QUARTER
-    answers = {
+    solutions = {
         1.0: (1.0, (2.0, -11 / 6, 11 / 6, -11 / 3)),
         1.5: (8 / 11, (2.0, -2.0, 26 / 11, -4.0)),
         2.0: (6 / 11, (2.0, -2.0, 26 / 11, -4.0)),
         3.0: (4 / 11, (2.0, -2.0, 26 / 11, -4.0)),
     }
     cases = []
-    for times, (scale, dq) in answers.items():
+    for times, (scale, dq) in solutions.items():
         target = tip(q) + times * np.array([-4.0, -1.5])
         error = max(0.0, float(np.hypot(*target)) - 4)
         cases.append(

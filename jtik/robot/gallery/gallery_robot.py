@@ -11,7 +11,7 @@ import numpy as np
 
 from jtik.geometry import Capsule, Solid
 from jtik.robot.dh import rotation_x, rotation_z, translation
-from jtik.robot.joints import JointType
+from jtik.robot.joint_type import JointType
 from jtik.robot.rotation import snapped
 from jtik.robot.tree import Joint
 from jtik.types import Array

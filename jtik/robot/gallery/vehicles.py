@@ -10,7 +10,7 @@ from jtik.geometry import Box, Solid
 from jtik.robot.chains import planar_joints, vehicle_joints
 from jtik.robot.gallery.gallery_robot import Fixture, GalleryRobot, fixed, pose_at
 from jtik.robot.gallery.panda import panda
-from jtik.robot.joints import JointType
+from jtik.robot.joint_type import JointType
 from jtik.robot.tree import Joint
 
 _FREE = (-math.inf, math.inf, math.inf)

@@ -10,12 +10,12 @@ import mujoco
 import numpy as np
 
 from jtik.errors import RobotFileError
-from jtik.robot.body import Mass
-from jtik.robot.joints import JointType
+from jtik.robot.joint_type import JointType
 from jtik.robot.loaders.meshes import MeshFile
 from jtik.robot.loaders.robot_description import JointCoupling, Names, RobotDescription
 from jtik.robot.loaders.shapes import solids
 from jtik.robot.loaders.transforms import pose_of, rotation_about, translation
+from jtik.robot.masses_and_shapes import Mass
 from jtik.robot.tree import Joint
 from jtik.types import Array
 
@@ -159,12 +159,12 @@ class ModelReader:
                 )
                 self._notes.append(text + "by a polynomial of higher order than one")
                 continue
-            there = float(model.qpos0[model.jnt_qposadr[leader]])
+            leader_offset = float(model.qpos0[model.jnt_qposadr[leader]])
             yield JointCoupling(
                 joint=self._joint_names[joint],
                 leader=self._joint_names[leader],
                 multiplier=ratio,
-                offset=here + constant - ratio * there,
+                offset=here + constant - ratio * leader_offset,
             )
 
     def _masses(self) -> dict[str, Mass]:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 
-from jtik.robot.joints import JointType
+from jtik.robot.joint_type import JointType
 from jtik.robot.loaders.robot_description import JointCoupling, RobotDescription
 from jtik.robot.loaders.transforms import rotation_about, translation
 from jtik.robot.tree import Joint, Mimic

@@ -10,7 +10,7 @@ from typing import Any
 import mujoco
 
 from jtik.errors import ArgumentError, RobotFileError
-from jtik.robot.joints import JointType
+from jtik.robot.joint_type import JointType
 from jtik.robot.loaders.compiled import ModelReader
 from jtik.robot.loaders.couplings import with_mimic_joints
 from jtik.robot.loaders.robot_description import Names, RobotDescription
@@ -25,10 +25,10 @@ def load_urdf(path_or_xml: PathOrText, *, free_base: bool) -> RobotDescription:
     source = open_source(path_or_xml, kind="URDF", root="robot")
     tree = read_tree(source)
 
-    def plain(spec: Any) -> None:
+    def leave_to_xml(spec: Any) -> None:
         _leave_to_xml(spec, tree)
 
-    compiled = compile_source(source, edit=plain)
+    compiled = compile_source(source, edit=leave_to_xml)
     root = max(0, mujoco.mj_name2id(compiled.model, mujoco.mjtObj.mjOBJ_BODY, tree.root))
     reader = ModelReader(compiled.model, source.label, root=root, meshes=compiled.meshes, negligible_mass=MINIMUM_MASS)
     with _named(source.label):

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from jtik.geometry import Solid
-from jtik.robot.body import Mass
 from jtik.robot.loaders.tip import tool_frame
+from jtik.robot.masses_and_shapes import Mass
 from jtik.robot.tree import Joint
 from jtik.types import Array
 

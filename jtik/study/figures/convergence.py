@@ -29,6 +29,16 @@ def convergence(
     """Plot the task error by iteration for each kind: the median over the recorded cases, and the interquartile range.
 
     A solve that has ended keeps its last error, so that the median extends to the longest solve.
+
+    Args:
+        comparison: the results of a study.
+        contenders: names of the contenders; all by default.
+        criteria: name of the criteria; the first by default.
+        kind: kind of the cases; all kinds by default.
+
+    Raises:
+        ArgumentError: if nothing was recorded.
+        UnknownNameError: for an unknown contender, criteria or kind.
     """
     criteria, names = chosen_criteria(comparison, criteria), chosen_contenders(comparison, contenders)
     every = recorded_cases(comparison, kind)

@@ -26,7 +26,18 @@ def criteria(
     contenders: Iterable[str] | None = None,
     criteria: str | None = None,
 ) -> Figure:
-    """Plot H by iteration for one case (left), and the regret of each contender on all cases (right)."""
+    """Plot H by iteration for one case (left), and the regret of each contender on all cases (right).
+
+    Args:
+        comparison: the results of a study.
+        case: name of a recorded case; the first by default.
+        contenders: names of the contenders; all by default.
+        criteria: name of the criteria; the first by default.
+
+    Raises:
+        ArgumentError: if nothing was recorded, or no case was solved.
+        UnknownNameError: for an unknown case, contender or criteria.
+    """
     at = choose_case(comparison, criteria, case)
     names = chosen_contenders(comparison, contenders)
     regrets = {name: _regret(comparison, name, at.criteria) for name in names}

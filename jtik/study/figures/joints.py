@@ -22,7 +22,18 @@ def joint_panels(
     contenders: Iterable[str] | None = None,
     criteria: str | None = None,
 ) -> Figure:
-    """Plot q by iteration, or by time along a path, in one panel for each contender. Nearby limits are dotted lines."""
+    """Plot q by iteration, or by time along a path, in one panel for each contender. Nearby limits are dotted lines.
+
+    Args:
+        comparison: the results of a study.
+        case: name of a recorded case; the first by default.
+        contenders: names of the contenders; all by default.
+        criteria: name of the criteria; the first by default.
+
+    Raises:
+        ArgumentError: if nothing was recorded.
+        UnknownNameError: for an unknown case, contender or criteria.
+    """
     at = choose_case(comparison, criteria, case)
     found, own_case, robot = (
         configurations_of(comparison, at, contenders),

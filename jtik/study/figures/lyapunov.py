@@ -23,7 +23,18 @@ def lyapunov(
     contenders: Iterable[str] | None = None,
     criteria: str | None = None,
 ) -> Figure:
-    """Plot V = 1/2 e' Kp e for one case, the first recorded one by default. Circles mark iterations at which V rose."""
+    """Plot V = 1/2 e' Kp e for one case, the first recorded one by default. Circles mark iterations at which V rose.
+
+    Args:
+        comparison: the results of a study.
+        case: name of a recorded case; the first by default.
+        contenders: names of the contenders; all by default.
+        criteria: name of the criteria; the first by default.
+
+    Raises:
+        ArgumentError: if nothing was recorded.
+        UnknownNameError: for an unknown case, contender or criteria.
+    """
     at = choose_case(comparison, criteria, case)
     traces = traces_of_case(comparison, at, contenders)
     figure, table = panels(1, 1, width=6.4, height=4.0)

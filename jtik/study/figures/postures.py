@@ -21,7 +21,18 @@ def posture_panels(
     contenders: Iterable[str] | None = None,
     criteria: str | None = None,
 ) -> Figure:
-    """Plot the robot from start (light) to answer (dark) with the end-effector path, one panel for each contender."""
+    """Plot the robot from start (light) to answer (dark) with the end-effector path, one panel for each contender.
+
+    Args:
+        comparison: the results of a study.
+        case: name of a recorded case; the first by default.
+        contenders: names of the contenders; all by default.
+        criteria: name of the criteria; the first by default.
+
+    Raises:
+        ArgumentError: if nothing was recorded.
+        UnknownNameError: for an unknown case, contender or criteria.
+    """
     at = choose_case(comparison, criteria, case)
     found = configurations_of(comparison, at, contenders)
     scene = RobotDrawing(comparison.robot, list(found.values()), obstacles_in(case_named(comparison, at.case)))

@@ -47,6 +47,16 @@ def profile(
     """Plot the share of cases solved within a factor of the fastest contender.
 
     The value at 1 is the share of cases on which a contender is best. The rightmost value is the share that it solves.
+
+    Args:
+        comparison: the results of a study.
+        measure: "seconds" or "iterations".
+        contenders: names of the contenders; all by default.
+        criteria: name of the criteria; the first by default.
+
+    Raises:
+        ArgumentError: for any other measure.
+        UnknownNameError: for an unknown contender or criteria.
     """
     if measure not in ("seconds", "iterations"):
         raise ArgumentError("measure", measure, "'seconds' or 'iterations'")

@@ -28,7 +28,7 @@ from jtik.problems import Case, obstacles_of
 from jtik.robot import Robot
 from jtik.types import Array
 
-MOST = 12
+MAX_POSTURES = 12
 """Maximum number of configurations drawn from a sequence, evenly spaced."""
 
 
@@ -41,9 +41,9 @@ def obstacles_in(case: Case) -> tuple[Ball, ...]:
     return ()
 
 
-def thinned(q: Array, most: int = MOST) -> Array:
+def thinned(q: Array, max_count: int = MAX_POSTURES) -> Array:
     """Evenly spaced configurations of a sequence, including the first and the last."""
-    places = np.unique(np.round(np.linspace(0, len(q) - 1, min(most, len(q)))).astype(int))
+    places = np.unique(np.round(np.linspace(0, len(q) - 1, min(max_count, len(q)))).astype(int))
     chosen: Array = q[places]
     return chosen
 

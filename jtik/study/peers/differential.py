@@ -1,9 +1,9 @@
 """Shared part of mink and pink: one quadratic program for each step, with weighted tasks and equality constraints.
 
 Without a criterion, the frame task is weighted and damped, with values with which such loops converge. With a
-criterion, this is used far from the target. Near the target the frame task becomes an equality constraint and the
-criterion the objective, so that the answer is on target and is no compromise between target and H. If the constraint
-has no solution, for instance at a rank loss, the step is a weighted one.
+criterion, this is used far from the target. Close to the target the frame task becomes an equality constraint and the
+criterion the objective, so that the answer reaches the target instead of a compromise between target and H. If the
+constraint has no solution, for instance at a rank loss, the step is a weighted one.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from jtik.study.peers.base import Goal, Peer
 from jtik.study.peers.loop import METRE, StepLoop
 from jtik.types import Array
 
-NEAR = 0.2
+CLOSE = 0.2
 """Error below which the criterion is minimised [rad], where a metre counts as METRE radians."""
 
 CLOSE = 1e-3
@@ -128,7 +128,7 @@ class DifferentialLoop(StepLoop):
         super().__init__(goal, restarted=options.restarted)
         self._library, self._options, self._no_answer = library, options, no_answer
         self._limits: list[Any] = []
-        self._near, self._low = math.inf, -math.inf  # the criterion is minimised if low < near <= NEAR
+        self._error, self._low = math.inf, -math.inf  # the criterion is minimised if low < error <= CLOSE
         self._first: dict[str, Array] = {}
 
     def set_target(self, target: Any) -> None:
@@ -181,20 +181,20 @@ class DifferentialLoop(StepLoop):
         x, y, z, a, b, c = self.task.compute_error(self.configuration).tolist()
         position = math.sqrt(x * x + y * y + z * z) if self.goal.has_position else 0.0
         orientation = math.sqrt(a * a + b * b + c * c) if self.goal.has_orientation else 0.0
-        self._near = METRE * position + orientation
+        self._error = METRE * position + orientation
         return position, orientation
 
     def may_continue(self, position: float, orientation: float) -> bool:
-        """Also near the target, which a step on H leaves slightly."""
+        """Also close to the target, where a step on H increases the error slightly."""
         return super().may_continue(position, orientation) or (
-            self.success_status == "CONVERGED" and self._near <= NEAR
+            self.success_status == "CONVERGED" and self._error <= CLOSE
         )
 
     def step(self) -> float | None:
-        """A step with the target as a constraint if there is a criterion and the target is near, else weighted."""
+        """A step with the target as a constraint if there is a criterion and the error is small, else weighted."""
         dq = None
-        if self.criterion is not None and self._low < self._near <= NEAR:
-            self.criterion.observe(self.configuration, self._near)
+        if self.criterion is not None and self._low < self._error <= CLOSE:
+            self.criterion.observe(self.configuration, self._error)
             dq = self.displacement([self.criterion], [FrameRows(self.task, self.goal)])
             if dq is not None:
                 self.criterion.gradient_norm = float(np.linalg.norm(self.criterion.P @ dq))

@@ -41,7 +41,7 @@ class StepLoop(PreparedContender):
 
     def __init__(self, goal: Goal, *, restarted: int) -> None:
         self.goal = goal
-        self._most = goal.setting.max_iterations
+        self._max_steps = goal.setting.max_iterations
         self._patience = restarted if goal.setting.restarts else PATIENCE
         self._recorded: list[tuple[int, Array, float]] | None = None
 
@@ -92,7 +92,7 @@ class StepLoop(PreparedContender):
     def _attempt(self, number: int) -> tuple[str, int, tuple[float, float]]:
         """Status, number of steps, and final errors of an attempt."""
         length = math.inf
-        for steps in range(self._most + 1):
+        for steps in range(self._max_steps + 1):
             errors = self.error()
             if self._recorded is not None:
                 self._recorded.append((number, self.q(), math.hypot(*errors)))
@@ -101,7 +101,7 @@ class StepLoop(PreparedContender):
                 return self.success_status, steps, errors
             if length <= SETTLED:
                 return "STALLED", steps, errors
-            if steps == self._most or (steps >= self._patience and not self.may_continue(*errors)):
+            if steps == self._max_steps or (steps >= self._patience and not self.may_continue(*errors)):
                 return "ITERATION_LIMIT", steps, errors
             found = self.step()
             if found is None:

@@ -16,6 +16,9 @@ class MinkPeer(DifferentialPeer):
 
     The defaults are the best of a search over seven arms with restarts: 10 to 25 steps for an attempt, ``lm_damping``
     from 0 to 0.1, orientation costs 1 and 0.25, gains 0.95 and 0.999. All robots and joint types are supported.
+
+    Attributes:
+        label: name of the library in a study.
     """
 
     label: str = "mink"
@@ -35,11 +38,11 @@ class _MinkLoop(DifferentialLoop):
 
     def __init__(self, library: Any, goal: Goal, options: MinkPeer) -> None:
         from jtik.interop.mink import criterion_task
-        from jtik.interop.mujoco_model import Correspondence, to_mujoco
+        from jtik.interop.mujoco_model import MujocoCorrespondence, to_mujoco
 
         super().__init__(library, goal, options, library.NoSolutionFound)
         model = to_mujoco(goal.robot)
-        self._places = Correspondence(goal.robot, model)
+        self._places = MujocoCorrespondence(goal.robot, model)
         self.configuration = library.Configuration(model)
         self.task = library.FrameTask(
             goal.frame,

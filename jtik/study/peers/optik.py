@@ -23,6 +23,7 @@ class OptikPeer(Peer):
     orientation weights 1, 0.5 and 0.25.
 
     Attributes:
+        label: name of the library in a study.
         orientation_weight: weight of one radian relative to one metre.
         turn: limits -turn and turn of revolute joints without limits [rad].
         seconds: maximum time of a solve [s]; it has no limit on iterations.

@@ -15,6 +15,9 @@ class PinkPeer(DifferentialPeer):
     """A loop over ``pink.solve_ik`` with a frame task, position limits, and a criterion from `jtik.interop.pink`.
 
     The defaults are those of mink, which solves the same quadratic program.
+
+    Attributes:
+        label: name of the library in a study.
     """
 
     label: str = "pink"
@@ -30,13 +33,13 @@ class _PinkLoop(DifferentialLoop):
     """The loop of pink."""
 
     def __init__(self, library: Any, goal: Goal, options: PinkPeer) -> None:
-        from jtik.interop.pink import Correspondence, criterion_task
+        from jtik.interop.pink import PinocchioCorrespondence, criterion_task
         from jtik.interop.urdf import to_urdf
 
         super().__init__(library, goal, options, library.exceptions.NoSolutionFound)
         self._pinocchio = imported("pinocchio", options.package)
         model = self._pinocchio.buildModelFromXML(to_urdf(goal.robot))
-        self._places = Correspondence(goal.robot, model)
+        self._places = PinocchioCorrespondence(goal.robot, model)
         start = self._places.theirs(goal.robot.neutral)
         self.configuration = library.Configuration(model, model.createData(), start)
         self.task = library.FrameTask(

@@ -23,6 +23,7 @@ class PlacoPeer(Peer):
     weights 1, 1/4 and 1/16, regularization 1e-6 to 1e-2, 15 to 60 steps for an attempt.
 
     Attributes:
+        label: name of the library in a study.
         orientation_weight: weight of one squared radian relative to one squared metre.
         regularization: weight of the squared step; None is 1e-3, or 1e-6 if restarts are allowed.
         restarted: maximum steps of an attempt if restarts are allowed.

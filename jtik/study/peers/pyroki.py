@@ -25,6 +25,7 @@ class PyrokiPeer(Peer):
     PyPI is a fork, almond-pyroki, which installs the module ``pyroki``.
 
     Attributes:
+        label: name of the library in a study.
         position_weight: position weight of the pose cost.
         orientation_weight: orientation weight of the pose cost.
         limit_weight: weight of the limit cost.
@@ -111,9 +112,9 @@ def _attempt(library: Any, robot: Any, goal: Goal, options: PyrokiPeer) -> Any:
     jaxlie, jaxls = imported("jaxlie", options.package), imported("jaxls", options.package)
     numbers = jax.numpy
     link = robot.links.names.index(goal.frame)
-    most = goal.setting.max_iterations
+    max_steps = goal.setting.max_iterations
     if goal.setting.restarts:
-        most = min(most, options.restarted)
+        max_steps = min(max_steps, options.restarted)
 
     def attempt(start: Any, target: Any) -> Any:
         variable, wanted = robot.joint_var_cls(0), jaxlie.SE3(target)
@@ -137,7 +138,7 @@ def _attempt(library: Any, robot: Any, goal: Goal, options: PyrokiPeer) -> Any:
                 linear_solver=options.linear_solver,
                 trust_region=jaxls.TrustRegionConfig(lambda_initial=options.trust),
                 termination=jaxls.TerminationConfig(
-                    max_iterations=most, gradient_tolerance=1e-10, parameter_tolerance=1e-10
+                    max_iterations=max_steps, gradient_tolerance=1e-10, parameter_tolerance=1e-10
                 ),
                 return_summary=True,
             )

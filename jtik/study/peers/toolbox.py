@@ -26,6 +26,7 @@ class ToolboxPeer(Peer):
     revolute and prismatic joints to (-pi, pi) before it checks limits.
 
     Attributes:
+        label: name of the library in a study.
         method: damping rule.
         k: gain of the damping.
         orientation_weight: weight of one squared radian relative to one squared metre.
@@ -69,9 +70,9 @@ class _PreparedToolbox(PreparedContender):
             *([setting.position_tolerance**2] if goal.has_position else []),
             *([weight * setting.orientation_tolerance**2] if goal.has_orientation else []),
         ]
-        most = setting.max_iterations
+        max_iterations = setting.max_iterations
         self._options = {
-            "ilimit": min(most, options.restarted) if setting.restarts else most,
+            "ilimit": min(max_iterations, options.restarted) if setting.restarts else max_iterations,
             "slimit": setting.restarts + 1,
             "tol": 0.5 * min(squares),  # its error is half the weighted sum of squares of all rows
             "mask": np.array(mask, dtype=float),

@@ -14,8 +14,8 @@ from jtik.types import Array
 SMALLEST_CHANGE = 1e-12
 """Change of grad H, relative to it, below which it is rounding and shows no curvature."""
 
-NOTHING, STEP, NULL_STEP = 0.0, 1.0, 2.0
-"""What is known of the last step: nothing; where it began; that a null-space step was most of it."""
+NO_STEP, STEP, NULL_STEP = 0.0, 1.0, 2.0
+"""Kinds of the last step: there was none; a step; a step that was mostly a null-space step."""
 
 UNBOUNDED = 1e30
 """A gain where H has no positive curvature along the step."""
@@ -34,29 +34,30 @@ class BarzilaiBorweinGain:
     beta_max: float
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
-        """The cap of a step, and what is remembered of the last one."""
+        """The cap of a step, and the start, gradients and kind of the last one."""
         return {
             "null_cap": np.full(1, self.step_limit),
-            "seen_at": np.zeros(shape.nq),
-            "seen_gradient": np.zeros(shape.n),
-            "seen_null_gradient": np.zeros(shape.n),
-            "seen": np.full(1, NOTHING),
+            "last_q": np.zeros(shape.nq),
+            "last_H_gradient": np.zeros(shape.n),
+            "last_null_gradient": np.zeros(shape.n),
+            "last_kind": np.full(1, NO_STEP),
             "beta": np.full(1, self.beta_max),
         }
 
     def gain(self, model: LocalModel, state: State, null_gradient: Expression) -> Expression:
         """s's / s'y, s the change of q since the last step, y the change of the gradient with it (P2).
 
-        If a null-space step was most of it, y is the change of ``null_gradient`` (n, 1), and where H is not convex
-        there is no bound. Otherwise y is that of grad H; where H is not convex, or q has not moved, the gain stays.
+        If the last step was mostly a null-space step, y is the change of ``null_gradient`` (n, 1), and where H is not
+        convex there is no bound. Otherwise y is that of grad H; where H is not convex, or q has not changed, the gain
+        stays the same.
         """
-        change = model.robot.difference(state["seen_at"], model.here.q)
+        change = model.robot.difference(state["last_q"], model.here.q)
         squared = sumsqr(change)
-        of_null = dot(change, null_gradient - state["seen_null_gradient"])
-        of_all = dot(change, model.gradient - state["seen_gradient"])
+        of_null = dot(change, null_gradient - state["last_null_gradient"])
+        of_all = dot(change, model.gradient - state["last_H_gradient"])
         significant = of_all > SMALLEST_CHANGE * sqrt(squared) * model.gradient_norm
-        kept = if_else(logic_and(state["seen"] == STEP, significant), squared / of_all, state["beta"])
-        return if_else(state["seen"] == NULL_STEP, squared / fmax(of_null, squared / UNBOUNDED + TINY), kept)
+        kept = if_else(logic_and(state["last_kind"] == STEP, significant), squared / of_all, state["beta"])
+        return if_else(state["last_kind"] == NULL_STEP, squared / fmax(of_null, squared / UNBOUNDED + TINY), kept)
 
     def adapt(
         self,
@@ -66,14 +67,14 @@ class BarzilaiBorweinGain:
         proposed: NullSpaceDisplacement,
         outcome: Outcome,
     ) -> State:
-        """Cap and memory after the step was judged."""
+        """The state after the step was accepted or refused."""
         cap, accepted = state["null_cap"], outcome.accepted
         shorter = if_else(outcome.shorten_null_space, fmin(outcome.null_space.length, cap) / 4, cap)
         return {
             "null_cap": if_else(accepted, fmin(2 * cap, self.step_limit), shorter),
             "beta": if_else(proposed.beta > 0, proposed.beta, state["beta"]),
-            "seen_at": model.here.q,
-            "seen_gradient": model.gradient,
-            "seen_null_gradient": null_gradient,
-            "seen": if_else(logic_and(accepted, outcome.shorten_null_space), NULL_STEP, STEP),
+            "last_q": model.here.q,
+            "last_H_gradient": model.gradient,
+            "last_null_gradient": null_gradient,
+            "last_kind": if_else(logic_and(accepted, outcome.shorten_null_space), NULL_STEP, STEP),
         }

@@ -13,7 +13,7 @@ from jtik_formulations.strategies._parts.scaled_step import ScaledComposition
 
 @dataclass(frozen=True, kw_only=True)
 class DampedLeastSquares(ScaledComposition):
-    """dq = -J' (J J' + lambda I)^-1 r - beta (I - J+ J) grad H. Subclasses say what lambda is.
+    """dq = -J' (J J' + lambda I)^-1 r - beta (I - J+ J) grad H. A subclass defines lambda.
 
     Attributes:
         q_limit: limit of Q, the norm of the rotational part of a step [rad]; math.inf for none.

@@ -34,10 +34,10 @@ DEFINITE = 1e-8
 """Smallest curvature of a level's quadratic program, relative to |J|^2: keeps it strictly convex."""
 
 MISSED = 1e-5
-"""Fraction of a level's error that is left because of limits, rather than of damping or rounding."""
+"""Remaining fraction of a level's error above which limits, not damping or rounding, are the reason."""
 
 ACTIVE = 1e-4
-"""Smallest multiplier of such a limit, relative to |J| times the error that is left."""
+"""Smallest multiplier of such a limit, relative to |J| times the remaining error."""
 
 Solve = Callable[[QuadraticProgram], QPSolution]
 """What solves quadratic programs, such as ``model.solve``."""
@@ -50,8 +50,8 @@ class Descent:
     Attributes:
         dq: displacement (n, 1).
         free: 0 for a joint whose limit keeps a level from its target, else 1, (n, 1). Moving it away from the limit
-            makes that level worse, so that it is not available to what comes below.
-        missed: for each level the norm of the error that limits and rows leave, 0 where they leave none.
+            increases that level's error, so that lower levels do not use it.
+        missed: for each level the norm of the error that remains because of limits and rows, 0 where none does.
     """
 
     dq: Expression
@@ -97,10 +97,10 @@ def descend(
             kept = [Rows("levels above", space.unit_basis[: len(above), :], *bounds)]
         own = space.unit_basis[len(above) :, :]  # directions that move this level and none above it
         step = _Level(J[level, :], r[level], own, box, kept, damping, added_damping, rows, f"level {k}")
-        x, active, left = step.solved(x, solve)
+        x, active, remaining = step.solved(x, solve)
         free = vertcat(*[logic_and(free[j], logic_not(active[j])) for j in range(n)])
         above = above + level
-        missed.append(left)
+        missed.append(remaining)
     return Descent(x, free, missed)
 
 
@@ -114,8 +114,8 @@ class _Level:
         own: orthonormal rows of the directions that move this level and none above it (m, n).
         box: lower and upper bounds of the whole displacement, (n, 1) each.
         kept: rows that keep the levels above as they are.
-        damping: in proportion to half its squared error.
-        added_damping: damping besides.
+        damping: damping over half the squared error.
+        added_damping: damping that is added to it.
         rows: inequalities that hold at every level.
         name: name of its quadratic program.
     """
@@ -131,10 +131,10 @@ class _Level:
     name: str
 
     def solved(self, x: Expression, solve: Solve) -> tuple[Expression, list[Expression], Expression]:
-        """From the displacement x of the levels above to that of this one too.
+        """Add this level's displacement to the displacement x of the levels above.
 
         Returns the displacement, 1 for each joint whose limit keeps the level from its target, and the norm of the
-        error that limits and rows leave.
+        error that remains because of limits and rows.
         """
         J, (low, high), (_, n) = self.J, self.box, self.J.shape
         error = self.r + J @ x
@@ -144,11 +144,11 @@ class _Level:
         part = fmin(1, ratio(norm(inside), norm(y)))  # far outside the box a shorter start is better scaled
         start = x + part * y
         size = sumsqr(J.reshape((-1, 1)))
-        scale = fmax(mu, DEFINITE * size) + TINY  # at this scale the solver's tolerance is one of joints
+        scale = fmax(mu, DEFINITE * size) + TINY  # at this scale the solver's tolerance is a tolerance of dq
         curved = (J @ self.own.T) / sqrt(scale) @ self.own
         lower, upper, kept = low - start, high - start, self.kept
         solved = logic_and(part >= 1, logic_and(mmax(lower) <= 0, mmin(upper) >= 0))
-        if self.rows:  # rows that rounding broke at a level above may stay as they are
+        if self.rows:  # rows that are violated by rounding at a level above may stay violated
             shifted = self._shifted(self.rows, x, start)
             kept = [*kept, shifted]
             solved = logic_and(solved, logic_and(mmax(shifted.lower) <= 0, mmin(shifted.upper) >= 0))
@@ -163,17 +163,17 @@ class _Level:
                 closed_form=(zeros(n), solved),
             )
         )
-        reached = fmin(fmax(start + solution.x, low), high)  # rounding outside would be infeasible at levels below
-        left = norm(self.r + J @ reached)
-        missed = left > MISSED * norm(error)
-        smallest = fmax(ACTIVE * sqrt(size) * left, 10 * scale * norm(reached - x))
+        reached = fmin(fmax(start + solution.x, low), high)  # else rounding could make levels below infeasible
+        remaining = norm(self.r + J @ reached)
+        missed = remaining > MISSED * norm(error)
+        smallest = fmax(ACTIVE * sqrt(size) * remaining, 10 * scale * norm(reached - x))
         multipliers = [scale * fabs(solution.box_multipliers[j]) for j in range(n)]
         limited = mmax(vertcat(*multipliers)) > smallest
         if self.rows:
             of_rows, matrix = solution.multipliers(self.rows.name), self.rows.matrix
             sizes = [scale * fabs(of_rows[i]) * norm(matrix[i, :]) for i in range(self.rows.count)]
             limited = logic_or(limited, mmax(vertcat(*sizes)) > smallest)
-        short = if_else(logic_and(missed, limited), left, 0)
+        short = if_else(logic_and(missed, limited), remaining, 0)
         return reached, [logic_and(missed, each > smallest) for each in multipliers], short
 
     def _without_limits(self, error: Expression, mu: Expression) -> Expression:

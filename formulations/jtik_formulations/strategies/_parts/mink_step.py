@@ -1,4 +1,4 @@
-"""A step's program as mink builds and solves it: the Python in the middle of the strategy "mink"."""
+"""A step's quadratic program as mink builds and solves it: the Python computation of the strategy "mink"."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mink.tasks import BaseTask, Objective
 
 from jtik import FrameTask, Robot
 from jtik.errors import ArgumentError
-from jtik.interop.mink import Correspondence, to_mujoco
+from jtik.interop.mink import MujocoCorrespondence, to_mujoco
 from jtik.task import Task, TaskStack
 from jtik.types import Array
 
@@ -26,18 +26,18 @@ _EXACT: dict[str, dict[str, Any]] = {
     "daqp": {"primal_tol": 1e-9},
     "osqp": {"eps_abs": 1e-9, "eps_rel": 1e-9, "max_iter": 20000, "polishing": True},
 }
-"""Where a solver's own tolerance is coarser than that of a solve."""
+"""Options of solvers whose default tolerance is coarser than that of a solve."""
 
-_HELD = 1e-6
-"""What an equality may be missed by, relative to 1 + the error."""
+_EQUALITY_TOLERANCE = 1e-6
+"""Largest accepted violation of an equality, relative to 1 + the error."""
 
 
 class MinkStep:
-    """One problem of mink's, filled with each step's numbers."""
+    """A problem of mink, updated with the numbers of each step."""
 
     def __init__(
         self,
-        law: Mink,
+        strategy: Mink,
         robot: Robot,
         stack: TaskStack,
         *,
@@ -50,53 +50,55 @@ class MinkStep:
             more = "more come with: pip install 'qpsolvers[open-source-solvers]'"
             raise ArgumentError("solver", solver, f"one that mink can use: {names}; {more}")
         mujoco_model = to_mujoco(robot)
-        mujoco_model.jnt_limited[:] = 0  # the box has them
-        self._law, self._solver, self._robot = law, solver, robot
-        self._places = Correspondence(robot, mujoco_model)
+        mujoco_model.jnt_limited[:] = 0  # the box contains the limits
+        self._strategy, self._solver, self._robot = strategy, solver, robot
+        self._places = MujocoCorrespondence(robot, mujoco_model)
         self._configuration = mink.Configuration(mujoco_model)
-        self._criterion = _Slope(mujoco_model.nv) if has_criterion else None
-        self._below: list[BaseTask] = [*law.tasks, *([self._criterion] if self._criterion else [])]
+        self._criterion = _CriterionObjective(mujoco_model.nv) if has_criterion else None
+        self._lower_tasks: list[BaseTask] = [*strategy.tasks, *([self._criterion] if self._criterion else [])]
         self._box = _BoxLimit(self._places)
         self._followers = [_Rows(self._places.follows)] if len(self._places.follows) else []
-        self._parts: list[_Part] = []
+        self._parts: list[_TaskPart] = []
         first, start = 0, 0
         for task in stack.tasks:
             last, stop = first + task.row_count(robot), start + task.target_size(robot)
             rows, numbers = slice(first, last), slice(start, stop)
-            self._parts.append(_Part.of(task, robot, law, rows, numbers, self._places, strict=first in strict_rows))
+            self._parts.append(
+                _TaskPart.of(task, robot, strategy, rows, numbers, self._places, strict=first in strict_rows)
+            )
             first, start = last, stop
 
     def __call__(self, numbers: Sequence[Array]) -> Sequence[Any] | None:
-        """Displacement (n,), and 1 where it is the strict form's; None where mink finds neither."""
-        q, target, residual, columns, slope, low, high = numbers
+        """Displacement (n,), and 1 if the strict form was solved, else 0; None where mink solves neither form."""
+        q, target, residual, columns, gradient, low, high = numbers
         self._configuration.update(self._places.qpos(q))
         J = columns.reshape(self._robot.n, -1).T
         for part in self._parts:
             part.read(target, residual, J)
         if self._criterion:
-            self._criterion.slope = self._places.leads @ slope
+            self._criterion.gradient = self._places.leads @ gradient
         self._box.low, self._box.high = low, high
-        strict = self._solved(strict=True) if self._law.strict else None
+        strict = self._solved(strict=True) if self._strategy.strict else None
         if strict is not None:
             return strict, 1.0
         soft = self._solved(strict=False)
         return None if soft is None else (soft, 0.0)
 
     def _solved(self, *, strict: bool) -> Array | None:
-        law = self._law
+        strategy = self._strategy
         equal = [part.task for part in self._parts if strict and part.strict]
         tasks: list[BaseTask] = [part.task for part in self._parts if not (strict and part.strict)]
-        weight = law.weight if tasks else 1.0
-        tasks += [_Weighed(task, weight) for task in self._below]
+        weight = strategy.weight if tasks else 1.0
+        tasks += [_WeightedTask(task, weight) for task in self._lower_tasks]
         try:
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # a solver on its interface: not the caller's business
+                warnings.simplefilter("ignore")  # about solver interfaces, which the caller cannot change
                 dq = mink.solve_ik(
                     configuration=self._configuration,
                     tasks=tasks,
                     dt=1.0,  # so that the velocity is the displacement
                     solver=self._solver,
-                    damping=law.damping if tasks else 1.0,
+                    damping=strategy.damping if tasks else 1.0,
                     limits=[self._box],
                     constraints=[*equal, *self._followers],
                     **_EXACT.get(self._solver, {}),
@@ -106,31 +108,48 @@ class MinkStep:
         return self._places.velocity(dq) if self._holds(dq, equal) else None
 
     def _holds(self, dq: Array, equal: Sequence[mink.Task]) -> bool:
-        """Whether the equalities do; a solver may call solved what has none."""
+        """Whether the equalities hold; some solvers report success without a solution."""
         for task in equal:
             error = task.gain * task.compute_error(self._configuration)
-            left = task.compute_jacobian(self._configuration) @ dq + error
-            if not np.abs(left).max() <= _HELD * (1 + np.abs(error).max()):
+            violation = task.compute_jacobian(self._configuration) @ dq + error
+            if not np.abs(violation).max() <= _EQUALITY_TOLERANCE * (1 + np.abs(error).max()):
                 return False
         return bool(np.isfinite(dq).all())
 
 
 @dataclass(frozen=True)
-class _Part:
-    """A task of jtik's as one of mink's, and how it learns of a step's numbers."""
+class _TaskPart:
+    """A task of jtik as a task of mink.
+
+    Attributes:
+        task: the task of mink.
+        strict: whether it is an equality in the strict form.
+        rows: its rows in the residual and the Jacobian.
+        numbers: its numbers in the target.
+        planar: whether the robot is planar.
+        places: maps between the coordinates of jtik and of MuJoCo.
+    """
 
     task: mink.FrameTask | _Rows
     strict: bool
     rows: slice
     numbers: slice
     planar: bool
-    places: Correspondence
+    places: MujocoCorrespondence
 
     @classmethod
     def of(
-        cls, task: Task, robot: Robot, law: Mink, rows: slice, numbers: slice, places: Correspondence, *, strict: bool
-    ) -> _Part:
-        """mink's FrameTask for a pose whose lengths weigh the same in all directions, and whose angles do."""
+        cls,
+        task: Task,
+        robot: Robot,
+        strategy: Mink,
+        rows: slice,
+        numbers: slice,
+        places: MujocoCorrespondence,
+        *,
+        strict: bool,
+    ) -> _TaskPart:
+        """mink's FrameTask for a pose with one stiffness of lengths and one of angles; else residual and Jacobian."""
         planar = robot.dimension == 2
         weight = np.sqrt(np.diag(task.weight(rows.stop - rows.start)))
         made: mink.FrameTask | _Rows = _Rows(np.zeros((rows.stop - rows.start, len(places.leads))))
@@ -139,11 +158,11 @@ class _Part:
             if np.array_equal(Kp, np.diag([Kp[0, 0]] * 3 + [Kp[3, 3]] * 3)):
                 costs = {"position_cost": weight[0], "orientation_cost": weight[3]}
                 made = mink.FrameTask(frame_name=task.frame, frame_type="body", **costs)
-        made.gain, made.lm_damping = law.gain, law.lm_damping
+        made.gain, made.lm_damping = strategy.gain, strategy.lm_damping
         return cls(made, strict, rows, numbers, planar, places)
 
     def read(self, target: Array, residual: Array, J: Array) -> None:
-        """The numbers of a step."""
+        """Update the task with the numbers of a step."""
         if isinstance(self.task, mink.FrameTask):
             values, pose = target[self.numbers], np.eye(4)
             pose[:3, 3], pose[:3, :3] = values[:3], values[3:].reshape(3, 3).T
@@ -154,53 +173,53 @@ class _Part:
 
 
 class _Rows(mink.Task):
-    """A residual and its Jacobian that jtik has evaluated; without an error, rows that stay zero."""
+    """A residual and a Jacobian that jtik has evaluated; the error is zero until it is set."""
 
     def __init__(self, jacobian: Array) -> None:
         super().__init__(cost=np.ones(len(jacobian)))
         self.error, self.jacobian = np.zeros(len(jacobian)), jacobian
 
     def compute_error(self, configuration: mink.Configuration) -> Array:
-        """As it was handed over."""
+        """The error as it was set."""
         return self.error
 
     def compute_jacobian(self, configuration: mink.Configuration) -> Array:
-        """As it was handed over."""
+        """The Jacobian as it was set."""
         return self.jacobian
 
 
-class _Weighed(BaseTask):
-    """A task whose objective counts ``weight`` times."""
+class _WeightedTask(BaseTask):
+    """A task whose objective is multiplied by ``weight``."""
 
     def __init__(self, task: BaseTask, weight: float) -> None:
         self._task, self._weight = task, weight
 
     def compute_qp_objective(self, configuration: mink.Configuration) -> Objective:
-        """Of the task, times the weight."""
+        """The task's objective times the weight."""
         P, c = self._task.compute_qp_objective(configuration)
         return Objective(self._weight * P, self._weight * c)
 
 
-class _Slope(BaseTask):
-    """1/2 |dq|^2 + slope' dq."""
+class _CriterionObjective(BaseTask):
+    """The objective 1/2 |dq|^2 + gradient' dq."""
 
     def __init__(self, nv: int) -> None:
-        self.slope, self._identity = np.zeros(nv), np.eye(nv)
+        self.gradient, self._identity = np.zeros(nv), np.eye(nv)
 
     def compute_qp_objective(self, configuration: mink.Configuration) -> Objective:
-        """(I, slope)."""
-        return Objective(self._identity, self.slope)
+        """(I, gradient)."""
+        return Objective(self._identity, self.gradient)
 
 
 class _BoxLimit(mink.Limit):
     """low <= dq <= high on the robot's own velocities, where they are finite."""
 
-    def __init__(self, places: Correspondence) -> None:
+    def __init__(self, places: MujocoCorrespondence) -> None:
         self._own = places.leads.T
         self.low, self.high = np.zeros((2, len(self._own)))
 
     def compute_qp_inequalities(self, configuration: mink.Configuration, dt: float) -> mink.Constraint:
-        """G dq <= h; dt has no part in it."""
+        """G dq <= h; dt is not used."""
         up, down = np.isfinite(self.high), np.isfinite(self.low)
         if not (up.any() or down.any()):
             return mink.Constraint()

@@ -71,7 +71,11 @@ class ScaledComposition(Composition):
 
 @dataclass(frozen=True, kw_only=True)
 class ScaledStep(TaskStep):
-    """The task step of a `ScaledComposition`."""
+    """The task step of a `ScaledComposition`.
+
+    Attributes:
+        of: the composition.
+    """
 
     of: ScaledComposition
 

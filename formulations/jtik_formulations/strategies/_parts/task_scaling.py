@@ -1,4 +1,4 @@
-"""Strategies that shorten a task in its direction until the step fits into the limits (formulations/sns.md)."""
+"""Strategies that scale a task displacement in its direction to keep the step within limits (formulations/sns.md)."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ BACKTRACKING = Backtracking()
 """The fraction of a step that is taken."""
 
 
-class Scaled(Protocol):
-    """A displacement within a box, to which tasks are added one after the other, and at last a wish."""
+class ScaledDisplacement(Protocol):
+    """A displacement within a box, to which tasks are added in order of priority, then a null-space displacement."""
 
     @property
     def x(self) -> Expression:
@@ -55,18 +55,18 @@ class Scaled(Protocol):
 
     @property
     def scale(self) -> Expression:
-        """The share of the last task that fitted, 0 to 1."""
+        """The scale s of the last task, 0 to 1."""
 
-    def with_task(self, J: Expression, change: Expression) -> Scaled:
-        """J x changes by a share of ``change`` (m, 1); J x of the tasks before does not."""
+    def with_task(self, J: Expression, change: Expression) -> ScaledDisplacement:
+        """Add a task: J x changes by s ``change`` (m, 1); the displacements of earlier tasks are kept."""
 
-    def towards(self, wish: Expression) -> Scaled:
-        """x approaches ``wish`` (n, 1); J x of all tasks stays."""
+    def towards(self, wanted: Expression) -> ScaledDisplacement:
+        """Approach ``wanted`` (n, 1), keeping the displacements of all tasks."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class TaskScaling(Programmed):
-    """What strategies with task scaling share: the task of each level, the box and the criterion.
+    """Base class of strategies with task scaling: the task of each level, the box and the criterion.
 
     Attributes:
         gain: share of the error to remove in a step, in (0, 1].
@@ -90,11 +90,11 @@ class TaskScaling(Programmed):
             raise ArgumentError("secondary", self.secondary, "a ProjectedGradient(rule='merit'), whose gain is used")
 
     @abstractmethod
-    def at_rest(self, model: LocalModel, lower: Expression, upper: Expression) -> Scaled:
-        """No displacement yet, in this box (n, 1) each."""
+    def initial(self, model: LocalModel, lower: Expression, upper: Expression) -> ScaledDisplacement:
+        """The displacement 0 in the box with these bounds, (n, 1) each."""
 
     def releases(self) -> bool:
-        """Whether ``towards`` takes joints off their bounds; if not, the engine's active set does."""
+        """Whether ``towards`` can release joints from their bounds; if not, the engine's active set does."""
         return True
 
     def merit(self) -> LevelMerit:
@@ -120,12 +120,12 @@ class TaskScaling(Programmed):
     def propose(self, model: LocalModel, state: State) -> Proposal:
         """All levels, the highest first, then the criterion."""
         fraction = BACKTRACKING.fraction(state) if self.backtracking else 1
-        here, unlimited, shares = self._tasks(model, self.at_rest(model, *limited_box(model, self.q_limit)))
+        here, unlimited, shares = self._tasks(model, self.initial(model, *limited_box(model, self.q_limit)))
         task, null, proposed = fraction * here.x, None, None
         if model.has_criterion:
-            proposed, wish = self._null_space(model, state, here)
+            proposed, wanted_null = self._null_space(model, state, here)
             null = proposed.scaled(fraction)
-            unlimited = unlimited + wish
+            unlimited = unlimited + wanted_null
         return Proposal(
             dq=model.within_limits(task + null.dq if null else task),
             task=task,
@@ -135,35 +135,39 @@ class TaskScaling(Programmed):
             figures={f"scale_{k}": share for k, share in enumerate(shares)},
         )
 
-    def _tasks(self, model: LocalModel, here: Scaled) -> tuple[Scaled, Expression, list[Expression]]:
-        """All levels, the highest first; the displacement they would make without limits; the share of each."""
+    def _tasks(
+        self, model: LocalModel, here: ScaledDisplacement
+    ) -> tuple[ScaledDisplacement, Expression, list[Expression]]:
+        """The displacement of all levels, the highest first; their displacement without limits; the scale of each."""
         unlimited, shares, above = zeros(model.robot.n), list[Expression](), list[int]()
         for level in model.levels:
             rows = list(level)
             J, r = model.J[rows, :], model.here.residual[rows]
-            missing = self.gain * r + J @ here.x
-            free = _not_outward(model, J.T @ missing) if len(model.levels) > 1 else None
+            error = self.gain * r + J @ here.x
+            free = _not_outward(model, J.T @ error) if len(model.levels) > 1 else None
             own = model.J_free[rows, :] if free is None else J @ diag(free)
             if above:
                 basis = RowSpace(model.J[above, :] @ diag(free)).unit_basis
                 own = own - (own @ basis.T) @ basis
             damping = self.damping * sumsqr(r) / 2
-            part = -(own.T @ damped_multipliers(own, damping, missing))
+            part = -(own.T @ damped_multipliers(own, damping, error))
             here = here.with_task(J, own @ part)
             unlimited = unlimited + part
             shares.append(here.scale)
             above += rows
         return here, unlimited, shares
 
-    def _null_space(self, model: LocalModel, state: State, here: Scaled) -> tuple[NullSpaceDisplacement, Expression]:
+    def _null_space(
+        self, model: LocalModel, state: State, here: ScaledDisplacement
+    ) -> tuple[NullSpaceDisplacement, Expression]:
         """The displacement for the criterion, and what it would be without limits (n, 1)."""
         releases = self.releases()
         h = model.null_gradient if releases else model.null_gradient_free
         length = norm(h)
         known = self.secondary.gain.gain(model, state, model.null_gradient_free)
         beta = fmin(if_else(known > 0, known, self.secondary.beta_max), ratio(state["null_cap"], length))
-        wish = -beta * h
-        dq = significant(length, norm(model.gradient)) * (here.towards(wish).x - here.x)
+        wanted_null = -beta * h
+        dq = significant(length, norm(model.gradient)) * (here.towards(wanted_null).x - here.x)
         moved = norm(dq)
         null = NullSpaceDisplacement(
             dq=dq,
@@ -172,13 +176,13 @@ class TaskScaling(Programmed):
             beta=beta,
             stationarity_residual=ratio(moved, beta) if releases else None,
         )
-        return null, wish
+        return null, wanted_null
 
 
 def _not_outward(model: LocalModel, gradient: Expression) -> Expression:
     """0 for joints at a limit that the negative ``gradient`` (n, 1) pushes outward, else 1, (n, 1).
 
-    For one level; the engine's active set, which a single level uses, is about all levels together.
+    For one level; the engine's active set, which a single level uses, considers all levels together.
     """
     low, high = model.box
     outward = [

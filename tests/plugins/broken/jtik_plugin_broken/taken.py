@@ -1,4 +1,4 @@
-"""Classes under names that jtik's own have."""
+"""Classes under names that classes of jtik have."""
 
 from jtik_formulations import Hybrid as BuiltInHybrid
 from jtik_formulations import JointCentering as BuiltInJointCentering

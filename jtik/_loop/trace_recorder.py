@@ -11,7 +11,7 @@ from jtik.result.trace import Trace
 from jtik.types import Array
 
 ROUNDING = 1e-8
-"""A null-space step up to this long [rad] or [m] is rounding or a solver's noise; its leakage says nothing."""
+"""A null-space step up to this long [rad] or [m] is rounding or a solver's noise; its leakage is not meaningful."""
 
 DISPLACEMENT, NULL_SPACE, NULL_SPACE_IMAGE, JACOBIAN, RELAXED = "dq", "null_space", "null_space_image", "J", "relaxed"
 """Vectors in the record of a step, from which figures are computed; every other entry is a figure."""
@@ -29,25 +29,25 @@ class TraceRecorder:
         self._attempt = -1
 
     def begin(self) -> None:
-        """An attempt begins."""
+        """Note that an attempt begins."""
         self._attempt += 1
 
     def before(self, q: Array) -> None:
-        """An iteration begins at q."""
+        """Note that an iteration begins at q."""
         self._q.append(q.copy())
 
     def after(self) -> None:
-        """The iteration is over: keep its figures."""
+        """Keep the figures of the iteration, which is over."""
         self._rows.append(self.runner.record.copy())
         self._escaped.append(False)
         self._attempts.append(self._attempt)
 
     def escaped(self) -> None:
-        """The iteration ended in a saddle escape."""
+        """Note that the iteration ended in a saddle escape."""
         self._escaped[-1] = True
 
-    def forget(self) -> None:
-        """The last call was not an iteration."""
+    def discard(self) -> None:
+        """Remove the last call: it was not an iteration."""
         for rows in (self._q, self._rows, self._escaped, self._attempts):
             rows.pop()
 

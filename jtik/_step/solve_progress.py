@@ -1,4 +1,4 @@
-"""Progress of a solve: iterations without any, steps refused in a row, stagnation, and the code that follows."""
+"""Progress of a solve: iterations without progress, refused steps in a row, stagnation, and the code of the step."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jtik._step.checked_update import CheckedUpdate
 from jtik._step.stopping import Code, Stop
-from jtik._step.update import CheckedUpdate
 from jtik.strategy import FeasibilityRestoration, LocalModel
 from jtik.symbolic import Expression, if_else, logic_and, logic_not, logic_or
 from jtik.types import Array
@@ -24,21 +24,21 @@ STAGNATIONS = 20
 """Steps in a row without progress after which the solve has stalled."""
 
 FALL = 0.8
-"""An error below this share of the smallest so far is progress; ``patience`` counts the calls without any."""
+"""An error below this share of the smallest so far is progress; ``patience`` limits the calls without progress."""
 
-NEVER = 1e300
-"""Above every V that has been seen, before one has."""
+UNKNOWN = 1e300
+"""Smallest V before the first call: larger than any V."""
 
 CYCLING = 200
 """Calls without progress after which a strategy that accepts every step, or one with clearances, has stalled."""
 
 
-def initial_progress(*, arriving: bool) -> dict[str, Array]:
+def initial_progress(*, evaluated: bool) -> dict[str, Array]:
     """The state of progress that a solve starts from."""
-    state = {name: np.zeros(1) for name in ("refused", "stagnant", "idle")}
-    state["best"] = np.full(1, NEVER)
+    state = {name: np.zeros(1) for name in ("refused", "stagnant", "without_progress")}
+    state["best"] = np.full(1, UNKNOWN)
     state["patience"] = np.full(1, math.inf)
-    if not arriving:
+    if not evaluated:
         state["V"] = np.zeros(1)
     return state
 
@@ -48,21 +48,23 @@ class Progress:
     """Progress up to the configuration of the step.
 
     Attributes:
-        falls: 1 if V has fallen to a share of the smallest so far.
-        idle: number of calls without such a fall.
-        slow: 1 if there have been too many.
+        falls: 1 if V has fallen below `FALL` squared times the smallest V so far.
+        without_progress: number of calls in a row in which it has not.
+        slow: 1 if this number has reached the patience of the attempt.
     """
 
     falls: Expression
-    idle: Expression
+    without_progress: Expression
     slow: Expression
 
     @classmethod
     def of(cls, model: LocalModel, state: Mapping[str, Expression], stop: Stop) -> Progress:
-        """Before the step is tried."""
+        """The progress up to here, before the step is tried."""
         falls = FALL**2 * state["best"] > model.here.V
-        idle = if_else(falls, 0, state["idle"] + 1)
-        return cls(falls, idle, logic_and(idle >= state["patience"], logic_not(stop.reached_before)))
+        without_progress = if_else(falls, 0, state["without_progress"] + 1)
+        return cls(
+            falls, without_progress, logic_and(without_progress >= state["patience"], logic_not(stop.reached_before))
+        )
 
     def after(
         self,
@@ -73,21 +75,25 @@ class Progress:
         stop: Stop,
         restoration: FeasibilityRestoration | None,
         *,
-        arriving: bool,
+        evaluated: bool,
     ) -> tuple[dict[str, Expression], Expression]:
         """The state of progress after the step, and whether the solve has stalled."""
         V = model.here.V
-        after = {"best": if_else(self.falls, V, state["best"]), "idle": self.idle, "patience": state["patience"]}
-        if arriving:
+        after = {
+            "best": if_else(self.falls, V, state["best"]),
+            "without_progress": self.without_progress,
+            "patience": state["patience"],
+        }
+        if evaluated:
             stagnates = logic_and(accepted, V - update.candidate.V <= STAGNANT * V)
             if update.progress is not None:
                 stagnates = logic_and(accepted, update.progress <= STAGNANT)
         else:
             stagnates = logic_and(state["V"] > 0, state["V"] - V <= STAGNANT * state["V"])
-            stagnates = logic_or(stagnates, self.idle >= CYCLING)
+            stagnates = logic_or(stagnates, self.without_progress >= CYCLING)
             after["V"] = V
         if model.clearance:
-            stagnates = logic_or(stagnates, self.idle >= CYCLING)
+            stagnates = logic_or(stagnates, self.without_progress >= CYCLING)
         if restoration:
             restores = restoration.accepts(update.dq, update.candidate.length)
             stagnates = logic_and(stagnates, logic_not(restores))
@@ -98,5 +104,5 @@ class Progress:
 
     def code(self, done: Expression, stalled: Expression) -> Expression:
         """The code of a step whose numbers are finite."""
-        slow = if_else(self.slow, Code.SLOW, Code.GO_ON)
+        slow = if_else(self.slow, Code.SLOW, Code.CONTINUE)
         return if_else(done, Code.DONE, if_else(stalled, Code.STALLED, slow))

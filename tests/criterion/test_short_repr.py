@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.criterion.summary import call_text, summarize
+from jtik.criterion.short_repr import call_text, summarize
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from .shared import link_height

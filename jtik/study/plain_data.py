@@ -13,7 +13,7 @@ import numpy as np
 from jtik import geometry, task
 from jtik.errors import JtikError
 from jtik.robot import Joint, JointType, Robot
-from jtik.robot.body import Mass
+from jtik.robot.masses_and_shapes import Mass
 from jtik.robot.tree import Mimic
 
 _OPTIONS = ("masses", "shapes", "keyframes")

@@ -8,14 +8,27 @@ from dataclasses import dataclass
 import numpy as np
 
 from jtik.strategy import Evaluation, LocalModel, Shape, Strategy, Update
-from jtik.strategy.errors import Call, KnownState
+from jtik.strategy.errors import CheckedCall, KnownState
 from jtik.symbolic import Expression, is_equal, zeros
 from jtik.types import Array
 
 
 @dataclass(frozen=True)
 class CheckedUpdate:
-    """An `Update` with every field filled in and of the right shape; see there for the fields."""
+    """An `Update` with every field filled in and of the right shape.
+
+    Attributes:
+        dq: displacement that is added to q (n, 1).
+        accepted: 1 if the step is taken, else 0.
+        state: the strategy's state after the update.
+        candidate: task and criterion after the displacement.
+        wanted: the displacement before limits shortened it (n, 1).
+        null_space: the part of ``dq`` meant to move only the null space (n, 1).
+        figures: scalars for the trace, by name.
+        stationarity_residual: stationarity residual of H; None for that of the local model.
+        progress: relative decrease of what the strategy minimises; None for that of V.
+        relaxed: amount by which each constraint is relaxed, non-negative, by (name, unit).
+    """
 
     dq: Expression
     accepted: Expression
@@ -35,7 +48,7 @@ def first_state(strategy: Strategy, shape: Shape) -> dict[str, Array]:
     Raises:
         StrategyError: when it is not a mapping from names to finite one-dimensional arrays.
     """
-    call = Call(strategy, strategy.initial_state)
+    call = CheckedCall(strategy, strategy.initial_state)
     state: dict[str, Array] = {}
     for name, value in call(Mapping, shape).items():  # type: ignore[type-abstract]
         try:
@@ -54,7 +67,7 @@ def checked_update(strategy: Strategy, model: LocalModel, state: Mapping[str, Ex
     Raises:
         StrategyError: when it raises, is no `Update`, or a field has the wrong shape or belongs to another step.
     """
-    call, n = Call(strategy, strategy.update), model.robot.n
+    call, n = CheckedCall(strategy, strategy.update), model.robot.n
     update = call(Update, model, KnownState(state, strategy))
     dq = call.column("dq", update.dq, n)
     candidate = model.candidate(dq) if update.candidate is None else update.candidate
@@ -89,4 +102,5 @@ def _same(first: Expression, second: Expression) -> bool:
 
 
 def _rows(value: Expression) -> int:
+    """Number of entries; 1 for a number."""
     return int(np.prod(getattr(value, "shape", (1, 1))))

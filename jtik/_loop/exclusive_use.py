@@ -1,4 +1,4 @@
-"""One thread at a time: the guard round everything that uses the memory of a solver."""
+"""One thread at a time: the guard around everything that uses the memory of a solver."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class ExclusiveUse:
     ``with guard:`` is for calls that take long; a short call uses ``acquire`` and ``release``, in half the time.
 
     Attributes:
-        acquire: ``acquire(False)`` enters, and answers whether it could.
+        acquire: ``acquire(False)`` enters, and returns whether it could.
         release: leaves.
     """
 

@@ -35,7 +35,7 @@ def test_exponential_is_the_quaternion_of_the_rotation_vector(angle):
 
 @pytest.mark.parametrize("angle", ANGLES[:-1])
 @pytest.mark.parametrize("sign", [1, -1])
-def test_logarithm_undoes_the_exponential_on_either_sheet(angle, sign):
+def test_logarithm_inverts_the_exponential_for_either_sign_of_the_quaternion(angle, sign):
     q = compiled(quaternion.exponential, 3)(angle * DIRECTION)
     back = compiled(quaternion.logarithm, 4)(sign * q).full().ravel()
     assert back == pytest.approx(angle * DIRECTION, abs=ROUNDING)
@@ -113,7 +113,7 @@ def test_sizes_and_units_of_each_type(kind, nq, nv, rotational):
     assert kind.tangent(symbol("q", nq)).shape == (nq, nv)
 
 
-def test_values_are_the_words_of_the_field():
+def test_values_are_the_standard_terms():
     assert [kind.value for kind in JointType] == ["fixed", "revolute", "prismatic", "ball", "free"]
 
 

@@ -49,9 +49,9 @@ def refused(criteria):
     return str(caught.value)
 
 
-@pytest.mark.parametrize("wrong", [3, 0, {"a": JointCentering()}, [JointCentering(), 3.0], object])
-def test_anything_else_is_refused(wrong):
-    assert refused(wrong).endswith(f"; accepted: {ACCEPTED}")
+@pytest.mark.parametrize("invalid", [3, 0, {"a": JointCentering()}, [JointCentering(), 3.0], object])
+def test_anything_else_is_refused(invalid):
+    assert refused(invalid).endswith(f"; accepted: {ACCEPTED}")
 
 
 def test_a_class_gets_the_hint_to_construct_it():

@@ -1,4 +1,4 @@
-"""Every form in which a configuration is accepted, and what is said of the ones that are not."""
+"""The forms in which a configuration is accepted, and the errors for others."""
 
 from __future__ import annotations
 
@@ -162,7 +162,7 @@ class TestFullAndReduced:
         assert FINGER.full_configuration([3.0]).tolist() == [0.7, 3.0]
         assert PART.full_configuration(FINGER.full_configuration([3.0])).tolist() == [0.1, 0.7, 0.3, 3.0, 0.5]
 
-    def test_reduced_wants_the_full_robots_numbers(self):
+    def test_reduced_accepts_numbers_of_the_full_robot_only(self):
         assert PART.reduced({"joint4": 2.0}).tolist() == [0.0, 2.0]
         with pytest.raises(ArgumentError, match=r"^q: given shape \(2,\); accepted: finite numbers of shape \(5,\)$"):
             PART.reduced([1.0, 2.0])

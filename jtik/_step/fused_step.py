@@ -12,15 +12,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from jtik._step.checked_update import CheckedUpdate, checked_update, first_state
 from jtik._step.inputs import Inputs, Settings
-from jtik._step.layout import VectorLayout
 from jtik._step.local_model import linearized
-from jtik._step.progress import NEVER, Progress, initial_progress
 from jtik._step.record import figures_of
 from jtik._step.relaxation import RelaxationTerms
+from jtik._step.solve_progress import UNKNOWN, Progress, initial_progress
 from jtik._step.stopping import Code, Stop
 from jtik._step.symbolic_problem import SymbolicProblem
-from jtik._step.update import CheckedUpdate, checked_update, first_state
+from jtik._step.vector_layout import VectorLayout
 from jtik.qp.backend import Backend
 from jtik.qp.fast_path import fast_or_qp_path
 from jtik.qp.recorder import QPRecorder
@@ -42,8 +42,8 @@ from jtik.symbolic import (
 from jtik.symbolic.compile import Library, bind, library
 from jtik.types import Array
 
-OWN = "strategy."
-"""What the names of a strategy's own state begin with, within the state of the step."""
+STRATEGY_PREFIX = "strategy."
+"""Prefix of the names of the strategy's own state within the state of the step."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def fused_step(
     *,
     backend: Backend | None = None,
     recorded: bool = False,
-    arriving: bool = False,
+    evaluated: bool = False,
 ) -> FusedStep:
     """Join problem and strategy into one function, or into those between which quadratic programs are solved.
 
@@ -107,14 +107,14 @@ def fused_step(
         strategy: the strategy that updates q.
         backend: solves the quadratic programs of a strategy that has any.
         recorded: whether its outputs have the figures of a trace.
-        arriving: whether the errors in its outcome are always those where the step ends. A strategy that accepts every
-            step saves the kinematics there; the errors then are those before a step that was not the last.
+        evaluated: whether task and criterion are always evaluated where the step ends, so that the outcome has the
+            errors there. Otherwise a step of a strategy that accepts every step has the errors of its start.
 
     Raises:
         StrategyError: when a method of the strategy raises or returns what cannot be used.
     """
-    arriving = arriving or strategy.evaluates_candidate(problem.has_criterion) or bool(problem.clearances)
-    first = _first_state(problem, strategy, arriving=arriving)
+    evaluated = evaluated or strategy.evaluates_candidate(problem.has_criterion) or bool(problem.clearances)
+    first = _first_state(problem, strategy, evaluated=evaluated)
     layout = VectorLayout.of({name: value.size for name, value in first.items()})
     inputs, q, memory = _input_symbols(problem), symbol("q", problem.robot.nq), symbol("state", layout.size)
     state, settings = layout.split(memory), Settings.of(inputs.settings)
@@ -122,7 +122,11 @@ def fused_step(
 
     at = linearized(problem, q, inputs, state, qps)
     model, active = at.model, at.active_set
-    update = checked_update(strategy, model, {name[len(OWN) :]: v for name, v in state.items() if name.startswith(OWN)})
+    update = checked_update(
+        strategy,
+        model,
+        {name[len(STRATEGY_PREFIX) :]: v for name, v in state.items() if name.startswith(STRATEGY_PREFIX)},
+    )
     restoration = model.restoration if model.clearance and model.clearance.restores else None
     stop = Stop(problem, model, settings, active, update.stationarity_residual, restoration)
     progress = Progress.of(model, state, stop)
@@ -133,25 +137,26 @@ def fused_step(
         tried = logic_and(tried, qps.solved())
     accepted = logic_and(tried, update.accepted)
     done, V, errors = stop.done_before, model.here.V, stop.errors_before
-    if arriving:
+    if evaluated:
         accepted = logic_and(accepted, is_finite(update.candidate.V + update.candidate.H))
         done = logic_or(done, logic_and(accepted, stop.done_after(update.candidate)))
-        arrived = zip([*stop.errors(update.candidate), update.candidate.V], [*errors, V], strict=True)
-        *errors, V = [if_else(accepted, there, here) for there, here in arrived]  # type: ignore[assignment]
+        figures_after = [*stop.errors(update.candidate), update.candidate.V]
+        pairs = zip(figures_after, [*errors, V], strict=True)
+        *errors, V = [if_else(accepted, after, before) for after, before in pairs]  # type: ignore[assignment]
 
-    after, stalled = progress.after(model, state, update, accepted, stop, restoration, arriving=arriving)
+    after, stalled = progress.after(model, state, update, accepted, stop, restoration, evaluated=evaluated)
     after["neighbourhood"] = model.neighbourhood
     if restoration:
         after |= restoration.after(update.dq, accepted)
-    if active and arriving:
+    if active and evaluated:
         after["active"] = active.after(model, update.wanted, update.candidate.q, accepted)
-    after |= {f"{OWN}{name}": value for name, value in update.state.items()}
+    after |= {f"{STRATEGY_PREFIX}{name}": value for name, value in update.state.items()}
     code = progress.code(done, stalled)
     if qps:
         code = if_else(qps.solved(), code, Code.UNSOLVED)
     outcome = vertcat(if_else(finite, code, Code.NOT_FINITE), tried, accepted, *errors, V)
 
-    outputs = [_arrived(model, update, accepted), layout.join(after), outcome]
+    outputs = [_next_configuration(model, update, accepted), layout.join(after), outcome]
     relaxation = RelaxationTerms.of(update, qps, restoration, problem)
     record = VectorLayout.of({})
     if recorded:
@@ -165,16 +170,16 @@ def fused_step(
     return FusedStep(joined, numbers, layout, record, parts, relaxation=relaxation)
 
 
-def _first_state(problem: SymbolicProblem, strategy: Strategy, *, arriving: bool) -> dict[str, Array]:
+def _first_state(problem: SymbolicProblem, strategy: Strategy, *, evaluated: bool) -> dict[str, Array]:
     """The state that a solve starts from: the engine's, then the strategy's."""
-    state = initial_progress(arriving=arriving) | {"neighbourhood": np.zeros(1)}
+    state = initial_progress(evaluated=evaluated) | {"neighbourhood": np.zeros(1)}
     if problem.clearances and problem.restored.any():
-        state |= {"longest": np.full(1, LONGEST), "violation": np.full(1, NEVER)}
-    if problem.bounded and arriving:
+        state |= {"longest": np.full(1, LONGEST), "violation": np.full(1, UNKNOWN)}
+    if problem.bounded and evaluated:
         state["active"] = np.zeros(len(problem.bounded))
     robot = problem.robot
     shape = Shape(robot.n, robot.nq, problem.m, problem.has_criterion, bool(problem.clearances))
-    return state | {f"{OWN}{name}": value for name, value in first_state(strategy, shape).items()}
+    return state | {f"{STRATEGY_PREFIX}{name}": value for name, value in first_state(strategy, shape).items()}
 
 
 def _input_symbols(problem: SymbolicProblem) -> Inputs[Expression]:
@@ -187,12 +192,12 @@ def _input_symbols(problem: SymbolicProblem) -> Inputs[Expression]:
 def _finite(model: LocalModel, q: Expression) -> Expression:
     """1 where task, criterion and derivatives are finite."""
     finite = logic_and(is_finite(model.here.V + model.here.H), is_finite(model.gradient_norm + model.jacobian_norm))
-    # a NaN that was clamped to the limits is one all the same
+    # clamping to the limits hides a NaN in q
     return logic_and(finite, is_finite(q)) if model.bounded else finite
 
 
-def _arrived(model: LocalModel, update: CheckedUpdate, accepted: Expression) -> Expression:
-    """q' of an update that may have been refused."""
+def _next_configuration(model: LocalModel, update: CheckedUpdate, accepted: Expression) -> Expression:
+    """q': where the step ends if it is accepted, else q."""
     q, robot = model.here.q, model.robot
     if model.bounded or robot.nq != robot.n:
         return if_else(accepted, update.candidate.q, q)

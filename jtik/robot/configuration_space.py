@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.errors import UnknownNameError
-from jtik.robot.configuration import read_configuration
-from jtik.robot.layout import Layout
+from jtik.robot.configuration_input import read_configuration
+from jtik.robot.joint_layout import JointLayout
 from jtik.robot.subset import Reduction
 from jtik.robot.tree import Joint
 from jtik.types import Array
@@ -20,7 +20,7 @@ from jtik.types import Array
 class ConfigurationSpace:
     """The configurations q (nq,) and velocities v (n,) of a robot, without its geometry; the base of `Robot`."""
 
-    _layout: Layout
+    _layout: JointLayout
     _reduction: Reduction | None = None
 
     @property

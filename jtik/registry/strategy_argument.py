@@ -37,9 +37,9 @@ def strategy_of(given: str | Strategy) -> Strategy:
 
 
 def supporting_clearances() -> str:
-    """Which registered strategies take clearances, as what an error would have accepted.
+    """The registered strategies that support clearances, as a text for the error of one that does not.
 
-    Plugins that nobody asked for by name are not loaded for it, and not named.
+    Plugins that have not been looked up by name are not loaded, and not listed.
     """
     loaded = strategies.loaded()
     terms = {name: term() for name, term in secondaries.loaded().items() if term().supports_clearances()}

@@ -7,9 +7,9 @@ import json
 import pytest
 
 import jtik
-from jtik.robot.body import Mass
-from jtik.study.description import DescriptionError, as_data, from_data
+from jtik.robot.masses_and_shapes import Mass
 from jtik.study.fingerprint import fingerprint
+from jtik.study.plain_data import DescriptionError, as_data, from_data
 
 
 class Fingers:

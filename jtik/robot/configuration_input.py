@@ -12,7 +12,7 @@ from jtik.errors import ArgumentError, UnknownNameError, finite_array
 from jtik.types import Array
 
 if TYPE_CHECKING:
-    from jtik.robot.space import ConfigurationSpace
+    from jtik.robot.configuration_space import ConfigurationSpace
 
 _FLOAT = np.dtype(np.float64)
 

@@ -1,7 +1,7 @@
 """The native search: attempts and restarts of a solve in one call of C, for a step in generated C.
 
-It gives the result of `jtik._loop.search` to the last bit. Where an attempt stalls at a pose that may be singular, or
-none arrives, it stops without a result, and the search in Python begins again.
+Its results are bitwise equal to those of `jtik._loop.search`. Where an attempt stalls at a configuration that may be
+singular, or no attempt reaches the target, it stops without a result, and the search starts again in Python.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from jtik._loop.runner import Runner
 from jtik._step.inputs import SETTING, Inputs
-from jtik._step.layout import VectorLayout
 from jtik._step.stopping import OUTCOME, Code
+from jtik._step.vector_layout import VectorLayout
 from jtik.symbolic.compile import Library
 from jtik.types import Array
 
@@ -130,7 +130,7 @@ class NativeSearch:
         runner: the runner.
         q0: where a search begins, (nq,).
         tally: iterations, restarts used, and which memory of the runner holds q, after a search.
-        again: the search that `prepare` has described, without arguments.
+        run_prepared: the search that `prepare` has described, without arguments.
     """
 
     def __init__(self, library: Library, runner: Runner, inputs: Inputs[Array]) -> None:
@@ -153,13 +153,13 @@ class NativeSearch:
         self._call.restype = ctypes.c_longlong
         self._address = self._context.ctypes.data
         self._starts: Array | None = None
-        self.again: Callable[[], int] = partial(self._call, self._address, None, 0, 0, math.inf)
+        self.run_prepared: Callable[[], int] = partial(self._call, self._address, None, 0, 0, math.inf)
         self._batch = getattr(ctypes.CDLL(library.path), f"{library.name}_batch")
         self._batch.argtypes = [*self._call.argtypes, ctypes.c_void_p]
         self._batch.restype = None
 
     def prepare(self, starts: Array | None, restarts: int, limit: int, patience: float) -> None:
-        """Make ``again()`` the search from what is in `q0` when it is called; it returns what `find` returns.
+        """Set the options of ``run_prepared()``, which searches from the content of `q0` and returns as `find` does.
 
         Args:
             starts: the restart configurations, (restarts, nq); None without restarts.
@@ -169,7 +169,7 @@ class NativeSearch:
         """
         address = None if starts is None else starts.ctypes.data
         self._starts = starts  # kept alive
-        self.again = partial(self._call, self._address, address, restarts, limit, patience)
+        self.run_prepared = partial(self._call, self._address, address, restarts, limit, patience)
 
     def find(self, q0: Array, starts: int | None, restarts: int, limit: int, patience: float) -> int:
         """Search from ``q0``.

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.errors import ArgumentError
-from jtik.robot.joints import JointType
+from jtik.robot.joint_type import JointType
 from jtik.robot.tree import Joint, frozen
 from jtik.types import Array
 
 
 @dataclass(frozen=True, eq=False)
-class Layout:
+class JointLayout:
     """The indices and limits of a robot's joints, computed once.
 
     Attributes:
@@ -50,7 +50,7 @@ class Layout:
     quaternions: dict[str, slice]
 
     @classmethod
-    def of(cls, joints: Sequence[Joint]) -> Layout:
+    def of(cls, joints: Sequence[Joint]) -> JointLayout:
         """The layout of ``joints``; q follows their order.
 
         Raises:

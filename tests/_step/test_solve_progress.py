@@ -1,0 +1,119 @@
+"""Progress of a solve: what counts as progress, and after how much without any a solve ends."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+
+import casadi
+import numpy as np
+import pytest
+
+from jtik._step.solve_progress import (
+    CYCLING,
+    FALL,
+    REFUSALS,
+    STAGNANT,
+    STAGNATIONS,
+    UNKNOWN,
+    Progress,
+    initial_progress,
+)
+from jtik._step.stopping import Code
+
+from .conftest import numbers
+
+
+def run(steps, *, evaluated=True, patience=math.inf, reached=0, stationary=0, progress=None, clearance=None):
+    """States and codes of successive steps, each given as (V before, V after, accepted)."""
+    state = initial_progress(evaluated=evaluated) | {"patience": np.full(1, patience)}
+    stop = SimpleNamespace(reached_before=reached, stationary=stationary)
+    found = []
+    for V, after, accepted in steps:
+        model = SimpleNamespace(here=SimpleNamespace(V=casadi.SX(V)), clearance=clearance)
+        update = SimpleNamespace(candidate=SimpleNamespace(V=casadi.SX(after)), progress=progress)
+        columns = {name: casadi.SX(value) for name, value in state.items()}
+        at = Progress.of(model, columns, stop)
+        next_state, stalled = at.after(model, columns, update, accepted, stop, None, evaluated=evaluated)
+        assert set(next_state) == set(state)
+        state = {name: np.atleast_1d(numbers(value)) for name, value in next_state.items()}
+        found.append((state, Code(int(numbers(at.code(0, stalled))))))
+    return found
+
+
+def codes(*arguments, **options):
+    return [code for _, code in run(*arguments, **options)]
+
+
+def test_the_first_state_has_seen_no_V_and_has_endless_patience():
+    first = initial_progress(evaluated=True)
+    assert {name: value.item() for name, value in first.items()} == {
+        "refused": 0,
+        "stagnant": 0,
+        "without_progress": 0,
+        "best": UNKNOWN,
+        "patience": math.inf,
+    }
+    assert set(initial_progress(evaluated=False)) == {*first, "V"}
+
+
+class TestPatience:
+    def test_an_error_below_a_share_of_the_smallest_so_far_is_progress(self):
+        """V is half the squared error."""
+        falls, keeps = (FALL - 1e-9) ** 2, (FALL + 1e-9) ** 2
+        states = [state for state, _ in run([(1.0, 1, 1), (keeps, 1, 1), (falls, 1, 1), (2.0, 1, 1)])]
+        assert [state["without_progress"].item() for state in states] == [0, 1, 0, 1]
+        assert [state["best"].item() for state in states] == [1, 1, falls, falls]
+
+    def test_a_solve_is_slow_after_so_many_calls_without_progress(self):
+        steps = [(1.0, 0.9, 1)] * 5
+        assert codes(steps, patience=3) == [Code.CONTINUE] * 3 + [Code.SLOW] * 2
+
+    def test_on_the_target_it_is_not(self):
+        assert codes([(1.0, 0.9, 1)] * 5, patience=3, reached=1) == [Code.CONTINUE] * 5
+
+
+class TestStalled:
+    def test_by_refusals_in_a_row(self):
+        found = codes([(1.0, 1.0, 0)] * REFUSALS)
+        assert found == [Code.CONTINUE] * (REFUSALS - 1) + [Code.STALLED]
+        between = [(1.0, 1.0, 0)] * (REFUSALS - 1) + [(1.0, 0.9, 1)] + [(1.0, 1.0, 0)] * (REFUSALS - 1)
+        assert set(codes(between)) == {Code.CONTINUE}
+
+    @pytest.mark.parametrize(("fall", "stalls"), [(0.5 * STAGNANT, True), (2 * STAGNANT, False)])
+    def test_by_steps_that_lower_V_too_little(self, fall, stalls):
+        found = codes([(1.0, 1.0 - fall, 1)] * STAGNATIONS)
+        assert found[:-1] == [Code.CONTINUE] * (STAGNATIONS - 1)
+        assert (found[-1] is Code.STALLED) is stalls
+
+    def test_by_the_progress_that_a_strategy_reports_instead(self):
+        assert codes([(1.0, 0.5, 1)] * STAGNATIONS, progress=0.0)[-1] is Code.STALLED
+        assert codes([(1.0, 1.0, 1)] * STAGNATIONS, progress=0.1)[-1] is Code.CONTINUE
+
+    def test_on_the_target_steps_may_lower_the_criterion_only(self):
+        assert set(codes([(1.0, 1.0, 1)] * (STAGNATIONS + 1), reached=1)) == {Code.CONTINUE}
+
+    def test_at_a_stationary_task(self):
+        assert codes([(1.0, 0.5, 1)], stationary=1) == [Code.STALLED]
+
+    def test_without_the_error_at_the_end_V_of_the_step_before_is_compared(self):
+        falls = [(0.5**k, math.nan, 1) for k in range(STAGNATIONS + 2)]
+        assert set(codes(falls, evaluated=False)) == {Code.CONTINUE}
+        assert codes([(1.0, math.nan, 1)] * (STAGNATIONS + 1), evaluated=False)[-2:] == [Code.CONTINUE, Code.STALLED]
+
+    @pytest.mark.parametrize("options", [{"evaluated": False}, {"clearance": "some"}], ids=["every step", "clearances"])
+    def test_by_cycling(self, options):
+        """V alternates: no step stagnates, and none is progress."""
+        steps = [(1.0 + k % 2, 2.0 - k % 2, 1) for k in range(CYCLING + STAGNATIONS + 2)]
+        found = codes(steps, **options)
+        assert set(found[: CYCLING + 1]) == {Code.CONTINUE}
+        assert found[-1] is Code.STALLED
+
+
+def test_an_end_takes_precedence_over_a_stall_and_a_stall_over_slowness():
+    at = Progress(falls=0, without_progress=9, slow=1)
+    assert [numbers(at.code(done, stalled)) for done, stalled in ((1, 1), (0, 1), (0, 0))] == [
+        Code.DONE,
+        Code.STALLED,
+        Code.SLOW,
+    ]
