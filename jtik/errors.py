@@ -88,7 +88,7 @@ class RobotFileError(JtikError, ValueError):
 
     Attributes:
         file: the path; for a description that is a text or a model, what kind it is.
-        element: the part that is wrong, for instance ``"joint 'elbow'"``; empty when it is the whole description.
+        element: the part that is wrong, for instance ``"joint 'elbow'"``; empty for the description as such.
         problem: what is wrong, and what would have been accepted.
     """
 

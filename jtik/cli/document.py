@@ -17,7 +17,7 @@ name = "obstacle_avoidance"
 weight = 0.3
 options = { bodies = "both" }
 
-[obstacles]                               # for every criterion that takes obstacles
+[obstacles]                               # for every criterion with obstacles
 circles = [[4.0, 2.0, 0.6]]               # x, y, radius [m]
 
 [solve]                                   # limits, and arguments of InverseKinematics.solve
@@ -106,7 +106,7 @@ def read_setup(document: Table) -> DocumentSetup:
     """
     checked_table("the problem", document, KEYS)
     if "robot" not in document:
-        raise InputError(f"robot is missing; a problem needs one, and takes {', '.join(KEYS)}")
+        raise InputError(f"robot is missing; a problem needs one, and accepts {', '.join(KEYS)}")
     return DocumentSetup(
         read_robot(document["robot"]),
         read_tasks(document.get("task", {})),
@@ -121,7 +121,7 @@ def read(document: Table) -> DocumentProblem:
         JtikError: for an unknown or missing key, a name that is not registered, or an argument that is refused.
     """
     if "target" not in document:
-        raise InputError(f"target is missing; a problem needs robot and target, and takes {', '.join(KEYS)}")
+        raise InputError(f"target is missing; a problem needs robot and target, and accepts {', '.join(KEYS)}")
     setup = read_setup(document)
     options = dict(checked_table("[solve]", document.get("solve", {}), (*_SOLVE, "limits")))
     limits = options.pop("limits", True)

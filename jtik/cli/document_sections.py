@@ -108,7 +108,7 @@ def read_criteria(given: Any, obstacles: list[Obstacle]) -> CriterionSum:
 
 
 def _criterion(name: str, options: Table, obstacles: list[Obstacle]) -> Criterion:
-    """One criterion; it gets the obstacles where it takes some."""
+    """One criterion; it gets the obstacles if it has that argument."""
     plugin = criteria[name]
     where = f"criterion {name!r}"
     if "obstacles" in options:

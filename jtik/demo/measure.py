@@ -109,8 +109,8 @@ def clearances(links: ArrayLike, obstacles: Sequence[Obstacle]) -> tuple[Array, 
     centers = np.array([obstacle.center for obstacle in obstacles])
     radii = np.array([obstacle.radius for obstacle in obstacles])
     share = ((centers - inner) * along).sum(-1) / (along**2).sum(-1)
-    nearest = inner + np.clip(share, 0, 1)[..., None] * along
-    return np.linalg.norm(outer - centers, axis=-1) - radii, np.linalg.norm(nearest - centers, axis=-1) - radii
+    closest = inner + np.clip(share, 0, 1)[..., None] * along
+    return np.linalg.norm(outer - centers, axis=-1) - radii, np.linalg.norm(closest - centers, axis=-1) - radii
 
 
 def follow_path(

@@ -30,12 +30,12 @@ class Links:
     radius: Array
 
     def distance(self, point: Array) -> float:
-        """Distance from a point to the nearest link surface [m]."""
+        """Distance from a point to the closest link surface [m]."""
         along = self.end - self.start
         squared = np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
         share = np.clip(((point - self.start) * along).sum(axis=1) / squared, 0, 1)
-        nearest = self.start + share[:, None] * along
-        return float((np.linalg.norm(point - nearest, axis=1) - self.radius).min())
+        closest = self.start + share[:, None] * along
+        return float((np.linalg.norm(point - closest, axis=1) - self.radius).min())
 
     def point(self, generator: np.random.Generator) -> Array:
         """A random point on the axis of a link: both the link and the position along it are uniform."""

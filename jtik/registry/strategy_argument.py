@@ -1,4 +1,4 @@
-"""The strategy that a user's ``strategy=`` stands for: an object, a name, or a pair of names such as "newton+qp"."""
+"""The strategy for a user's argument ``strategy=``: an object, a name, or a pair of names such as "newton+qp"."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from jtik.strategy import SecondaryTerm, Strategy
 
 
 def strategy_of(given: str | Strategy) -> Strategy:
-    """The strategy object that ``given`` stands for.
+    """The strategy object for the argument ``given``.
 
     Args:
         given: a Strategy; a registered name, for that strategy with its defaults; or ``"name+term"``, for that strategy
@@ -54,7 +54,7 @@ def _takes_secondary(strategy: type[Strategy]) -> bool:
 
 
 def _pairs(strategy: type[Strategy], term: SecondaryTerm) -> bool:
-    """Whether the pair takes clearances where the strategy alone does not."""
+    """Whether the pair supports clearances and the strategy alone does not."""
     if not _takes_secondary(strategy) or strategy().supports_clearances():
         return False
     try:

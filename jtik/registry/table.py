@@ -71,7 +71,7 @@ def _narrowed(widths: Sequence[int], width: int) -> list[int]:
 
 
 def _wrapped(line: Sequence[str], widths: Sequence[int]) -> list[str]:
-    """The lines that one row takes."""
+    """The lines of text of one row."""
     cells = [textwrap.wrap(cell, max(size, 1)) or [""] for cell, size in zip(line, widths, strict=True)]
     height = max(len(cell) for cell in cells)
     return [

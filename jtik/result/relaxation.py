@@ -11,7 +11,7 @@ class Relaxation(NamedTuple):
     Attributes:
         name: what was relaxed, such as "task step" or "clearance: link4 to obstacle 1".
         amount: by how much.
-        unit: unit of the amount, such as "m"; "share" for a fraction of the whole; empty where there is none.
+        unit: unit of the amount, such as "m"; "share" for a fraction; empty where there is none.
     """
 
     name: str

@@ -111,7 +111,7 @@ class ConfigurationSpace:
         return self._layout.random(np.random.default_rng(rng))
 
     def configuration(self, q: Any, *, argument: str = "q") -> Array:
-        """A checked copy of a configuration, (nq,). Every method that takes numbers for q accepts the same forms.
+        """A checked copy of a configuration, (nq,). Every method with a numeric argument q accepts the same forms.
 
         Args:
             q: one of three forms. Numbers (nq,). On a robot made by `Robot.subset` also numbers (full.nq,) of the robot

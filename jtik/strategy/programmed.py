@@ -56,7 +56,7 @@ class Proposal:
 
 
 class Programmed(Strategy):
-    """A strategy that takes one displacement from quadratic programs and tests it by a merit function.
+    """A strategy that computes one displacement by quadratic programs and tests it by a merit function.
 
     A subclass writes `propose` and names its `merit`. Acceptance, damping after a refusal, feasibility restoration,
     clearances, the report of relaxed constraints, and figures are provided by this class and the engine. The state

@@ -27,7 +27,7 @@ class StrategyContender(Contender):
     Args:
         strategy: name of a registered strategy, or a Strategy object.
         solver: solver of its quadratic programs, as in `jtik.InverseKinematics`.
-        compiled: whether it runs as generated C; None takes the option of the study.
+        compiled: whether it runs as generated C; None uses the option of the study.
         label: its name in the study; by default the name of the strategy and its non-default options.
 
     Raises:

@@ -30,7 +30,7 @@ def ratios(comparison: Comparison, measure: ProfileMeasure, criteria: str, names
         rows = comparison.rows(contender=name, criteria=criteria)
         good = rows[columns["success"][rows] & (columns[measure][rows] >= 0)]
         indices = [cases[case] for case in columns["case"][good].tolist()]
-        # a solve that starts on target takes no iteration; it counts as one, so that the ratio is defined
+        # a solve that starts on target needs no iteration; it counts as one, so that the ratio is defined
         table[i, indices] = np.maximum(columns[measure][good], 1 if measure == "iterations" else 1e-9)
     best = table.min(axis=0)
     table[:, np.isfinite(best)] /= best[np.isfinite(best)]

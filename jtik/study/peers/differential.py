@@ -115,7 +115,7 @@ class DampedCriterion:
 
 
 class DifferentialLoop(StepLoop):
-    """A loop over steps of a library whose ``solve_ik`` takes tasks and constraints.
+    """A loop over steps of a library whose ``solve_ik`` accepts tasks and constraints.
 
     A subclass sets ``configuration``, ``task`` and ``criterion``, and converts configurations.
     """

@@ -112,7 +112,7 @@ class _Level:
         J: its Jacobian (m, n).
         r: its residual (m, 1).
         own: orthonormal rows of the directions that move this level and none above it (m, n).
-        box: lower and upper bounds of the whole displacement, (n, 1) each.
+        box: lower and upper bounds of the displacement of all levels, (n, 1) each.
         kept: rows that keep the levels above as they are.
         damping: damping over half the squared error.
         added_damping: damping that is added to it.

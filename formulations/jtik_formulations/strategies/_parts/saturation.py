@@ -115,7 +115,7 @@ class Saturation:
         return replace(result, response=result.response - (drop * rate) @ rate.T)
 
     def _exchanged(self, rate: Expression, squared_scale: Expression) -> tuple[Saturation, Expression]:
-        """Where active bounds already determine row' x, release one of them, so that the row takes its place.
+        """Where active bounds already determine row' x, release one of them, which the row then replaces.
 
         The row's multiplier grows, in either direction, until the multiplier of one bound is zero.
         """
