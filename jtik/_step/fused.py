@@ -20,12 +20,13 @@ from jtik._step.record import figures_of
 from jtik._step.relaxation import RelaxationTerms
 from jtik._step.stopping import Code, Stop
 from jtik._step.symbolic_problem import SymbolicProblem
-from jtik._step.update import CheckedUpdate, checked_update, first_state
+from jtik._step.update import CheckedUpdate, check_symbols, checked_update, first_state
 from jtik.qp.backend import Backend
 from jtik.qp.fast_path import fast_or_qp_path
 from jtik.qp.recorder import QPRecorder
 from jtik.qp.staged import Staged, staged
 from jtik.strategy import LocalModel, Shape, Strategy
+from jtik.strategy.call import Call
 from jtik.strategy.feasibility_restoration import LONGEST
 from jtik.symbolic import (
     Expression,
@@ -113,7 +114,8 @@ def fused_step(
     Raises:
         StrategyError: when a method of the strategy raises or returns what cannot be used.
     """
-    arriving = arriving or strategy.evaluates_candidate(problem.has_criterion) or bool(problem.clearances)
+    evaluated = Call(strategy, strategy, "evaluates_candidate").flag(problem.has_criterion)
+    arriving = arriving or evaluated or bool(problem.clearances)
     first = _first_state(problem, strategy, arriving=arriving)
     layout = VectorLayout.of({name: value.size for name, value in first.items()})
     inputs, q, memory = _input_symbols(problem), symbol("q", problem.robot.nq), symbol("state", layout.size)
@@ -123,6 +125,7 @@ def fused_step(
     at = linearized(problem, q, inputs, state, qps)
     model, active = at.model, at.active_set
     update = checked_update(strategy, model, {name[len(OWN) :]: v for name, v in state.items() if name.startswith(OWN)})
+    check_symbols(strategy, update, [q, *inputs, memory, *at.at, *(qps.symbols() if qps else ())], qps)
     restoration = model.restoration if model.clearance and model.clearance.restores else None
     stop = Stop(problem, model, settings, active, update.stationarity_residual, restoration)
     progress = Progress.of(model, state, stop)

@@ -164,6 +164,10 @@ class QPRecorder:
         self.preparations.append(Preparation(needed, solution, made, answers))
         return answers
 
+    def symbols(self) -> list[Expression]:
+        """The symbols of all results so far."""
+        return [answer for each in (*self.preparations, *self.programs) for answer in each.answers]
+
     def solved(self) -> Expression:
         """1 where all QPs and computations so far have valid results, else 0."""
         good: Expression = 1

@@ -32,6 +32,8 @@ def strategy_of(given: str | Strategy) -> Strategy:
         if not _takes_secondary(strategy):
             raise ArgumentError("strategy", given, f"a strategy with a secondary term before '+', not {name!r}")
         return strategy(secondary=term)  # type: ignore[call-arg]
+    if isinstance(given, type) and issubclass(given, Strategy):
+        raise ArgumentError("strategy", f"the class {given.__name__}", f"an object of it, such as {given.__name__}()")
     names = f"one of the names {strategies.names()}, perhaps with + and one of {secondaries.names()}"
     raise ArgumentError("strategy", given, f"a jtik.Strategy or {names}")
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.constraints.clearance import ClearanceModel
-from jtik.errors import JtikError
+from jtik.errors import ArgumentError, JtikError
 from jtik.qp.quadratic_program import QPSolution, QuadraticProgram
 from jtik.qp.recorder import Compute, QPRecorder
 from jtik.robot import Robot
@@ -83,6 +83,8 @@ class LocalModel:
         """The solution of a quadratic program, as expressions to go on with."""
         if self.qps is None:
             raise JtikError(f"quadratic program {program.name!r} of a strategy whose uses_qp() is False")
+        if not isinstance(program, QuadraticProgram):
+            raise ArgumentError("program", program, "a jtik.qp.QuadraticProgram")
         return self.qps.solve(program)
 
     def compute(
@@ -101,6 +103,8 @@ class LocalModel:
         """
         if self.qps is None:
             raise JtikError(f"computation {name!r} of a strategy whose uses_qp() is False")
+        if not callable(compute):
+            raise ArgumentError("compute", compute, "a function of flat arrays")
         return self.qps.compute(name, compute, inputs, shapes)
 
     @cached_property
