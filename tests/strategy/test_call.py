@@ -326,6 +326,6 @@ def test_numbers_and_arrays_are_expressions_too():
 
 
 def test_a_class_is_no_strategy():
-    accepted = r"strategy: given the class Composed; accepted: an object of it, such as Composed\(\)"
+    accepted = r"strategy: given the class Composed; accepted: an object of it, Composed\(\); or a jtik.Strategy"
     with pytest.raises(jtik.errors.ArgumentError, match=accepted):
         jtik.InverseKinematics(planar(3), jtik.FrameTask(), strategy=Composed)
