@@ -447,6 +447,30 @@ class TestStrategyArgument:
             "strategy: given weighted_qp+qp; accepted: a strategy with a secondary term before '+', not 'weighted_qp'"
         )
 
+    def test_one_that_needs_arguments_says_which(self, monkeypatch):
+        class Needs(jtik.strategies["hybrid"]):
+            def __init__(self, radius):
+                pass
+
+        monkeypatch.setitem(jtik.strategies._classes, "needs", Needs)
+        with pytest.raises(jtik.ArgumentError) as caught:
+            jtik.InverseKinematics(planar(2), jtik.FrameTask(), strategy="needs")
+        assert str(caught.value) == (
+            "strategy: given Needs, which needs radius; accepted: an object: jtik.strategies['needs'](radius=...), "
+            "that is Needs(radius=...)"
+        )
+        assert "'weighted_qp'" in supporting_clearances()  # lists the others all the same
+
+    def test_an_abstract_one_says_what_it_lacks(self, monkeypatch):
+        class Half(jtik.Strategy):
+            pass
+
+        monkeypatch.setitem(jtik.strategies._classes, "half", Half)
+        with pytest.raises(
+            jtik.ArgumentError, match="given Half, which is abstract; accepted: a class that defines upd"
+        ):
+            jtik.InverseKinematics(planar(2), jtik.FrameTask(), strategy="half")
+
     def test_clearances_with_a_strategy_that_has_none_list_those_that_have(self):
         accepted = supporting_clearances()
         assert accepted.startswith("a strategy whose quadratic programs have rows for them: ")

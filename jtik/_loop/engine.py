@@ -20,6 +20,7 @@ from jtik.errors import ArgumentError
 from jtik.qp import Backend, as_problem, backend_of
 from jtik.registry import supporting_clearances
 from jtik.strategy import Strategy
+from jtik.strategy.checked_call import CheckedCall
 
 if TYPE_CHECKING:
     import qpsolvers
@@ -53,11 +54,11 @@ class Engine:
     ) -> None:
         self.problem, self._strategy = problem, strategy
         robot, tasks, clearances = problem.robot, problem.tasks, problem.clearances
-        if clearances and not strategy.supports_clearances():
+        if clearances and not CheckedCall(strategy, strategy, "supports_clearances").flag():
             given = f"{list(clearances)!r} with strategy={strategy!r}"
             raise ArgumentError("clearances", given, supporting_clearances())
         backend: Backend | None = None
-        if strategy.uses_qp(problem.has_criterion or bool(clearances)):
+        if CheckedCall(strategy, strategy, "uses_qp").flag(problem.has_criterion or bool(clearances)):
             backend = backend_of(solver)
         elif solver is not None:
             raise ArgumentError("solver", solver, f"none: {strategy!r} uses no quadratic program here")

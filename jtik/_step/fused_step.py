@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from jtik._step.checked_update import CheckedUpdate, checked_update, first_state
+from jtik._step.checked_update import CheckedUpdate, check_symbols, checked_update, first_state
 from jtik._step.inputs import Inputs, Settings
 from jtik._step.local_model import linearized
 from jtik._step.record import figures_of
@@ -26,6 +26,7 @@ from jtik.qp.fast_path import fast_or_qp_path
 from jtik.qp.recorder import QPRecorder
 from jtik.qp.staged import Staged, staged
 from jtik.strategy import LocalModel, Shape, Strategy
+from jtik.strategy.checked_call import CheckedCall
 from jtik.strategy.feasibility_restoration import LONGEST
 from jtik.symbolic import (
     Expression,
@@ -113,7 +114,8 @@ def fused_step(
     Raises:
         StrategyError: when a method of the strategy raises or returns what cannot be used.
     """
-    evaluated = evaluated or strategy.evaluates_candidate(problem.has_criterion) or bool(problem.clearances)
+    evaluates = CheckedCall(strategy, strategy, "evaluates_candidate").flag(problem.has_criterion)
+    evaluated = evaluated or evaluates or bool(problem.clearances)
     first = _first_state(problem, strategy, evaluated=evaluated)
     layout = VectorLayout.of({name: value.size for name, value in first.items()})
     inputs, q, memory = _input_symbols(problem), symbol("q", problem.robot.nq), symbol("state", layout.size)
@@ -122,11 +124,9 @@ def fused_step(
 
     at = linearized(problem, q, inputs, state, qps)
     model, active = at.model, at.active_set
-    update = checked_update(
-        strategy,
-        model,
-        {name[len(STRATEGY_PREFIX) :]: v for name, v in state.items() if name.startswith(STRATEGY_PREFIX)},
-    )
+    own = {name[len(STRATEGY_PREFIX) :]: v for name, v in state.items() if name.startswith(STRATEGY_PREFIX)}
+    update = checked_update(strategy, model, own)
+    check_symbols(strategy, update, [q, *inputs, memory, *at.at, *(qps.symbols() if qps else ())], qps)
     restoration = model.restoration if model.clearance and model.clearance.restores else None
     stop = Stop(problem, model, settings, active, update.stationarity_residual, restoration)
     progress = Progress.of(model, state, stop)

@@ -42,6 +42,9 @@ class _Algebra:
     def __rsub__(self, other: Any) -> CriterionSum:
         return CriterionSum(_terms(other)) - self if _is_summand(other) else NotImplemented
 
+    def __pos__(self) -> CriterionSum:
+        return CriterionSum(_terms(self))
+
     def __neg__(self) -> CriterionSum:
         return self * -1
 

@@ -18,7 +18,7 @@ def registered(name: str) -> Any:
     """
     # by name at run time, since the registry imports this module
     plugin: Any = importlib.import_module("jtik.registry").criteria[name]
-    missing = _required(plugin)
+    missing = required_arguments(plugin)
     if missing:
         call = f"{', '.join(f'{argument}=...' for argument in missing)})"
         accepted = f"an object: jtik.criteria[{name!r}]({call}, that is {plugin.__name__}({call}"
@@ -26,7 +26,7 @@ def registered(name: str) -> Any:
     return plugin()
 
 
-def _required(plugin: Any) -> list[str]:
+def required_arguments(plugin: Any) -> list[str]:
     """Names of the arguments of a class that have no default."""
     return [
         name
@@ -40,7 +40,7 @@ def hint(given: Any, base: type) -> tuple[Any, str]:
     """What was given and what is accepted, for something that is no criterion."""
     accepted = "a jtik.Criterion, a weighted sum, the name of a registered criterion, a list of these, or None"
     if isinstance(given, type) and issubclass(given, base):
-        arguments = ", ".join(f"{name}=..." for name in _required(given))
+        arguments = ", ".join(f"{name}=..." for name in required_arguments(given))
         return f"the class {given.__name__}", f"an object of it, {given.__name__}({arguments}); or {accepted}"
     if inspect.isfunction(given):
         return f"the function {given.__name__}", f"the function with the decorator @jtik.criterion; or {accepted}"

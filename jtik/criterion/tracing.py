@@ -11,7 +11,7 @@ from typing import Any
 from jtik.errors import JtikError
 from jtik.symbolic import SX, Expression, is_symbolic, no_silent_float, smooth_numpy_norm, symvar
 
-_LIBRARIES = ("casadi", "numpy", "scipy", "jtik/symbolic")
+_LIBRARIES = ("casadi", "numpy", "scipy", "jtik/symbolic", "jtik/robot/row_indexing")
 """Parts of file names whose lines an error message does not show: the user's own line is wanted."""
 
 _SVD = "(from jtik.symbolic.svd import SingularValues)"

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jtik.errors import ArgumentError
 from jtik.qp.backend import CalledBackend, FusedBackend, NumericQP
 from jtik.qp.elastic import SlackExpansion
 from jtik.qp.quadratic_program import QuadraticProgram
@@ -138,9 +139,14 @@ class BoundComputation:
 
     def __call__(self) -> None:
         """Compute from the arguments that are in memory."""
-        values = self._compute(self._data)
+        found = self._compute(self._data)
+        if found is not None and len(found) != len(self._results):
+            raise ArgumentError("computation", f"{len(found)} results", f"{len(self._results)} results, one a shape")
         for i, memory in enumerate(self._results):
-            memory[:] = np.nan if values is None else np.asarray(values[i], dtype=float).ravel(order="F")
+            values = np.nan if found is None else np.asarray(found[i], dtype=float).ravel(order="F")
+            if found is not None and np.shape(values) != memory.shape:
+                raise ArgumentError(f"result {i} of a computation", f"{np.size(values)} numbers", f"{len(memory)}")
+            memory[:] = values
 
 
 def called(inner: Function, arguments: Sequence[Expression]) -> list[Expression]:

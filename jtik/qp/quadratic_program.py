@@ -69,13 +69,19 @@ class QuadraticProgram:
     closed_form: tuple[Expression, Expression] | None = None
 
     def __post_init__(self) -> None:
+        if not isinstance(self.name, str):
+            raise ArgumentError("name", self.name, "a text")
         n = self.size
-        for what, value in (("P", self.P.shape == (n, n)), ("lower", self.lower.shape == (n, 1))):
-            if not value:
-                raise ArgumentError(f"{self.name}.{what}", f"shape {getattr(self, what).shape}", f"{n} variables, as q")
+        for what, expected in (("P", (n, n)), ("lower", (n, 1)), ("upper", (n, 1))):
+            value = getattr(self, what)
+            shape = getattr(value, "shape", None)
+            if shape != expected:
+                given = value if shape is None else f"shape {shape}"
+                raise ArgumentError(f"{self.name}.{what}", given, f"{n} variables, as q")
         for group in self.rows:
-            if group.matrix.shape[1] != n or group.lower.shape != (group.count, 1):
-                given = f"matrix {group.matrix.shape}, bounds {group.lower.shape}"
+            bounds = {group.lower.shape, group.upper.shape}
+            if group.matrix.shape[1] != n or bounds != {(group.count, 1)}:
+                given = f"matrix {group.matrix.shape}, bounds {' and '.join(map(str, sorted(bounds)))}"
                 raise ArgumentError(f"{self.name}, rows {group.name!r}", given, f"(k, {n}) and (k, 1)")
             if group.elastic:
                 group.elastic.columns(group.count)

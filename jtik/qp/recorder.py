@@ -169,6 +169,10 @@ class QPRecorder:
         self.preparations.append(Preparation(needed, solution, made, symbols))
         return symbols
 
+    def symbols(self) -> list[Expression]:
+        """The symbols of all results so far."""
+        return [result for each in (*self.preparations, *self.calls) for result in each.result_symbols]
+
     def solved(self) -> Expression:
         """1 where all QPs and computations so far have valid results, else 0."""
         good: Expression = 1

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import inspect
 from dataclasses import fields, is_dataclass
+from typing import Any, TypeVar
 
-from jtik.errors import ArgumentError, JtikError
+from jtik.criterion.criteria_argument import required_arguments
+from jtik.errors import ArgumentError
 from jtik.registry.decorators import secondaries, strategies
 from jtik.strategy import SecondaryTerm, Strategy
+
+T = TypeVar("T")
 
 
 def strategy_of(given: str | Strategy) -> Strategy:
@@ -27,13 +32,17 @@ def strategy_of(given: str | Strategy) -> Strategy:
         name, plus, secondary = given.partition("+")
         strategy = strategies[name]
         if not plus:
-            return strategy()
-        term = secondaries[secondary]()
+            return _with_defaults(f"strategies[{name!r}]", strategy)
+        term = _with_defaults(f"secondaries[{secondary!r}]", secondaries[secondary])
         if not _takes_secondary(strategy):
             raise ArgumentError("strategy", given, f"a strategy with a secondary term before '+', not {name!r}")
         return strategy(secondary=term)  # type: ignore[call-arg]
-    names = f"one of the names {strategies.names()}, perhaps with + and one of {secondaries.names()}"
-    raise ArgumentError("strategy", given, f"a jtik.Strategy or {names}")
+    names = f"a jtik.Strategy or one of the names {strategies.names()}, perhaps with + and one of {secondaries.names()}"
+    if isinstance(given, type) and issubclass(given, Strategy):
+        raise ArgumentError(
+            "strategy", f"the class {given.__name__}", f"an object of it, {given.__name__}(); or {names}"
+        )
+    raise ArgumentError("strategy", given, names)
 
 
 def supporting_clearances() -> str:
@@ -42,8 +51,8 @@ def supporting_clearances() -> str:
     Plugins that have not been looked up by name are not loaded, and not listed.
     """
     loaded = strategies.loaded()
-    terms = {name: term() for name, term in secondaries.loaded().items() if term().supports_clearances()}
-    alone = [repr(name) for name, strategy in loaded.items() if strategy().supports_clearances()]
+    terms = {name: term() for name, term in secondaries.loaded().items() if _supports(term)}
+    alone = [repr(name) for name, strategy in loaded.items() if _supports(strategy)]
     pairs = [f"'{name}+{term}'" for term in terms for name in loaded if _pairs(loaded[name], terms[term])]
     return f"a strategy whose quadratic programs have rows for them: {', '.join([*alone, *pairs])}"
 
@@ -54,10 +63,26 @@ def _takes_secondary(strategy: type[Strategy]) -> bool:
 
 
 def _pairs(strategy: type[Strategy], term: SecondaryTerm) -> bool:
-    """Whether the pair supports clearances and the strategy alone does not."""
-    if not _takes_secondary(strategy) or strategy().supports_clearances():
-        return False
+    """Whether the pair takes clearances where the strategy alone does not."""
+    return _takes_secondary(strategy) and not _supports(strategy) and _supports(strategy, secondary=term)
+
+
+def _supports(plugin: type[Strategy] | type[SecondaryTerm], **options: Any) -> bool:
+    """Whether an object of the class takes clearances; not if none can be made, which its own user is told."""
     try:
-        return strategy(secondary=term).supports_clearances()  # type: ignore[call-arg]
-    except JtikError:
+        return bool(plugin(**options).supports_clearances())
+    except Exception:  # a class of a third party may raise anything
         return False
+
+
+def _with_defaults(name: str, plugin: type[T]) -> T:
+    """An object of the registered class ``name``. Raises ArgumentError if it needs arguments."""
+    if inspect.isabstract(plugin):
+        methods = " and ".join(sorted(plugin.__abstractmethods__))  # type: ignore[attr-defined]
+        raise ArgumentError("strategy", f"{plugin.__name__}, which is abstract", f"a class that defines {methods}")
+    missing = required_arguments(plugin)
+    if missing:
+        call = f"({', '.join(f'{argument}=...' for argument in missing)})"
+        accepted = f"an object: jtik.{name}{call}, that is {plugin.__name__}{call}"
+        raise ArgumentError("strategy", f"{plugin.__name__}, which needs {' and '.join(missing)}", accepted)
+    return plugin()

@@ -13,16 +13,16 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, get_args
 
 import numpy as np
 
 from jtik.strategy.acceptance import Acceptance, final_verdict
 from jtik.strategy.base import Shape, State, Strategy, Update, take_renamed
+from jtik.strategy.checked_call import CheckedCall
 from jtik.strategy.displacement import NullSpaceDisplacement, Outcome, TaskDisplacement
-from jtik.strategy.errors import CheckedCall
 from jtik.strategy.evaluation import Evaluation
 from jtik.strategy.merit import SUFFICIENT, penalty_falls, penalty_weight, residual_reduction
 from jtik.strategy.model import LocalModel
@@ -149,39 +149,42 @@ class Composition(Strategy):
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
         """States of both parts, and the penalty weight mu."""
-        state = dict(self.task_step().initial_state(shape))
+        state = dict(CheckedCall(self, self._checked_task_step(), "initial_state")(Mapping, shape))  # type: ignore[type-abstract]
         if shape.has_criterion or shape.has_clearance:
-            state |= self.secondary_term().initial_state(shape)
+            state |= CheckedCall(self, self._checked_secondary_term(), "initial_state")(Mapping, shape)  # type: ignore[type-abstract]
         if shape.has_criterion:
             state["penalty"] = np.zeros(1)
         return state
 
     def evaluates_candidate(self, has_criterion: bool) -> bool:
         """Always, but where every step is taken and there is no criterion."""
-        return has_criterion or self.acceptance() != "always"
+        return has_criterion or self._checked_acceptance() != "always"
 
     def uses_qp(self, has_criterion: bool) -> bool:
         """If its secondary term does, and there is a criterion or a clearance."""
-        return has_criterion and self.secondary_term().uses_qp()
+        return has_criterion and CheckedCall(self, self._checked_secondary_term(), "uses_qp").flag()
 
     def supports_clearances(self) -> bool:
         """If its secondary term does."""
-        return self.secondary_term().supports_clearances()
+        return CheckedCall(self, self._checked_secondary_term(), "supports_clearances").flag()
 
     def update(self, model: LocalModel, state: State) -> Update:
-        """Propose both displacements, add them, test the sum, adapt the state."""
-        task_step, secondary = self.task_step(), self.secondary_term()
-        has_null_space = bool(model.has_criterion or model.clearance)
-        task = self._task_displacement(task_step, model, state)
+        """Propose both displacements, join them, judge the sum, adapt the state."""
+        n, task_step = model.robot.n, self._checked_task_step()
+        secondary = self._checked_secondary_term() if model.has_criterion or model.clearance else None
+        proposing = CheckedCall(self, task_step, "propose")
+        task = proposing(TaskDisplacement, model, state).checked(proposing, model).completed(model)
         task_dq = model.within_limits(task.dq)
-        proposed = NullSpaceDisplacement.none(model.robot.n)
-        if has_null_space:
-            proposed = self._null_space_displacement(secondary, model, state, task_dq)
+        proposed = NullSpaceDisplacement.none(n)
+        if secondary:
+            proposing = CheckedCall(self, secondary, "propose")
+            proposed = proposing(NullSpaceDisplacement, model, state, task_dq).checked(proposing, n).completed(model)
         task_dq = proposed.task_scale * task_dq
         null = proposed if proposed.within_limits else _shortened(model, task_dq, proposed)
         dq = task_dq + null.dq
-        if model.has_criterion:
-            dq = secondary.correct(model, dq)
+        if secondary and model.has_criterion:
+            correcting = CheckedCall(self, secondary, "correct")
+            dq = correcting.displacement("dq", correcting(object, model, dq), n)
         candidate = model.candidate(dq)
 
         step = _Step(model, task, task_dq, null, dq, candidate)
@@ -190,13 +193,13 @@ class Composition(Strategy):
         longer = null.length > task.length
         verdict = final_verdict(model, dq, candidate, accepted, null_longer=longer, evaluated=evaluated)
         gained = ratio(actual, fmax(step.predicted, 0))
-        if self.acceptance() == "merit" and model.has_criterion:
+        if self._checked_acceptance() == "merit" and model.has_criterion:
             gained = if_else(model.near_target, verdict.accepted, gained)
         outcome = Outcome(verdict.accepted, gained, null, verdict.shorten_task, verdict.shorten_null_space)
 
-        after = dict(task_step.adapt(model, state, task, outcome))
-        if has_null_space:
-            after |= secondary.adapt(model, state, proposed, outcome)
+        after = CheckedCall(self, task_step, "adapt").states(state, model, state, task, outcome)
+        if secondary:
+            after |= CheckedCall(self, secondary, "adapt").states(state, model, state, proposed, outcome)
         if model.has_criterion:
             after["penalty"] = mu
         return Update(
@@ -217,21 +220,18 @@ class Composition(Strategy):
             relaxed=proposed.relaxed,
         )
 
-    def _task_displacement(self, step: TaskStep, model: LocalModel, state: State) -> TaskDisplacement:
-        call = CheckedCall(self, step.propose)
-        proposed = call(TaskDisplacement, model, state)
-        return replace(proposed, dq=call.column("dq", proposed.dq, model.robot.n)).completed(model)
+    def _checked_task_step(self) -> TaskStep:
+        return CheckedCall(self, self, "task_step")(TaskStep)  # type: ignore[type-abstract]
 
-    def _null_space_displacement(
-        self, term: SecondaryTerm, model: LocalModel, state: State, task_dq: Expression
-    ) -> NullSpaceDisplacement:
-        call = CheckedCall(self, term.propose)
-        proposed = call(NullSpaceDisplacement, model, state, task_dq)
-        return replace(proposed, dq=call.column("dq", proposed.dq, model.robot.n)).completed(model)
+    def _checked_secondary_term(self) -> SecondaryTerm:
+        return CheckedCall(self, self, "secondary_term")(SecondaryTerm)  # type: ignore[type-abstract]
+
+    def _checked_acceptance(self) -> str:
+        return CheckedCall(self, self, "acceptance").choice(get_args(Acceptance))
 
     def _verdict(self, step: _Step, state: State) -> tuple[Expression, Expression, Expression]:
         """Whether the step is accepted, by how much V falls, and the penalty weight after it."""
-        rule, model, penalty = self.acceptance(), step.model, state.get("penalty")
+        rule, model, penalty = self._checked_acceptance(), step.model, state.get("penalty")
         by_task = rule == "task" and model.has_criterion
         candidate = model.candidate(step.task_dq) if by_task else step.candidate
         actual = model.here.V - candidate.V

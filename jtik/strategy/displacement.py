@@ -11,6 +11,7 @@ from jtik.symbolic import Expression, dot, norm, sqrt, zeros
 from jtik.symbolic.factorization import RowVector
 
 if TYPE_CHECKING:
+    from jtik.strategy.checked_call import CheckedCall
     from jtik.strategy.model import LocalModel
 
 
@@ -38,6 +39,17 @@ class TaskDisplacement:
     def along(cls, step: RowVector, alpha: Expression = math.nan) -> TaskDisplacement:
         """A displacement in the row space of J_free."""
         return cls(step.vector, step.image, sqrt(step.squared_length), alpha, step)
+
+    def checked(self, call: CheckedCall, model: LocalModel) -> TaskDisplacement:
+        """The same, as what ``call`` returned. Raises StrategyError for a field that cannot be used."""
+        n, m = model.robot.n, model.J.shape[0]
+        return TaskDisplacement(
+            dq=call.displacement("dq", self.dq, n),
+            image=call.optional("image", self.image, m),
+            length=call.optional("length", self.length),
+            alpha=call.column("alpha", self.alpha, 1),
+            row_vector=None if self.row_vector is None else call.instance("row_vector", self.row_vector, RowVector),
+        )
 
     def completed(self, model: LocalModel) -> TaskDisplacement:
         """The same with image and length filled in."""
@@ -79,6 +91,20 @@ class NullSpaceDisplacement:
     def none(cls, n: int) -> NullSpaceDisplacement:
         """A zero displacement of n velocity entries, for a problem without a criterion."""
         return cls(zeros(n), 0, 0, 0)
+
+    def checked(self, call: CheckedCall, n: int, prefix: str = "") -> NullSpaceDisplacement:
+        """The same, as what ``call`` returned. Raises StrategyError for a field that cannot be used."""
+        return NullSpaceDisplacement(
+            dq=call.displacement(f"{prefix}dq", self.dq, n),
+            length=call.optional(f"{prefix}length", self.length),
+            decrease=call.optional(f"{prefix}decrease", self.decrease),
+            beta=call.column(f"{prefix}beta", self.beta, 1),
+            stationarity_residual=call.optional(f"{prefix}stationarity_residual", self.stationarity_residual),
+            task_scale=call.column(f"{prefix}task_scale", self.task_scale, 1),
+            within_limits=call.instance(f"{prefix}within_limits", self.within_limits, bool),
+            figures=call.figures(f"{prefix}figures", self.figures),
+            relaxed=call.relaxed(f"{prefix}relaxed", self.relaxed),
+        )
 
     def completed(self, model: LocalModel) -> NullSpaceDisplacement:
         """The same with length and decrease filled in."""

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.constraints.clearance import ClearanceModel
-from jtik.errors import JtikError
+from jtik.errors import ArgumentError, JtikError
 from jtik.qp.quadratic_program import QPSolution, QuadraticProgram
 from jtik.qp.recorder import Compute, QPRecorder
 from jtik.robot import Robot
@@ -88,6 +88,8 @@ class LocalModel:
         """
         if self.qps is None:
             raise JtikError(f"quadratic program {qp.name!r} of a strategy whose uses_qp() is False")
+        if not isinstance(qp, QuadraticProgram):
+            raise ArgumentError("qp", qp, "a jtik.qp.QuadraticProgram")
         return self.qps.solve(qp)
 
     def compute(
@@ -109,6 +111,8 @@ class LocalModel:
         """
         if self.qps is None:
             raise JtikError(f"computation {name!r} of a strategy whose uses_qp() is False")
+        if not callable(compute):
+            raise ArgumentError("compute", compute, "a function of flat arrays")
         return self.qps.compute(name, compute, inputs, shapes)
 
     @cached_property

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from typing import get_args
 
 from jtik.strategy.acceptance import Acceptance, final_verdict
 from jtik.strategy.backtracking import AdaptiveDamping, Backtracking
 from jtik.strategy.base import Shape, State, Strategy, Update
+from jtik.strategy.checked_call import CheckedCall
 from jtik.strategy.composition import SecondaryTerm
 from jtik.strategy.displacement import NullSpaceDisplacement, Outcome
-from jtik.strategy.errors import CheckedCall
+from jtik.strategy.evaluation import Evaluation
 from jtik.strategy.merit import Merit, Verdict
 from jtik.strategy.model import LocalModel
 from jtik.symbolic import Expression, norm
@@ -104,18 +106,18 @@ class Programmed(Strategy):
 
     def evaluates_candidate(self, has_criterion: bool) -> bool:
         """Always, but where every step is taken and there is no criterion."""
-        return self.acceptance() != "always" or has_criterion
+        return self._checked_acceptance() != "always" or has_criterion
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
         """The states of all parts."""
-        merit, shortening, secondary = self.merit(), self.shortening(), self.secondary_term()
-        state = dict(self.own_state(shape))
+        merit, shortening, secondary = self._checked_parts()
+        state = dict(CheckedCall(self, self, "own_state")(Mapping, shape))  # type: ignore[type-abstract]
         if merit:
-            state |= merit.initial_state(shape)
+            state |= CheckedCall(self, merit, "initial_state")(Mapping, shape)  # type: ignore[type-abstract]
         if shortening:
             state |= shortening.initial_state()
         if secondary and (shape.has_criterion or shape.has_clearance):
-            state |= secondary.initial_state(shape)
+            state |= CheckedCall(self, secondary, "initial_state")(Mapping, shape)  # type: ignore[type-abstract]
         return state
 
     def update(self, model: LocalModel, state: State) -> Update:
@@ -124,14 +126,13 @@ class Programmed(Strategy):
         null = proposal.null_space
         assert null is not None
         candidate = model.candidate(proposal.dq)
-        merit = self.merit()
-        verdict = merit.verdict(model, state, proposal, candidate) if merit else Verdict(1)
+        verdict = self._checked_verdict(model, state, proposal, candidate)
         longer = proposal.null_space_longer
         final = final_verdict(
             model,
             proposal.dq,
             candidate,
-            1 if self.acceptance() == "always" else verdict.accepted,
+            1 if self._checked_acceptance() == "always" else verdict.accepted,
             null_longer=null.length > norm(proposal.task) if longer is None else longer,
             evaluated=self.evaluates_candidate(model.has_criterion),
         )
@@ -157,28 +158,58 @@ class Programmed(Strategy):
 
     def _proposed(self, model: LocalModel, state: State) -> Proposal:
         """What `propose` returns, checked and with its defaults filled in."""
-        call, n = CheckedCall(self, self.propose), model.robot.n
-        proposal = call(Proposal, model, state)
-        dq = call.column("dq", proposal.dq, n)
-        null = proposal.null_space or NullSpaceDisplacement.none(n)
-        null = replace(null, dq=call.column("null_space.dq", null.dq, n)).completed(model)
-        residual = proposal.stationarity_residual
-        return replace(
-            proposal,
+        call, n = CheckedCall(self, self, "propose"), model.robot.n
+        given = call(Proposal, model, state)
+        dq = call.displacement("dq", given.dq, n)
+        null = unlimited = NullSpaceDisplacement.none(n)
+        if given.null_space is not None:
+            null = unlimited = self._checked_null_space(call, "null_space", given.null_space, model)
+        if given.null_space_unlimited is not None:
+            unlimited = self._checked_null_space(call, "null_space_unlimited", given.null_space_unlimited, model)
+        task = (dq if given.null_space is None else dq - null.dq) if given.task is None else given.task
+        residual = call.optional("stationarity_residual", given.stationarity_residual)
+        return Proposal(
             dq=dq,
-            task=(dq - null.dq if proposal.null_space else dq)
-            if proposal.task is None
-            else call.column("task", proposal.task, n),
+            task=call.displacement("task", task, n),
             null_space=null,
-            null_space_unlimited=proposal.null_space_unlimited or null,
-            wanted=dq if proposal.wanted is None else call.column("wanted", proposal.wanted, n),
+            null_space_unlimited=unlimited,
+            null_space_longer=call.optional("null_space_longer", given.null_space_longer),
+            wanted=dq if given.wanted is None else call.displacement("wanted", given.wanted, n),
+            predicted_decrease=call.optional("predicted_decrease", given.predicted_decrease),
+            smallest_damping=call.optional("smallest_damping", given.smallest_damping),
+            state=call.instance("state", given.state, Mapping),  # type: ignore[type-abstract]
+            figures=call.figures("figures", given.figures),
             stationarity_residual=null.stationarity_residual if residual is None else residual,
+            relaxed=call.relaxed("relaxed", given.relaxed),
+        )
+
+    def _checked_null_space(
+        self, call: CheckedCall, what: str, given: object, model: LocalModel
+    ) -> NullSpaceDisplacement:
+        """A null-space displacement of a proposal, checked and completed."""
+        return (
+            call.instance(what, given, NullSpaceDisplacement).checked(call, model.robot.n, f"{what}.").completed(model)
+        )
+
+    def _checked_verdict(self, model: LocalModel, state: State, proposal: Proposal, candidate: Evaluation) -> Verdict:
+        """The merit function's verdict, checked."""
+        merit = self._checked_parts()[0]
+        if merit is None:
+            return Verdict(1)
+        call = CheckedCall(self, merit, "verdict")
+        given = call(Verdict, model, state, proposal, candidate)
+        return Verdict(
+            accepted=call.column("accepted", given.accepted, 1),
+            ratio=call.column("ratio", given.ratio, 1),
+            state=call.state("state", given.state, state),
+            progress=call.optional("progress", given.progress),
+            predicted_decrease=call.optional("predicted_decrease", given.predicted_decrease),
         )
 
     def _adapted(self, model: LocalModel, state: State, proposal: Proposal, outcome: Outcome) -> State:
         """The state of all parts but the merit function."""
-        shortening, secondary = self.shortening(), self.secondary_term()
-        after = dict(self.adapt(model, state, proposal, outcome))
+        _, shortening, secondary = self._checked_parts()
+        after = CheckedCall(self, self, "adapt").states(state, model, state, proposal, outcome)
         if isinstance(shortening, AdaptiveDamping):
             smallest = proposal.smallest_damping
             if smallest is None:
@@ -188,6 +219,14 @@ class Programmed(Strategy):
             after |= shortening.adapt(state, outcome)
         if secondary and (model.has_criterion or model.clearance):
             null = proposal.null_space_unlimited
-            assert null is not None
-            after |= secondary.adapt(model, state, null, outcome)
+            after |= CheckedCall(self, secondary, "adapt").states(state, model, state, null, outcome)
         return after
+
+    def _checked_parts(self) -> tuple[Merit | None, AdaptiveDamping | Backtracking | None, SecondaryTerm | None]:
+        """Merit function, shortening and secondary term, checked."""
+        merit = CheckedCall(self, self, "merit").optional_part((Merit,))
+        shortening = CheckedCall(self, self, "shortening").optional_part((AdaptiveDamping, Backtracking))
+        return merit, shortening, CheckedCall(self, self, "secondary_term").optional_part((SecondaryTerm,))
+
+    def _checked_acceptance(self) -> str:
+        return CheckedCall(self, self, "acceptance").choice(get_args(Acceptance))

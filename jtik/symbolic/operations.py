@@ -205,9 +205,18 @@ def no_silent_float() -> Iterator[None]:
         SX.__float__ = original
 
 
+def _is_norm_of_row(x: Any, ord: Any = None, *_: Any, **__: Any) -> bool:
+    """Whether these arguments of ``numpy.linalg.norm`` are a row (1, n) and an order other than the Euclidean one."""
+    return isinstance(x, SX) and x.shape[0] == 1 < x.shape[1] and ord not in (None, 2, "fro")
+
+
 @contextmanager
 def smooth_numpy_norm() -> Iterator[None]:
-    """Within it ``numpy.linalg.norm(x)`` of an expression is `norm`: its derivative at zero is zero, not NaN."""
+    """Within it ``numpy.linalg.norm(x)`` of an expression is `norm`: its derivative at zero is zero, not NaN.
+
+    What CasADi would answer otherwise than NumPy raises TypeError: the norm of order 1 or infinity of a row, which
+    CasADi takes for a matrix, and ``numpy.any`` and ``numpy.all``.
+    """
     original = getattr(SX, "__array_function__", None)  # CasADi has it since 3.7
     if original is None:
         yield
@@ -216,6 +225,10 @@ def smooth_numpy_norm() -> Iterator[None]:
     def dispatched(expression: Expression, func: Any, types: Any, args: Any, kwargs: Any) -> Any:
         if func is np.linalg.norm and len(args) == 1 and not kwargs and isinstance(args[0], SX):
             return norm(args[0])
+        if func is np.linalg.norm and _is_norm_of_row(*args, **kwargs):
+            raise TypeError("numpy.linalg.norm with an order takes a row (1, n) for a matrix: give it the column x.T")
+        if func in (np.any, np.all):
+            raise TypeError(f"numpy.{func.__name__} has no symbolic form: use casadi.fmax or casadi.fmin of conditions")
         return original(expression, func, types, args, kwargs)
 
     SX.__array_function__ = dispatched

@@ -21,6 +21,9 @@ RISE = 1e-12
 EASY_TOLERANCE = 1e-3
 """Error [m] and [rad] to which an easy target must be reached: steepest descent reaches it as well."""
 
+NULL_SPACE_SIGN = "The null-space displacement is added to q: its sign must be that of -(I - J+ J) grad H"
+"""What a rise of H points to."""
+
 
 def check_strategy(
     strategy: str | Strategy,
@@ -163,6 +166,7 @@ def _check_reachable(
     _check_solution(where, ik.robot, solution, falls=falls)
     if not solution.converged:
         _check_sign(where, ik, start, target)
+        _check_criterion_sign(where, ik, solution)
     require(
         solution.converged,
         f"{where} does not reach a target within 0.15 rad of q0 = {start.tolist()}: {solution.status.value}",
@@ -174,13 +178,41 @@ def _check_reachable(
 
 
 def _check_sign(where: str, ik: InverseKinematics, start: Array, target: Array) -> None:
-    """A strategy that does not reach a target must not fail because its displacement has the wrong sign."""
-    reversed_ik = InverseKinematics(ik.robot, ik.tasks.tasks, strategy=_Reversed(ik.strategy), limits=False)
-    before, after = (reversed_ik.solve(target, q0=start, max_iterations=limit) for limit in (0, 1))
+    """A strategy that does not reach a target must not fail because of the sign of its displacement or of its merit."""
+    before = ik.solve(target, q0=start, max_iterations=0)
+    error = before.position_error + before.orientation_error
     require(
-        not after.position_error + after.orientation_error < before.position_error + before.orientation_error,
+        not _error_after(ik, start, target, sign=-1) < error,
         f"{where} proposes a displacement of the wrong sign from q0 = {start.tolist()}: dq is added to q, and -dq is "
         "what brings the target nearer",
+    )
+    refused = ik.solve(target, q0=start, max_iterations=50, trace=True).trace
+    if refused is not None and len(refused) > 1 and not refused.accepted.any():
+        require(
+            not _error_after(ik, start, target, sign=1) < error,
+            f"{where} does not reach a target and refuses every step from q0 = {start.tolist()}, though its first "
+            "displacement brings the target nearer: the sign of the decrease that it predicts, or of its merit "
+            "function, may be wrong",
+        )
+
+
+def _error_after(ik: InverseKinematics, start: Array, target: Array, *, sign: int) -> float:
+    """Sum of the errors after one displacement of the strategy, multiplied by ``sign`` and taken whatever it brings."""
+    taken = InverseKinematics(ik.robot, ik.tasks.tasks, strategy=_Taken(ik.strategy, sign), limits=False)
+    after = taken.solve(target, q0=start, max_iterations=1)
+    return after.position_error + after.orientation_error
+
+
+def _check_criterion_sign(where: str, ik: InverseKinematics, solution: Solution) -> None:
+    """A strategy that reaches no target beside a criterion must not fail because it raises the criterion."""
+    trace = solution.trace
+    assert trace is not None
+    if not len(trace) or not ik.parameters:
+        return
+    require(
+        not solution.cost > trace.H[0],
+        f"{where} does not reach a target, and raises H from {trace.H[0]} to {solution.cost}, from q0 = "
+        f"{trace.q[0].tolist()}. {NULL_SPACE_SIGN}",
     )
 
 
@@ -194,15 +226,15 @@ def _check_criterion_falls(where: str, ik: InverseKinematics, start: Array) -> N
     require(
         after.cost < before.cost,
         f"{where} does not lower H, {before.cost}, from a start on its target, q0 = {start.tolist()}: it ends at "
-        f"{after.cost}. The null-space displacement is added to q: its sign must be that of -(I - J+ J) grad H",
+        f"{after.cost}. {NULL_SPACE_SIGN}",
     )
 
 
-class _Reversed(Strategy):
-    """A strategy with the displacements of another, negated; every step is taken."""
+class _Taken(Strategy):
+    """A strategy whose displacements are multiplied by ``sign``, and all taken."""
 
-    def __init__(self, strategy: Strategy) -> None:
-        self._strategy = strategy
+    def __init__(self, strategy: Strategy, sign: int) -> None:
+        self._strategy, self._sign = strategy, sign
 
     def __repr__(self) -> str:
         return repr(self._strategy)
@@ -216,8 +248,8 @@ class _Reversed(Strategy):
         return self._strategy.initial_state(shape)
 
     def update(self, model: LocalModel, state: State) -> Update:
-        """The displacement of the strategy, negated."""
-        return Update(-self._strategy.update(model, state).dq)
+        """The displacement of the strategy, with the sign."""
+        return Update(self._sign * self._strategy.update(model, state).dq)
 
 
 def _check_out_of_reach(where: str, ik: InverseKinematics, start: Array, *, falls: bool) -> None:

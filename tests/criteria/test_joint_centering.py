@@ -167,3 +167,5 @@ class TestPreferred:
     def test_what_is_not_numeric_is_refused(self, argument):
         with pytest.raises(jtik.ArgumentError, match=f"^{argument}: given .*; accepted: numbers, one for each"):
             JointCentering(**{argument: "soft"})
+        with pytest.raises(jtik.ArgumentError, match=f"^{argument}: given .*; accepted: numbers, one for each"):
+            JointCentering(**{argument: [1j, 0.0]})

@@ -108,6 +108,10 @@ class TestSums:
             assert (two * A).terms == (A * two).terms == ((2, A),)
         assert (A / np.float64(2)).terms == ((0.5, A),)
 
+    def test_a_plus_sign_changes_nothing(self):
+        assert repr(+JointCentering()) == "JointCentering()"
+        assert repr(+(2 * JointCentering())) == "2.0 * JointCentering()"
+
     def test_a_difference_has_the_difference_of_values_and_gradients(self, rng):
         robot = planar(4)
         A, B = self.terms()

@@ -44,6 +44,27 @@ INDICES = {
     "[:3] @ v": lambda A: A[:3] @ np.arange(6.0),
     "A @ A.T": lambda A: A @ A.T,
     "2 * A - A": lambda A: 2 * A - A,
+    "(2 * A)[:3]": lambda A: (2 * A)[:3],
+    "(A + A)[0]": lambda A: (A + A)[0],
+    "(A - 1)[0]": lambda A: (A - 1)[0],
+    "(1 - A)[0]": lambda A: (1 - A)[0],
+    "(-A)[0]": lambda A: (-A)[0],
+    "(+A)[:2]": lambda A: (+A)[:2],
+    "abs(A)[0]": lambda A: abs(A)[0],
+    "(A / 2)[0]": lambda A: (A / 2)[0],
+    "(A**2)[0]": lambda A: (A**2)[0],
+    "(A[:3] * 2)[0]": lambda A: (A[:3] * 2)[0],
+    "(A[:1] * 2)[0]": lambda A: (A[:1] * 2)[0],
+    "(2 * A[0])[1]": lambda A: (2 * A[0])[1],
+    "(A @ A.T)[:2]": lambda A: (A @ A.T)[:2],
+    "(W @ A)[:2]": lambda A: (np.diag(np.arange(6.0)) @ A)[:2],
+    "(w * A)[1]": lambda A: (np.arange(6.0)[:, None] * A)[1],
+    "(A @ v)[2]": lambda A: (A @ np.arange(6.0))[2],
+    "numpy.sin(A)[0]": lambda A: np.sin(A)[0],
+    "numpy.abs(A)[0]": lambda A: np.abs(A)[0],
+    "numpy.vstack([A, A])[7]": lambda A: np.vstack([A, A])[7],
+    "numpy.transpose(A)[1]": lambda A: np.transpose(A)[1],
+    "A.reshape((4, 9))[1]": lambda A: A.reshape((4, 9))[1],
 }
 
 
@@ -53,6 +74,7 @@ def at_numbers(build, kind):
     return casadi.densify(casadi.Function("f", [q], [build(q)])(Q)).full()
 
 
+@pytest.mark.filterwarnings("ignore:\\s*casadi. a numpy function:FutureWarning")
 @pytest.mark.parametrize("kind", [casadi.SX, casadi.MX])
 @pytest.mark.parametrize("index", INDICES)
 def test_an_index_selects_the_same_entries_of_symbols_and_of_numbers(index, kind):
@@ -156,6 +178,28 @@ class TestRows:
             ArgumentError, match="^rows: given position; accepted: 'linear', 'angular', or None for all six$"
         ):
             ARM.jacobian(q, rows="position")
+
+
+@pytest.mark.parametrize(
+    "use",
+    [lambda A: np.linalg.norm(A[0], 1), lambda A: np.linalg.norm(A[0], ord=np.inf), np.any, lambda A: np.all(A > 0)],
+)
+def test_what_casadi_would_answer_otherwise_than_numpy_is_refused(use):
+    @jtik.criterion
+    def value(q, robot):
+        return use(robot.jacobian(q))
+
+    with pytest.raises(jtik.CriterionError, match="give it the column x.T|has no symbolic form"):
+        value(Q, ARM)
+
+
+def test_a_row_that_does_not_exist_names_the_users_line():
+    @jtik.criterion
+    def value(q, robot):
+        return casadi.sumsqr(robot.jacobian(q)[6])
+
+    with pytest.raises(jtik.CriterionError, match=r"`return casadi\.sumsqr\(robot\.jacobian\(q\)\[6\]\)` \(line"):
+        value(Q, ARM)
 
 
 def test_a_criterion_reads_rows_of_its_jacobian():

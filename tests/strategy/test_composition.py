@@ -85,7 +85,8 @@ class Pair(Composition):
 def updated(task=NEWTON, null=DOWN, rule="merit", *, criterion=True, penalty=0.0, term=None, **options):
     """The update of a model with R, J and G."""
     model = quadratic_model(J, R, gradient=G if criterion else None, **options)
-    state = {name: casadi.SX(0.0) for name in ("task", "null")} | {"penalty": casadi.SX(penalty)}
+    names = ("task", "null", "shorten", "ratio", "shorten_null")
+    state = {name: casadi.SX(0.0) for name in names} | {"penalty": casadi.SX(penalty)}
     return Pair(Given(task), Null(null, **(term or {})), rule).update(model, state)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import casadi
 import numpy as np
@@ -177,6 +177,33 @@ class TestStrategies:
         text = self.complaint(Newton(secondary=Upwards()))
         assert "does not lower H" in text
         assert "its sign must be that of -(I - J+ J) grad H" in text
+
+    @pytest.mark.parametrize("acceptance", ["always", "task"])
+    def test_a_null_space_displacement_of_the_wrong_sign_that_keeps_it_from_the_target(self, acceptance):
+        class Upwards(ProjectedGradient):
+            def propose(self, model, state, task_dq):
+                found = super().propose(model, state, task_dq)
+                return replace(found, dq=-found.dq)
+
+        @dataclass(frozen=True, kw_only=True)
+        class Climbing(Newton):
+            def acceptance(self):
+                return acceptance
+
+        text = self.complaint(Climbing(secondary=Upwards()), max_iterations=1000)
+        assert "raises H from " in text or "does not lower H" in text
+        assert "its sign must be that of -(I - J+ J) grad H" in text
+
+    def test_a_predicted_decrease_of_the_wrong_sign(self):
+        @dataclass(frozen=True, kw_only=True)
+        class Pessimist(type(jtik.strategies["weighted_qp"]())):
+            def propose(self, model, state):
+                found = super().propose(model, state)
+                return replace(found, predicted_decrease=-found.predicted_decrease)
+
+        text = self.complaint(Pessimist())
+        assert "does not reach a target and refuses every step" in text
+        assert "the sign of the decrease that it predicts, or of its merit function, may be wrong" in text
 
     def test_a_strategy_that_leaves_the_limits(self):
         class Drifting(Changed):

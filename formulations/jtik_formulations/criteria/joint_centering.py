@@ -112,6 +112,8 @@ def _copied(argument: str, given: ArrayLike | None) -> Array | None:
     if given is None:
         return None
     try:
+        if np.iscomplexobj(given):
+            raise TypeError("complex numbers")
         return np.array(given, dtype=float)
     except (TypeError, ValueError):
         raise ArgumentError(argument, given, "numbers, one for each entry of q, or a dict by joint name") from None
