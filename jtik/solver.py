@@ -105,8 +105,10 @@ class InverseKinematics(LockedJoints, FixedSolver):
         self._fix({**arguments, "joints": joints, "at": self._locked})
 
     def __repr__(self) -> str:
-        names = " + ".join(name for name, _, _ in self._engine.problem.terms.named) or "no criterion"
-        return f"InverseKinematics({self.robot!r}, {list(self.tasks.tasks)}, {names}, {self.strategy!r})"
+        weights = {name: float(self.parameters[f"{name}.weight"]) for name, _, _ in self._engine.problem.terms.named}
+        terms = [name if weight == 1 else f"{weight:g} * {name}" for name, weight in weights.items()]
+        criteria = " + ".join(terms) or "no criterion"
+        return f"InverseKinematics({self.robot!r}, {list(self.tasks.tasks)}, {criteria}, {self.strategy!r})"
 
     def solve(
         self,

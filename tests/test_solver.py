@@ -37,6 +37,13 @@ def test_tolerances_are_documented_once():
         assert set(TOLERANCES) <= set(inspect.signature(method).parameters)
 
 
+def test_it_shows_the_weights_as_they_are():
+    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask(), criteria=JointCentering() - 0.5 * JointCentering(name="b"))
+    assert ", joint_centering + -0.5 * b, " in repr(ik)
+    ik.parameters["b.weight"] = 1.0
+    assert ", joint_centering + b, " in repr(ik)
+
+
 def test_attributes_are_what_it_was_built_from():
     limits = jtik.Limits()
     task = jtik.FrameTask()

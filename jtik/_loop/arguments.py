@@ -43,6 +43,10 @@ class ConfigurationReader:
             usual: Array = q
             if math.isfinite(usual.sum()):
                 return usual
+        elif self.vector and type(q) is list and len(q) == self._shape[0] and {*map(type, q)} == {float}:
+            numbers: Array = np.array(q)
+            if math.isfinite(sum(q)):
+                return numbers
         return self._robot.configuration(q, argument=argument)
 
     def table(self, argument: str, q: Any, count: int) -> list[Array]:

@@ -30,6 +30,12 @@ class TestRefusals:
         q = np.array([1, 0], dtype=dtype)
         assert ik.step(q, np.array([1, 1], dtype=np.float32)).q.tolist() == ik.step([1.0, 0.0], [1.0, 1.0]).q.tolist()
 
+    def test_a_list_and_a_tuple_are_read_as_an_array_is(self):
+        ik, target = solver(planar(3)), np.array([1.0, 1.5])
+        expected = ik.solve(target, q0=np.array([0.1, 0.2, 0.3])).q.tolist()
+        for q0 in ([0.1, 0.2, 0.3], (0.1, 0.2, 0.3), [np.float64(0.1), 0.2, 0.3]):
+            assert ik.solve(target, q0=q0).q.tolist() == expected
+
     @pytest.mark.parametrize("name", ["position_tolerance", "orientation_tolerance", "optimality_tolerance"])
     @pytest.mark.parametrize("value", [0.0, -1e-6, np.nan, np.inf, "small", [1e-6, 1e-6]])
     def test_tolerances_are_finite_and_positive(self, name, value):
