@@ -174,7 +174,8 @@ class TestMerit:
         """The task part changes H by 3 and |r| by 0.5; where H rises, half of mu times 0.5 covers the rise."""
         task = NEWTON + np.array([0.0, 0.0, 1.0])
         model = quadratic_model(J, R, gradient=np.array([0.0, 0.0, 3.0 * side]), hessian=np.zeros((3, 3)))
-        state = {name: casadi.SX(0.0) for name in ("task", "null", "penalty")}
+        names = ("task", "null", "penalty", "shorten", "ratio", "shorten_null")
+        state = {name: casadi.SX(0.0) for name in names}
         after = Pair(Given(task), Null(np.zeros(3))).update(model, state).state
         assert numbers(after["penalty"]) == pytest.approx(penalty)
 

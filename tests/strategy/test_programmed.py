@@ -81,7 +81,8 @@ class Proposing(Programmed):
 
 def updated(proposal, verdict=Verdict(1), state=None, *, criterion=True, shortened=None, term=None):  # noqa: B008
     model = quadratic_model(J, R, gradient=np.array([0.0, 0.0, -1.0]) if criterion else None)
-    return Proposing(proposal, verdict, shortened, term).update(model, state or {})
+    state = {name: casadi.SX(0) for name in ("own", "merit", "term")} | (state or {})
+    return Proposing(proposal, verdict, shortened, term).update(model, state)
 
 
 def null_space(**options):
@@ -138,7 +139,10 @@ class TestAcceptance:
 
     def test_without_a_merit_every_finite_step_is_taken(self):
         assert numbers(updated(Proposal(casadi.SX(-DQ)), None).accepted) == 1
-        assert numbers(updated(Proposal(casadi.SX(DQ) * np.nan), None).accepted) == 0
+        root = casadi.SX.sym("root")
+        step = updated(Proposal(casadi.SX(DQ) * casadi.sqrt(root)), None).accepted
+        finite = casadi.Function("finite", [root], [step])
+        assert [float(finite(number)) for number in (1.0, -1.0)] == [1, 0]
 
     def test_the_candidate_is_evaluated_unless_every_step_is_taken_without_a_criterion(self):
         proposal = Proposal(casadi.SX(DQ))
