@@ -13,6 +13,8 @@ import jtik
 from jtik import Status
 from jtik_formulations import Damped
 
+from ..conftest import slow
+
 UNCHECKED = Damped(backtracking=False)
 """A strategy that takes every step, wherever it leads."""
 
@@ -35,8 +37,12 @@ def arm(name):
 
 
 @functools.cache
-def solver(name, strategy, frame="tip", kind="pose", **options):
-    return jtik.InverseKinematics(arm(name), jtik.FrameTask(frame, kind), strategy=strategy, **options)
+def built(name, strategy, frame, kind, limits):
+    return jtik.InverseKinematics(arm(name), jtik.FrameTask(frame, kind), strategy=strategy, limits=limits)
+
+
+def solver(name, strategy, frame="tip", kind="pose", limits=True):
+    return built(name, strategy, frame, kind, limits)
 
 
 def starts(robot, rng):
@@ -76,9 +82,9 @@ def assert_true(robot, solution, target):
     assert not excess(robot, solution.q).any()
 
 
-@pytest.mark.parametrize("restarts", [0, 3])
+@pytest.mark.parametrize("restarts", [3, *slow(0)])
 @pytest.mark.parametrize("strategy", ALL_STRATEGIES, ids=called)
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("name", ["panda", *slow("ur5e")])
 def test_from_anywhere_to_anywhere_the_status_is_correct_and_limits_hold(name, strategy, restarts):
     robot, ik, rng = arm(name), solver(name, strategy), np.random.default_rng(7)
     for _ in range(4):
@@ -114,10 +120,11 @@ SINGULAR = {
     "a stretched UR": ("ur5e", np.array([0.4, -0.8, 0.0, 0.5, 1.0, 0.2]), True),
     "a UR with its wrist above its shoulder": ("ur5e", np.array([0.4, -QUARTER, 0.0, -QUARTER, 1.0, 0.2]), True),
 }
+QUICK_SINGULAR = ["a Panda within its limits", "a UR wrist with two axes in line"]
 
 
 @pytest.mark.parametrize("strategy", ALL_STRATEGIES, ids=called)
-@pytest.mark.parametrize("case", SINGULAR)
+@pytest.mark.parametrize("case", [*QUICK_SINGULAR, *slow(*(case for case in SINGULAR if case not in QUICK_SINGULAR))])
 def test_singular_poses_are_left_and_come_back_to(case, strategy):
     name, pose, limits = SINGULAR[case]
     robot, ik, rng = arm(name), solver(name, strategy, limits=limits), np.random.default_rng(9)
@@ -170,7 +177,9 @@ class TestOutOfReach:
         wrist = ur5e.position([0.3, -0.4, 0.0, 0.5, 0.6, 0.7], "wrist_1_link")
         assert np.linalg.norm(wrist - self.CASES[1][2]) == pytest.approx(self.CASES[1][3], abs=1e-12)
 
-    @pytest.mark.parametrize(("name", "frame", "shoulder", "reach"), CASES)
+    @pytest.mark.parametrize(
+        ("name", "frame", "shoulder", "reach"), [CASES[0], pytest.param(*CASES[1], marks=pytest.mark.slow)]
+    )
     @pytest.mark.parametrize("strategy", ALL_STRATEGIES, ids=called)
     def test_too_far_is_told_from_the_closest_posture(self, strategy, name, frame, shoulder, reach):
         ik, rng = solver(name, strategy, frame, "position"), np.random.default_rng(0)

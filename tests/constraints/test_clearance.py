@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import pickle
 import re
@@ -13,7 +14,7 @@ import jtik
 from jtik.constraints.clearance import travels
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
-from ..conftest import dh_arm, planar, planar_points
+from ..conftest import dh_arm, planar, planar_points, slow
 
 FIELD = [jtik.Circle((2.0, 1.2), 0.4), jtik.Circle((3.2, -0.8), 0.5), jtik.Circle((1.0, -1.5), 0.4)]
 SAFE = 0.05
@@ -54,8 +55,8 @@ def problems():
     return found
 
 
-@pytest.mark.parametrize("strategy", ["hybrid+qp", "newton+qp", "transpose+qp", "damped+qp"])
-@pytest.mark.parametrize("criteria", [None, JointCentering()], ids=["alone", "centring"])
+@pytest.mark.parametrize("strategy", ["hybrid+qp", "newton+qp", *slow("transpose+qp", "damped+qp")])
+@pytest.mark.parametrize("criteria", [JointCentering(), *slow(None)], ids=["centring", "alone"])
 def test_no_accepted_step_comes_nearer_than_safe(strategy, criteria, problems):
     ik, plain = (
         solver(planar(5), strategy, criteria),
@@ -111,6 +112,9 @@ class TenLinks:
         return self.gaps((start + np.linspace(0, 1, 9)[:, None] * (end - start))[moved])
 
 
+ten_links = functools.cache(TenLinks)
+
+
 def gaps_of(q, centers, radii, bodies):
     """As `gaps`, of joints or links, and for any number of configurations (..., n)."""
     angles = np.cumsum(q, axis=-1)
@@ -136,10 +140,12 @@ def scenes(count, bodies, least, most=math.inf, seed=5):
     return found
 
 
-@pytest.mark.parametrize(("bodies", "criteria"), [("joints", JointCentering()), ("links", None)], ids=str)
+@pytest.mark.parametrize(
+    ("bodies", "criteria"), [("links", None), pytest.param("joints", JointCentering(), marks=pytest.mark.slow)], ids=str
+)
 @pytest.mark.parametrize("strategy", ["weighted_qp", "lexicographic_qp"])
 def test_programs_that_answer_all_at_once_keep_clear_too(strategy, criteria, bodies):
-    ten, reached = TenLinks(strategy, criteria, bodies), 0
+    ten, reached = ten_links(strategy, criteria, bodies), 0
     for scene in scenes(20, bodies, SAFE + 0.02):
         solution = ten.solve(scene, max_iterations=100)
         assert solution.status is not jtik.Status.UNSOLVED
@@ -170,9 +176,9 @@ def test_two_levels_keep_clear_and_tell_which_is_missed():
 RECOVERING = ["hybrid+qp", "newton+qp", "weighted_qp", "lexicographic_qp"]
 
 
-@pytest.mark.parametrize("strategy", RECOVERING)
+@pytest.mark.parametrize("strategy", ["hybrid+qp", "weighted_qp", *slow("newton+qp", "lexicographic_qp")])
 def test_what_starts_too_near_is_moved_out_and_comes_no_nearer_on_the_way(strategy):
-    ten = TenLinks(strategy, None, "links")
+    ten = ten_links(strategy, None, "links")
     for scene in scenes(20, "links", 0.0, SAFE):
         solution = ten.solve(scene, max_iterations=100)
         assert solution.status is not jtik.Status.UNSOLVED

@@ -9,14 +9,16 @@ import jtik
 from jtik.testing import check_strategy
 from jtik_formulations import JointCentering
 
+from ..conftest import large_ones_slow
 
-@pytest.mark.parametrize("name", sorted(jtik.strategies))
+
+@pytest.mark.parametrize("name", large_ones_slow(sorted(jtik.strategies)))
 def test_contract(name):
     check_strategy(name)
 
 
-@pytest.mark.parametrize("name", [*sorted(jtik.strategies), "hybrid+qp"])
-def test_an_arm_at_rest_where_H_is_least_follows_a_target_that_moves_off(name):
+@pytest.mark.parametrize("name", large_ones_slow([*sorted(jtik.strategies), "hybrid+qp"]))
+def test_an_arm_at_rest_at_the_minimum_of_H_follows_a_moving_target(name):
     """There grad H and all multipliers are zero, and every step to the target raises H."""
     arm = jtik.Robot.builtin("panda")
     ik = jtik.InverseKinematics(arm, jtik.FrameTask(arm.tip, kind="pose"), criteria=JointCentering(), strategy=name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from types import SimpleNamespace
 
@@ -202,15 +203,23 @@ class TestSteps:
 TIP = np.array([3.0, 2.5])
 
 
+@functools.cache
+def end_effector_above_elbow(n, limit, elbow, criteria):
+    """A solver for a planar arm: the end effector first, and the end of a link below it."""
+    tasks = [jtik.FrameTask("tip"), jtik.FrameTask(elbow, name="elbow", priority=1)]
+    robot = planar(n, lower=-limit, upper=limit)
+    return jtik.InverseKinematics(robot, tasks, criteria=criteria, strategy="lexicographic_qp")
+
+
+CENTERING = JointCentering()
+
+
 @pytest.mark.parametrize("limit", [math.inf, 1.2, 0.8])
 @pytest.mark.parametrize("elbow", [(0.5, -1.5), (-3.0, 3.0), (0.0, 3.5)])
 @pytest.mark.parametrize("with_criterion", [False, True])
 def test_tasks_that_contradict_each_other(limit, elbow, with_criterion):
     """The tip arrives; the elbow comes as near as a local search over all postures with the tip on target finds."""
-    robot = planar(6, lower=-limit, upper=limit)
-    tasks = [jtik.FrameTask("tip"), jtik.FrameTask("link4", name="elbow", priority=1)]
-    criteria = JointCentering() if with_criterion else None
-    ik = jtik.InverseKinematics(robot, tasks, criteria=criteria, strategy="lexicographic_qp")
+    ik = end_effector_above_elbow(6, limit, "link4", CENTERING if with_criterion else None)
     solution = ik.solve({"tip": TIP, "elbow": elbow}, q0=[0.2] * 6)
     points = planar_points(solution.q)
     assert np.linalg.norm(points[-1] - TIP) < STRICT
@@ -291,15 +300,14 @@ def _arm(side, place):
 @pytest.mark.parametrize("start", [(1.0,) * 5, (-1.0, 1.0, -1.0, 1.0, -1.0), (5.0,) * 5, (0.0,) * 5])
 @pytest.mark.parametrize("target", [(2.0, 1.0), (-3.0, 0.0), (0.0, 0.0), (50.0, 0.0)])
 def test_at_limits_and_outside_them(start, target):
-    robot = planar(5, lower=-1.0, upper=1.0)
-    tasks = [jtik.FrameTask("tip"), jtik.FrameTask("link3", name="elbow", priority=1)]
-    ik = jtik.InverseKinematics(robot, tasks, criteria=JointCentering(), strategy="lexicographic_qp")
+    ik = end_effector_above_elbow(5, 1.0, "link3", CENTERING)
     solution = ik.solve({"tip": target, "elbow": (1.0, 1.0)}, q0=start, max_iterations=200)
     assert np.isfinite(solution.q).all()
     assert np.abs(solution.q).max() <= 1.0
     assert solution.status not in (jtik.Status.UNSOLVED, jtik.Status.NOT_FINITE)
 
 
+@pytest.mark.slow
 def test_the_contract_without_damping():
     check_strategy(LexicographicQP(damping=0.0), samples=1)
 

@@ -18,7 +18,7 @@ from jtik.testing import check_strategy
 from jtik_formulations import Hybrid, JointCentering, Newton, ObstacleAvoidance, SecondOrder
 from jtik_formulations.strategies.second_order import convexified
 
-from ..conftest import ball_arm, dh_arm, differences, floating_arm, look, planar, planar_jacobian, planar_points
+from ..conftest import ball_arm, dh_arm, differences, floating_arm, look, planar, planar_jacobian, planar_points, slow
 
 FIELD = [jtik.Circle((4.0, 2.5), 0.5), jtik.Circle((6.5, -1.0), 0.8)]
 
@@ -178,12 +178,12 @@ class TestOrder:
         assert np.median(steps) < np.median(theirs) / 1.5
         assert bound == (0 if np.isinf(limit) else 8)
 
-    @pytest.mark.parametrize("kind", ["position", "pose"])
-    @pytest.mark.parametrize("limit", [math.inf, 1.0])
-    @pytest.mark.parametrize("law", ["newton", "hybrid"])
-    def test_a_spatial_arm_with_a_criterion_of_the_users_own(self, law, kind, limit, rng):
-        robot = dh_arm(8, 3, limit)
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), criteria=elbow, strategy=f"{law}+second_order")
+    @pytest.mark.parametrize("kind", ["position", *slow("pose")])
+    @pytest.mark.parametrize("limit", [1.0, *slow(math.inf)])
+    @pytest.mark.parametrize("primary", ["hybrid", *slow("newton")])
+    def test_a_spatial_arm_with_a_criterion_of_the_user(self, primary, kind, limit, rng):
+        robot, strategy = dh_arm(8, 3, limit), f"{primary}+second_order"
+        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), criteria=elbow, strategy=strategy)
         for _ in range(4):
             q0 = rng.uniform(-0.6, 0.6, 8)
             target = robot.pose(np.clip(q0 + rng.uniform(-0.3, 0.3, 8), robot.lower, robot.upper))
@@ -191,7 +191,7 @@ class TestOrder:
             assert solution.status is jtik.Status.CONVERGED
             assert is_quadratic(solution, robot, least=2 if np.isinf(limit) else 1)
 
-    @pytest.mark.parametrize("arm", [ball_arm, floating_arm])
+    @pytest.mark.parametrize("arm", [ball_arm, *slow(floating_arm)])
     def test_manifolds_have_it_too(self, arm, rng):
         """The optimum is a valley there, as nothing asks for a turn about a link: the slope falls quadratically."""
         robot = arm()
@@ -429,9 +429,10 @@ class TestKindOfStationaryPoint:
             assert twin.second_order == "saddle"
 
 
-@pytest.mark.parametrize("law", ["hybrid+second_order", Hybrid(secondary=SecondOrder(curvature="gauss_newton"))])
-def test_contract(law):
-    check_strategy(law)
+@pytest.mark.slow
+@pytest.mark.parametrize("strategy", ["hybrid+second_order", Hybrid(secondary=SecondOrder(curvature="gauss_newton"))])
+def test_contract(strategy):
+    check_strategy(strategy)
 
 
 @pytest.mark.parametrize(

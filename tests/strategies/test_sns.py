@@ -371,6 +371,7 @@ class TestSolving:
         assert (np.abs(np.abs(oracle.x) - 0.5) < 1e-9).sum() >= 2
         assert solution.q == pytest.approx(oracle.x, abs=1e-5)
 
+    @pytest.mark.slow
     def test_the_basic_rule_keeps_the_contract(self):
         check_strategy(SNS(rule="basic"), samples=1)
 
