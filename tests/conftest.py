@@ -33,7 +33,7 @@ def slow(*values):
 
 def large_ones_slow(strategies):
     """The strategies as values of a parameter; the tests of those with a large compiled step are marked slow."""
-    return [*(name for name in strategies if name not in LARGE), *slow(*(name for name in strategies if name in LARGE))]
+    return [pytest.param(name, marks=pytest.mark.slow) if name in LARGE else name for name in strategies]
 
 
 @functools.cache

@@ -9,10 +9,15 @@ import jtik
 from jtik.testing import check_strategy
 from jtik_formulations import JointCentering
 
-from ..conftest import large_ones_slow
+from ..conftest import large_ones_slow, slow
+
+DAMPING_RULES = ("damped_constant", "nakamura", "sugihara")
+"""Strategies that differ from "damped" in the rule for the damping."""
 
 
-@pytest.mark.parametrize("name", large_ones_slow(sorted(jtik.strategies)))
+@pytest.mark.parametrize(
+    "name", [*large_ones_slow(name for name in jtik.strategies if name not in DAMPING_RULES), *slow(*DAMPING_RULES)]
+)
 def test_contract(name):
     check_strategy(name)
 

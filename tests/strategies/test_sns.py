@@ -289,7 +289,14 @@ class TestLevels:
         target = {name: points[i] + rng.uniform(-0.8, 0.8, 2) for name, i in names}
         return q, target
 
-    @pytest.mark.parametrize("law", [SNS(**BARE), SNS(rule="basic", **BARE), SNSQP(**BARE)], ids=["sns", "basic", "qp"])
+    @pytest.mark.parametrize(
+        "law",
+        [
+            pytest.param(SNS(**BARE), id="sns"),
+            pytest.param(SNS(rule="basic", **BARE), id="basic", marks=pytest.mark.slow),
+            pytest.param(SNSQP(**BARE), id="qp", marks=pytest.mark.slow),
+        ],
+    )
     def test_lower_levels_do_not_disturb_higher_ones(self, law, rng):
         solvers = [self.solver(law, count) for count in (1, 2, 3)]
         moved = 0.0
