@@ -75,7 +75,7 @@ def test_a_copy_gives_the_same_answer(name, way):
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_parameters_are_copied_as_they_are_and_are_its_own(way):
+def test_parameters_are_copied_and_not_shared(way):
     ik = SOLVERS["criteria"]()
     ik.parameters["joint_centering.weight"] = 0.1 + 0.2
     copied = WAYS[way](ik)

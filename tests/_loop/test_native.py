@@ -1,4 +1,4 @@
-"""The search in C gives the result of the search in Python to the last bit, and leaves to it what it cannot do."""
+"""The search in C gives the result of the search in Python to the last bit, and falls back to it where needed."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_with_a_criterion_too(rng):
         same(native.solve(target, restarts=20), plain.solve(target, restarts=20))
 
 
-def test_what_needs_a_second_order_step_is_left_to_the_search_in_python():
+def test_a_saddle_escape_falls_back_to_the_search_in_python():
     native, plain = pair(planar(4), "position", "hybrid")
     for restarts in (0, 5):
         solution = native.solve([2.0, 0.0], q0=np.zeros(4), restarts=restarts)
@@ -60,7 +60,7 @@ def test_what_needs_a_second_order_step_is_left_to_the_search_in_python():
         same(solution, plain.solve([2.0, 0.0], q0=np.zeros(4), restarts=restarts))
 
 
-def test_out_of_reach_is_left_to_the_search_in_python():
+def test_out_of_reach_falls_back_to_the_search_in_python():
     native, plain = pair(planar(4), "position", "hybrid")
     for restarts in (0, 5):
         solution = native.solve([9.0, 1.0], q0=np.full(4, 0.3), restarts=restarts)

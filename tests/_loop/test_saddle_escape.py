@@ -78,8 +78,8 @@ def test_V_falls_in_an_escape_too(strategy):
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
-def test_a_criterion_that_does_not_free_the_arm_does_not_keep_it_there(strategy):
-    """Springs to zero angles, and obstacles on the arm's own line, pull a straight arm nowhere."""
+def test_a_criterion_without_gradient_at_the_saddle_does_not_prevent_the_escape(strategy):
+    """Springs to zero angles and obstacles on the line of the arm have no gradient across it."""
     solution = solve(STRAIGHT, (2.0, 0.0), strategy, criteria=COLLINEAR, until="reached")
     assert solution.converged
     assert solution.escapes >= 1
@@ -113,8 +113,8 @@ def test_limits_are_kept_in_an_escape(strategy):
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
-def test_limits_on_one_side_leave_the_other(strategy):
-    """Every joint stands at a limit, but may move off it: the arm is not held, it is only straight."""
+def test_a_joint_at_one_limit_can_move_away_from_it(strategy):
+    """Every joint is at a limit, but can move away from it: the arm is only straight."""
     robot = planar(3, lower=(-2.0, 0.0, 0.0), upper=(2.0, 2.0, 2.0))
     solution = solve(np.zeros(3), (1.5, 0.0), strategy, robot=robot)
     assert solution.converged
@@ -131,7 +131,7 @@ def test_a_spatial_arm_gets_out_of_its_outstretched_pose():
 class TestOutOfReach:
     @pytest.mark.parametrize("criteria", [None, JointCentering(), ObstacleAvoidance(jtik.Circle((4.0, 3.0), 0.5))])
     @pytest.mark.parametrize("angle", [0.0, 1.0])
-    def test_the_arm_stretches_towards_the_target_and_says_why_it_stops(self, criteria, angle, rng):
+    def test_the_arm_stretches_towards_the_target_and_the_status_is_local_minimum(self, criteria, angle, rng):
         ik = jtik.InverseKinematics(planar(10), jtik.FrameTask(), criteria=criteria)
         target = 10.5 * np.array([np.cos(angle), np.sin(angle)])
         for q0 in (rng.uniform(-0.5, 0.5, 10), rng.uniform(-1, 1, 10)):
@@ -164,7 +164,7 @@ class TestOutOfReach:
         assert solution.status is jtik.Status.LOCAL_MINIMUM
         assert solution.position_error == pytest.approx(1.0, abs=1e-4)
 
-    def test_a_pose_out_of_reach_is_as_near_as_an_optimiser_comes(self, rng):
+    def test_the_error_of_a_pose_out_of_reach_is_that_of_an_optimiser(self, rng):
         from scipy.optimize import least_squares
 
         robot = dh_arm(6, 4)
@@ -183,8 +183,8 @@ class TestOutOfReach:
             assert np.linalg.norm(solution.error) <= np.linalg.norm(better.fun) + 1e-6
 
 
-def test_a_saddle_that_limits_make_inescapable_is_called_singular():
-    """Limits that leave 1e-8 rad do not let the error fall by more than rounding."""
+def test_a_saddle_without_escape_within_the_limits_is_singular():
+    """Within limits 1e-8 rad wide the error cannot fall by more than rounding."""
     robot = jtik.Robot.planar(3, lower=-1e-8, upper=1e-8)
     solution = solve(np.zeros(3), (1.0, 0.0), robot=robot)
     assert solution.status is jtik.Status.SINGULAR

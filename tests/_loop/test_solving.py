@@ -1,4 +1,4 @@
-"""solve: converges, repeats, keeps what comes in, on any robot."""
+"""solve: converges, is deterministic, and does not change its arguments, on any robot."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class TestSolve:
         assert other.orientation_error <= 1e-9
         assert other.iterations <= loose.iterations
 
-    def test_optimality_tolerance_is_what_is_left_of_the_projected_gradient(self):
+    def test_optimality_tolerance_bounds_the_projected_gradient(self):
         ik = solver(planar(6), criteria=JointCentering())
         q0 = [0.8, -0.5, 0.3, 0.9, -0.2, 0.4]
         for tolerance in (1e-1, 1e-3, 1e-8):
@@ -73,7 +73,7 @@ class TestSolve:
         ik = solver(robot)
         assert ik.solve([2.0, 1.5]).q.tolist() == ik.solve([2.0, 1.5], q0=robot.neutral).q.tolist()
 
-    def test_what_comes_in_is_not_changed_and_what_goes_out_is_ours(self):
+    def test_arguments_are_not_changed_and_results_are_copies(self):
         q0 = np.array([0.3, 0.4, 0.5])
         ik = solver(planar(3))
         first = ik.solve([1.0, 1.5], q0=q0)
@@ -84,7 +84,7 @@ class TestSolve:
         assert first.q.tolist() == kept.tolist()
         assert first.error.tolist() == first_error.tolist()
 
-    def test_on_the_target_already_nothing_is_tried(self):
+    def test_a_start_on_the_target_takes_no_iteration(self):
         q0 = np.array([0.3, 0.4, 0.5])
         ik = solver(planar(3))
         solution = ik.solve(planar_points(q0)[-1], q0=q0)
@@ -116,7 +116,7 @@ class TestSolve:
         repr(ik)
         assert capfd.readouterr() == ("", "")
 
-    def test_limits_can_be_left_out_of_account(self):
+    def test_limits_can_be_ignored(self):
         robot = jtik.Robot.planar(3, lower=-0.2, upper=0.2)
         assert solver(robot).solve([0.5, 2.0]).status is not jtik.Status.CONVERGED
         free = solver(robot, limits=False).solve([0.5, 2.0], q0=[0.1, 0.1, 0.1])

@@ -123,7 +123,7 @@ def test_the_paper_s_strategies_reach_the_last_target_clear_of_the_field(result:
         assert tried[name].step_seconds > 0
 
 
-def test_results_json_says_what_was_measured(result: demo.DemoResult) -> None:
+def test_results_json_contains_the_measurements(result: demo.DemoResult) -> None:
     document = json.loads(file_named(result, "results.json").read_text())
     assert document["path"]["q"] == result.path.q.tolist()
     assert document["path"]["smallest_link_clearance"] == result.path.link_clearance.min()
@@ -146,7 +146,7 @@ def test_progress_is_reported_after_every_target() -> None:
 
 
 def skip_pictures(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
-    """Draw nothing: pictures take seconds, and another test looks at them."""
+    """Draw nothing: pictures take seconds, and another test checks them."""
     monkeypatch.setattr(demo, "draw_stills", lambda *_: [])
     monkeypatch.setattr(demo, "animate", lambda *_: folder / "arm.gif")
 

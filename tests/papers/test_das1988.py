@@ -163,7 +163,7 @@ class TestFamilies:
         return script("five_families")
 
     @pytest.mark.parametrize("family", ["generic", "far"])
-    def test_targets_drawn_from_configurations_are_tip_positions_of_the_robot(self, families, family):
+    def test_targets_drawn_from_configurations_are_end_effector_positions_of_the_robot(self, families, family):
         q0, target = next(families.problems(family, 1))
         assert q0.shape == (10,)
         assert families.tip(q0) == pytest.approx(jtik.Robot.planar(10).position(q0, "tip"), abs=1e-12)

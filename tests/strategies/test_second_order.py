@@ -82,16 +82,16 @@ class TestOneStep:
     def test_it_is_the_step_of_the_conditions_of_optimality(self, rng):
         """Against the linear system [W J'; J 0] [p; l] = -[dH; r], W by differences of dH + J' lambda."""
         H = JointCentering(np.linspace(1.0, 2.0, 4), np.full(4, 0.2))
-        law = Newton(secondary=SecondOrder(step_limit=10.0, corrections=0), backtracking=False, q_limit=math.inf)
-        ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(), criteria=H, strategy=law)
+        strategy = Newton(secondary=SecondOrder(step_limit=10.0, corrections=0), backtracking=False, q_limit=math.inf)
+        ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(), criteria=H, strategy=strategy)
         K = np.diag(np.linspace(1.0, 2.0, 4))
         definite = 0
         for _ in range(20):
             q = rng.uniform(0.1, 0.9, 4)
             target = planar_points(q)[-1] + rng.uniform(-0.02, 0.02, 2)
             J, g = planar_jacobian(q), K @ (q - 0.2)
-            price = -np.linalg.pinv(J).T @ g
-            W = K + differences(lambda q, price=price: planar_jacobian(q).T @ price, ik.robot, q)
+            multiplier = -np.linalg.pinv(J).T @ g
+            W = K + differences(lambda q, multiplier=multiplier: planar_jacobian(q).T @ multiplier, ik.robot, q)
             null = np.linalg.svd(J)[2][2:]
             if np.linalg.eigvalsh(null @ W @ null.T)[0] < 1e-3:
                 continue
@@ -103,22 +103,22 @@ class TestOneStep:
         assert definite >= 8
 
     @pytest.mark.parametrize(("sign", "convex"), [(1.0, True), (-1.0, False)])
-    def test_the_program_has_the_reduced_hessian_where_that_is_positive_definite(self, sign, convex):
+    def test_the_quadratic_program_has_the_reduced_hessian_where_that_is_positive_definite(self, sign, convex):
         """Up to a factor; where it is not, another that is."""
 
         @jtik.criterion
         def bowl(q, robot, *, sign=sign):
             return 0.5 * sign * casadi.sumsqr(q) - robot.position(q, "tip")[0]
 
-        def slope(q):
+        def gradient(q):
             return sign * q - planar_jacobian(q)[0]
 
         q = np.array([0.4, 0.5, -0.3, 0.6])
         J, target = planar_jacobian(q), planar_points(q)[-1]
         ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(), criteria=bowl, strategy="newton+second_order")
         null = np.linalg.svd(J)[2][2:]
-        price = -np.linalg.pinv(J).T @ slope(q)
-        exact = null @ differences(lambda q: slope(q) + planar_jacobian(q).T @ price, ik.robot, q) @ null.T
+        multiplier = -np.linalg.pinv(J).T @ gradient(q)
+        exact = null @ differences(lambda q: gradient(q) + planar_jacobian(q).T @ multiplier, ik.robot, q) @ null.T
         assert (np.linalg.eigvalsh(exact)[0] > 0) == convex
         P = null @ ik.build(q, target).P @ null.T
         assert np.linalg.eigvalsh(P)[0] > 0
@@ -193,7 +193,7 @@ class TestOrder:
 
     @pytest.mark.parametrize("arm", [ball_arm, *slow(floating_arm)])
     def test_manifolds_have_it_too(self, arm, rng):
-        """The optimum is a valley there, as nothing asks for a turn about a link: the slope falls quadratically."""
+        """The optimum is a valley, as the rotation about a link is free: the gradient falls quadratically."""
         robot = arm()
         ik = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=two_points, strategy="hybrid+second_order")
         for _ in range(3):
@@ -203,16 +203,16 @@ class TestOrder:
             solution = ik.solve(target, q0=q0, trace=True, **TIGHT)
             assert solution.status is jtik.Status.CONVERGED
             assert solution.second_order == "flat"
-            slope = solution.trace.null_residual
-            close = np.flatnonzero(slope < 1e-2)[:-1]
-            falls = slope[close + 1] <= 50 * slope[close] ** 1.5 + 1e-13
+            gradient = solution.trace.null_residual
+            close = np.flatnonzero(gradient < 1e-2)[:-1]
+            falls = gradient[close + 1] <= 50 * gradient[close] ** 1.5 + 1e-13
             assert falls[-2:].all()
 
     @pytest.mark.parametrize("count", [2, *slow(6)])
     def test_without_the_curvature_of_the_task_convergence_is_linear_to_a_minimum(self, count):
         exact = planar_solver(np.inf, "newton+second_order")
-        law = Newton(secondary=SecondOrder(curvature="gauss_newton"))
-        linear = planar_solver(np.inf, law)
+        strategy = Newton(secondary=SecondOrder(curvature="gauss_newton"))
+        linear = planar_solver(np.inf, strategy)
         more = 0
         for q0, target in planar_problems(np.inf, count, seed=1):
             answers = [ik.solve(target, q0=q0, trace=True, **TIGHT) for ik in (exact, linear)]
@@ -224,7 +224,7 @@ class TestOrder:
         assert more == count
 
     def test_the_correction_saves_good_steps_from_the_merit(self):
-        """A high price of the task: what a self-motion lifts the tip to second order outweighs what it gains."""
+        """A large multiplier of the task: the second-order error of a self-motion outweighs its decrease of H."""
 
         @jtik.criterion
         def priced(q, robot):
@@ -232,15 +232,15 @@ class TestOrder:
 
         refused, q0 = [], np.array([0.9, 0.7, -0.5, 0.4, 0.8])
         for corrections in (0, 2):
-            law = Newton(secondary=SecondOrder(corrections=corrections))
-            ik = jtik.InverseKinematics(planar(5), jtik.FrameTask(), criteria=priced, strategy=law)
+            strategy = Newton(secondary=SecondOrder(corrections=corrections))
+            ik = jtik.InverseKinematics(planar(5), jtik.FrameTask(), criteria=priced, strategy=strategy)
             solution = ik.solve(planar_points(q0)[-1], q0=q0, trace=True, **TIGHT)
             assert solution.status is jtik.Status.CONVERGED
             refused.append(int((solution.trace.accepted == 0).sum()))
         assert refused[0] > refused[1] == 0
 
     def test_and_along_a_valley_of_the_criterion(self):
-        """H all but flat along the self-motion: the error one correction leaves outweighs the gain."""
+        """H nearly flat along the self-motion: the error after one correction outweighs the decrease of H."""
 
         @jtik.criterion
         def valley(q, robot):
@@ -248,8 +248,8 @@ class TestOrder:
 
         refused, q0 = [], np.array([0.9, 0.7, -0.5, 0.4, 0.8])
         for corrections in (0, 1, 2):
-            law = Newton(secondary=SecondOrder(corrections=corrections))
-            ik = jtik.InverseKinematics(planar(5), jtik.FrameTask(), criteria=valley, strategy=law)
+            strategy = Newton(secondary=SecondOrder(corrections=corrections))
+            ik = jtik.InverseKinematics(planar(5), jtik.FrameTask(), criteria=valley, strategy=strategy)
             options = {**TIGHT, "optimality_tolerance": 1e-9}
             solution = ik.solve(planar_points(q0)[-1], q0=q0, trace=True, **options)
             assert solution.status is jtik.Status.CONVERGED
@@ -318,7 +318,7 @@ TRAPEZOID = np.array([ANGLE, -ANGLE, -ANGLE])
 
 
 def four_bar(t):
-    """The arm of three unit links whose tip stays where the trapezoid has it, first link at angle t, in closed form."""
+    """Three unit links with the tip at that of the trapezoid and the first link at angle t, in closed form."""
     end = np.array([1 + 2 * math.cos(ANGLE), 0.0])
     first = np.array([math.cos(t), math.sin(t)])
     across = end - first
@@ -329,7 +329,7 @@ def four_bar(t):
 
 
 class TestKindOfStationaryPoint:
-    """Three links, tip held: a four-bar linkage, one self-motion. A symmetric H is stationary at the trapezoid."""
+    """Three links, tip fixed: a four-bar linkage, one self-motion. A symmetric H is stationary at the trapezoid."""
 
     @staticmethod
     def solver(stiffness, strategy="newton+second_order"):
@@ -340,7 +340,7 @@ class TestKindOfStationaryPoint:
         return jtik.InverseKinematics(planar(3), jtik.FrameTask(), criteria=level, strategy=strategy)
 
     @pytest.mark.parametrize(("stiffness", "kind"), [(2.0, "minimum"), (-2.0, "saddle"), (0.0, "flat")])
-    def test_where_the_level_of_the_second_link_is_rewarded_or_punished(self, stiffness, kind):
+    def test_a_criterion_of_the_angle_of_the_second_link(self, stiffness, kind):
         """The unit self-motion turns link 2 by 2 cos a / sqrt(1 + 2 (1 + 2 cos a)^2); H'' has the square of that."""
         ik, target = self.solver(stiffness), planar_points(TRAPEZOID)[-1]
         sampled = [0.5 * stiffness * (four_bar(ANGLE + d)[:2].sum()) ** 2 for d in (-0.01, 0.0, 0.01)]
@@ -350,13 +350,13 @@ class TestKindOfStationaryPoint:
         assert solution.status is jtik.Status.CONVERGED
         assert solution.second_order == kind
         cosine = math.cos(ANGLE)
-        bend = stiffness * (2 * cosine) ** 2 / (1 + 2 * (1 + 2 * cosine) ** 2)
+        curvature = stiffness * (2 * cosine) ** 2 / (1 + 2 * (1 + 2 * cosine) ** 2)
         null = np.linalg.svd(solution.jacobian)[2][2]
-        assert null @ solution.report.curvature(np.zeros(2)) @ null == pytest.approx(bend, abs=1e-12)
+        assert null @ solution.report.curvature(np.zeros(2)) @ null == pytest.approx(curvature, abs=1e-12)
 
     @pytest.mark.parametrize("stiffness", [1.0, -1.0])
-    def test_where_the_task_has_a_price(self, stiffness):
-        """H = the elbows' heights: dH is not zero, and the Hessian of H alone does not tell. Against H on the curve."""
+    def test_the_multiplier_of_the_task_counts(self, stiffness):
+        """H = height of the elbows: dH is not zero, and its Hessian alone does not decide. Against H on the curve."""
 
         @jtik.criterion
         def height(q, robot, *, stiffness=stiffness):
@@ -367,11 +367,11 @@ class TestKindOfStationaryPoint:
 
         ik = jtik.InverseKinematics(planar(3), jtik.FrameTask(), criteria=height, strategy="newton+second_order")
         target = planar_points(TRAPEZOID)[-1]
-        bend = sampled(ANGLE - 1e-3) - 2 * sampled(ANGLE) + sampled(ANGLE + 1e-3)
+        curvature = sampled(ANGLE - 1e-3) - 2 * sampled(ANGLE) + sampled(ANGLE + 1e-3)
         solution = ik.solve(target, q0=TRAPEZOID)
         assert solution.status is jtik.Status.CONVERGED
         assert np.linalg.norm(solution.gradient) > 0.1
-        assert solution.second_order == ("minimum" if bend > 0 else "saddle")
+        assert solution.second_order == ("minimum" if curvature > 0 else "saddle")
 
     def test_from_beside_a_saddle_it_goes_down(self):
         """A curvature that is not positive makes no Newton step towards the saddle."""
@@ -383,7 +383,7 @@ class TestKindOfStationaryPoint:
         assert solution.cost < -0.1
 
     def test_two_self_motions_of_opposite_curvature(self):
-        """Three links, only x held, springs at rest, some of which push: the eigenvalues are those of Z' K Z."""
+        """Three links, a task along x, springs at rest, any sign of stiffness: the eigenvalues are those of Z' K Z."""
         rest, kinds = np.array([0.3, 0.5, -0.4]), set()
         for stiffness in ((1.0, 2.0, 3.0), (1.0, -5.0, 1.0), (-1.0, -2.0, -3.0), (1.0, 0.0, 0.0)):
             K = np.diag(stiffness)
@@ -402,7 +402,7 @@ class TestKindOfStationaryPoint:
         assert kinds == {"minimum", "saddle", "flat"}
 
     def test_a_limit_makes_a_minimum_of_a_saddle(self):
-        """The only self-motion is blocked: there is no direction left to curve in."""
+        """The only self-motion is blocked by a limit: no direction remains."""
         robot = jtik.Robot.planar(3, lower=[-3.0, -3.0, -ANGLE], upper=[3.0, 3.0, 3.0])
 
         @jtik.criterion
@@ -418,16 +418,16 @@ class TestKindOfStationaryPoint:
         assert solution.q == pytest.approx(TRAPEZOID, abs=1e-6)
         assert solution.second_order == "minimum"
 
-    def test_it_says_nothing_where_the_question_has_no_meaning(self):
+    def test_it_is_none_away_from_a_stationary_point_and_without_a_criterion(self):
         target = planar_points(TRAPEZOID)[-1]
         assert self.solver(2.0).solve(target, q0=four_bar(ANGLE + 0.1), max_iterations=0).second_order is None
         assert self.solver(2.0).solve((9.0, 0.0), q0=TRAPEZOID).second_order is None
         assert jtik.InverseKinematics(planar(3), jtik.FrameTask()).solve(target, q0=TRAPEZOID).second_order is None
 
-    def test_the_answer_travels(self):
+    def test_it_is_copied_and_pickled(self):
         solution = self.solver(-2.0).solve(planar_points(TRAPEZOID)[-1], q0=TRAPEZOID)
-        for twin in (copy.copy(solution), pickle.loads(pickle.dumps(solution))):
-            assert twin.second_order == "saddle"
+        for copied in (copy.copy(solution), pickle.loads(pickle.dumps(solution))):
+            assert copied.second_order == "saddle"
 
 
 @pytest.mark.slow
