@@ -22,6 +22,20 @@ ACCEPTED_RISE = 1e-13
 """Relative rise of V that is a rounding error of its evaluation."""
 
 
+LARGE = ("jparse", "lexicographic_qp", "mink", "selectively_damped", "sns", "sns_qp", "weighted_qp")
+"""Strategies with a large compiled step: a solver with one of them takes several times as long to build."""
+
+
+def slow(*values):
+    """Values of a parameter whose tests are marked slow."""
+    return [pytest.param(value, marks=pytest.mark.slow) for value in values]
+
+
+def large_ones_slow(strategies):
+    """The strategies as values of a parameter; the tests of those with a large compiled step are marked slow."""
+    return [pytest.param(name, marks=pytest.mark.slow) if name in LARGE else name for name in strategies]
+
+
 @functools.cache
 def planar(n, **options):
     """A planar arm, cached by its arguments: a robot compiles its kinematics once."""

@@ -10,6 +10,8 @@ import pytest
 
 import jtik
 
+from .conftest import slow
+
 ROOTS = [path for path in sys.path if path]
 
 
@@ -40,7 +42,9 @@ def test_import_loads_numpy_and_casadi_and_nothing_else() -> None:
     assert set(heavy) <= {"ctypes"}  # numpy needs it
 
 
-@pytest.mark.parametrize("name", ["Comparison", "compare", "interop", "plotting", "problems", "study", "testing"])
+@pytest.mark.parametrize(
+    "name", ["Comparison", "plotting", *slow("compare", "interop", "problems", "study", "testing")]
+)
 def test_what_is_loaded_late_is_there_when_it_is_named(name: str) -> None:
     run(f"from jtik import {name}")
     run(f"""

@@ -11,5 +11,5 @@ FIELD = [jtik.Circle((4.0, 2.0), 0.6), jtik.Circle((6.5, -1.0), 0.8)]
 
 
 def solver(robot, *, kind="position", **options):
-    """A solver for the tip of a robot."""
+    """A solver for the frame "tip" of a robot."""
     return jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), **options)

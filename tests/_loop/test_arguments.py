@@ -77,7 +77,7 @@ class TestRefusals:
         assert ik.solve([1.0, 1.0], q0=q0).q.tolist() == before
 
     def test_a_controllers_arrays_are_checked_as_lists_are(self):
-        """The fast way for arrays must not let NaN, infinity or another shape through."""
+        """The fast path for arrays refuses NaN, infinity and other shapes."""
         ik = solver(planar(2))
         good, target = np.array([0.1, 0.2]), np.array([1.0, 1.0])
         for q, x, name in (

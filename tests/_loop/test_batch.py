@@ -75,7 +75,7 @@ def test_progress_is_reported():
     assert reported == [(1, 2), (2, 2)]
 
 
-def test_a_bar_is_on_the_terminal_only_when_asked_for(capsys, monkeypatch):
+def test_a_progress_bar_is_shown_only_on_request(capsys, monkeypatch):
     ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
     ik.solve_batch([(1.0, 1.0)])
     assert capsys.readouterr() == ("", "")

@@ -1,4 +1,4 @@
-"""What a solver assembles: quadratic programs to look at, and what it refuses when it is built."""
+"""What a solver assembles: its quadratic programs, and errors when it is built."""
 
 from __future__ import annotations
 

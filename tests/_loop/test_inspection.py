@@ -1,4 +1,4 @@
-"""The status of a solve: each says something else, and each can be met."""
+"""The status of a solve: each status occurs."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Stubborn(jtik.Strategy):
 
 
 class TestStatuses:
-    """Each says something else, and each can be met. LIMITS and SINGULAR have tests of their own."""
+    """Each status occurs. LIMITS and SINGULAR have tests of their own."""
 
     def test_converged_and_reached(self):
         ik = solver(planar(4), criteria=JointCentering())
@@ -94,7 +94,7 @@ class TestStatuses:
             solution = solver(planar(3), criteria=rooted).solve(planar_points(q0)[-1], q0=q0, until=until)
             assert solution.status is jtik.Status.NOT_FINITE
 
-    def test_a_law_that_goes_astray_ends_with_the_last_good_configuration(self):
+    def test_a_strategy_that_diverges_ends_with_the_last_finite_configuration(self):
         class Astray(jtik.Strategy):
             def update(self, model, state):
                 dq = model.row_space.least_squares(-model.here.residual).vector

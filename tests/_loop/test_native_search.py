@@ -1,6 +1,8 @@
-"""The search in C gives the result of the search in Python to the last bit, and leaves to it what it cannot do."""
+"""The search in C gives the result of the search in Python to the last bit, and falls back to it where needed."""
 
 from __future__ import annotations
+
+import functools
 
 import numpy as np
 import pytest
@@ -24,6 +26,9 @@ def pair(robot=ARM, kind="pose", strategy="damped", **options):
     return native, plain
 
 
+shared_pair = functools.cache(pair)
+
+
 def same(a, b):
     assert np.array_equal(a.q, b.q)
     for name in ("status", "converged", "iterations", "escapes", "restarts", "position_error", "orientation_error"):
@@ -33,7 +38,7 @@ def same(a, b):
 @pytest.mark.parametrize("strategy", ["damped", "hybrid", Damped(backtracking=False)], ids=str)
 @pytest.mark.parametrize("restarts", [0, 3, 100])
 def test_every_target_ends_the_same(strategy, restarts, rng):
-    native, plain = pair(strategy=strategy)
+    native, plain = shared_pair(strategy=strategy)
     for _ in range(40):
         target, q0 = ARM.pose(ARM.random_configuration(rng)), ARM.random_configuration(rng)
         options = {"q0": q0, "restarts": restarts, "seed": 4, "max_iterations": 300}
@@ -47,7 +52,7 @@ def test_with_a_criterion_too(rng):
         same(native.solve(target, restarts=20), plain.solve(target, restarts=20))
 
 
-def test_what_needs_a_second_order_step_is_left_to_the_search_in_python():
+def test_a_saddle_escape_falls_back_to_the_search_in_python():
     native, plain = pair(planar(4), "position", "hybrid")
     for restarts in (0, 5):
         solution = native.solve([2.0, 0.0], q0=np.zeros(4), restarts=restarts)
@@ -55,7 +60,7 @@ def test_what_needs_a_second_order_step_is_left_to_the_search_in_python():
         same(solution, plain.solve([2.0, 0.0], q0=np.zeros(4), restarts=restarts))
 
 
-def test_out_of_reach_is_left_to_the_search_in_python():
+def test_out_of_reach_falls_back_to_the_search_in_python():
     native, plain = pair(planar(4), "position", "hybrid")
     for restarts in (0, 5):
         solution = native.solve([9.0, 1.0], q0=np.full(4, 0.3), restarts=restarts)
@@ -112,8 +117,8 @@ def test_a_batch_in_one_call_is_the_same_as_solving_one_by_one(each, rng):
     assert np.array_equal(watched.q, batch.q)
 
 
-def test_asked_again_it_is_quicker_and_the_same(rng):
-    """From the second solve with the same options on, nothing is looked at that cannot have changed."""
+def test_a_second_solve_with_the_same_options_is_the_same(rng):
+    """From the second solve with the same options on, arguments that cannot have changed are not checked again."""
     native, plain = pair(strategy=Damped(backtracking=False))
     first = ARM.pose(ARM.random_configuration(rng))
     for options in ({"restarts": 20}, {"restarts": 0}, {"restarts": 20, "position_tolerance": 1e-3}):

@@ -13,7 +13,7 @@ from .conftest import solver
 
 
 class TestUntil:
-    def test_reached_stops_on_arrival_steady_goes_on(self):
+    def test_reached_stops_on_arrival_and_stationary_continues(self):
         ik, q0 = solver(planar(6), criteria=JointCentering()), [0.8, -0.5, 0.3, 0.9, -0.2, 0.4]
         arrived = ik.solve([3.0, 2.0], q0=q0, until="reached")
         settled = ik.solve([3.0, 2.0], q0=q0, until="stationary")
@@ -44,7 +44,7 @@ class TestUntil:
 
 
 class TestMaxIterations:
-    def test_zero_looks_and_does_not_move(self):
+    def test_zero_iterations_evaluate_the_start(self):
         q0 = np.array([0.3, 0.4, 0.5])
         ik = solver(planar(3), criteria=JointCentering())
         solution = ik.solve([1.0, 2.0], q0=q0, max_iterations=0)
@@ -80,7 +80,7 @@ class TestOldNames:
             lambda ik, until: ik.track([[1.0, 1.5]], until=until),
         ],
     )
-    def test_steady_is_stationary_and_says_so(self, call):
+    def test_the_former_value_steady_warns_and_is_stationary(self, call):
         criteria = JointCentering()
         with pytest.warns(DeprecationWarning, match='until="steady" is deprecated: use until="stationary"') as caught:
             old = call(solver(planar(3), criteria=criteria), "steady")

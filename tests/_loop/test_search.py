@@ -55,7 +55,7 @@ def test_the_same_seed_gives_the_same_answer_in_any_order(arm, targets):
     assert any(differ)
 
 
-def test_a_start_that_leads_to_the_target_is_not_left(arm):
+def test_a_start_that_leads_to_the_target_is_kept(arm):
     q = np.full(7, 0.3)
     alone, ready = solver(arm).solve(arm.pose(q), q0=q + 0.1), solver(arm).solve(arm.pose(q), q0=q + 0.1, restarts=10)
     assert ready.restarts == 0
@@ -63,7 +63,7 @@ def test_a_start_that_leads_to_the_target_is_not_left(arm):
     assert alone.iterations == ready.iterations
 
 
-def test_out_of_reach_ends_at_the_nearest_posture_found():
+def test_out_of_reach_ends_at_the_closest_posture_found():
     ik = solver(planar(3), kind="position")
     solution = ik.solve([5.0, 1.0], q0=[0.3, 0.4, 0.5], restarts=8)
     assert solution.status is jtik.Status.LOCAL_MINIMUM
@@ -118,7 +118,7 @@ def test_counts_are_counts(option, value):
         solver(planar(3), kind="position").solve([1.0, 1.0], **{option: value})
 
 
-def test_a_solution_tells_of_its_own_target_whatever_is_solved_next(arm, targets):
+def test_a_solution_keeps_the_errors_of_its_own_target(arm, targets):
     ik = solver(arm, criteria=JointCentering())
     first = ik.solve(targets[0], restarts=20)
     ik.parameters["joint_centering.weight"] = 7.0

@@ -31,7 +31,7 @@ class TestTrace:
         ik = solver(planar(6), strategy=strategy, criteria=criteria)
         return ik.solve([3.0, 2.0], q0=[0.8, -0.5, 0.3, 0.9, -0.2, 0.4], trace=True, **options)
 
-    def test_none_unless_asked_for(self):
+    def test_there_is_none_by_default(self):
         assert solver(planar(2)).solve([1.0, 1.0], q0=[0.1, 0.2]).trace is None
 
     @pytest.mark.parametrize("strategy", STRATEGIES)

@@ -90,7 +90,7 @@ class TestTrack:
             with pytest.raises(jtik.ArgumentError, match="dt"):
                 ik.track([[1.0, 1.0]], dt=dt)
 
-    def test_a_wrong_target_on_the_way_leaves_the_limits_as_they_were(self):
+    def test_a_wrong_target_within_a_path_does_not_change_the_limits(self):
         robot = jtik.Robot.planar(3, velocity_limit=0.1)
         ik = solver(robot)
         with pytest.raises(jtik.ArgumentError, match="target"):

@@ -17,7 +17,7 @@ from ..conftest import EXACT, ball_arm, floating_arm, planar
 STRATEGIES = [*sorted(jtik.strategies), "newton+qp", "hybrid+qp", "transpose+qp", "newton+second_order"]
 DT = 0.02
 RELATIVE = 1e-9
-"""Rounding of positions of order one, divided by dt twice, relative to the least acceleration limit here."""
+"""Rounding of positions of order one, divided by dt twice, relative to the smallest acceleration limit here."""
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +30,7 @@ def solver(robot, **options):
     return jtik.InverseKinematics(robot, jtik.FrameTask("tip"), **options)
 
 
-def held(robot, q0, path, acceleration, dt=DT, velocity=None):
+def checked_speeds(robot, q0, path, acceleration, dt=DT, velocity=None):
     """Whether positions, speeds and their changes along (k, nq) are within limits, by differences, from rest at q0."""
     rows = [q0, *path]
     steps = np.array([robot.difference(a, b) for a, b in itertools.pairwise(rows)])
@@ -59,7 +59,7 @@ def test_every_strategy_keeps_all_three_limits_step_by_step(strategy, arm):
         q = step.q
         path.append(q)
         assert step.position_error == pytest.approx(np.linalg.norm(arm.position(q) - restless(k)), rel=1e-6, abs=1e-9)
-    speeds = held(arm, q0, path, np.array([3, 6, 9, 12]))
+    speeds = checked_speeds(arm, q0, path, np.array([3, 6, 9, 12]))
     assert (np.abs(speeds).max(axis=0) > 0.5).all()  # it moved, all of it
     assert (np.abs(np.diff(speeds, axis=0)) / DT > 0.99 * np.array([3, 6, 9, 12])).any()  # and the limits did bind
 
@@ -69,7 +69,7 @@ def test_track_keeps_all_three_limits_from_rest(strategy, arm):
     q0, acceleration = np.array([0.5, -0.4, 0.9, 0.3]), 5.0
     ik = solver(arm, criteria=JointCentering(), strategy=strategy, limits=jtik.Limits(acceleration=acceleration))
     path = ik.track([restless(k) for k in range(125)], q0=q0, dt=DT, max_iterations=30)
-    held(arm, q0, path.q, acceleration)
+    checked_speeds(arm, q0, path.q, acceleration)
     assert np.abs(path.dq[0]).max() == pytest.approx(acceleration * DT)  # as fast as it may, from rest
     again = ik.track([restless(k) for k in range(3)], q0=q0, dt=DT, max_iterations=30)
     assert again.q == pytest.approx(path.q[:3], abs=1e-12)  # at rest again
@@ -81,12 +81,12 @@ def test_a_path_that_the_robot_can_follow_is_followed():
     targets = [robot.position(q0 + turn * np.array([1.0, -0.5, 0.7])) for turn in turns]
     path = solver(robot, limits=jtik.Limits(acceleration=4.0)).track(targets, q0=q0, dt=DT)
     assert path.converged
-    held(robot, q0, path.q, 4.0)
+    checked_speeds(robot, q0, path.q, 4.0)
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
-def test_where_nothing_is_left_to_do_a_moving_joint_brakes(strategy, arm):
-    """The nearest to stopping that the box has."""
+def test_a_moving_joint_brakes_at_the_target(strategy, arm):
+    """The step of the box that is closest to a stop."""
     ik = solver(arm, strategy=strategy, limits=jtik.Limits(velocity=False, acceleration=10.0))
     q = np.array([0.0, 0.5, 0.3, 0.2])
     for _ in range(6):
@@ -101,7 +101,7 @@ def test_where_nothing_is_left_to_do_a_moving_joint_brakes(strategy, arm):
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
-def test_a_start_outside_comes_back_as_fast_as_it_may_and_never_farther_out(strategy):
+def test_a_start_outside_returns_at_the_allowed_rate(strategy):
     robot = jtik.Robot.planar(3, lower=-0.5, upper=0.5, velocity_limit=1.0)
     acceleration = 5.0
     ik = solver(robot, strategy=strategy, limits=jtik.Limits(acceleration=acceleration))
@@ -200,9 +200,9 @@ def test_ball_and_free_joints_keep_speed_and_acceleration_too(robot, strategy, r
         q = step.q
         assert step.position_error == pytest.approx(np.linalg.norm(robot.position(q) - target), abs=1e-9)
         path.append(q)
-    speeds = held(robot, q0, path, 6.0, velocity=0.8)
+    speeds = checked_speeds(robot, q0, path, 6.0, velocity=0.8)
     assert np.abs(speeds).max() > 0.5
-    held(robot, q0, ik.track(targets, q0=q0, dt=DT).q, 6.0, velocity=0.8)
+    checked_speeds(robot, q0, ik.track(targets, q0=q0, dt=DT).q, 6.0, velocity=0.8)
 
 
 class TestArguments:

@@ -48,7 +48,7 @@ class TestBraking:
         root = brentq(lambda s: s + s**2 / (2 * change) - room, 0, room, xtol=1e-300, rtol=1e-14)
         assert found == pytest.approx(root, rel=1e-12)
 
-    def test_at_the_limit_there_is_no_room_and_outside_the_way_back_is_the_step(self):
+    def test_at_the_limit_the_step_is_zero_and_outside_it_returns(self):
         assert [float(brakes()(room, 0.1)[0][0, 0]) for room in (0.0, -0.3)] == [0.0, -0.3]
 
     @pytest.mark.parametrize("room", [0.001, 0.03, 0.7])
@@ -101,7 +101,7 @@ def test_never_empty_and_in_the_order_of_precedence(q, last, dt, before, velocit
     velocity=st.sampled_from([0.3, 1.5, math.inf]),
     acceleration=st.sampled_from([0.5, 8.0, 300.0]),
 )
-def test_whatever_is_chosen_in_the_box_all_limits_hold_for_ever(seed, start, greed, dts, velocity, acceleration):
+def test_any_sequence_of_steps_in_the_box_keeps_all_limits(seed, start, greed, dts, velocity, acceleration):
     """From rest; greedy steps go to an end of the box, to the same for a while."""
     rng, box = np.random.default_rng(seed), box_of(velocity, acceleration)
     q, last, before, side = start, 0.0, DT, 1

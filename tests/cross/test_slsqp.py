@@ -9,7 +9,7 @@ from scipy.optimize import lsq_linear, minimize
 import jtik
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
-from ..conftest import dh_arm, planar_jacobian, planar_points
+from ..conftest import dh_arm, planar_jacobian, planar_points, slow
 
 SAME = 1e-6
 """Allowed difference in H of two solvers with tolerance 1e-6."""
@@ -94,7 +94,7 @@ def planar_problems(limit, count, seed=0):
             yield q0, planar_points(goal)[-1]
 
 
-@pytest.mark.parametrize("limit", [np.inf, 0.8, 0.25])
+@pytest.mark.parametrize("limit", [0.8, *slow(np.inf, 0.25)])
 def test_ten_links_with_centering_and_obstacles_are_optimal(limit):
     ik = planar_solver(limit)
     lower, upper = np.full(10, -limit), np.full(10, limit)
@@ -155,7 +155,7 @@ def test_jtik_and_slsqp_agree_on_a_convex_problem():
 
 
 @pytest.mark.parametrize("kind", ["position", "pose"])
-@pytest.mark.parametrize("limit", [np.inf, 1.2])
+@pytest.mark.parametrize("limit", [1.2, *slow(np.inf)])
 def test_a_spatial_arm_is_optimal(kind, limit):
     robot = dh_arm(8, 3, limit)
     sphere = jtik.Sphere((0.6, 0.6, 0.4), 0.1)

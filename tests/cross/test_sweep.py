@@ -478,10 +478,25 @@ def sweep(case):
         yield problem, solution, [f"{case}, problem {number} ({problem.kind}): {each}" for each in found]
 
 
-KINDS = {(case.strategy, case.backend) for case in CASES}
+PAIRS = sorted({(case.strategy, case.backend) for case in CASES}, key=str)
 
 
-@pytest.mark.parametrize(("strategy", "backend"), sorted(KINDS, key=str))
+def is_quick(strategy, backend):
+    """Whether a pair is among those that cover every strategy and every back end."""
+    if backend in (None, "daqp"):
+        return strategy in (*jtik.strategies, "hybrid+qp", "hybrid+second_order")
+    return strategy in ("hybrid+qp", "weighted_qp")
+
+
+def test_quick_pairs_cover_every_strategy_and_every_back_end():
+    strategies, backends = zip(*(pair for pair in PAIRS if is_quick(*pair)), strict=True)
+    assert set(strategies) >= set(jtik.strategies)
+    assert set(backends) == {None, *BACKENDS}
+
+
+@pytest.mark.parametrize(
+    ("strategy", "backend"), [pytest.param(*pair, marks=[] if is_quick(*pair) else pytest.mark.slow) for pair in PAIRS]
+)
 def test_solutions_are_correct_and_within_limits(strategy, backend):
     unsolved, found = 0, []
     for case in CASES:

@@ -1,4 +1,4 @@
-"""The weighted program is mink's and pink's: the same step for the same costs, limits and damping, solved by DAQP."""
+"""The QP of weighted_qp is that of mink and pink: the same step for the same costs, limits and damping."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from jtik_formulations import JointCentering, WeightedQP
 from .test_mink import ARM, Position
 
 SAME = 1e-8
-"""DAQP twice on programs of condition 1e5, built by different arithmetic."""
+"""DAQP twice on QPs of condition 1e5, built by different arithmetic."""
 
 LIMITED = ARM.replace("<joint ", '<joint range="-1.2 1.2" ').replace("<mujoco>", '<mujoco><compiler angle="radian"/>')
 
-LAW = {"gain": 0.7, "lm_damping": 0.3, "damping": 1e-4, "weight": 0.05**2, "backtracking": False}
+OPTIONS = {"gain": 0.7, "lm_damping": 0.3, "damping": 1e-4, "weight": 0.05**2, "backtracking": False}
 """What follows is the same in their words."""
 
 SPEED, DT = 3.0, 0.05
@@ -48,8 +48,8 @@ def test_a_step_is_minks(rng):
         jtik.FrameTask("tip", "position", stiffness=2.0**2, name="place"),
         jtik.FrameTask("tip", "orientation", stiffness=0.3**2, name="turn"),
     ]
-    law = WeightedQP(q_limit=SPEED * DT, **LAW)
-    ik = jtik.InverseKinematics(robot, tasks, criteria=JointCentering(), strategy=law)
+    strategy = WeightedQP(q_limit=SPEED * DT, **OPTIONS)
+    ik = jtik.InverseKinematics(robot, tasks, criteria=JointCentering(), strategy=strategy)
     limits = [
         mink.ConfigurationLimit(model, gain=1.0),
         mink.VelocityLimit(model, {f"j{i}": SPEED for i in range(1, 7)}),
@@ -59,14 +59,14 @@ def test_a_step_is_minks(rng):
         configuration = mink.Configuration(model, q)
         goal = robot.pose(np.clip(q + rng.uniform(-0.3, 0.3, 6), -1.2, 1.2))
         place = Position("tip", goal[:3, 3])
-        place.cost, place.gain, place.lm_damping = np.full(3, 2.0), LAW["gain"], LAW["lm_damping"]
-        turn = mink.FrameTask("tip", "body", 0.0, 0.3, gain=LAW["gain"], lm_damping=LAW["lm_damping"])
+        place.cost, place.gain, place.lm_damping = np.full(3, 2.0), OPTIONS["gain"], OPTIONS["lm_damping"]
+        turn = mink.FrameTask("tip", "body", 0.0, 0.3, gain=OPTIONS["gain"], lm_damping=OPTIONS["lm_damping"])
         turn.set_target(mink.SE3.from_matrix(goal))
         posture = mink.PostureTask(model, cost=0.05)
         preferred = rng.uniform(-1, 1, 6)
         posture.set_target(preferred)
         velocity = mink.solve_ik(
-            configuration, [place, turn, posture], DT, "daqp", damping=LAW["damping"], limits=limits
+            configuration, [place, turn, posture], DT, "daqp", damping=OPTIONS["damping"], limits=limits
         )
         ik.parameters["joint_centering.preferred"] = preferred
         ik.reset()
@@ -89,15 +89,15 @@ def test_a_step_is_pinks(rng):
     text = URDF.format(links=links)
     model = pinocchio.buildModelFromXML(text)
     robot = jtik.Robot.from_urdf(text)
-    law = WeightedQP(q_limit=SPEED * DT, **LAW)
+    strategy = WeightedQP(q_limit=SPEED * DT, **OPTIONS)
     task = jtik.FrameTask("tip", "position", stiffness=2.0**2)
-    ik = jtik.InverseKinematics(robot, task, criteria=JointCentering(), strategy=law)
+    ik = jtik.InverseKinematics(robot, task, criteria=JointCentering(), strategy=strategy)
 
     class Place(pink.tasks.Task):
-        """The world position of the tip."""
+        """The world position of the frame "tip"."""
 
         def __init__(self, target):
-            super().__init__(cost=[2.0] * 3, gain=LAW["gain"], lm_damping=LAW["lm_damping"])
+            super().__init__(cost=[2.0] * 3, gain=OPTIONS["gain"], lm_damping=OPTIONS["lm_damping"])
             self.target = target
 
         def compute_error(self, configuration):
@@ -118,7 +118,7 @@ def test_a_step_is_pinks(rng):
         preferred = rng.uniform(-1, 1, 4)
         posture.set_target(preferred)
         velocity = pink.solve_ik(
-            configuration, [Place(target), posture], DT, solver="daqp", damping=LAW["damping"], limits=limits
+            configuration, [Place(target), posture], DT, solver="daqp", damping=OPTIONS["damping"], limits=limits
         )
         ik.parameters["joint_centering.preferred"] = preferred
         ik.reset()

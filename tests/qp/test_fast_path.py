@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -17,14 +19,19 @@ from ..conftest import planar, planar_points
 STRATEGIES = ["newton+qp", "hybrid+qp", "weighted_qp", "sns_qp", "lexicographic_qp"]
 
 
-def both_paths(strategy, q, limit, preferred=None):
-    """Whether a first step from q needs no QP; its outputs by the fast path, the QP path and the joined function."""
-    ik = jtik.InverseKinematics(
+@functools.cache
+def solver(strategy, limit, preferred):
+    return jtik.InverseKinematics(
         planar(5, lower=-limit, upper=limit),
         jtik.FrameTask(),
         criteria=JointCentering(preferred=preferred),
         strategy=strategy,
     )
+
+
+def both_paths(strategy, q, limit, preferred=None):
+    """Whether a first step from q needs no QP; its outputs by the fast path, the QP path and the joined function."""
+    ik = solver(strategy, limit, preferred)
     fused = ik._engine.runners.solve.fused
     parts = fused.parts
     ik._engine.memory.inputs.target[:] = planar_points(q)[-1] + 0.01  # a step that no strategy shortens
@@ -53,7 +60,7 @@ def test_at_limits_the_qp_is_solved(strategy, rng):
     count = 0
     for _ in range(5):
         no_qp_needed, _, solved, joined = both_paths(
-            strategy, rng.uniform(0.45, 0.5, 5), 0.5, preferred=np.array([0.9, 0.3, 0.9, 0.2, 0.9])
+            strategy, rng.uniform(0.45, 0.5, 5), 0.5, preferred=(0.9, 0.3, 0.9, 0.2, 0.9)
         )
         if not no_qp_needed:
             count += 1
@@ -97,7 +104,7 @@ class TestFallback:
         ik = jtik.InverseKinematics(
             planar(5, lower=-0.5, upper=0.5),
             jtik.FrameTask(),
-            criteria=JointCentering(preferred=np.array([0.9, 0.3, 0.9, 0.2, 0.9])),
+            criteria=JointCentering(preferred=(0.9, 0.3, 0.9, 0.2, 0.9)),
             strategy="newton+qp",
             solver=solver,
         )

@@ -1,4 +1,4 @@
-"""Damped least squares: the step as defined, its bound near singular poses, and the mode that looks at nothing."""
+"""Damped least squares: the step as defined, its bound near singular poses, and the mode without backtracking."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from ..conftest import EXACT, ball_arm, dh_arm, floating_arm, planar, planar_jac
 BARE = {"backtracking": False, "q_limit": math.inf}
 
 
-def solver(robot, law, kind="position", **options):
-    return jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), strategy=law, limits=False, **options)
+def solver(robot, strategy, kind="position", **options):
+    return jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), strategy=strategy, limits=False, **options)
 
 
 @pytest.mark.parametrize("damping", [1e-3, 0.1, 10.0])
@@ -85,8 +85,8 @@ def test_convergence_is_quadratic_at_the_target(backtracking):
 
 
 @pytest.mark.parametrize("criteria", [None, JointCentering()], ids=["alone", "centring"])
-def test_step_tells_the_error_where_it_arrives(criteria):
-    """Also of a law that does not look there itself."""
+def test_step_reports_the_error_after_the_step(criteria):
+    """Also for a strategy that does not evaluate its candidate itself."""
     robot = planar(4)
     ik, q, target = solver(robot, Damped(backtracking=False), criteria=criteria), np.full(4, 0.3), np.array([2.5, 1.5])
     for _ in range(4):
@@ -95,7 +95,7 @@ def test_step_tells_the_error_where_it_arrives(criteria):
         q = step.q
 
 
-def test_not_looking_changes_no_step():
+def test_without_evaluation_of_the_candidate_steps_are_the_same():
     """The iterates of solve, which does not evaluate where they lead, are those of step, which does."""
     robot = dh_arm(7, 2, limit=2.0)
     ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose"), strategy=Damped(backtracking=False))

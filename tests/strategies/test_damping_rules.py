@@ -1,4 +1,4 @@
-"""The other rules for the damping: each law by numpy at every kind of pose, and what sets it apart."""
+"""The other damping rules: steps compared with NumPy at every kind of pose, and properties of each rule."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from jtik_formulations import ConstantDamped, Damped, NakamuraHanafusa, Sugihara
 from ..conftest import dh_arm, planar, planar_jacobian, planar_points
 
 BARE = {"backtracking": False, "q_limit": math.inf}
-LAWS = {
+STRATEGIES = {
     "constant": ConstantDamped(damping=0.02, **BARE),
     "sugihara": Sugihara(bias=0.03, **BARE),
     "nakamura": NakamuraHanafusa(damping=0.05, threshold=0.6, **BARE),
@@ -37,21 +37,21 @@ def expected(name, J, e):
 
 
 @pytest.mark.parametrize("bend", [1.0, 1e-3, 1e-8, 1e-12, 0.0])
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", STRATEGIES)
 @pytest.mark.parametrize("n", [2, 3, 10])
 def test_the_step_of_a_planar_arm(n, name, bend, rng):
-    ik = jtik.InverseKinematics(planar(n), jtik.FrameTask("tip"), strategy=LAWS[name])
+    ik = jtik.InverseKinematics(planar(n), jtik.FrameTask("tip"), strategy=STRATEGIES[name])
     for _ in range(5):
         q, target = np.append(0.4, bend * rng.uniform(-1, 1, n - 1)), rng.uniform(-2, 2, 2)
         step = expected(name, planar_jacobian(q), planar_points(q)[-1] - target)
         assert ik.step(q, target).q - q == pytest.approx(step, rel=1e-8, abs=1e-10)
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", STRATEGIES)
 @pytest.mark.parametrize("kind", ["position", "pose"])
 def test_the_step_in_space(kind, name, rng):
     robot = dh_arm(7, 3)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), strategy=LAWS[name])
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), strategy=STRATEGIES[name])
     for _ in range(5):
         q = robot.random_configuration(rng)
         target = robot.pose(q + rng.uniform(-0.2, 0.2, 7))
@@ -60,21 +60,21 @@ def test_the_step_in_space(kind, name, rng):
 
 
 def test_a_joint_at_its_limit_does_not_stop_the_others():
-    """The joint that is pressed against its limit has no column; the rest of the arm takes the law's step."""
+    """The joint that is pushed against its limit has no column; the other joints take the damped step."""
     robot = planar(3, lower=-1.0, upper=1.0)
     q, target = np.array([0.2, 0.3, 1.0]), np.array([1.0, 2.5])
     J, e = planar_jacobian(q), planar_points(q)[-1] - target
     assert J[:, 2] @ e < 0
     J[:, 2] = 0
-    for name, law in LAWS.items():
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=law)
+    for name, strategy in STRATEGIES.items():
+        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=strategy)
         wanted = np.clip(q + expected(name, J, e), -1, 1)
         assert ik.step(q, target).q == pytest.approx(wanted, abs=1e-9)
 
 
 def test_nakamura_is_newton_in_good_poses_and_damped_in_singular_ones():
-    law = NakamuraHanafusa(threshold=0.1, **BARE)
-    ik, target = jtik.InverseKinematics(planar(3), jtik.FrameTask("tip"), strategy=law), np.array([1.0, 1.5])
+    strategy = NakamuraHanafusa(threshold=0.1, **BARE)
+    ik, target = jtik.InverseKinematics(planar(3), jtik.FrameTask("tip"), strategy=strategy), np.array([1.0, 1.5])
     good, straight = np.array([0.3, 1.0, 1.0]), np.array([0.3, 1e-9, 0.0])
     for q, damped in [(good, False), (straight, True)]:
         J, e = planar_jacobian(q), planar_points(q)[-1] - target
@@ -101,21 +101,21 @@ def test_nakamura_needs_no_number_for_the_size_of_the_robot(scale):
 def test_a_bias_costs_the_quadratic_end():
     """With a constant the last steps shrink the error by a fixed factor; without, by ever more."""
     target, factors = np.array([2.0, 1.5]), {}
-    for law in (Damped(), ConstantDamped(damping=0.1), Sugihara(bias=0.1)):
-        ik = jtik.InverseKinematics(planar(4), jtik.FrameTask("tip"), strategy=law)
+    for strategy in (Damped(), ConstantDamped(damping=0.1), Sugihara(bias=0.1)):
+        ik = jtik.InverseKinematics(planar(4), jtik.FrameTask("tip"), strategy=strategy)
         error = ik.solve(target, q0=np.full(4, 0.5), position_tolerance=1e-10, trace=True).trace.error
-        factors[type(law)] = error[-1] / error[-2]
+        factors[type(strategy)] = error[-1] / error[-2]
     assert factors[Damped] < 1e-5
     assert 1e-3 < factors[ConstantDamped] < 0.5
     assert 1e-3 < factors[Sugihara] < 0.5
 
 
-@pytest.mark.parametrize("law", [ConstantDamped, Sugihara, NakamuraHanafusa])
+@pytest.mark.parametrize("strategy", [ConstantDamped, Sugihara, NakamuraHanafusa])
 @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
-def test_constants_are_checked(law, value):
-    for option in {"damping", "bias", "threshold"} & set(law.__dataclass_fields__):
+def test_constants_are_checked(strategy, value):
+    for option in {"damping", "bias", "threshold"} & set(strategy.__dataclass_fields__):
         with pytest.raises(jtik.ArgumentError, match=option):
-            law(**{option: value})
+            strategy(**{option: value})
 
 
 def test_the_limit_is_checked():

@@ -11,19 +11,19 @@ import pytest
 import jtik
 from jtik_formulations import Hybrid, Newton, Transpose
 
-from ..conftest import EXACT, dh_arm, planar, planar_jacobian, planar_points, rises
+from ..conftest import EXACT, dh_arm, planar, planar_jacobian, planar_points, rises, slow
 
 BARE = {"backtracking": False, "q_limit": math.inf}
 
 
 @functools.lru_cache(maxsize=20)
-def solver(robot, law):
-    return jtik.InverseKinematics(robot, jtik.FrameTask(), strategy=law, limits=False)
+def solver(robot, strategy):
+    return jtik.InverseKinematics(robot, jtik.FrameTask(), strategy=strategy, limits=False)
 
 
-def step(robot, law, q, target):
+def step(robot, strategy, q, target):
     """The first step, and whether it was taken."""
-    ik = solver(robot, law)
+    ik = solver(robot, strategy)
     ik.reset()
     found = ik.step(q, target)
     return found.q - q, found.accepted
@@ -62,7 +62,7 @@ def test_at_a_tiny_radius_it_is_the_transpose_step_shortened_to_it(radius, rng):
         assert dq == pytest.approx(radius * cauchy / np.linalg.norm(cauchy), abs=1e-8 * radius)
 
 
-@pytest.mark.parametrize("fraction", [0.01, 0.3, 0.7, 0.99])
+@pytest.mark.parametrize("fraction", [0.3, *slow(0.01, 0.7, 0.99)])
 def test_between_it_lies_on_the_segment_and_on_the_radius(fraction, rng):
     seen = 0
     for robot, q, target in cases(rng):
@@ -114,13 +114,13 @@ def test_on_a_vehicle_the_limit_counts_the_turning_joints_only():
     assert trace.error[-1] <= 1e-6
 
 
-def test_it_is_as_quick_as_newton_where_newton_is_right(rng):
+def test_it_needs_as_many_iterations_as_newton_near_the_target(rng):
     for _ in range(10):
         q = rng.uniform(0.2, 1, 5)
         target = planar_points(q + rng.uniform(-0.05, 0.05, 5))[-1]
         counts = [
-            jtik.InverseKinematics(planar(5), jtik.FrameTask(), strategy=law).solve(target, q0=q).iterations
-            for law in ("hybrid", Newton(**BARE))
+            jtik.InverseKinematics(planar(5), jtik.FrameTask(), strategy=strategy).solve(target, q0=q).iterations
+            for strategy in ("hybrid", Newton(**BARE))
         ]
         assert counts[0] == counts[1]
 

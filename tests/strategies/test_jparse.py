@@ -1,4 +1,4 @@
-"""J-PARSE: the law from the paper's three matrices, its limits, and continuity where the law changes."""
+"""J-PARSE: the step from the paper's three matrices, its limit cases, and continuity where the formula changes."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_at_a_joint_limit_the_joint_pressed_against_it_has_no_column():
     assert ik.step(q, target).q == pytest.approx(np.clip(q - expected(J, e), -1, 1), abs=1e-9)
 
 
-def test_a_vanishing_threshold_is_newton_s_law_and_a_threshold_of_one_the_transpose(rng):
+def test_a_vanishing_threshold_gives_newtons_step_and_a_threshold_of_one_the_transpose(rng):
     q, target = rng.uniform(-1, 1, 4), np.array([1.0, 2.0])
     J, e = planar_jacobian(q), planar_points(q)[-1] - target
     for threshold, wanted in [(1e-9, np.linalg.pinv(J) @ e), (1.0, J.T @ e / np.linalg.norm(J, 2) ** 2)]:
@@ -73,8 +73,8 @@ def test_it_is_continuous_where_a_direction_becomes_weak():
     for gain in (1.0, 0.5):
         steps = []
         for side in (1 - 1e-9, 1 + 1e-9):
-            law = JParse(threshold=side * sigma[1] / sigma[0], singular_gain=gain, **BARE)
-            steps.append(jtik.InverseKinematics(planar(4), jtik.FrameTask("tip"), strategy=law).step(q, target).q)
+            strategy = JParse(threshold=side * sigma[1] / sigma[0], singular_gain=gain, **BARE)
+            steps.append(jtik.InverseKinematics(planar(4), jtik.FrameTask("tip"), strategy=strategy).step(q, target).q)
         jumps[gain] = np.abs(steps[1] - steps[0]).max()
     assert jumps[1.0] < 1e-7
     assert jumps[0.5] > 1e-2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from types import SimpleNamespace
 
@@ -19,7 +20,7 @@ from jtik_formulations.strategies._parts.levels import DEFINITE, descend
 from ..conftest import dh_arm, planar, planar_points, report_at
 
 BARE = LexicographicQP(damping=0.0, q_limit=math.inf, backtracking=False)
-"""Nothing but the programs."""
+"""Only the quadratic programs."""
 
 STRICT = 1e-9
 """How exactly a higher level keeps its value whatever the lower ones want, with steps damped as by default."""
@@ -27,8 +28,8 @@ STRICT = 1e-9
 DAMPED = 0.1
 
 SLACK = 1e-6
-"""Of sums of squares of order one: without damping rows are kept to 1e-8, and the reduced program has room of 1e-10
-where a level above is nearly indifferent to a limit."""
+"""Of sums of squares of order one: without damping rows are kept to 1e-8, and the reduced QP has a margin of
+1e-10 where a level above hardly depends on a limit."""
 
 
 def solved(program):
@@ -63,9 +64,9 @@ def least_after(J, r, above, fixed, low, high):
 
 @pytest.mark.parametrize("size", [0.05, 0.3, 3.0])
 def test_each_level_is_optimal_within_the_box_after_those_above(size, rng):
-    """Two levels of random rows: SciPy's bounded least squares for the first, a reduced program for the second.
+    """Two levels of random rows: SciPy's bounded least squares for the first, a reduced QP for the second.
 
-    No worse than they are by more than the curvature that keeps a level's program definite can cost.
+    Worse than they are by at most what the curvature that keeps the QP of a level definite adds.
     """
     for _ in range(20):
         J, r = rng.normal(size=(5, 7)), rng.normal(size=5)
@@ -114,7 +115,7 @@ class TestRank:
             assert x == pytest.approx(alone, abs=STRICT)
 
     def test_rows_that_repeat_each_other_within_a_level(self, rng):
-        """Two wishes for the same row: the mean, and the level below goes on in all that is left."""
+        """Two targets for the same row: their mean, and the level below uses all the remaining freedom."""
         J, r = rng.normal(size=(3, 6)), np.array([1.0, 3.0, 0.5])
         J[1] = J[0]
         x = answer(J, r, ((0, 1), (2,)), np.full(6, -10.0), np.full(6, 10.0))
@@ -135,7 +136,7 @@ class TestRank:
     @pytest.mark.parametrize("bend", [0.0, 1e-12, 1e-9, 1e-6, 1e-3])
     @pytest.mark.parametrize("levels", [1, 2])
     def test_a_straight_arm_is_pulled_inwards(self, bend, levels):
-        """Rank is lost, or nearly: the strict program of the one step has no answer, the solve goes on."""
+        """Rank is lost, or nearly: the strict QP of that step has no solution, the solve continues."""
         robot = planar(6)
         tasks = [jtik.FrameTask("tip"), jtik.FrameTask("link4", name="elbow", priority=1)][:levels]
         q0 = bend * np.array([0.0, 1.0, -1.0, 1.0, 1.0, -1.0])
@@ -174,13 +175,13 @@ class TestSteps:
             ik.reset()
             assert ik.step(q, target).q - q == pytest.approx(x, rel=1e-8, abs=1e-9)
 
-    def test_a_limit_costs_the_lowest_level_first(self, rng):
-        """The tip moves as it would alone, by other joints, as long as those above allow."""
+    def test_a_limit_affects_the_lowest_level_first(self, rng):
+        """The end effector moves as with its task alone, by other joints."""
         robot = planar(7, lower=-0.9, upper=0.9)
         tasks = [jtik.FrameTask("tip"), jtik.FrameTask("link4", name="elbow", priority=1)]
-        law = LexicographicQP(backtracking=False)
-        both = jtik.InverseKinematics(robot, tasks, strategy=law)
-        alone = jtik.InverseKinematics(robot, tasks[0], strategy=law)
+        strategy = LexicographicQP(backtracking=False)
+        both = jtik.InverseKinematics(robot, tasks, strategy=strategy)
+        alone = jtik.InverseKinematics(robot, tasks[0], strategy=strategy)
         for _ in range(10):
             q = rng.choice([-0.9, 0.2, 0.9], 7)
             tip = planar_points(q)[-1] + rng.uniform(-0.1, 0.1, 2)
@@ -190,7 +191,7 @@ class TestSteps:
             dq = both.step(q, {"tip": tip, "elbow": rng.uniform(-4, 4, 2)}).q - q
             assert J @ dq == pytest.approx(J @ (alone.step(q, tip).q - q), abs=STRICT)
 
-    def test_programs_can_be_looked_at(self):
+    def test_quadratic_programs_can_be_inspected(self):
         tasks = [jtik.FrameTask("tip"), jtik.FrameTask("link3", name="elbow", priority=1)]
         ik = jtik.InverseKinematics(planar(4), tasks, criteria=JointCentering(), strategy="lexicographic_qp")
         target = {"tip": [2.0, 1.0], "elbow": [1.0, 1.0]}
@@ -202,15 +203,23 @@ class TestSteps:
 TIP = np.array([3.0, 2.5])
 
 
+@functools.cache
+def end_effector_above_elbow(n, limit, elbow, criteria):
+    """A solver for a planar arm: the end effector first, and the end of a link below it."""
+    tasks = [jtik.FrameTask("tip"), jtik.FrameTask(elbow, name="elbow", priority=1)]
+    robot = planar(n, lower=-limit, upper=limit)
+    return jtik.InverseKinematics(robot, tasks, criteria=criteria, strategy="lexicographic_qp")
+
+
+CENTERING = JointCentering()
+
+
 @pytest.mark.parametrize("limit", [math.inf, 1.2, 0.8])
 @pytest.mark.parametrize("elbow", [(0.5, -1.5), (-3.0, 3.0), (0.0, 3.5)])
 @pytest.mark.parametrize("with_criterion", [False, True])
 def test_tasks_that_contradict_each_other(limit, elbow, with_criterion):
-    """The tip arrives; the elbow comes as near as a local search over all postures with the tip on target finds."""
-    robot = planar(6, lower=-limit, upper=limit)
-    tasks = [jtik.FrameTask("tip"), jtik.FrameTask("link4", name="elbow", priority=1)]
-    criteria = JointCentering() if with_criterion else None
-    ik = jtik.InverseKinematics(robot, tasks, criteria=criteria, strategy="lexicographic_qp")
+    """The end effector arrives; the elbow is as close as a local search over the postures on target finds."""
+    ik = end_effector_above_elbow(6, limit, "link4", CENTERING if with_criterion else None)
     solution = ik.solve({"tip": TIP, "elbow": elbow}, q0=[0.2] * 6)
     points = planar_points(solution.q)
     assert np.linalg.norm(points[-1] - TIP) < STRICT
@@ -233,7 +242,7 @@ def test_tasks_that_contradict_each_other(limit, elbow, with_criterion):
 
 
 def test_the_criterion_comes_below_all_tasks():
-    """Two tasks that can both be met, and the least H among the postures that do."""
+    """Two tasks that can both be met, and the minimum of H among the postures that do."""
     robot, q = planar(8, lower=-2.0, upper=2.0), np.linspace(0.6, -0.2, 8)
     tasks = [jtik.FrameTask("tip"), jtik.FrameTask("link5", name="elbow", priority=1)]
     ik = jtik.InverseKinematics(robot, tasks, criteria=JointCentering(), strategy="lexicographic_qp")
@@ -255,7 +264,7 @@ def test_the_criterion_comes_below_all_tasks():
 
 
 def test_two_arms_on_one_body(rng):
-    """A base that both hands share: each level gets what it can."""
+    """Two arms on one trunk: each level is met as far as the higher one allows."""
     joints = [
         jtik.Joint("trunk", jtik.JointType.REVOLUTE, "base", "trunk", lower=-1.0, upper=1.0),
         *_arm("left", (0.3, 0.2)),
@@ -291,15 +300,14 @@ def _arm(side, place):
 @pytest.mark.parametrize("start", [(1.0,) * 5, (-1.0, 1.0, -1.0, 1.0, -1.0), (5.0,) * 5, (0.0,) * 5])
 @pytest.mark.parametrize("target", [(2.0, 1.0), (-3.0, 0.0), (0.0, 0.0), (50.0, 0.0)])
 def test_at_limits_and_outside_them(start, target):
-    robot = planar(5, lower=-1.0, upper=1.0)
-    tasks = [jtik.FrameTask("tip"), jtik.FrameTask("link3", name="elbow", priority=1)]
-    ik = jtik.InverseKinematics(robot, tasks, criteria=JointCentering(), strategy="lexicographic_qp")
+    ik = end_effector_above_elbow(5, 1.0, "link3", CENTERING)
     solution = ik.solve({"tip": target, "elbow": (1.0, 1.0)}, q0=start, max_iterations=200)
     assert np.isfinite(solution.q).all()
     assert np.abs(solution.q).max() <= 1.0
     assert solution.status not in (jtik.Status.UNSOLVED, jtik.Status.NOT_FINITE)
 
 
+@pytest.mark.slow
 def test_the_contract_without_damping():
     check_strategy(LexicographicQP(damping=0.0), samples=1)
 

@@ -1,4 +1,4 @@
-"""The strategy "mink": mink's own step, strict or soft, and what becomes of the poses where mink has none."""
+"""The strategy "mink": mink's own step, strict or soft, and the poses at which mink has no step."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ DAQP = 1e-6
 WHOLE = {"step_limit": np.inf}
 
 
-def solver(robot, kind="position", *, law=None, criteria=None, **options):
+def solver(robot, kind="position", *, strategy=None, criteria=None, **options):
     return jtik.InverseKinematics(
-        robot, jtik.FrameTask(robot.tip, kind), criteria=criteria, strategy=law or Mink(), **options
+        robot, jtik.FrameTask(robot.tip, kind), criteria=criteria, strategy=strategy or Mink(), **options
     )
 
 
@@ -34,18 +34,20 @@ class TestOneStep:
         newton = Newton(backtracking=False, q_limit=np.inf)
         for _ in range(5):
             q, target = rng.uniform(0.2, 0.8, 5), rng.uniform(1, 2, 2)
-            steps = [solver(robot, law=law, limits=False).step(q, target).q for law in (Mink(**WHOLE), newton)]
+            steps = [
+                solver(robot, strategy=strategy, limits=False).step(q, target).q for strategy in (Mink(**WHOLE), newton)
+            ]
             assert steps[0] == pytest.approx(steps[1], abs=DAQP)
 
     def test_strict_with_a_criterion_is_newton_with_the_projection(self, rng):
         robot = planar(5)
-        law = Mink(**WHOLE, descent=ProjectedGradient(beta_max=0.05))
+        strategy = Mink(**WHOLE, descent=ProjectedGradient(beta_max=0.05))
         for _ in range(5):
             q, target = rng.uniform(0.2, 0.8, 5), rng.uniform(1, 2, 2)
             J = robot.jacobian(q)[:2]
             inverse = np.linalg.pinv(J)
             expected = inverse @ (target - robot.position(q)) - 0.05 * (q - inverse @ (J @ q))
-            step = solver(robot, law=law, criteria=JointCentering(), limits=False).step(q, target).q - q
+            step = solver(robot, strategy=strategy, criteria=JointCentering(), limits=False).step(q, target).q - q
             assert step == pytest.approx(expected, abs=DAQP)
 
     @pytest.mark.parametrize("strict", [True, False])
@@ -61,13 +63,13 @@ class TestOneStep:
         configuration = mink.Configuration(model, q)
         hard = {"tasks": [], "constraints": [tip], "damping": 1.0} if strict else {"tasks": [tip]}
         expected = mink.solve_ik(configuration=configuration, dt=1.0, solver="daqp", limits=[], **hard)
-        step = solver(robot, "pose", law=Mink(strict=strict, **WHOLE)).step(q, target)
+        step = solver(robot, "pose", strategy=Mink(strict=strict, **WHOLE)).step(q, target)
         assert step.q - q == pytest.approx(expected, abs=1e-9)
 
     def test_the_box_is_the_limits_of_the_solver_and_the_step_limit(self):
         robot = planar(3, lower=-0.1, upper=0.25)
         q = np.array([0.2, 0.0, -0.05])
-        after = solver(robot, law=Mink(step_limit=0.15)).step(q, [0.0, 3.0]).q
+        after = solver(robot, strategy=Mink(step_limit=0.15)).step(q, [0.0, 3.0]).q
         assert after == pytest.approx([0.25, 0.15, 0.10], abs=1e-9)
 
 
@@ -81,15 +83,15 @@ class TestSolves:
         robot = build()
         q0 = robot.integrate(robot.neutral, rng.uniform(0.0, 0.1, robot.n))
         target = robot.position(robot.integrate(q0, rng.uniform(0.0, 0.2, robot.n)))
-        solution = solver(robot, law=Mink(strict=strict), criteria=criteria).solve(target, q0=q0)
+        solution = solver(robot, strategy=Mink(strict=strict), criteria=criteria).solve(target, q0=q0)
         assert solution.converged, solution
         assert solution.null_space_residual <= 1e-5
 
     def test_the_same_optimum_as_jtiks_own(self):
         robot = planar(5, lower=-0.9, upper=0.9)
         costs = [
-            solver(robot, law=law, criteria=JointCentering()).solve([2.5, 2.5], q0=np.full(5, 0.3)).cost
-            for law in (Mink(), Mink(strict=False), "newton+qp")
+            solver(robot, strategy=strategy, criteria=JointCentering()).solve([2.5, 2.5], q0=np.full(5, 0.3)).cost
+            for strategy in (Mink(), Mink(strict=False), "newton+qp")
         ]
         assert costs[:2] == pytest.approx([costs[2]] * 2, rel=1e-6)
 
@@ -102,7 +104,7 @@ class TestSolves:
         assert solution.converged, solution
 
     def test_several_tasks_by_priority(self):
-        """The first is met, the second as far as that leaves it."""
+        """The first is met, the second as far as the first allows."""
         robot = planar(4)
         tasks = [jtik.FrameTask("tip"), jtik.FrameTask("link3", priority=1)]
         ik = jtik.InverseKinematics(robot, tasks, strategy="mink")
@@ -112,22 +114,22 @@ class TestSolves:
         assert robot.position(q, "link3")[0] > 0.9
 
     def test_tasks_of_minks_own(self):
-        """A posture of mink's, nearly settled when the tip arrives, and the same one as a criterion."""
+        """A posture task of mink, nearly stationary on arrival, and the same posture as a criterion."""
         robot, q0, target = planar(4), np.full(4, 0.3), [2.0, 2.0]
         posture = mink.PostureTask(to_mujoco(robot), cost=1.0)
         posture.set_target(np.array([0.1, 0.9, 0.2, 0.4]))
-        theirs = solver(robot, law=Mink(tasks=[posture])).step
+        theirs = solver(robot, strategy=Mink(tasks=[posture])).step
         q = q0
         for _ in range(120):
             q = theirs(q, target).q
-        ik = solver(robot, law="newton", criteria=JointCentering())
+        ik = solver(robot, strategy="newton", criteria=JointCentering())
         ik.parameters["joint_centering.preferred"] = posture.target_q
         assert q == pytest.approx(ik.solve(target, q0=q0).q, abs=1e-3)
 
 
 class TestWhereMinkHasNoSolution:
     def test_a_straight_arm_pulled_inwards(self):
-        """Every strict step fails there; the soft one goes on, and the engine's escape leaves the straight line.
+        """Every strict step fails there; the soft step does not, and the saddle escape leaves the straight line.
 
         Solvers may call it solved with a row 0 = -2 in it: their word is not enough.
         """

@@ -38,18 +38,15 @@ def starts(rng, n, pose):
 
 
 POSES = ("generic", "far", "near-straight 1e-3", "near-straight 1e-6", "straight", "folded")
+PLANAR = {
+    "pose": st.sampled_from(POSES),
+    "reach": st.floats(0.0, 1.1),
+    "on_line": st.booleans(),
+    "seed": st.integers(0, 2**32 - 1),
+}
 
 
-@pytest.mark.parametrize("strategy", MONOTONE)
-@settings(deadline=None, max_examples=80)
-@given(
-    n=st.integers(2, 12),
-    pose=st.sampled_from(POSES),
-    reach=st.floats(0.0, 1.1),
-    on_line=st.booleans(),
-    seed=st.integers(0, 2**32 - 1),
-)
-def test_planar_arms(strategy, n, pose, reach, on_line, seed):
+def check_planar_arm(strategy, n, pose, reach, on_line, seed):
     rng = np.random.default_rng(seed)
     q0 = starts(rng, n, pose)
     angle = q0[0] if on_line else rng.uniform(-np.pi, np.pi)
@@ -64,9 +61,21 @@ def test_planar_arms(strategy, n, pose, reach, on_line, seed):
 
 
 @pytest.mark.parametrize("strategy", MONOTONE)
-@settings(deadline=None, max_examples=25)
-@given(n=st.integers(3, 8), seed=st.integers(0, 2**16), kind=st.sampled_from(["position", "pose"]))
-def test_spatial_arms(strategy, n, seed, kind):
+@settings(deadline=None, max_examples=20)
+@given(n=st.sampled_from([2, 5]), **PLANAR)
+def test_planar_arms(strategy, n, pose, reach, on_line, seed):
+    check_planar_arm(strategy, n, pose, reach, on_line, seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("strategy", MONOTONE)
+@settings(deadline=None, max_examples=80)
+@given(n=st.integers(2, 12), **PLANAR)
+def test_planar_arms_of_any_length(strategy, n, pose, reach, on_line, seed):
+    check_planar_arm(strategy, n, pose, reach, on_line, seed)
+
+
+def check_spatial_arm(strategy, n, seed, kind):
     robot = dh_arm(n, seed % 5)
     rng = np.random.default_rng(seed)
     target = robot.pose(robot.random_configuration(rng))
@@ -76,11 +85,29 @@ def test_spatial_arms(strategy, n, seed, kind):
         assert rises(trace).max(initial=-1) <= ACCEPTED_RISE
 
 
-def test_the_undamped_law_does_let_V_rise():
-    """So that the tests above are known to be able to fail."""
-    law = jtik.strategies["newton"](q_limit=np.inf, backtracking=False)
+SPATIAL = {"kind": st.sampled_from(["position", "pose"])}
+
+
+@pytest.mark.parametrize("strategy", MONOTONE)
+@settings(deadline=None, max_examples=10)
+@given(seed=st.integers(0, 2**13).map(lambda k: 5 * k), **SPATIAL)
+def test_a_spatial_arm(strategy, seed, kind):
+    check_spatial_arm(strategy, 4, seed, kind)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("strategy", MONOTONE)
+@settings(deadline=None, max_examples=25)
+@given(n=st.integers(3, 8), seed=st.integers(0, 2**16), **SPATIAL)
+def test_spatial_arms(strategy, n, seed, kind):
+    check_spatial_arm(strategy, n, seed, kind)
+
+
+def test_V_rises_without_damping_and_backtracking():
+    """The tests above can fail."""
+    undamped = jtik.strategies["newton"](q_limit=np.inf, backtracking=False)
     rng = np.random.default_rng(1)
-    ik = solver(law, planar(10))
+    ik = solver(undamped, planar(10))
     traces = [
         ik.solve((5.0, 0.0), q0=starts(rng, 10, "near-straight 1e-3"), max_iterations=50, trace=True).trace
         for _ in range(10)

@@ -10,10 +10,10 @@ import pytest
 import jtik
 from jtik_formulations import JointCentering, Newton, ProjectedGradient
 
-from ..conftest import EXACT, ball_arm, dh_arm, floating_arm, planar, planar_jacobian, planar_points
+from ..conftest import EXACT, ball_arm, dh_arm, floating_arm, large_ones_slow, planar, planar_jacobian, planar_points
 
-TELLING = [name for name, law in jtik.strategies.items() if not law.is_soft and name != "mink"]
-"""Laws whose null-space step is exact, and told apart from the task step."""
+TELLING = [name for name, strategy in jtik.strategies.items() if not strategy.is_soft and name != "mink"]
+"""Strategies whose null-space step is exact, and separate from the task step."""
 
 BARE = {"backtracking": False, "q_limit": math.inf}
 
@@ -21,8 +21,8 @@ LEAKAGE = 1e-10
 """|J nu| / |nu| in poses of full rank: the projector is right to rounding times the condition number."""
 
 
-def solver(robot, law, kind="position", **options):
-    return jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), strategy=law, limits=False, **options)
+def solver(robot, strategy, kind="position", **options):
+    return jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), strategy=strategy, limits=False, **options)
 
 
 def test_the_minimum_norm_step_of_the_sns_example():
@@ -156,35 +156,35 @@ class TestNullSpaceTerm:
     def test_the_worked_projector(self):
         """Unit 3R at (pi/2, pi/2, pi/2) on target: a step along each coordinate's gradient is a column of N."""
         q = np.full(3, np.pi / 2)
-        law = Newton(secondary=ProjectedGradient(rule="paper"), **BARE)
+        strategy = Newton(secondary=ProjectedGradient(rule="paper"), **BARE)
 
         @jtik.criterion
-        def slope(q, robot, *, along=(1.0, 1.0, 1.0)):
+        def ramp(q, robot, *, along=(1.0, 1.0, 1.0)):
             return q[0] * along[0] + q[1] * along[1] + q[2] * along[2]
 
-        ik = solver(planar(3), law, criteria=slope)
+        ik = solver(planar(3), strategy, criteria=ramp)
         target = planar_points(q)[-1]
         assert ik.solve(target, q0=q, max_iterations=0).jacobian == pytest.approx(
             np.array([[0, 1, 1], [-1, -1, 0]]), abs=EXACT
         )
         columns = []
         for unit in np.eye(3):
-            ik.parameters["slope.along"] = unit
+            ik.parameters["ramp.along"] = unit
             ik.reset()
             columns.append(q - ik.step(q, target).q)
         projector = np.array([[1, -1, 1], [-1, 1, -1], [1, -1, 1]]) / 3
         found = np.array(columns).T
         assert found == pytest.approx(projector, abs=1e-8)
-        ik.parameters["slope.along"] = np.ones(3)
+        ik.parameters["ramp.along"] = np.ones(3)
         ik.reset()
         assert q - ik.step(q, target).q == pytest.approx([1 / 3, -1 / 3, 1 / 3], abs=1e-8)
 
     @pytest.mark.parametrize("beta", [0.1, 1.0])
     def test_the_whole_step_is_newtons_and_the_projected_gradient(self, beta, rng):
         """-J+ e - beta (I - J+ J) dH."""
-        law = Newton(secondary=ProjectedGradient(rule="paper", beta_max=beta), **BARE)
+        strategy = Newton(secondary=ProjectedGradient(rule="paper", beta_max=beta), **BARE)
         for robot, kind in ((planar(6), "position"), (dh_arm(7, 2), "pose")):
-            ik = solver(robot, law, kind, criteria=JointCentering())
+            ik = solver(robot, strategy, kind, criteria=JointCentering())
             for _ in range(5):
                 q = rng.uniform(-1, 1, robot.n)
                 target = robot.pose(q + rng.uniform(-0.1, 0.1, robot.n))
@@ -195,9 +195,9 @@ class TestNullSpaceTerm:
                 dq = ik.step(q, target).q - q
                 assert dq == pytest.approx(-pinv @ e - beta * (g - pinv @ J @ g), rel=1e-8, abs=1e-10)
 
-    @pytest.mark.parametrize("strategy", TELLING)
-    def test_it_does_not_move_the_tip(self, strategy, rng):
-        """|J nu| / |nu|, as the trace tells it and as computed from on-target steps."""
+    @pytest.mark.parametrize("strategy", large_ones_slow(TELLING))
+    def test_it_does_not_move_the_end_effector(self, strategy, rng):
+        """|J nu| / |nu|, as the trace reports it and as computed from on-target steps."""
         for robot, kind in ((planar(10), "position"), (dh_arm(7, 1), "position"), (dh_arm(8, 2), "pose")):
             ik = solver(robot, strategy, kind, criteria=JointCentering(preferred=np.full(robot.n, 0.4)))
             for _ in range(5):

@@ -10,31 +10,31 @@ import pytest
 import jtik
 from jtik_formulations import Hybrid, JointCentering, Newton, ObstacleAvoidance, ProjectedGradient, Transpose
 
-from ..conftest import planar, planar_points
+from ..conftest import planar, planar_points, slow
 
-LAWS = {"transpose": Transpose, "newton": Newton, "hybrid": Hybrid}
+PRIMARIES = {"transpose": Transpose, "newton": Newton, "hybrid": Hybrid}
 FIELD = [jtik.Circle((4.0, 2.5), 0.5), jtik.Circle((6.5, -1.0), 0.8)]
 
 
 @functools.cache
-def solver(law, rule, criteria=None, n=10, **options):
-    strategy = LAWS[law](secondary=ProjectedGradient(rule=rule, **options))
+def solver(primary, rule, criteria=None, n=10, **options):
+    strategy = PRIMARIES[primary](secondary=ProjectedGradient(rule=rule, **options))
     criteria = criteria or JointCentering() + 0.3 * ObstacleAvoidance(FIELD)
     return jtik.InverseKinematics(planar(n), jtik.FrameTask(), criteria=criteria, strategy=strategy)
 
 
-def run(law, rule, rng, iterations=150, **options):
+def run(primary, rule, rng, iterations=150, **options):
     q0 = rng.uniform(-0.6, 0.6, 10)
     target = planar_points(rng.uniform(-0.5, 0.5, 10))[-1]
-    return solver(law, rule, **options).solve(target, q0=q0, max_iterations=iterations, trace=True)
+    return solver(primary, rule, **options).solve(target, q0=q0, max_iterations=iterations, trace=True)
 
 
 @pytest.mark.parametrize("rule", ["sqrt", "paper"])
-@pytest.mark.parametrize("law", LAWS)
-def test_V2_does_not_grow(law, rule, rng):
+@pytest.mark.parametrize("primary", PRIMARIES)
+def test_V2_does_not_grow(primary, rule, rng):
     """V2 = 1/2 |beta h|^2, over the accepted steps; the floor of the rule "sqrt" is a level it may always return to."""
     for _ in range(5):
-        solution = run(law, rule, rng, floor=1e-12)
+        solution = run(primary, rule, rng, floor=1e-12)
         V2 = solution.trace.V2[solution.trace.accepted == 1]
         assert len(V2) > 3
         assert V2[0] > 0
@@ -67,8 +67,8 @@ def test_the_ratio_as_printed_collapses_doubly_exponentially_and_its_root_does_n
         return q[3]
 
     secondary = ProjectedGradient(rule=rule, beta_max=0.9, step_limit=10.0)
-    law = Newton(secondary=secondary, backtracking=False)
-    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask("link3"), criteria=downhill, strategy=law, joints="all")
+    strategy = Newton(secondary=secondary, backtracking=False)
+    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask("link3"), criteria=downhill, strategy=strategy, joints="all")
     q0 = np.array([0.3, 0.4, 0.5, 0.6])
     trace = ik.solve(planar(4).position(q0, "link3"), q0=q0, max_iterations=10, trace=True).trace
     assert trace.null_residual == pytest.approx(1.0)
@@ -77,7 +77,7 @@ def test_the_ratio_as_printed_collapses_doubly_exponentially_and_its_root_does_n
 
 
 def test_with_the_root_it_does_not_freeze():
-    """The same criterion, both rules: the root reaches the optimum, the ratio stops on the way."""
+    """The same criterion with both rules: "sqrt" reaches the optimum, "paper" stops before it."""
     residuals, springs = {}, JointCentering(1.0, np.full(10, 0.2))
     for rule in ("sqrt", "paper"):
         rng = np.random.default_rng(5)
@@ -87,45 +87,45 @@ def test_with_the_root_it_does_not_freeze():
     assert np.median(residuals["paper"]) > 1e-3
 
 
-@pytest.mark.parametrize("law", LAWS)
-def test_steps_are_no_longer_than_the_cap(law, rng):
+@pytest.mark.parametrize("primary", PRIMARIES)
+def test_steps_are_no_longer_than_the_limit(primary, rng):
     for rule in ("merit", "sqrt"):
-        trace = run(law, rule, rng, step_limit=0.05).trace
+        trace = run(primary, rule, rng, step_limit=0.05).trace
         assert np.sqrt(2 * trace.V2.max()) <= 0.05 * (1 + 1e-9)
 
 
-@pytest.mark.parametrize("law", ["newton", "hybrid"])
-def test_a_start_at_the_optimum_of_H_does_not_freeze_the_motion(law):
-    """V2 is zero there; a rule that remembered it for ever would never move again."""
+@pytest.mark.parametrize("primary", ["newton", "hybrid"])
+def test_a_start_at_the_optimum_of_H_does_not_freeze_the_motion(primary):
+    """V2 is zero there; a rule that kept it as its reference would allow no further motion."""
     target = np.array([6.0, 3.0])
     for rule in ("merit", "sqrt"):
-        ik = solver(law, rule, criteria=JointCentering())
+        ik = solver(primary, rule, criteria=JointCentering())
         solution = ik.solve(target, q0=np.full(10, 1e-9), max_iterations=400)
         assert solution.status is jtik.Status.CONVERGED
 
 
-@pytest.mark.parametrize("law", LAWS)
-def test_merit_converges_to_an_optimum(law, rng):
+@pytest.mark.parametrize("primary", PRIMARIES)
+def test_merit_converges_to_an_optimum(primary, rng):
     for _ in range(5):
-        solution = run(law, "merit", rng, iterations=5000)
+        solution = run(primary, "merit", rng, iterations=5000)
         assert solution.position_error <= 1e-6
-        if law != "transpose":
+        if primary != "transpose":
             assert solution.status is jtik.Status.CONVERGED
 
 
-@pytest.mark.parametrize("law", ["newton", "hybrid"])
-def test_merit_ends_lower_than_where_it_first_arrived(law, rng):
+@pytest.mark.parametrize("primary", ["newton", "hybrid"])
+def test_merit_ends_lower_than_where_it_first_arrived(primary, rng):
     for _ in range(5):
         q0 = rng.uniform(-1, 1, 10)
         target = planar_points(rng.uniform(-0.5, 0.5, 10))[-1]
-        ik = solver(law, "merit")
+        ik = solver(primary, "merit")
         arrived, settled = (ik.solve(target, q0=q0, until=until) for until in ("reached", "stationary"))
         # an error of 1e-6 is worth that many times the multipliers in H
         assert settled.cost <= arrived.cost + 1e-5
 
 
 def excess_on_a_circle(strategy, weight):
-    """Largest H above the least one of the same target, over the second of two laps at the speed of a controller."""
+    """Largest difference of H from the minimum for the same target, over the second of two laps of a controller."""
     arm = jtik.Robot.builtin("panda")
     task, home = jtik.FrameTask(arm.tip, kind="pose"), np.array([0.0, -0.8, 0.0, -2.4, 0.0, 1.6, 0.8])
     moving = jtik.InverseKinematics(arm, task, criteria=weight * JointCentering(), strategy=strategy)
@@ -147,7 +147,7 @@ def excess_on_a_circle(strategy, weight):
 
 
 @pytest.mark.parametrize("strategy", ["newton", "hybrid", "newton+qp"])
-@pytest.mark.parametrize("weight", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("weight", [1e3, *slow(1e-3, 1.0)])
 def test_a_controller_keeps_to_the_optimum_of_a_moving_target_whatever_the_unit_of_H(strategy, weight):
     assert excess_on_a_circle(strategy, weight) <= 1.5e-3  # a step behind
 

@@ -18,7 +18,17 @@ from jtik.testing import check_strategy
 from jtik_formulations import Hybrid, JointCentering, Newton, ObstacleAvoidance, SecondOrder
 from jtik_formulations.strategies.second_order import convexified
 
-from ..conftest import ball_arm, dh_arm, differences, floating_arm, planar, planar_jacobian, planar_points, report_at
+from ..conftest import (
+    ball_arm,
+    dh_arm,
+    differences,
+    floating_arm,
+    planar,
+    planar_jacobian,
+    planar_points,
+    report_at,
+    slow,
+)
 
 FIELD = [jtik.Circle((4.0, 2.5), 0.5), jtik.Circle((6.5, -1.0), 0.8)]
 
@@ -82,16 +92,16 @@ class TestOneStep:
     def test_it_is_the_step_of_the_conditions_of_optimality(self, rng):
         """Against the linear system [W J'; J 0] [p; l] = -[dH; r], W by differences of dH + J' lambda."""
         H = JointCentering(np.linspace(1.0, 2.0, 4), np.full(4, 0.2))
-        law = Newton(secondary=SecondOrder(step_limit=10.0, corrections=0), backtracking=False, q_limit=math.inf)
-        ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(), criteria=H, strategy=law)
+        strategy = Newton(secondary=SecondOrder(step_limit=10.0, corrections=0), backtracking=False, q_limit=math.inf)
+        ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(), criteria=H, strategy=strategy)
         K = np.diag(np.linspace(1.0, 2.0, 4))
         definite = 0
         for _ in range(20):
             q = rng.uniform(0.1, 0.9, 4)
             target = planar_points(q)[-1] + rng.uniform(-0.02, 0.02, 2)
             J, g = planar_jacobian(q), K @ (q - 0.2)
-            price = -np.linalg.pinv(J).T @ g
-            W = K + differences(lambda q, price=price: planar_jacobian(q).T @ price, ik.robot, q)
+            multiplier = -np.linalg.pinv(J).T @ g
+            W = K + differences(lambda q, multiplier=multiplier: planar_jacobian(q).T @ multiplier, ik.robot, q)
             null = np.linalg.svd(J)[2][2:]
             if np.linalg.eigvalsh(null @ W @ null.T)[0] < 1e-3:
                 continue
@@ -103,22 +113,22 @@ class TestOneStep:
         assert definite >= 8
 
     @pytest.mark.parametrize(("sign", "convex"), [(1.0, True), (-1.0, False)])
-    def test_the_program_has_the_reduced_hessian_where_that_is_positive_definite(self, sign, convex):
+    def test_the_quadratic_program_has_the_reduced_hessian_where_that_is_positive_definite(self, sign, convex):
         """Up to a factor; where it is not, another that is."""
 
         @jtik.criterion
         def bowl(q, robot, *, sign=sign):
             return 0.5 * sign * casadi.sumsqr(q) - robot.position(q, "tip")[0]
 
-        def slope(q):
+        def gradient(q):
             return sign * q - planar_jacobian(q)[0]
 
         q = np.array([0.4, 0.5, -0.3, 0.6])
         J, target = planar_jacobian(q), planar_points(q)[-1]
         ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(), criteria=bowl, strategy="newton+second_order")
         null = np.linalg.svd(J)[2][2:]
-        price = -np.linalg.pinv(J).T @ slope(q)
-        exact = null @ differences(lambda q: slope(q) + planar_jacobian(q).T @ price, ik.robot, q) @ null.T
+        multiplier = -np.linalg.pinv(J).T @ gradient(q)
+        exact = null @ differences(lambda q: gradient(q) + planar_jacobian(q).T @ multiplier, ik.robot, q) @ null.T
         assert (np.linalg.eigvalsh(exact)[0] > 0) == convex
         P = null @ ik.build(q, target).P @ null.T
         assert np.linalg.eigvalsh(P)[0] > 0
@@ -159,7 +169,7 @@ class TestConvexified:
 
 
 class TestOrder:
-    @pytest.mark.parametrize("limit", [np.inf, 0.25])
+    @pytest.mark.parametrize("limit", [0.25, *slow(np.inf)])
     def test_ten_links_among_obstacles(self, limit):
         """Quadratic, with limits that bind and without; the projected gradient takes more steps to four digits less."""
         ik, plain = planar_solver(limit, "hybrid+second_order"), planar_solver(limit, "hybrid")
@@ -178,12 +188,12 @@ class TestOrder:
         assert np.median(steps) < np.median(theirs) / 1.5
         assert bound == (0 if np.isinf(limit) else 8)
 
-    @pytest.mark.parametrize("kind", ["position", "pose"])
-    @pytest.mark.parametrize("limit", [math.inf, 1.0])
-    @pytest.mark.parametrize("law", ["newton", "hybrid"])
-    def test_a_spatial_arm_with_a_criterion_of_the_users_own(self, law, kind, limit, rng):
-        robot = dh_arm(8, 3, limit)
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), criteria=elbow, strategy=f"{law}+second_order")
+    @pytest.mark.parametrize("kind", ["position", *slow("pose")])
+    @pytest.mark.parametrize("limit", [1.0, *slow(math.inf)])
+    @pytest.mark.parametrize("primary", ["hybrid", *slow("newton")])
+    def test_a_spatial_arm_with_a_criterion_of_the_user(self, primary, kind, limit, rng):
+        robot, strategy = dh_arm(8, 3, limit), f"{primary}+second_order"
+        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), criteria=elbow, strategy=strategy)
         for _ in range(4):
             q0 = rng.uniform(-0.6, 0.6, 8)
             target = robot.pose(np.clip(q0 + rng.uniform(-0.3, 0.3, 8), robot.lower, robot.upper))
@@ -191,9 +201,9 @@ class TestOrder:
             assert solution.status is jtik.Status.CONVERGED
             assert is_quadratic(solution, robot, least=2 if np.isinf(limit) else 1)
 
-    @pytest.mark.parametrize("arm", [ball_arm, floating_arm])
+    @pytest.mark.parametrize("arm", [ball_arm, *slow(floating_arm)])
     def test_manifolds_have_it_too(self, arm, rng):
-        """The optimum is a valley there, as nothing asks for a turn about a link: the slope falls quadratically."""
+        """The optimum is a valley, as the rotation about a link is free: the gradient falls quadratically."""
         robot = arm()
         ik = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=two_points, strategy="hybrid+second_order")
         for _ in range(3):
@@ -203,27 +213,28 @@ class TestOrder:
             solution = ik.solve(target, q0=q0, trace=True, **TIGHT)
             assert solution.status is jtik.Status.CONVERGED
             assert solution.second_order == "flat"
-            slope = solution.trace.null_residual
-            close = np.flatnonzero(slope < 1e-2)[:-1]
-            falls = slope[close + 1] <= 50 * slope[close] ** 1.5 + 1e-13
+            gradient = solution.trace.null_residual
+            close = np.flatnonzero(gradient < 1e-2)[:-1]
+            falls = gradient[close + 1] <= 50 * gradient[close] ** 1.5 + 1e-13
             assert falls[-2:].all()
 
-    def test_without_the_tasks_curvature_it_is_linear_and_ends_there_too(self):
+    @pytest.mark.parametrize("count", [2, *slow(6)])
+    def test_without_the_curvature_of_the_task_convergence_is_linear_to_a_minimum(self, count):
         exact = planar_solver(np.inf, "newton+second_order")
-        law = Newton(secondary=SecondOrder(curvature="gauss_newton"))
-        linear = planar_solver(np.inf, law)
+        strategy = Newton(secondary=SecondOrder(curvature="gauss_newton"))
+        linear = planar_solver(np.inf, strategy)
         more = 0
-        for q0, target in planar_problems(np.inf, 6, seed=1):
+        for q0, target in planar_problems(np.inf, count, seed=1):
             answers = [ik.solve(target, q0=q0, trace=True, **TIGHT) for ik in (exact, linear)]
             assert [answer.status for answer in answers] == [jtik.Status.CONVERGED] * 2
             again = exact.solve(target, q0=answers[1].q, **TIGHT)  # may be another minimum, but is one
             assert again.q == pytest.approx(answers[1].q, abs=1e-9)
             more += answers[1].iterations > answers[0].iterations
             assert not is_quadratic(answers[1], linear.robot)
-        assert more == 6
+        assert more == count
 
     def test_the_correction_saves_good_steps_from_the_merit(self):
-        """A high price of the task: what a self-motion lifts the tip to second order outweighs what it gains."""
+        """A large multiplier of the task: the second-order error of a self-motion outweighs its decrease of H."""
 
         @jtik.criterion
         def priced(q, robot):
@@ -231,15 +242,15 @@ class TestOrder:
 
         refused, q0 = [], np.array([0.9, 0.7, -0.5, 0.4, 0.8])
         for corrections in (0, 2):
-            law = Newton(secondary=SecondOrder(corrections=corrections))
-            ik = jtik.InverseKinematics(planar(5), jtik.FrameTask(), criteria=priced, strategy=law)
+            strategy = Newton(secondary=SecondOrder(corrections=corrections))
+            ik = jtik.InverseKinematics(planar(5), jtik.FrameTask(), criteria=priced, strategy=strategy)
             solution = ik.solve(planar_points(q0)[-1], q0=q0, trace=True, **TIGHT)
             assert solution.status is jtik.Status.CONVERGED
             refused.append(int((solution.trace.accepted == 0).sum()))
         assert refused[0] > refused[1] == 0
 
     def test_and_along_a_valley_of_the_criterion(self):
-        """H all but flat along the self-motion: the error one correction leaves outweighs the gain."""
+        """H nearly flat along the self-motion: the error after one correction outweighs the decrease of H."""
 
         @jtik.criterion
         def valley(q, robot):
@@ -247,8 +258,8 @@ class TestOrder:
 
         refused, q0 = [], np.array([0.9, 0.7, -0.5, 0.4, 0.8])
         for corrections in (0, 1, 2):
-            law = Newton(secondary=SecondOrder(corrections=corrections))
-            ik = jtik.InverseKinematics(planar(5), jtik.FrameTask(), criteria=valley, strategy=law)
+            strategy = Newton(secondary=SecondOrder(corrections=corrections))
+            ik = jtik.InverseKinematics(planar(5), jtik.FrameTask(), criteria=valley, strategy=strategy)
             options = {**TIGHT, "optimality_tolerance": 1e-9}
             solution = ik.solve(planar_points(q0)[-1], q0=q0, trace=True, **options)
             assert solution.status is jtik.Status.CONVERGED
@@ -317,7 +328,7 @@ TRAPEZOID = np.array([ANGLE, -ANGLE, -ANGLE])
 
 
 def four_bar(t):
-    """The arm of three unit links whose tip stays where the trapezoid has it, first link at angle t, in closed form."""
+    """Three unit links with the tip at that of the trapezoid and the first link at angle t, in closed form."""
     end = np.array([1 + 2 * math.cos(ANGLE), 0.0])
     first = np.array([math.cos(t), math.sin(t)])
     across = end - first
@@ -328,7 +339,7 @@ def four_bar(t):
 
 
 class TestKindOfStationaryPoint:
-    """Three links, tip held: a four-bar linkage, one self-motion. A symmetric H is stationary at the trapezoid."""
+    """Three links, tip fixed: a four-bar linkage, one self-motion. A symmetric H is stationary at the trapezoid."""
 
     @staticmethod
     def solver(stiffness, strategy="newton+second_order"):
@@ -339,7 +350,7 @@ class TestKindOfStationaryPoint:
         return jtik.InverseKinematics(planar(3), jtik.FrameTask(), criteria=level, strategy=strategy)
 
     @pytest.mark.parametrize(("stiffness", "kind"), [(2.0, "minimum"), (-2.0, "saddle"), (0.0, "flat")])
-    def test_where_the_level_of_the_second_link_is_rewarded_or_punished(self, stiffness, kind):
+    def test_a_criterion_of_the_angle_of_the_second_link(self, stiffness, kind):
         """The unit self-motion turns link 2 by 2 cos a / sqrt(1 + 2 (1 + 2 cos a)^2); H'' has the square of that."""
         ik, target = self.solver(stiffness), planar_points(TRAPEZOID)[-1]
         sampled = [0.5 * stiffness * (four_bar(ANGLE + d)[:2].sum()) ** 2 for d in (-0.01, 0.0, 0.01)]
@@ -349,13 +360,13 @@ class TestKindOfStationaryPoint:
         assert solution.status is jtik.Status.CONVERGED
         assert solution.second_order == kind
         cosine = math.cos(ANGLE)
-        bend = stiffness * (2 * cosine) ** 2 / (1 + 2 * (1 + 2 * cosine) ** 2)
+        curvature = stiffness * (2 * cosine) ** 2 / (1 + 2 * (1 + 2 * cosine) ** 2)
         null = np.linalg.svd(solution.jacobian)[2][2]
-        assert null @ solution.report.curvature(np.zeros(2)) @ null == pytest.approx(bend, abs=1e-12)
+        assert null @ solution.report.curvature(np.zeros(2)) @ null == pytest.approx(curvature, abs=1e-12)
 
     @pytest.mark.parametrize("stiffness", [1.0, -1.0])
-    def test_where_the_task_has_a_price(self, stiffness):
-        """H = the elbows' heights: dH is not zero, and the Hessian of H alone does not tell. Against H on the curve."""
+    def test_the_multiplier_of_the_task_counts(self, stiffness):
+        """H = height of the elbows: dH is not zero, and its Hessian alone does not decide. Against H on the curve."""
 
         @jtik.criterion
         def height(q, robot, *, stiffness=stiffness):
@@ -366,11 +377,11 @@ class TestKindOfStationaryPoint:
 
         ik = jtik.InverseKinematics(planar(3), jtik.FrameTask(), criteria=height, strategy="newton+second_order")
         target = planar_points(TRAPEZOID)[-1]
-        bend = sampled(ANGLE - 1e-3) - 2 * sampled(ANGLE) + sampled(ANGLE + 1e-3)
+        curvature = sampled(ANGLE - 1e-3) - 2 * sampled(ANGLE) + sampled(ANGLE + 1e-3)
         solution = ik.solve(target, q0=TRAPEZOID)
         assert solution.status is jtik.Status.CONVERGED
         assert np.linalg.norm(solution.gradient) > 0.1
-        assert solution.second_order == ("minimum" if bend > 0 else "saddle")
+        assert solution.second_order == ("minimum" if curvature > 0 else "saddle")
 
     def test_from_beside_a_saddle_it_goes_down(self):
         """A curvature that is not positive makes no Newton step towards the saddle."""
@@ -382,7 +393,7 @@ class TestKindOfStationaryPoint:
         assert solution.cost < -0.1
 
     def test_two_self_motions_of_opposite_curvature(self):
-        """Three links, only x held, springs at rest, some of which push: the eigenvalues are those of Z' K Z."""
+        """Three links, a task along x, springs at rest, any sign of stiffness: the eigenvalues are those of Z' K Z."""
         rest, kinds = np.array([0.3, 0.5, -0.4]), set()
         for stiffness in ((1.0, 2.0, 3.0), (1.0, -5.0, 1.0), (-1.0, -2.0, -3.0), (1.0, 0.0, 0.0)):
             K = np.diag(stiffness)
@@ -401,7 +412,7 @@ class TestKindOfStationaryPoint:
         assert kinds == {"minimum", "saddle", "flat"}
 
     def test_a_limit_makes_a_minimum_of_a_saddle(self):
-        """The only self-motion is blocked: there is no direction left to curve in."""
+        """The only self-motion is blocked by a limit: no direction remains."""
         robot = jtik.Robot.planar(3, lower=[-3.0, -3.0, -ANGLE], upper=[3.0, 3.0, 3.0])
 
         @jtik.criterion
@@ -417,21 +428,22 @@ class TestKindOfStationaryPoint:
         assert solution.q == pytest.approx(TRAPEZOID, abs=1e-6)
         assert solution.second_order == "minimum"
 
-    def test_it_says_nothing_where_the_question_has_no_meaning(self):
+    def test_it_is_none_away_from_a_stationary_point_and_without_a_criterion(self):
         target = planar_points(TRAPEZOID)[-1]
         assert self.solver(2.0).solve(target, q0=four_bar(ANGLE + 0.1), max_iterations=0).second_order is None
         assert self.solver(2.0).solve((9.0, 0.0), q0=TRAPEZOID).second_order is None
         assert jtik.InverseKinematics(planar(3), jtik.FrameTask()).solve(target, q0=TRAPEZOID).second_order is None
 
-    def test_the_answer_travels(self):
+    def test_it_is_copied_and_pickled(self):
         solution = self.solver(-2.0).solve(planar_points(TRAPEZOID)[-1], q0=TRAPEZOID)
-        for twin in (copy.copy(solution), pickle.loads(pickle.dumps(solution))):
-            assert twin.second_order == "saddle"
+        for copied in (copy.copy(solution), pickle.loads(pickle.dumps(solution))):
+            assert copied.second_order == "saddle"
 
 
-@pytest.mark.parametrize("law", ["hybrid+second_order", Hybrid(secondary=SecondOrder(curvature="gauss_newton"))])
-def test_contract(law):
-    check_strategy(law)
+@pytest.mark.slow
+@pytest.mark.parametrize("strategy", ["hybrid+second_order", Hybrid(secondary=SecondOrder(curvature="gauss_newton"))])
+def test_contract(strategy):
+    check_strategy(strategy)
 
 
 @pytest.mark.parametrize(

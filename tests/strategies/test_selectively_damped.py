@@ -1,4 +1,4 @@
-"""Selectively damped least squares: the law by numpy, both clamps, several effectors, and what the clamps promise."""
+"""Selectively damped least squares: its steps compared with NumPy, both clamps, several effectors, and bounds."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def test_the_step_in_space(clamp, rng):
 
 @pytest.mark.parametrize("clamp", ["hard", "soft"])
 def test_several_effectors(clamp, rng):
-    """Tip and elbow of one arm; rows of an effector count together, and its distance is clamped by itself."""
+    """End effector and elbow of one arm; rows of an effector count together, and its distance is clamped by itself."""
     robot, groups = planar(6), ((0, 1), (2, 3))
     tasks = [jtik.FrameTask("tip", name="tip"), jtik.FrameTask("link3", name="elbow")]
     ik = jtik.InverseKinematics(robot, tasks, strategy=bare(clamp=clamp, effectors=groups, max_error=0.5))
@@ -112,8 +112,8 @@ def test_no_angle_of_a_step_is_larger_than_the_limit(bend, rng):
         assert np.abs(ik.step(q, rng.uniform(-8, 8, 2)).q - q).max() <= 0.3 * (1 + 1e-12)
 
 
-def test_slides_are_not_clamped():
-    """A vehicle whose arm need not move goes the whole way at once."""
+def test_prismatic_joints_are_not_clamped():
+    """A vehicle whose arm need not move arrives in one step."""
     robot = jtik.Robot.vehicle(1)
     ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=bare())
     q = np.zeros(robot.n)
@@ -140,6 +140,6 @@ def test_options_are_checked(option, value):
 
 @pytest.mark.parametrize("effectors", [((0,),), ((0, 1), (1,)), ((0, 1, 2),)])
 def test_every_row_belongs_to_one_effector(effectors):
-    law = SelectivelyDamped(effectors=effectors)
+    strategy = SelectivelyDamped(effectors=effectors)
     with pytest.raises(jtik.ArgumentError, match="2 task rows"):
-        jtik.InverseKinematics(planar(3), jtik.FrameTask("tip"), strategy=law).step(np.zeros(3), [1.0, 1.0])
+        jtik.InverseKinematics(planar(3), jtik.FrameTask("tip"), strategy=strategy).step(np.zeros(3), [1.0, 1.0])

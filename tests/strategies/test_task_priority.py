@@ -32,14 +32,14 @@ def expected(levels, rule="recursive", rcond=1e-8):
 
 
 def points(*priorities):
-    """Tip, then elbow, then wrist of a planar arm of eight links, with these priorities."""
+    """End effector, then elbow, then wrist of a planar arm of eight links, with these priorities."""
     frames = ("tip", "link4", "link6")
     tasks = zip(frames, priorities, strict=False)
     return [jtik.FrameTask(frame, name=frame, priority=priority) for frame, priority in tasks]
 
 
-def solver(tasks, law, robot=None, **options):
-    return jtik.InverseKinematics(robot or planar(8), tasks, strategy=law, **options)
+def solver(tasks, strategy, robot=None, **options):
+    return jtik.InverseKinematics(robot or planar(8), tasks, strategy=strategy, **options)
 
 
 def targets(rng, q):
@@ -70,8 +70,8 @@ def test_the_step(priorities, rule, rng):
 @pytest.mark.parametrize("rule", ["recursive", "robust"])
 @pytest.mark.parametrize("bend", [0.0, 1e-4, 1e-2])
 def test_the_step_of_a_nearly_straight_arm(bend, rule, rng):
-    """Straight, both levels lose the direction along the arm; nearly straight, the step is long, and the law's all the
-    same."""
+    """Straight, both levels lose the direction along the arm; nearly straight, the step is
+    long and equal to the formula."""
     ik = solver(points(0, 1), TaskPriority(rule=rule, **BARE))
     q = np.append(0.5, bend * rng.uniform(-1, 1, 7))
     target = {"tip": np.array([6.0, 4.5]), "link4": np.array([3.2, 2.2])}
@@ -93,7 +93,7 @@ def test_a_lower_level_does_not_change_what_a_higher_one_does(rule, rng):
 
 
 def test_compatible_levels_are_all_served_at_once_by_the_recursion(rng):
-    """Then it is Newton's step for all rows together, up to what is left free: J dq = -r."""
+    """Then it is Newton's step for all rows together, up to the free motion: J dq = -r."""
     ik = solver(points(0, 1, 2), TaskPriority(**BARE))
     for _ in range(10):
         q = rng.uniform(-1, 1, 8)
@@ -103,8 +103,8 @@ def test_compatible_levels_are_all_served_at_once_by_the_recursion(rng):
             assert J @ step == pytest.approx(-r, abs=1e-9)
 
 
-def test_a_level_that_has_nothing_left_adds_nothing(rng):
-    """The same point twice with another target: what the projection leaves of its rows is rounding, not a direction."""
+def test_a_level_without_remaining_freedom_adds_nothing(rng):
+    """The same point twice with another target: its projected rows are rounding, not a direction."""
     tasks = [jtik.FrameTask("tip", name="first"), jtik.FrameTask("tip", name="second", priority=1)]
     for rule in ("recursive", "robust"):
         ik = solver(tasks, TaskPriority(rule=rule, **BARE))
@@ -114,16 +114,16 @@ def test_a_level_that_has_nothing_left_adds_nothing(rng):
             assert ik.step(q, {"first": a, "second": b}).q - q == pytest.approx(newton, abs=1e-10)
 
 
-def test_one_level_is_newton_s_law(rng):
+def test_one_level_is_newtons_method(rng):
     robot = dh_arm(7, 3)
-    laws = (TaskPriority(), TaskPriority(rule="robust"), "newton")
+    strategies = (TaskPriority(), TaskPriority(rule="robust"), "newton")
     for _ in range(3):
         q0, target = rng.uniform(-1, 1, 7), robot.pose(rng.uniform(-1, 1, 7))
         solutions = [
-            jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose"), strategy=law).solve(
+            jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose"), strategy=strategy).solve(
                 target, q0=q0, max_iterations=5
             )
-            for law in laws
+            for strategy in strategies
         ]
         assert solutions[0].q == pytest.approx(solutions[2].q, abs=1e-8)
         assert solutions[1].q == pytest.approx(solutions[2].q, abs=1e-8)
@@ -131,8 +131,8 @@ def test_one_level_is_newton_s_law(rng):
 
 @pytest.mark.parametrize("rule", ["recursive", "robust"])
 def test_the_criterion_moves_no_level(rule, rng):
-    law = TaskPriority(rule=rule, **BARE)
-    plain, with_criterion = (solver(points(0, 1), law, criteria=c) for c in (None, JointCentering()))
+    strategy = TaskPriority(rule=rule, **BARE)
+    plain, with_criterion = (solver(points(0, 1), strategy, criteria=c) for c in (None, JointCentering()))
     for _ in range(10):
         q = rng.uniform(-1, 1, 8)
         target = {name: point for name, point in targets(rng, q).items() if name != "link6"}
@@ -143,8 +143,8 @@ def test_the_criterion_moves_no_level(rule, rng):
 
 
 @pytest.mark.parametrize("rule", ["recursive", "robust"])
-def test_of_two_tasks_that_conflict_the_lower_gives_way(rule):
-    """Tip at 6 m on the right, elbow at 2 m on the left: one of them only, and priority says which."""
+def test_of_two_conflicting_tasks_the_lower_is_not_met(rule):
+    """End effector at 6 m on the right, elbow at 2 m on the left: only the one of higher priority is met."""
     target, q0 = {"tip": [6.0, 0.0], "link4": [-2.0, 0.5]}, [0.6, -0.4, 0.5, -0.3, 0.2, -0.5, 0.4, 0.3]
     error = {}
     for priorities in ((0, 1), (1, 0)):
@@ -159,7 +159,7 @@ def test_of_two_tasks_that_conflict_the_lower_gives_way(rule):
 
 
 def test_the_lower_level_of_a_conflict_ends_at_its_constrained_minimum():
-    """Against SLSQP: least distance of the elbow subject to the tip being where it belongs."""
+    """Against SLSQP: minimum distance of the elbow with the end effector on its target."""
     target, q0 = {"tip": [5.0, 2.0], "link4": [0.5, -2.0]}, np.array([0.3, 0.3, 0.2, 0.3, -0.2, 0.1, 0.3, 0.2])
     solution = solver(points(0, 1), TaskPriority()).solve(target, q0=q0, max_iterations=2000)
     found = minimize(

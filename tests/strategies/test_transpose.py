@@ -22,18 +22,18 @@ MACHINE = 1e-15
 BARE = {"backtracking": False, "q_limit": math.inf}
 
 
-def solver(robot, law, **task):
-    return jtik.InverseKinematics(robot, jtik.FrameTask("tip", **task), strategy=law, limits=False)
+def solver(robot, strategy, **task):
+    return jtik.InverseKinematics(robot, jtik.FrameTask("tip", **task), strategy=strategy, limits=False)
 
 
 @functools.cache
-def _kept(robot, law, kind, axes):
-    return solver(robot, law, kind=kind, axes=axes)
+def _kept(robot, strategy, kind, axes):
+    return solver(robot, strategy, kind=kind, axes=axes)
 
 
-def first_step(robot, law, q, target, kind="position", axes=None):
+def first_step(robot, strategy, q, target, kind="position", axes=None):
     """The step dq from q, taken without limits and without a past."""
-    ik = _kept(robot, law, kind, axes)
+    ik = _kept(robot, strategy, kind, axes)
     ik.reset()
     return ik.step(q, target).q - q
 
@@ -59,30 +59,30 @@ def test_one_worked_step():
     assert trace.error[1] ** 2 / 2 == pytest.approx(0.07266294, abs=WORKED)
 
 
-@pytest.mark.parametrize("law", [Transpose(**BARE), Transpose(rule="paper", **BARE)])
-def test_alpha_is_the_exact_minimum_along_the_step(law, rng):
+@pytest.mark.parametrize("strategy", [Transpose(**BARE), Transpose(rule="paper", **BARE)])
+def test_alpha_is_the_exact_minimum_along_the_step(strategy, rng):
     for n in (2, 5, 10):
         for _ in range(10):
             q = rng.uniform(-1, 1, n)
             target = planar_points(rng.uniform(-1, 1, n))[-1]
             J, e = planar_jacobian(q), planar_points(q)[-1] - target
             alpha, dq = optimal(J, e)
-            assert first_step(planar(n), law, q, target) == pytest.approx(dq, abs=EXACT * (1 + np.abs(dq).max()))
-            slopes = [np.sum((e - a * J @ J.T @ e) ** 2) for a in (0.99 * alpha, alpha, 1.01 * alpha)]
-            assert slopes[1] == min(slopes)
+            assert first_step(planar(n), strategy, q, target) == pytest.approx(dq, abs=EXACT * (1 + np.abs(dq).max()))
+            values = [np.sum((e - a * J @ J.T @ e) ** 2) for a in (0.99 * alpha, alpha, 1.01 * alpha)]
+            assert values[1] == min(values)
 
 
 class TestEqualToNewton:
     """With one row in the task, u is an eigenvector of J J', and the transpose step is Newton's."""
 
-    @pytest.mark.parametrize("law", [Transpose(**BARE), Transpose(rule="paper", **BARE)])
-    def test_one_degree_of_freedom(self, law, rng):
+    @pytest.mark.parametrize("strategy", [Transpose(**BARE), Transpose(rule="paper", **BARE)])
+    def test_one_degree_of_freedom(self, strategy, rng):
         robot = jtik.Robot.planar([0.7])
         for _ in range(20):
             q = rng.uniform(-2.5, 2.5, 1)
             target = np.array([0.7 * np.cos(q[0] + rng.uniform(-0.5, 0.5)), 0.0])
             e, j = 0.7 * np.cos(q[0]) - target[0], -0.7 * np.sin(q[0])
-            for each in (law, Newton(**BARE)):
+            for each in (strategy, Newton(**BARE)):
                 dq = first_step(robot, each, q, target, axes="x")
                 assert dq[0] == pytest.approx(-e / j, rel=1e-13)
 
@@ -103,8 +103,8 @@ class TestEqualToNewton:
             q = robot.random_configuration(rng)
             target = robot.pose(q + 0.1)
             steps = [
-                first_step(robot, law, q, target, kind="pose", axes=(axis,))
-                for law in (Transpose(**BARE), Newton(**BARE))
+                first_step(robot, strategy, q, target, kind="pose", axes=(axis,))
+                for strategy in (Transpose(**BARE), Newton(**BARE))
             ]
             assert steps[0] == pytest.approx(steps[1], rel=1e-12, abs=1e-15)
 
@@ -149,7 +149,7 @@ class TestS:
 
     @pytest.mark.parametrize("heading", [False, True])
     def test_the_vehicle_approaches_first(self, heading, rng):
-        """A far target: the turning joints turn by the limit, the slides do most of what brings the tip nearer."""
+        """A far target: the revolute joints turn by the limit, the prismatic joints do most of the motion."""
         robot = jtik.Robot.vehicle(3, heading=heading)
         ik = solver(robot, Transpose(q_limit=0.1))
         for _ in range(10):
@@ -166,7 +166,7 @@ class TestS:
             assert solution.trace.predicted_decrease[0] > 0
             assert solution.trace.actual_decrease[0] > 0
 
-    def test_a_vehicle_whose_arm_points_at_the_target_goes_nearly_all_the_way_at_once(self):
+    def test_a_vehicle_whose_arm_points_at_the_target_nearly_arrives_in_one_step(self):
         robot = jtik.Robot.vehicle(3)
         q0 = np.array([0.0, 0.0, 0.3, 0.3, 0.3])
         target = np.array([40.0, 30.0])
@@ -212,7 +212,7 @@ def test_options_out_of_range_are_refused(options):
     assert caught.value.argument == next(iter(options))
 
 
-def test_a_law_is_a_value():
+def test_a_strategy_is_a_value():
     assert Transpose() == Transpose(q_limit=0.5)
     assert Transpose() != Transpose(q_limit=0.4)
     assert "q_limit=0.5" in repr(Transpose())

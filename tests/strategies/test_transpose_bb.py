@@ -18,7 +18,7 @@ def energy(q, target):
 
 
 def replayed(q, target, calls, *, q_limit=0.5, memory=None):
-    """Iterates, one a call, refused ones too; ``memory`` None for the monotone law."""
+    """Iterates, one a call, refused ones too; ``memory`` is None for the monotone strategy."""
     visited, last, fraction, energies = [q], None, 1.0, []
     for _ in range(calls):
         J = planar_jacobian(q)
@@ -54,8 +54,8 @@ def replayed(q, target, calls, *, q_limit=0.5, memory=None):
 @pytest.mark.parametrize("memory", [None, 1, 2, 10])
 def test_the_steps_of_a_whole_solve(memory, bend, rng):
     """A short solve is compared to its end; a long one amplifies rounding, so the first steps are."""
-    law = TransposeBB() if memory is None else TransposeBB(monotone=False, memory=memory)
-    ik = jtik.InverseKinematics(planar(5), jtik.FrameTask("tip"), strategy=law)
+    strategy = TransposeBB() if memory is None else TransposeBB(monotone=False, memory=memory)
+    ik = jtik.InverseKinematics(planar(5), jtik.FrameTask("tip"), strategy=strategy)
     for _ in range(10):
         q0 = np.append(rng.uniform(-3, 3), bend * rng.uniform(-1, 1, 4))
         target = rng.uniform(-3, 3, 2)
@@ -87,8 +87,8 @@ def test_only_without_monotony_V_rises(rng):
     highest = {}
     problems = [(rng.uniform(-1, 1, 10), planar_points(rng.uniform(-1, 1, 10))[-1]) for _ in range(20)]
     for monotone in (True, False):
-        law = TransposeBB(monotone=monotone)
-        ik = jtik.InverseKinematics(planar(10), jtik.FrameTask("tip"), strategy=law)
+        strategy = TransposeBB(monotone=monotone)
+        ik = jtik.InverseKinematics(planar(10), jtik.FrameTask("tip"), strategy=strategy)
         traces = [ik.solve(target, q0=q0, trace=True).trace for q0, target in problems]
         highest[monotone] = max(rises(trace).max() for trace in traces)
     assert highest[True] <= 1e-13
@@ -98,8 +98,8 @@ def test_only_without_monotony_V_rises(rng):
 @pytest.mark.parametrize("monotone", [True, False])
 def test_beside_a_criterion_and_within_limits_it_arrives(monotone, rng):
     robot = dh_arm(7, 3, limit=1.5)
-    law = TransposeBB(monotone=monotone)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), criteria=JointCentering(), strategy=law)
+    strategy = TransposeBB(monotone=monotone)
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), criteria=JointCentering(), strategy=strategy)
     for _ in range(5):
         goal = rng.uniform(-1, 1, 7)
         solution = ik.solve(robot.pose(goal), q0=goal + rng.uniform(-0.3, 0.3, 7), until="reached", trace=True)

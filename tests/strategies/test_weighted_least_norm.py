@@ -1,4 +1,4 @@
-"""Weighted least norm: the law step by step by numpy, its memory of the direction of motion, and what it is for."""
+"""Weighted least norm: its steps compared with NumPy, its memory of the direction of motion, and its purpose."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from ..conftest import planar, planar_jacobian, planar_points
 BARE = {"backtracking": False, "q_limit": math.inf}
 
 
-def slopes(q, lower, upper, most):
+def gradients(q, lower, upper, most):
     """|dH/dq| by Chan and Dubey's (14), for joints with two limits."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        slope = np.abs((upper - lower) ** 2 * (2 * q - upper - lower) / (4 * (upper - q) ** 2 * (q - lower) ** 2))
-    return np.minimum(np.where(np.isfinite(upper - lower), slope, 0), most)
+        gradient = np.abs((upper - lower) ** 2 * (2 * q - upper - lower) / (4 * (upper - q) ** 2 * (q - lower) ** 2))
+    return np.minimum(np.where(np.isfinite(upper - lower), gradient, 0), most)
 
 
 def expected(J, e, weights):
@@ -32,9 +32,9 @@ def expected(J, e, weights):
 def replayed(q, target, lower, upper, count, most=1e4):
     before, visited = np.zeros(len(q)), [q]
     for _ in range(count):
-        slope = slopes(q, lower, upper, most - 1)
-        weights = 1 + np.where(slope >= before, slope, 0)
-        before = slope
+        gradient = gradients(q, lower, upper, most - 1)
+        weights = 1 + np.where(gradient >= before, gradient, 0)
+        before = gradient
         q = q + expected(planar_jacobian(q), planar_points(q)[-1] - target, weights)
         visited.append(q)
     return np.array(visited)
@@ -42,10 +42,10 @@ def replayed(q, target, lower, upper, count, most=1e4):
 
 @pytest.mark.parametrize("most", [1e4, 3.0])
 def test_the_steps_of_a_whole_solve(most, rng):
-    """Weights come and go with the direction of motion: each step is compared, the last ones to rounding's growth."""
+    """Weights change with the direction of motion: each step is compared, the last ones to the growth of rounding."""
     robot = planar(5, lower=-2.0, upper=2.0)
-    law = WeightedLeastNorm(max_weight=most, **BARE)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=law)
+    strategy = WeightedLeastNorm(max_weight=most, **BARE)
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=strategy)
     freed = 0
     for _ in range(20):
         q0 = rng.uniform(-0.9, 0.9, 5)
@@ -54,7 +54,7 @@ def test_the_steps_of_a_whole_solve(most, rng):
         wanted = replayed(q0, target, -2.0, 2.0, len(visited) - 1, most)
         assert np.abs(wanted).max() < 2.0
         assert visited == pytest.approx(wanted, abs=1e-7)
-        growth = np.diff([slopes(q, -2.0, 2.0, most - 1) for q in visited], axis=0)
+        growth = np.diff([gradients(q, -2.0, 2.0, most - 1) for q in visited], axis=0)
         freed += (growth < 0).sum()
     assert freed > 20
 
@@ -66,30 +66,30 @@ def test_near_singular_poses_the_weighted_pseudo_inverse_is_the_same(bend, rng):
     q = np.append(0.4, bend * np.array([1.0, -0.6, 0.8]))
     J, p = planar_jacobian(q), planar_points(q)[-1]
     target = p + J @ (1e-2 * rng.uniform(-1, 1, 4))
-    wanted = expected(J, p - target, 1 + slopes(q, -1.5, 1.5, 1e4))
+    wanted = expected(J, p - target, 1 + gradients(q, -1.5, 1.5, 1e4))
     ik.reset()
     assert ik.step(q, target).q - q == pytest.approx(wanted, rel=1e-5, abs=1e-9)
 
 
-def test_exactly_straight_it_does_what_can_be_done():
-    """Only motion across the arm is possible: it is made, weighted, and the rest of the error stays."""
+def test_a_straight_arm_makes_the_motion_that_is_possible():
+    """Only motion across the arm is possible: the step makes it, weighted, and the rest of the error remains."""
     robot = planar(3, lower=-1.5, upper=1.5)
     ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=WeightedLeastNorm(**BARE))
     q = np.array([1.0, 0.0, 0.0])
     along, across = np.array([np.cos(1.0), np.sin(1.0)]), np.array([-np.sin(1.0), np.cos(1.0)])
     target = planar_points(q)[-1] + 0.3 * across - 0.2 * along
-    weights = 1 + slopes(q, -1.5, 1.5, 1e4)
+    weights = 1 + gradients(q, -1.5, 1.5, 1e4)
     reach = across @ planar_jacobian(q)
     wanted = 0.3 * (reach / weights) / (reach @ (reach / weights))
     assert ik.step(q, target).q - q == pytest.approx(wanted, abs=1e-12)
 
 
 def test_joints_without_two_limits_weigh_one(rng):
-    """With no limits at all it is Newton's law; one-sided limits count as none."""
+    """Without limits it is Newton's method; one-sided limits count as none."""
     q, target = rng.uniform(0.2, 0.8, 4), np.array([2.0, 1.5])
     steps = [
-        jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=law).step(q, target).q
-        for robot, law in [
+        jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=strategy).step(q, target).q
+        for robot, strategy in [
             (planar(4), Newton(**BARE)),
             (planar(4), WeightedLeastNorm(**BARE)),
             (jtik.Robot.planar(4, lower=-2.0, upper=np.inf), WeightedLeastNorm(**BARE)),

@@ -70,7 +70,7 @@ def test_it_takes_the_multipliers_as_constants_where_they_depend_on_q(rng):
 
 
 def test_a_solution_has_it_with_every_strategy():
-    """H = y of the middle joint, tip held: the eigenvalue of the one self-motion is the second derivative along it."""
+    """H = y of the middle joint, tip fixed: the eigenvalue of the one self-motion is the second derivative along it."""
 
     @jtik.criterion
     def elbow(q, robot):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+
 import numpy as np
 import pytest
 
@@ -89,6 +91,16 @@ def test_lines_have_distinct_styles() -> None:
     assert len({(style["color"], str(style["linestyle"])) for style in styles.values()}) == 28
 
 
+def test_an_animation_has_its_minimum_number_of_frames(study: Comparison, tmp_path, monkeypatch) -> None:
+    image = pytest.importorskip("PIL.Image")
+    monkeypatch.setattr(importlib.import_module("jtik.study.figures.animation"), "FRAMES", 4)
+    case = next(case for who, _, case in study.traces if who == "newton" and "reach" in case)
+    study.animate(tmp_path / "arm.gif", contender="newton", case=case)
+    with image.open(tmp_path / "arm.gif") as gif:
+        assert 4 <= gif.n_frames < 30
+
+
+@pytest.mark.slow
 def test_an_animation_has_many_frames(study: Comparison, tmp_path) -> None:
     image = pytest.importorskip("PIL.Image")
     study.animate(tmp_path / "arm.gif", contender="newton", case="circle-000")

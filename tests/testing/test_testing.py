@@ -140,7 +140,7 @@ class TestStrategies:
             check_strategy(strategy, samples=1, **options)
         return str(caught.value)
 
-    def test_a_sound_one_passes_by_name_and_as_an_object(self):
+    def test_a_correct_strategy_passes_by_name_and_as_an_object(self):
         check_strategy("hybrid", samples=1)
         check_strategy(Changed(), samples=1, monotone=True)
 
@@ -152,7 +152,7 @@ class TestStrategies:
         text = self.complaint(Changed(lambda update: {"null_space": update.null_space[:2]}), StrategyError)
         assert "Changed.update returned null_space of shape (2, 1)" in text
 
-    def test_a_strategy_that_goes_nowhere(self):
+    def test_a_strategy_that_does_not_move(self):
         assert "does not reach a target" in self.complaint(Changed(lambda update: {"accepted": 0 * update.accepted}))
 
     @pytest.mark.parametrize("kind", ["Composition", "Update"])
