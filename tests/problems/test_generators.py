@@ -236,8 +236,8 @@ def test_invalid_arguments_of_generators_are_named(generator):
     [
         ("reachable", {"q0": [0.1]}, "q0"),
         ("near_limits", {"share": 0.6}, "share"),
-        ("near_singular", {"bend": (1e-3, 1e-6)}, "bend"),
-        ("near_singular", {"far": (0, 1)}, "far"),
+        ("near_singular", {"start_distance": (1e-3, 1e-6)}, "start_distance"),
+        ("near_singular", {"target_distance": (0, 1)}, "target_distance"),
         ("boundary", {"share": 1.0}, "share"),
         ("unreachable", {"beyond": (0.9, 1.2)}, "beyond"),
         ("circle", {"radius": -1.0}, "radius"),
