@@ -32,13 +32,11 @@ class ConfigurationReader:
         self.vector = robot.nq == robot.n
 
     def read(self, argument: str, q: Any) -> Array:
-        """The configuration given, or the neutral one for None, (nq,).
+        """The configuration given, (nq,).
 
         Raises:
             ArgumentError: for a wrong shape, NaN, infinity or a zero quaternion, naming ``argument``.
         """
-        if q is None:
-            return self._robot.neutral
         if self.vector and type(q) is np.ndarray and q.shape == self._shape and q.dtype == np.float64:
             usual: Array = q
             if math.isfinite(usual.sum()):
@@ -49,18 +47,26 @@ class ConfigurationReader:
                 return numbers
         return self._robot.configuration(q, argument=argument)
 
-    def table(self, argument: str, q: Any, count: int) -> list[Array]:
-        """One configuration for all of ``count`` solves, or one for each.
+    def start(self, q0: Any) -> Array:
+        """Where a solve starts: the configuration ``q0``, or the neutral one for None, (nq,).
+
+        Raises:
+            ArgumentError: for a configuration that `read` refuses.
+        """
+        return self._robot.neutral if q0 is None else self.read("q0", q0)
+
+    def starts(self, q0: Any, count: int) -> list[Array]:
+        """Where ``count`` solves start: one configuration for all, or one for each.
 
         Raises:
             ArgumentError: for another number of configurations, or one that `read` refuses.
         """
-        if not _several(q):
-            return [self.read(argument, q)]
-        if len(q) != count:
+        if not _several(q0):
+            return [self.start(q0)]
+        if len(q0) != count:
             accepted = f"one configuration of shape {self._shape} for all targets, or {count}, one for each"
-            raise ArgumentError(argument, f"{len(q)} configurations", accepted)
-        return [self.read(f"{argument}[{i}]", row) for i, row in enumerate(q)]
+            raise ArgumentError("q0", f"{len(q0)} configurations", accepted)
+        return [self.read(f"q0[{i}]", row) for i, row in enumerate(q0)]
 
     def clamped(self, q: Array) -> Array:
         """A copy of the configuration, clamped to the limits."""

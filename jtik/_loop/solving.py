@@ -71,7 +71,7 @@ class Solving:
                 if solution is not None:
                     return solution
             self._target[:] = self._tasks.read_target(target)
-            start = self._configurations.read("q0", q0)
+            start = self._configurations.start(q0)
             search_options = self._read_options(options)
             recorder = TraceRecorder(self._runners.traced_solve) if trace else None
             found, status, inspection = self._search_in_memory(start, search_options, target, recorder)
@@ -93,7 +93,7 @@ class Solving:
         """Solve for each target by itself, as `InverseKinematics.solve_batch` describes it."""
         with self._exclusive:
             given, numbers = read_targets(self._tasks, targets)
-            starts = self._configurations.table("q0", q0, len(numbers))
+            starts = self._configurations.starts(q0, len(numbers))
             search_options = self._read_options(options)
             table = np.array(numbers).reshape(len(numbers), len(self._target))
             native = self._search.find_all(table, np.array(starts), search_options) if progress is False else None
@@ -126,7 +126,7 @@ class Solving:
             given, _ = read_targets(self._tasks, targets)
             if not given:
                 raise ArgumentError("targets", "none", "at least one target")
-            start, dt = self._configurations.read("q0", q0), positive_number("dt", dt)
+            start, dt = self._configurations.start(q0), positive_number("dt", dt)
 
             def solve(target: Any, q: Array) -> Solution:
                 return self.solve(target, q, options, False)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import jtik
+from jtik_formulations import JointCentering
 
 from ..conftest import ball_arm, planar
 from .conftest import solver
@@ -23,6 +24,14 @@ class TestRefusals:
             with pytest.raises(jtik.ArgumentError, match=r"shape \(2,\)") as caught:
                 call()
             assert caught.value.argument == name
+
+    def test_a_step_needs_a_configuration(self):
+        """A solve starts from the neutral configuration by default, a controller from where the robot is."""
+        ik = solver(planar(2), strategy="newton+qp", criteria=JointCentering())
+        for call in (lambda: ik.step(None, [1.0, 1.0]), lambda: ik.build(None, [1.0, 1.0])):
+            with pytest.raises(jtik.ArgumentError, match=r"q: .*NoneType.*shape \(2,\)"):
+                call()
+        assert ik.solve([1.0, 1.0], q0=None).q.shape == (2,)
 
     @pytest.mark.parametrize("dtype", [np.float32, np.int64, bool])
     def test_other_numbers_are_read_as_floats(self, dtype):
