@@ -31,7 +31,7 @@ class TestFiles:
             (b"<sdf version='1.6'><model name='arm'/></sdf>", "its outermost element is <sdf>, where <"),
         ],
     )
-    def test_what_is_no_description_is_refused_with_its_path(self, load, content, complaint, tmp_path):
+    def test_an_invalid_description_is_refused_with_its_path(self, load, content, complaint, tmp_path):
         path = tmp_path / "arm.txt"
         path.write_bytes(content)
         for given in (path, str(path)):

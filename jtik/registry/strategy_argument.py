@@ -68,7 +68,7 @@ def _pairs(strategy: type[Strategy], term: SecondaryTerm) -> bool:
 
 
 def _supports(plugin: type[Strategy] | type[SecondaryTerm], **options: Any) -> bool:
-    """Whether an object of the class takes clearances; not if none can be made, which its own user is told."""
+    """Whether an object of the class supports clearances; False if none can be constructed."""
     try:
         return bool(plugin(**options).supports_clearances())
     except Exception:  # a class of a third party may raise anything

@@ -12,7 +12,7 @@ from ..conftest import ball_arm, planar
 from .conftest import solver
 
 
-class TestRefusals:
+class TestInvalidInput:
     @pytest.mark.parametrize("q", [[0.1], [0.1] * 3, 0.1, [[0.1, 0.2]], [0.1, np.nan], [np.inf, 0], "ab", [0.1, None]])
     def test_a_configuration_of_another_shape_or_not_finite_by_name(self, q):
         ik = solver(planar(2))
@@ -53,7 +53,7 @@ class TestRefusals:
         assert caught.value.argument == name
 
     @pytest.mark.parametrize("robot", [None, "planar", 3])
-    def test_what_is_no_robot(self, robot):
+    def test_an_argument_that_is_not_a_robot(self, robot):
         with pytest.raises(jtik.ArgumentError, match="robot.*a jtik.Robot"):
             solver(robot)
 

@@ -40,7 +40,7 @@ class TestBuild:
             solver(planar(3)).build(Q, (1.0, 1.5))
 
 
-class TestRefusals:
+class TestInvalidInput:
     def test_a_solver_that_is_not_used(self):
         with pytest.raises(jtik.ArgumentError, match="solver: given daqp; accepted: none: .* no quadratic program"):
             solver(planar(3), solver="daqp")

@@ -344,7 +344,7 @@ def test_travel_bounds_hold(rng):
                 assert (moved <= bound + 1e-9).all()
 
 
-class TestRefusals:
+class TestInvalidInput:
     @pytest.mark.parametrize("strategy", ["hybrid", "sns_qp", "mink", "newton+second_order"])
     def test_a_strategy_without_rows_for_them(self, strategy):
         with pytest.raises(jtik.ArgumentError, match="clearances.*'lexicographic_qp', 'weighted_qp'.*'hybrid\\+qp'"):
@@ -355,7 +355,7 @@ class TestRefusals:
         with pytest.raises(jtik.ArgumentError, match="name"):
             jtik.InverseKinematics(planar(3), jtik.FrameTask(), strategy="hybrid+qp", clearances=[one, one])
 
-    def test_what_is_no_clearance(self):
+    def test_an_argument_that_is_not_a_clearance(self):
         with pytest.raises(jtik.ArgumentError, match="clearances"):
             jtik.InverseKinematics(planar(3), jtik.FrameTask(), strategy="hybrid+qp", clearances=[3.0])
 

@@ -35,24 +35,24 @@ def ends(box, q, last, dt=DT, before=None):
 
 
 @functools.cache
-def brakes():
-    room, change = symbol("room", 1), symbol("change", 1)
-    return CompiledFunction(function("brakes", [room, change], [braking(room, change)]))
+def braking_step():
+    distance, change = symbol("distance", 1), symbol("change", 1)
+    return CompiledFunction(function("braking_step", [distance, change], [braking(distance, change)]))
 
 
 class TestBraking:
     @pytest.mark.parametrize("change", [1e-6, 1e-3, 0.2, 50.0])
-    @pytest.mark.parametrize("room", [1e-9, 1e-4, 0.1, 3.0])
-    def test_is_the_root_of_its_equation(self, room, change):
-        found = float(brakes()(room, change)[0][0, 0])
-        root = brentq(lambda s: s + s**2 / (2 * change) - room, 0, room, xtol=1e-300, rtol=1e-14)
+    @pytest.mark.parametrize("distance", [1e-9, 1e-4, 0.1, 3.0])
+    def test_is_the_root_of_its_equation(self, distance, change):
+        found = float(braking_step()(distance, change)[0][0, 0])
+        root = brentq(lambda s: s + s**2 / (2 * change) - distance, 0, distance, xtol=1e-300, rtol=1e-14)
         assert found == pytest.approx(root, rel=1e-12)
 
     def test_at_the_limit_the_step_is_zero_and_outside_it_returns(self):
-        assert [float(brakes()(room, 0.1)[0][0, 0]) for room in (0.0, -0.3)] == [0.0, -0.3]
+        assert [float(braking_step()(distance, 0.1)[0][0, 0]) for distance in (0.0, -0.3)] == [0.0, -0.3]
 
-    @pytest.mark.parametrize("room", [0.001, 0.03, 0.7])
-    def test_no_step_that_a_joint_can_recover_from_is_much_longer(self, room):
+    @pytest.mark.parametrize("distance", [0.001, 0.03, 0.7])
+    def test_no_step_that_a_joint_can_recover_from_is_much_longer(self, distance):
         """The longest first step of 200 that change by ``change`` at most, stop, and stay inside: a linear program."""
         change, count = 0.01, 200
         sums, differences = np.tril(np.ones((count, count))), np.diff(np.eye(count), axis=0)
@@ -60,10 +60,10 @@ class TestBraking:
         best = linprog(
             -np.eye(count)[0],
             A_ub=np.vstack([sums, differences, -differences, end, -end]),
-            b_ub=np.concatenate([np.full(count, room), np.full(2 * count - 2, change), np.zeros(2)]),
+            b_ub=np.concatenate([np.full(count, distance), np.full(2 * count - 2, change), np.zeros(2)]),
             bounds=[(0, None)] * count,
         ).x[0]
-        ours = float(brakes()(room, change)[0][0, 0])
+        ours = float(braking_step()(distance, change)[0][0, 0])
         assert best - change / 2 <= ours <= best + 1e-9
 
 

@@ -159,12 +159,12 @@ class TestPreferred:
             ([0.0, np.nan, 0.0], "^preferred: given nan at index 1"),
         ],
     )
-    def test_what_is_no_configuration_is_refused(self, preferred, message):
+    def test_an_invalid_configuration_is_refused(self, preferred, message):
         with pytest.raises(jtik.ArgumentError, match=message):
             solver(planar(3), JointCentering(preferred=preferred))
 
     @pytest.mark.parametrize("argument", ["stiffness", "preferred"])
-    def test_what_is_not_numeric_is_refused(self, argument):
+    def test_a_value_that_is_not_numeric_is_refused(self, argument):
         with pytest.raises(jtik.ArgumentError, match=f"^{argument}: given .*; accepted: numbers, one for each"):
             JointCentering(**{argument: "soft"})
         with pytest.raises(jtik.ArgumentError, match=f"^{argument}: given .*; accepted: numbers, one for each"):

@@ -263,7 +263,7 @@ def test_a_solution_has_larger_distances_than_without():
     assert clearances[1] > clearances[0] + 0.1
 
 
-class TestRefusals:
+class TestInvalidInput:
     @pytest.mark.parametrize(
         ("options", "argument"),
         [

@@ -118,7 +118,7 @@ class TestParameters:
             (2 * JointCentering())(Q, planar(4), **{"joint_centering.weight": np.nan})
 
 
-class TestRefusals:
+class TestInvalidInput:
     @pytest.mark.parametrize("gradient", [False, True])
     @pytest.mark.parametrize("criterion", [JointCentering(), 2 * JointCentering()])
     @pytest.mark.parametrize(

@@ -65,7 +65,7 @@ def test_there_is_no_second_order_off_the_target_or_without_a_criterion():
     assert off.second_order is None
 
 
-def test_what_is_not_finite_is_nan_and_not_stationary():
+def test_a_report_that_is_not_finite_is_nan_and_not_stationary():
     broken = report(gradient=np.array([np.nan, 0.0, 0.0]))
     assert not broken.finite
     assert np.isnan(broken.null_space_residual)

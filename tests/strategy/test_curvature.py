@@ -20,7 +20,7 @@ ROBOTS = {"planar": lambda: planar(4), "dh": dh_arm, "ball": ball_arm, "floating
 
 def hessian(robot, task):
     """(q, lambda) -> L along v at v = 0 by a function of (q, v, lambda), and its Hessian; with and without the task."""
-    q, v, prices = symbol("q", robot.nq), symbol("v", robot.n), symbol("prices", 3)
+    q, v, multipliers = symbol("q", robot.nq), symbol("v", robot.n), symbol("multipliers", 3)
     at = symbol("at", robot.nq)
     there = robot.at(at)
     frames = robot.moving_frames
@@ -30,11 +30,11 @@ def hessian(robot, task):
     r = function("r", [at, zeros(0)], [place])
     lagrangian = H(robot.integrate(q, v), zeros(0))
     if task:
-        lagrangian += casadi.dot(prices, r(robot.integrate(q, v), zeros(0)))
+        lagrangian += casadi.dot(multipliers, r(robot.integrate(q, v), zeros(0)))
     bend = lagrangian_hessian(
-        robot, H, r, q=q, target=zeros(0), parameters=zeros(0), multipliers=prices if task else None
+        robot, H, r, q=q, target=zeros(0), parameters=zeros(0), multipliers=multipliers if task else None
     )
-    return function("L", [q, v, prices], [lagrangian]), function("W", [q, prices], [bend])
+    return function("L", [q, v, multipliers], [lagrangian]), function("W", [q, multipliers], [bend])
 
 
 @pytest.mark.parametrize("task", [True, False])
@@ -43,12 +43,12 @@ def test_it_is_the_second_difference_of_the_lagrangian(name, task, rng):
     robot = ROBOTS[name]()
     L, W = hessian(robot, task)
     for q in (robot.neutral, robot.random_configuration(rng)):
-        prices = rng.normal(size=3)
-        found = np.array(W(q, prices))
+        multipliers = rng.normal(size=3)
+        found = np.array(W(q, multipliers))
         expected = np.zeros((robot.n, robot.n))
         for i, a in enumerate(STEP * np.eye(robot.n)):
             for j, b in enumerate(STEP * np.eye(robot.n)):
-                corners = [s * t * float(L(q, s * a + t * b, prices)) for s in (1, -1) for t in (1, -1)]
+                corners = [s * t * float(L(q, s * a + t * b, multipliers)) for s in (1, -1) for t in (1, -1)]
                 expected[i, j] = sum(corners) / (4 * STEP**2)
         assert found == pytest.approx(expected, abs=SECOND_DIFFERENCES)
         assert np.array_equal(found, found.T) or np.abs(found - found.T).max() < 1e-12
@@ -63,8 +63,8 @@ def test_it_takes_the_multipliers_as_constants_where_they_depend_on_q(rng):
     r = function("r", [q, zeros(0)], [there.position("tip")[:2]])
     at = {"q": q, "target": zeros(0), "parameters": zeros(0)}
     varying = function("a", [q], [lagrangian_hessian(robot, H, r, multipliers=casadi.vertcat(q[0] ** 2, q[1]), **at)])
-    prices = symbol("p", 2)
-    constant = function("b", [q, prices], [lagrangian_hessian(robot, H, r, multipliers=prices, **at)])
+    multipliers = symbol("p", 2)
+    constant = function("b", [q, multipliers], [lagrangian_hessian(robot, H, r, multipliers=multipliers, **at)])
     q0 = rng.uniform(-1, 1, 3)
     assert np.array(varying(q0)) == pytest.approx(np.array(constant(q0, [q0[0] ** 2, q0[1]])), abs=1e-14)
 

@@ -34,7 +34,7 @@ def test_the_range_of_a_number(check, accepted, refused, words):
 
 @pytest.mark.parametrize("value", NOT_NUMBERS, ids=repr)
 @pytest.mark.parametrize("check", [check_positive, check_non_negative, check_step_limit], ids=lambda c: c.__name__)
-def test_what_is_no_number_is_refused(check, value):
+def test_a_value_that_is_not_a_number_is_refused(check, value):
     with pytest.raises(jtik.ArgumentError, match="option"):
         check("option", value)
 
