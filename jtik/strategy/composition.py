@@ -197,7 +197,7 @@ class Composition(Strategy):
             gained = if_else(model.near_target, verdict.accepted, gained)
         outcome = Outcome(verdict.accepted, gained, null, verdict.shorten_task, verdict.shorten_null_space)
 
-        after = CheckedCall(self, task_step, "adapt").states(state, model, state, task, outcome)
+        after = dict(state) | CheckedCall(self, task_step, "adapt").states(state, model, state, task, outcome)
         if secondary:
             after |= CheckedCall(self, secondary, "adapt").states(state, model, state, proposed, outcome)
         if model.has_criterion:

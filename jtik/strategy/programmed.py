@@ -140,7 +140,7 @@ class Programmed(Strategy):
         return Update(
             dq=proposal.dq,
             accepted=final.accepted,
-            state={**verdict.state, **self._adapted(model, state, proposal, outcome)},
+            state={**state, **verdict.state, **self._adapted(model, state, proposal, outcome)},
             candidate=candidate,
             wanted=proposal.wanted,
             null_space=null.dq,

@@ -198,6 +198,33 @@ def test_a_task_step(answer, text):
     assert text in message(Composed(answer))
 
 
+def test_state_that_adapt_does_not_return_is_kept():
+    """A step that is halved from the second update on, whose part of the state nobody adapts."""
+
+    class Kept(Step):
+        def initial_state(self, shape):
+            return {"share": np.full(1, 0.5)}
+
+        def propose(self, model, state):
+            return TaskDisplacement(state["share"] * newton(model))
+
+    class Halved(Composed):
+        def task_step(self):
+            return Kept(None)
+
+    class Proposes(Proposing):
+        def own_state(self, shape):
+            return {"share": np.full(1, 0.5)}
+
+        def propose(self, model, state):
+            return Proposal(state["share"] * newton(model))
+
+    for strategy in (Halved(None), Proposes(None)):
+        ik = jtik.InverseKinematics(planar(3), jtik.FrameTask(), strategy=strategy)
+        errors = ik.solve([1.0, 1.5], q0=[0.3, 0.4, 0.5], max_iterations=8, trace=True).trace.error
+        assert errors[-1] / errors[-2] == pytest.approx(0.5, rel=1e-2)
+
+
 def test_a_secondary_term():
     class Wrong(ProjectedGradient):
         def propose(self, model, state, task_dq):
