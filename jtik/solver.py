@@ -57,8 +57,7 @@ class InverseKinematics(LockedJoints, FixedSolver):
             and ``step(dt=)``. True for the robot's own positions and velocities; False leaves its position limits out.
         clearances: distances that no accepted step may bring below their safe values, for strategies that support
             them: "weighted_qp", "lexicographic_qp", and task steps with "+qp", such as "hybrid+qp".
-        joints: names of the joints to move, or "all"; by default those on which the tasks depend, so that
-            the fingers of a hand are not part of an arm's solution.
+        joints: names of the joints to move, or "all"; by default those on which the tasks depend, not a hand's fingers.
         at: configuration of the full robot at which the other joints are locked, its neutral one by default.
         compiled: run the step as generated C, three to five times faster. This needs a C compiler and, the first time,
             about a second.
@@ -214,8 +213,7 @@ class InverseKinematics(LockedJoints, FixedSolver):
             UnknownNameError: when there is no quadratic program of that name.
         """
         if program is not None:
-            message = "the argument program of InverseKinematics.build is deprecated: use qp"
-            warnings.warn(message, DeprecationWarning, stacklevel=2)
+            warnings.warn("build(program=) is deprecated: use build(qp=)", DeprecationWarning, stacklevel=2)
         return self._engine.build(q, target, program if qp is None else qp)
 
     def track(

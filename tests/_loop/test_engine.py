@@ -30,7 +30,7 @@ class TestBuild:
     def test_program_is_the_old_name_of_the_argument(self):
         ik = solver(planar(3), strategy="newton+qp", criteria=JointCentering())
         name = self.names(ik)[0]
-        message = "the argument program of InverseKinematics.build is deprecated: use qp"
+        message = "build(program=) is deprecated: use build(qp=)"
         with pytest.warns(DeprecationWarning, match=message):
             old = ik.build(Q, (1.0, 1.5), program=name)
         assert old.q.tolist() == ik.build(Q, (1.0, 1.5), qp=name).q.tolist()
