@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -31,7 +33,7 @@ class TestBuild:
         ik = solver(planar(3), strategy="newton+qp", criteria=JointCentering())
         name = self.names(ik)[0]
         message = "build(program=) is deprecated: use build(qp=)"
-        with pytest.warns(DeprecationWarning, match=message):
+        with pytest.warns(DeprecationWarning, match=re.escape(message)):
             old = ik.build(Q, (1.0, 1.5), program=name)
         assert old.q.tolist() == ik.build(Q, (1.0, 1.5), qp=name).q.tolist()
 
