@@ -61,7 +61,10 @@ class Engine:
         if CheckedCall(strategy, strategy, "uses_qp").flag(problem.has_criterion or bool(clearances)):
             backend = backend_of(solver)
         elif solver is not None:
-            raise ArgumentError("solver", solver, f"none: {strategy!r} uses no quadratic program here")
+            accepted = f"none: {type(strategy).__name__} solves no quadratic program here"
+            if CheckedCall(strategy, strategy, "uses_qp").flag(True):
+                accepted += "; it solves one with a criterion, criteria=..., or with clearances"
+            raise ArgumentError("solver", solver, accepted)
         self.memory = InputMemory(tasks.target_size, problem.terms.parameters, bounds.lower, bounds.upper)
         inputs = self.memory.inputs
         self.runners = Runners(problem, strategy, backend, bounds=bounds, memory=self.memory, compiled=compiled)

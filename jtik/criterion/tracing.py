@@ -105,7 +105,7 @@ def _called(name: str, call: Callable[[], Any]) -> Any:
         frames = traceback.extract_tb(error.__traceback__)
         own = [frame for frame in frames if not any(library in frame.filename for library in _LIBRARIES)]
         line = (own or frames)[-1]
-        reason = (str(error).strip() or type(error).__name__).splitlines()[0]
+        reason = (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
         raise CriterionError(
             name,
             f"CasADi cannot trace the operation `{line.line}` (line {line.lineno} of {line.filename}): {reason}. "

@@ -98,7 +98,7 @@ def _spread(count: int, wanted: int) -> NDArray[np.int_]:
 
 def _draw_legend(axes: plotting.Axes, count: int) -> None:
     """Draw the legend: what the colours and the dashes mean."""
-    left, top = 4.52, 3.3
+    left, top = 3.4, 3.3
     for k, color in enumerate(plotting.shades(count)):
         axes.plot(
             [left + 0.16 * k, left + 0.16 * (k + 1)],
@@ -110,8 +110,8 @@ def _draw_legend(axes: plotting.Axes, count: int) -> None:
     end = left + 0.16 * count
     axes.text(left - 0.14, top, "first posture", ha="right", va="center", **TEXT)
     axes.text(end + 0.14, top, "last", ha="left", va="center", **TEXT)
-    plotting.draw_path(axes, [(7.36, top), (7.86, top)])
-    axes.text(8.0, top, "path of the end effector", ha="left", va="center", **TEXT)
+    plotting.draw_path(axes, [(6.24, top), (6.74, top)])
+    axes.text(6.88, top, "path of the end effector", ha="left", va="center", **TEXT)
 
 
 def _draw_inset(axes: plotting.Axes, scene: Scene, without: Array) -> None:

@@ -30,7 +30,7 @@ from jtik.strategy import (
 )
 from jtik.symbolic import if_else
 from jtik_formulations import Hybrid, Newton, ProjectedGradient, Transpose
-from jtik_formulations.strategies._parts.cauchy_step import cauchy_step
+from jtik_formulations.strategies._parts.transpose_step import cauchy_step
 
 LIMIT = 0.5
 """Limit of Q [rad]."""

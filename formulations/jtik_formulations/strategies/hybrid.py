@@ -26,7 +26,7 @@ from jtik.strategy import (
 from jtik.symbolic import Expression, fmax, fmin, if_else, logic_and, logic_or, ratio, sqrt, sumsqr
 from jtik.symbolic.factorization import RowVector
 from jtik.types import Array
-from jtik_formulations.strategies._parts.cauchy_step import cauchy_step, optimal_gain
+from jtik_formulations.strategies._parts.transpose_step import cauchy_step, optimal_gain
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
 BACKTRACKING = Backtracking()

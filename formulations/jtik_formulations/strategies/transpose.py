@@ -24,7 +24,7 @@ from jtik.strategy import (
 )
 from jtik.symbolic import norm
 from jtik.types import Array
-from jtik_formulations.strategies._parts.cauchy_step import cauchy_step, printed_step
+from jtik_formulations.strategies._parts.transpose_step import cauchy_step, printed_step
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
 

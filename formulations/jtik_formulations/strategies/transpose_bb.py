@@ -27,7 +27,7 @@ from jtik.strategy import (
 )
 from jtik.symbolic import dot, fmax, fmin, if_else, logic_and, norm, ratio, sumsqr, vertcat
 from jtik.types import Array
-from jtik_formulations.strategies._parts.cauchy_step import optimal_gain
+from jtik_formulations.strategies._parts.transpose_step import optimal_gain
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
 BACKTRACKING = Backtracking()

@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import jtik
-from jtik_formulations.strategies._parts.cauchy_step import cauchy_step, optimal_gain, printed_step
+from jtik_formulations.strategies._parts.transpose_step import cauchy_step, optimal_gain, printed_step
 
 from ...strategy.conftest import numbers, quadratic_model
 
