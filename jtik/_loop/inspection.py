@@ -91,7 +91,7 @@ class Inspector:
             active_limits=tuple(self._joints[j] for j in sorted({*at_upper, *at_lower})),
             tolerances=(settings.position_tolerance, settings.orientation_tolerance, settings.optimality_tolerance),
             rank_threshold=RANK_THRESHOLD,
-            unused=None if target is None else self._problem.tasks.unused(target),
+            unused_part=None if target is None else partial(self._problem.tasks.unused, target),
             curvature=partial(self._curvature, q, inputs) if self._criteria else None,
             relaxations=partial(self._relaxations, q, inputs) if relaxes else None,
         )

@@ -37,7 +37,7 @@ class Report:
         active_limits: names of the joints at a limit.
         tolerances: of position [m], orientation [rad] and optimality.
         rank_threshold: singular values of the weighted Jacobian up to this fraction of its norm count as zero.
-        unused: the part of the target that the tasks do not use, or None.
+        unused_part: what computes `unused`; None where there is no target to examine.
         curvature: multipliers lambda (m,) to the Hessian of H + lambda' r, (n, n); None without a criterion.
         relaxations: what computes `relaxed`; None for a strategy that relaxes nothing.
     """
@@ -54,14 +54,19 @@ class Report:
     active_limits: tuple[str, ...]
     tolerances: tuple[float, float, float]
     rank_threshold: float
-    unused: str | None = None
+    unused_part: Callable[[], str | None] | None = None
     curvature: Callable[[Array], Array] | None = None
     relaxations: Callable[[], tuple[Relaxation, ...]] | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         # the results are pickled, the functions that compute them are not
-        computed = {"second_order": self.second_order, "relaxed": self.relaxed}
-        return {**vars(self), **computed, "curvature": None, "relaxations": None}
+        computed = {"second_order": self.second_order, "relaxed": self.relaxed, "unused": self.unused}
+        return {**vars(self), **computed, "curvature": None, "relaxations": None, "unused_part": None}
+
+    @cached_property
+    def unused(self) -> str | None:
+        """The part of the target that the tasks do not use, or None."""
+        return self.unused_part() if self.unused_part else None
 
     @cached_property
     def position_error(self) -> float:
