@@ -55,15 +55,16 @@ def strategy_table(results: Sequence[StrategyResult]) -> Table:
     table.add_column("status", overflow="fold", min_width=len("converged"))
     headings = (
         "steps",
-        "residual [m]",
-        "V rises by [m²]",
+        "residual\n[m]",
+        "V rises\nby [m²]",
         "H",
-        "joint gap [m]",
-        "link gap [m]",
-        "a step [µs]",
+        "joint\ngap\n[m]",
+        "link\ngap\n[m]",
+        "a step\n[µs]",
     )
     for heading in headings:
-        table.add_column(escape(heading), justify="right", overflow="fold", min_width=max(map(len, heading.split())))
+        width = max(map(len, heading.splitlines()))
+        table.add_column(escape(heading), justify="right", overflow="fold", min_width=width)
     for result in results:
         table.add_row(
             result.strategy,

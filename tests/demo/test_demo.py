@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import io
 import itertools
 import json
@@ -14,6 +15,7 @@ import jtik
 from jtik import demo
 from jtik.cli import main
 from jtik.demo.measure import clearances, follow_path
+from jtik.demo.report import strategy_table
 from jtik.demo.scene import Scene
 
 matplotlib = pytest.importorskip("matplotlib")
@@ -110,9 +112,16 @@ def test_every_registered_strategy_is_tried(tmp_path: Path, monkeypatch: pytest.
     assert [row["strategy"] for row in document["strategies"]] == list(jtik.strategies)
 
 
-def test_the_tables_name_their_units(result: demo.DemoResult, output: io.StringIO) -> None:
-    for heading in ("residual [m]", "V rises by [m²]", "link gap [m]", "a step [µs]"):
-        assert heading in output.getvalue()
+def test_the_table_fits_a_terminal_of_80_columns(result: demo.DemoResult) -> None:
+    longest = max(jtik.strategies, key=len)
+    table = strategy_table([dataclasses.replace(result.strategies[0], strategy=longest, iterations=12345, H=123.4)])
+    printed = io.StringIO()
+    console.Console(file=printed, width=80).print(table)
+    shown = printed.getvalue().split()
+    assert {longest, "12345", "123.4", "residual", "[m]", "[m²]", "a", "[µs]"} <= set(shown)
+    words = " ".join(str(column.header) for column in table.columns).replace("\\", "").split()
+    assert set(words) <= set(shown)
+    assert all(len(line) <= 80 for line in printed.getvalue().splitlines())
 
 
 def test_the_paper_s_strategies_reach_the_last_target_clear_of_the_field(result: demo.DemoResult) -> None:
