@@ -74,11 +74,14 @@ class Criterion(_Algebra, ABC):
             Solution; the class's name in lower case with underscores, unless the subclass sets another.
         summary: one line for lists of criteria.
         source: the paper it comes from.
+        joint_parameters: names of the live parameters with one number for each entry of q, as `Robot.joint_values`
+            returns them; they can also be assigned as numbers of the full robot, or as a dict by joint name.
     """
 
     name: str
     summary: ClassVar[str] = ""
     source: ClassVar[str] = ""
+    joint_parameters: ClassVar[tuple[str, ...]] = ()
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import weakref
 from collections.abc import Mapping
 from functools import partial
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,6 +19,8 @@ from jtik.symbolic import Expression, Function, function, gradient, is_symbolic,
 
 class Evaluable(Parametric, Protocol):
     """A criterion as the evaluation uses it."""
+
+    joint_parameters: ClassVar[tuple[str, ...]]
 
     def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
         """H as an expression."""
@@ -115,7 +117,7 @@ def _forget(entries: dict[int, _Entry], key: int, reference: weakref.ref[Evaluab
 def _column(criterion: Evaluable, robot: Robot, given: Mapping[str, Any]) -> tuple[Parameters, Any]:
     """The parameters with their shapes, and all values in one column."""
     first: Mapping[str, ArrayLike] = criterion.parameters(robot)
-    parameters = Parameters(first)
+    parameters = Parameters(first, robot, criterion.joint_parameters)
     symbolic = {name: each for name, each in given.items() if is_symbolic(each)}
     for name, each in given.items():
         if name not in parameters:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, MutableMapping
+from collections.abc import Collection, Iterator, Mapping, MutableMapping
 from typing import Any, Protocol
 
 import numpy as np
@@ -38,19 +38,25 @@ class Parameters(MutableMapping[str, Array]):
         parameters["obstacle_avoidance.radii"] = radii
 
     A scalar is accepted for every parameter and fills all entries: ``parameters["joint_centering.stiffness"] = 2``.
+    A parameter of the joints also takes numbers of the full robot, and a dict by joint name, which leaves the joints
+    that it does not name as they are: ``parameters["joint_centering.preferred"] = {"elbow": 0.5}``.
 
     Args:
         values: first values by name: finite scalars, vectors or matrices.
+        robot: the robot whose joints the parameters of the joints belong to.
+        of_joints: names of the parameters with one number for each entry of q.
 
     Attributes:
         memory: all values in one vector, matrices columns first; the compiled functions read it.
 
     Raises:
-        ArgumentError: when a value is not finite, not numeric, or has more than two axes.
+        ArgumentError: when a value is not finite, not numeric, or has more than two axes; when the first value of a
+            parameter of the joints has another shape than (nq,).
         UnknownNameError: when a name is read or assigned that does not exist.
     """
 
-    def __init__(self, values: Mapping[str, ArrayLike]) -> None:
+    def __init__(self, values: Mapping[str, ArrayLike], robot: Robot, of_joints: Collection[str] = ()) -> None:
+        self._robot, self._of_joints = robot, frozenset(of_joints)
         self._shapes: dict[str, tuple[int, ...]] = {}
         self._slices: dict[str, slice] = {}
         flat: list[Array] = []
@@ -59,6 +65,9 @@ class Parameters(MutableMapping[str, Array]):
             array = _finite(value)
             if array is None or array.ndim > 2:
                 raise ArgumentError(name, value, "a finite scalar, vector or matrix")
+            if name in self._of_joints and array.shape != (robot.nq,):
+                accepted = f"shape ({robot.nq},), one number for each entry of q, as joint_parameters says"
+                raise ArgumentError(name, f"shape {array.shape}", accepted)
             self._shapes[name] = array.shape
             self._slices[name] = slice(start, start + array.size)
             flat.append(array.ravel(order="F"))
@@ -71,9 +80,11 @@ class Parameters(MutableMapping[str, Array]):
         value.flags.writeable = False
         return value
 
-    def __setitem__(self, name: str, value: ArrayLike) -> None:
+    def __setitem__(self, name: str, value: ArrayLike | Mapping[str, ArrayLike]) -> None:
         self._check(name)
         shape = self._shapes[name]
+        if name in self._of_joints:
+            value = self._robot.joint_values(value, default=self[name], argument=name)
         array = _finite(value)
         if array is None or array.shape not in ((), shape):
             accepted = f"finite numbers of shape {shape}, or one finite number for all of them" if shape else ""

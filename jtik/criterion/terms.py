@@ -34,6 +34,7 @@ class CriterionTerms:
         """Reads the first value of every parameter, of the criteria and of ``others`` that share the mapping."""
         named = CriterionSum.of(criteria).named()
         values: dict[str, ArrayLike] = {}
+        of_joints = {f"{name}.{each}" for name, _, criterion in named for each in criterion.joint_parameters}
         for name, weight, criterion in named:
             values[f"{name}.weight"] = weight
             for parameter, value in criterion.parameters(robot).items():
@@ -43,7 +44,7 @@ class CriterionTerms:
                 if f"{other.name}.{parameter}" in values:
                     raise ArgumentError("name", other.name, "a name that no criterion has")
                 values[f"{other.name}.{parameter}"] = value
-        return cls(robot, tuple(named), Parameters(values))
+        return cls(robot, tuple(named), Parameters(values, robot, of_joints))
 
     def own(self, of: Parametric, column: Expression) -> dict[str, Expression]:
         """The parameters of one of ``others`` within the column of all, in their own shapes."""

@@ -1,4 +1,4 @@
-"""Configurations as callers give them: numbers, a dict by joint name, or q of the robot before `Robot.subset`."""
+"""Values of joints as callers give them: numbers, a dict by joint name, or those of the robot before `Robot.subset`."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from jtik.errors import ArgumentError, UnknownNameError, finite_array
 from jtik.types import Array
@@ -25,22 +26,44 @@ def read_configuration(space: ConfigurationSpace, q: Any, argument: str) -> Arra
         if math.isfinite(sum(copy.tolist())):
             return copy
     if isinstance(q, Mapping):
-        return _from_names(space, q, argument)
+        array = _from_names(space, q, argument, space.neutral)
+        _check_quaternions(space, argument, array)
+        return array
     if space.full is not space:
         shape = _shape(q)
         sizes = _sizes(space)
         if shape is not None and shape != sizes[:1]:
             if shape not in [(size,) for size in sizes]:
-                raise ArgumentError(argument, f"shape {shape}", _accepted(sizes))
+                raise ArgumentError(argument, f"shape {shape}", f"{_accepted(sizes)}, or a dict by joint name")
             return space.reduced(space.full.configuration(q, argument=argument))
     array = finite_array(argument, q, (space.nq,))
     _check_quaternions(space, argument, array)
     return array
 
 
-def _from_names(space: ConfigurationSpace, named: Mapping[str, Any], argument: str) -> Array:
-    """The configuration of a dict by joint name; joints that are not named are at `neutral`."""
-    q, own = space.neutral.copy(), set(space.joint_names)
+def read_joint_values(space: ConfigurationSpace, values: Any, argument: str, default: ArrayLike) -> Array:
+    """One number for each entry of q, (nq,); see `ConfigurationSpace.joint_values`."""
+    if isinstance(values, Mapping):
+        return _from_names(space, values, argument, np.broadcast_to(np.asarray(default, dtype=float), space.nq))
+    sizes, shape = _sizes(space), _shape(values)
+    accepted = f"{_accepted(sizes)}, one number for all of them, or a dict by joint name"
+    if shape not in (None, (), *((size,) for size in sizes)):
+        raise ArgumentError(argument, f"shape {shape}", accepted)
+    try:
+        array = finite_array(argument, values, shape or ())
+    except ArgumentError as error:
+        raise ArgumentError(argument, error.given, accepted) from None
+    return _kept(space, array) if array.ndim else np.full(space.nq, array)
+
+
+def _kept(space: ConfigurationSpace, values: Array) -> Array:
+    """Of one number for each entry of q, or of q of a robot that this one was made from, those of this robot."""
+    return values if values.size == space.nq else _kept(space.full, values)[space.kept_indices]
+
+
+def _from_names(space: ConfigurationSpace, named: Mapping[str, Any], argument: str, default: Array) -> Array:
+    """The numbers of a dict by joint name; joints that are not named have those of ``default``."""
+    q, own = default.copy(), set(space.joint_names)
     known = _outermost(space).joint_names
     for name, value in named.items():
         if name not in known:
@@ -50,7 +73,6 @@ def _from_names(space: ConfigurationSpace, named: Mapping[str, Any], argument: s
             size = indices.stop - indices.start
             shape = () if size == 1 and np.ndim(value) == 0 else (size,)
             q[indices] = finite_array(f"{argument}[{name!r}]", value, shape)
-    _check_quaternions(space, argument, q)
     return q
 
 
@@ -81,7 +103,7 @@ def _sizes(space: ConfigurationSpace) -> tuple[int, ...]:
 def _accepted(sizes: tuple[int, ...]) -> str:
     own, *full = sizes
     more = f", or {' or '.join(map(str, full))} for the full robot" if full else ""
-    return f"{own} number{'s' if own > 1 else ''} for ik.robot{more}, or a dict by joint name"
+    return f"{own} number{'s' if own > 1 else ''} for ik.robot{more}"
 
 
 def _shape(q: Any) -> tuple[int, ...] | None:

@@ -7,10 +7,10 @@ from types import MappingProxyType
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from jtik.errors import UnknownNameError
-from jtik.robot.configuration_input import read_configuration
+from jtik.robot.configuration_input import read_configuration, read_joint_values
 from jtik.robot.joint_layout import JointLayout
 from jtik.robot.subset import Reduction
 from jtik.robot.tree import Joint
@@ -125,6 +125,27 @@ class ConfigurationSpace:
             UnknownNameError: when a dict names a joint that does not exist or has no position of its own.
         """
         return read_configuration(self, q, argument)
+
+    def joint_values(self, values: Any, *, default: ArrayLike, argument: str = "values") -> Array:
+        """One number for each entry of q, (nq,), such as stiffnesses or the limits of a criterion.
+
+        Args:
+            values: one of four forms. A number for all entries. Numbers (nq,). On a robot made by `Robot.subset` also
+                numbers (full.nq,); those of the locked joints are ignored. A dict from joint name to a number, or to 4
+                and 7 numbers for a ball and a free joint; locked joints of `full` are accepted and ignored.
+            default: the values of the joints that a dict does not name: a number, or numbers (nq,).
+            argument: name of the argument in error messages.
+
+        Raises:
+            ArgumentError: when ``values`` has another shape or is not finite.
+            UnknownNameError: when a dict names a joint that does not exist or has no position of its own.
+        """
+        return read_joint_values(self, values, argument, default)
+
+    @property
+    def kept_indices(self) -> NDArray[np.intp]:
+        """The indices in q of `full` of the entries of this robot's q, (nq,)."""
+        return np.arange(self.nq) if self._reduction is None else np.asarray(self._reduction.indices)
 
     @property
     def full(self) -> Self:

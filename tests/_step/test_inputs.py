@@ -7,9 +7,11 @@ import numpy as np
 from jtik._step.inputs import SETTING, InputMemory, Inputs, Settings
 from jtik.criterion import Parameters
 
+from ..conftest import planar
+
 
 def memory():
-    parameters = Parameters({"a.weight": 2.0, "a.centers": [[1.0, 2.0], [3.0, 4.0]]})
+    parameters = Parameters({"a.weight": 2.0, "a.centers": [[1.0, 2.0], [3.0, 4.0]]}, planar(2))
     return parameters, InputMemory(3, parameters, np.array([-1.0, -2.0]), np.array([1.0, 2.0]))
 
 

@@ -87,7 +87,7 @@ def test_sizes_that_do_not_fit_the_robot_are_refused():
     with pytest.raises(jtik.ArgumentError, match=r"preferred.*\(3,\)"):
         solver(planar(3), JointCentering(preferred=[0.0, 0.0]))
     with pytest.raises(
-        jtik.ArgumentError, match=r"stiffness: given shape \(2,\); accepted: a scalar, shape \(3,\), or"
+        jtik.ArgumentError, match=r"stiffness: given shape \(2,\); accepted: 3 numbers for ik.robot, one"
     ):
         solver(planar(3), JointCentering([1.0, 2.0]))
 
@@ -114,10 +114,19 @@ class TestStiffnessByJointName:
         elbow, lift = q[robot.q_slice("elbow")][0], q[robot.q_slice("lift")][0]
         assert criterion(q, robot) == pytest.approx(elbow**2 + 2.5 * lift**2)
 
-    @pytest.mark.parametrize("joint", ["elbw", "wrist", "tip"])
-    def test_a_name_that_is_no_revolute_or_prismatic_joint(self, joint):
-        with pytest.raises(jtik.UnknownNameError, match=f"revolute or prismatic joint '{joint}'.*known: elbow, lift"):
+    def test_a_name_that_is_no_revolute_or_prismatic_joint(self):
+        with pytest.raises(jtik.UnknownNameError, match="revolute or prismatic joint 'wrist'.*known: elbow, lift"):
+            JointCentering({"wrist": 2.0}).parameters(ball_arm())
+
+    @pytest.mark.parametrize("joint", ["elbw", "tip"])
+    def test_a_name_that_is_no_moving_joint(self, joint):
+        with pytest.raises(jtik.UnknownNameError, match=f"unknown joint in stiffness '{joint}'.*elbow"):
             JointCentering({joint: 2.0}).parameters(ball_arm())
+
+    def test_locked_joints_of_the_full_robot_are_ignored(self):
+        part = planar(3).subset(["joint2"], at=np.zeros(3))
+        for given in ({"joint1": 5.0, "joint2": 2.0}, [5.0, 2.0, 7.0], [2.0]):
+            assert JointCentering(given).parameters(part)["stiffness"].tolist() == [2.0]
 
     @pytest.mark.parametrize("value", [-1.0, np.nan, np.inf, "stiff", [1.0, 2.0]])
     def test_a_value_that_is_no_non_negative_number(self, value):

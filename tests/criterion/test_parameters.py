@@ -151,3 +151,75 @@ class TestParameters:
         parameters = self.solver().parameters
         parameters.update({"joint_centering.weight": 2.0, "obstacle_avoidance.gain": 0.1})
         assert (parameters["joint_centering.weight"], parameters["obstacle_avoidance.gain"]) == (2.0, 0.1)
+
+
+class PerJoint(jtik.Criterion):
+    """Weighted sum of the squared entries of q."""
+
+    joint_parameters = ("scale",)
+    size = None
+
+    def parameters(self, robot):
+        return {"scale": np.ones(self.size or robot.nq)}
+
+    def value(self, kinematics, parameters):
+        return (parameters["scale"] * kinematics.q**2).T @ np.ones((kinematics.robot.nq, 1))
+
+
+class TestParametersOfTheJoints:
+    """What the constructor takes is taken live: the task moves 4 of 6 joints."""
+
+    def solver(self, criterion=None):
+        task = jtik.FrameTask("link4", kind="position")
+        return jtik.InverseKinematics(planar(6), task, criteria=criterion or JointCentering())
+
+    def test_numbers_of_the_full_robot(self):
+        ik = self.solver()
+        for name in ("joint_centering.preferred", "joint_centering.stiffness"):
+            ik.parameters[name] = [1, 2, 3, 4, 5, 6]
+            assert ik.parameters[name].tolist() == [1.0, 2.0, 3.0, 4.0]
+
+    def test_a_dict_leaves_the_other_joints_as_they_are(self):
+        ik = self.solver()
+        ik.parameters["joint_centering.preferred"] = {"joint2": 0.5}
+        ik.parameters["joint_centering.preferred"] = {"joint3": 0.7, "joint6": 9.0}
+        assert ik.parameters["joint_centering.preferred"].tolist() == [0.0, 0.5, 0.7, 0.0]
+        ik.parameters["joint_centering.stiffness"] = {"joint1": 3.0}
+        assert ik.parameters["joint_centering.stiffness"].tolist() == [3.0, 1.0, 1.0, 1.0]
+
+    def test_it_acts_as_if_the_criterion_was_built_with_it(self):
+        changed = self.solver()
+        changed.parameters["joint_centering.preferred"] = {"joint2": 0.5}
+        built = self.solver(JointCentering(preferred={"joint2": 0.5}))
+        q0 = [0.3, 0.4, -0.2, 0.5]
+        assert changed.solve([2.0, 1.0], q0=q0).q.tolist() == built.solve([2.0, 1.0], q0=q0).q.tolist()
+
+    def test_those_of_one_s_own_criterion(self):
+        ik = self.solver(PerJoint())
+        ik.parameters["per_joint.scale"] = {"joint4": 3.0}
+        assert ik.parameters["per_joint.scale"].tolist() == [1.0, 1.0, 1.0, 3.0]
+        arm = planar(3)
+        assert PerJoint()([1.0, 1.0, 2.0], arm, scale={"joint3": 2.0}) == 1 + 1 + 2 * 4
+
+    def test_a_wrong_length_names_both_lengths_and_the_robot(self):
+        parameters = self.solver().parameters
+        text = (
+            r"^joint_centering.preferred: given shape \(9,\); accepted: 4 numbers for ik.robot, "
+            "or 6 for the full robot, one number for all of them, or a dict by joint name$"
+        )
+        with pytest.raises(jtik.ArgumentError, match=text):
+            parameters["joint_centering.preferred"] = np.zeros(9)
+        assert parameters["joint_centering.preferred"].tolist() == [0.0] * 4
+
+    def test_an_unknown_joint_changes_nothing(self):
+        parameters = self.solver().parameters
+        with pytest.raises(jtik.UnknownNameError, match="unknown joint in joint_centering.preferred 'elbow'"):
+            parameters["joint_centering.preferred"] = {"joint1": 1.0, "elbow": 1.0}
+        assert parameters["joint_centering.preferred"].tolist() == [0.0] * 4
+
+    def test_a_first_value_of_another_shape_is_refused_when_the_solver_is_built(self):
+        wrong = PerJoint()
+        wrong.size = 9
+        text = r"^per_joint.scale: given shape \(9,\); accepted: shape \(4,\), one number for each entry of q"
+        with pytest.raises(jtik.ArgumentError, match=text):
+            self.solver(wrong)

@@ -12,6 +12,8 @@ import jtik
 from jtik.errors import ArgumentError, ImmutableError, UnknownNameError
 from jtik.robot import Robot
 
+from ..conftest import floating_arm
+
 ARM = Robot.planar(5)
 KEPT = ["joint2", "joint4"]
 AT = np.array([0.1, 0.2, 0.3, 0.4, 0.5])
@@ -191,3 +193,45 @@ class TestFullAndReduced:
         home = panda.keyframes["home"]
         assert part.keyframes["home"].tolist() == [home[1], home[5]]
         assert pickle.loads(pickle.dumps(part)).keyframes["home"].tolist() == [home[1], home[5]]
+
+
+class TestJointValues:
+    def test_a_number_is_that_of_all_entries(self):
+        assert PART.joint_values(2, default=1.0).tolist() == [2.0, 2.0]
+
+    def test_numbers_of_the_robot_and_of_those_it_was_made_from(self):
+        assert FINGER.joint_values([7], default=1.0).tolist() == [7.0]
+        assert FINGER.joint_values([6, 7], default=1.0).tolist() == [7.0]
+        assert FINGER.joint_values([1, 2, 3, 4, 5], default=1.0).tolist() == [4.0]
+
+    def test_names_leave_the_others_at_the_default(self):
+        assert PART.joint_values({"joint4": 3, "joint1": 9}, default=[0.5, 0.6]).tolist() == [0.5, 3.0]
+        assert PART.joint_values({"joint2": 3}, default=1.0).tolist() == [3.0, 1.0]
+
+    def test_the_default_is_not_changed(self):
+        default = np.array([0.5, 0.6])
+        PART.joint_values({"joint2": 3}, default=default)
+        assert default.tolist() == [0.5, 0.6]
+
+    def test_a_quaternion_of_zeros_is_a_value_like_any_other(self):
+        floating = floating_arm()
+        assert floating.joint_values(np.zeros(floating.nq), default=1.0).tolist() == [0.0] * floating.nq
+
+    def test_wrong_length(self):
+        text = (
+            r"^stiffness: given shape \(3,\); accepted: 1 number for ik.robot, or 2 or 5 for the full robot, "
+            "one number for all of them, or a dict by joint name$"
+        )
+        with pytest.raises(ArgumentError, match=text):
+            FINGER.joint_values([1, 2, 3], default=1.0, argument="stiffness")
+
+    @pytest.mark.parametrize("values", [np.nan, [1.0, np.inf], [[1.0], [2.0, 3.0]], "high", None, {"joint2": np.nan}])
+    def test_what_is_no_number(self, values):
+        with pytest.raises(
+            ArgumentError, match=r"^stiffness: given .*; accepted: 2 numbers for ik.robot, or 5|^stiffness\['"
+        ):
+            PART.joint_values(values, default=1.0, argument="stiffness")
+
+    def test_unknown_joint(self):
+        with pytest.raises(UnknownNameError, match="^unknown joint in stiffness 'elbow'"):
+            PART.joint_values({"elbow": 1.0}, default=1.0, argument="stiffness")

@@ -25,8 +25,8 @@ class JointCentering(Criterion):
     Live parameters: ``joint_centering.stiffness`` (nq,) and ``joint_centering.preferred`` (nq,).
 
     Args:
-        stiffness: non-negative diagonal of K: a scalar, one value for each entry of q (nq,), or a dict by joint name;
-            joints that the dict does not name keep 1.0, the default.
+        stiffness: non-negative diagonal of K, in any form of `Robot.joint_values`; joints that a dict does not name
+            keep 1.0, the default.
         preferred: preferred joint positions [rad] or [m], as ``robot.configuration`` accepts a configuration; by
             default the robot's neutral configuration (zeros within the limits).
         name: the first part of the names of its parameters.
@@ -40,6 +40,7 @@ class JointCentering(Criterion):
 
     summary = "springs to preferred joint angles, zero by default"
     source = "Das, Slotine and Sheridan 1988, eq. 2.2"
+    joint_parameters = ("stiffness", "preferred")
 
     def __init__(
         self,
@@ -78,19 +79,13 @@ class JointCentering(Criterion):
 
     def _stiffness_on(self, robot: Robot) -> Array:
         """The stiffness of each entry of q, (nq,)."""
-        if isinstance(self._stiffness, np.ndarray):
-            if self._stiffness.shape not in ((), (robot.nq,)):
-                accepted = f"a scalar, shape ({robot.nq},), or a dict by joint name"
-                raise ArgumentError("stiffness", f"shape {self._stiffness.shape}", accepted)
-            return np.broadcast_to(self._stiffness, robot.nq)
-        scalar_types = (JointType.REVOLUTE, JointType.PRISMATIC)
-        known = [joint.name for joint in robot.independent_joints if joint.type in scalar_types]
-        stiffness = np.ones(robot.nq)
-        for joint, value in self._stiffness.items():
-            if joint not in known:
-                raise UnknownNameError("revolute or prismatic joint", joint, known)
-            stiffness[robot.q_slice(joint)] = value
-        return stiffness
+        if isinstance(self._stiffness, dict):
+            scalar_types = (JointType.REVOLUTE, JointType.PRISMATIC)
+            known = [joint.name for joint in robot.independent_joints if joint.type in scalar_types]
+            for joint in self._stiffness:
+                if joint in robot.joint_names and joint not in known:
+                    raise UnknownNameError("revolute or prismatic joint", joint, known)
+        return robot.joint_values(self._stiffness, default=1.0, argument="stiffness")
 
 
 def _stiffness(given: ArrayLike | Mapping[str, float]) -> Array | dict[str, float]:
