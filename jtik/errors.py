@@ -9,6 +9,7 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 
@@ -149,6 +150,14 @@ def finite_array(argument: str, value: object, shape: tuple[int | None, ...]) ->
         place = f" at index {first}" if array.ndim else ""
         raise ArgumentError(argument, f"{array[where[0]]}{place}", wanted)
     return array
+
+
+def several(argument: str, given: Any, accepted: str) -> tuple[Any, ...]:
+    """What an iterable holds. Raises ArgumentError for what is no iterable."""
+    try:
+        return tuple(given)
+    except TypeError:
+        raise ArgumentError(argument, given, accepted) from None
 
 
 def positive_number(argument: str, value: float) -> float:

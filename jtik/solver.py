@@ -23,6 +23,7 @@ from jtik.result import Solution, SolutionBatch, Step, Trajectory
 from jtik.robot import Robot
 from jtik.strategy import Strategy
 from jtik.task import Task
+from jtik.task.reduction import joints_of
 
 if TYPE_CHECKING:
     import qpsolvers
@@ -88,7 +89,7 @@ class InverseKinematics(LockedJoints, FixedSolver):
         at: ArrayLike | None = None,
         compiled: bool = False,
     ) -> None:
-        joints = joints if joints is None or isinstance(joints, str) else tuple(joints)
+        joints = joints_of(joints)
         self._lock(robot, task, joints, at)
         self.limits: Limits = limits_of(limits)
         self.strategy: Strategy = strategy_of(strategy)

@@ -71,3 +71,23 @@ def test_live_parameters_are_those_of_the_next_solve():
     after = ik.solve((2.0, 2.0), q0=[0.3] * 4)
     assert after.q.tolist() == fresh.solve((2.0, 2.0), q0=[0.3] * 4).q.tolist()
     assert after.q.tolist() != before.q.tolist()
+
+
+@pytest.mark.parametrize("given", ["x", None, float("nan"), 1, -1])
+def test_compiled_is_a_bool(given):
+    with pytest.raises(jtik.ArgumentError, match="^compiled: given .*; accepted: True or False"):
+        jtik.InverseKinematics(planar(3), jtik.FrameTask(), compiled=given)
+
+
+@pytest.mark.parametrize("given", [float("nan"), True, 3.5, [None], [[]]])
+def test_joints_are_names(given):
+    with pytest.raises(jtik.ArgumentError, match='^joints: given .*; accepted: names of joints, "all", or None'):
+        jtik.InverseKinematics(planar(3), jtik.FrameTask(), joints=given)
+
+
+@pytest.mark.parametrize("given", [float("nan"), True, False, 3.5, "x", [None]])
+def test_clearances_are_clearances(given):
+    with pytest.raises(
+        jtik.ArgumentError, match=r"^clearances: given .*; accepted: a jtik\.Clearance, several, or None"
+    ):
+        jtik.InverseKinematics(planar(3), jtik.FrameTask(), clearances=given)

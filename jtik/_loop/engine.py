@@ -46,12 +46,14 @@ class Engine:
         solving: what ``solve``, ``solve_batch`` and ``track`` run.
 
     Raises:
-        ArgumentError: for clearances that the strategy does not support, or a solver that it does not use.
+        ArgumentError: for clearances that the strategy does not support, a solver that it does not use, or no bool.
     """
 
     def __init__(
         self, problem: SymbolicProblem, strategy: Strategy, solver: str | Backend | None, bounds: Bounds, compiled: bool
     ) -> None:
+        if not isinstance(compiled, bool):
+            raise ArgumentError("compiled", compiled, "True or False: whether the step is compiled as C")
         self.problem, self._strategy = problem, strategy
         robot, tasks, clearances = problem.robot, problem.tasks, problem.clearances
         if clearances and not CheckedCall(strategy, strategy, "supports_clearances").flag():
@@ -61,7 +63,7 @@ class Engine:
         if CheckedCall(strategy, strategy, "uses_qp").flag(problem.has_criterion or bool(clearances)):
             backend = backend_of(solver)
         elif solver is not None:
-            accepted = f"none: {type(strategy).__name__} solves no quadratic program here"
+            accepted = f"None, as {type(strategy).__name__} solves no quadratic program here"
             if CheckedCall(strategy, strategy, "uses_qp").flag(True):
                 accepted += "; it solves one with a criterion, criteria=..., or with clearances"
             raise ArgumentError("solver", solver, accepted)

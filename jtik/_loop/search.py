@@ -208,7 +208,7 @@ class Search:
 
 
 def _errors_when_done(runner: Runner, code: Code) -> tuple[float, float] | None:
-    """The errors that the last call gave, which belong to its q where the search is done."""
+    """The errors that the last call returned, which belong to its q where the search is done."""
     view = runner.view
     return (view[OUTCOME.position_error], view[OUTCOME.orientation_error]) if code is Code.DONE else None
 

@@ -15,7 +15,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.errors import ArgumentError, finite_array, several
 from jtik.robot import JointType, Kinematics, Robot
 from jtik.symbolic import Expression, fabs, fmax, fmin, if_else, mmin, sum1, vertcat
 from jtik.types import Array
@@ -117,10 +117,13 @@ class Clearance:
 
 def clearances_of(given: Clearance | Iterable[Clearance] | None) -> tuple[Clearance, ...]:
     """The clearances, each with a name of its own. Raises ArgumentError for anything else."""
-    found = (given,) if isinstance(given, Clearance) else tuple(given or ())
+    accepted = "a jtik.Clearance, several, or None"
+    found = (
+        (given,) if isinstance(given, Clearance) else several("clearances", () if given is None else given, accepted)
+    )
     for clearance in found:
         if not isinstance(clearance, Clearance):
-            raise ArgumentError("clearances", clearance, "a jtik.Clearance, or several")
+            raise ArgumentError("clearances", clearance, accepted)
     names = [clearance.name for clearance in found]
     if len(set(names)) != len(names):
         raise ArgumentError("clearances", names, "a name each: Clearance(..., name=...)")

@@ -8,9 +8,8 @@ from functools import partial
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from jtik.criterion.parameters import Parameters, Parametric
+from jtik.criterion.parameters import Parameters, Parametric, first_values
 from jtik.criterion.tracing import traced
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.robot import Kinematics, Robot
@@ -116,7 +115,7 @@ def _forget(entries: dict[int, _Entry], key: int, reference: weakref.ref[Evaluab
 
 def _column(criterion: Evaluable, robot: Robot, given: Mapping[str, Any]) -> tuple[Parameters, Any]:
     """The parameters with their shapes, and all values in one column."""
-    first: Mapping[str, ArrayLike] = criterion.parameters(robot)
+    first = first_values(criterion, robot)
     parameters = Parameters(first, robot, criterion.joint_parameters)
     symbolic = {name: each for name, each in given.items() if is_symbolic(each)}
     for name, each in given.items():

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, MutableMapping
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jtik.criterion.tracing import CriterionError
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.robot import Robot
 from jtik.symbolic import Expression, reshape, symbol
@@ -25,6 +26,30 @@ class Parametric(Protocol):
 
     def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
         """Names and first values of the live parameters on this robot."""
+
+
+class JointParametric(Parametric, Protocol):
+    """An object some of whose live parameters have one number for each entry of q."""
+
+    joint_parameters: ClassVar[tuple[str, ...]]
+
+
+def first_values(criterion: JointParametric, robot: Robot) -> Mapping[str, ArrayLike]:
+    """The first values of a criterion's live parameters by name.
+
+    Raises:
+        CriterionError: when ``parameters`` returns no mapping, or ``joint_parameters`` are not names in it.
+    """
+    values, of_joints = criterion.parameters(robot), criterion.joint_parameters
+    if not isinstance(values, Mapping):
+        raise CriterionError(
+            criterion.name, f"parameters returned {values!r}; expected a dict from name to first value"
+        )
+    if not isinstance(of_joints, list | tuple | set | frozenset) or not all(name in list(values) for name in of_joints):
+        raise CriterionError(
+            criterion.name, f"joint_parameters is {of_joints!r}; expected a tuple of names in {list(values)}"
+        )
+    return values
 
 
 class Parameters(MutableMapping[str, Array]):
@@ -126,7 +151,7 @@ def _finite(value: Any) -> Array | None:
     """The numbers given as an array of float64; None where they are not numeric or not finite."""
     try:
         raw = np.asarray(value)
-    except ValueError:  # a ragged sequence
+    except (TypeError, ValueError):  # an expression, a ragged sequence
         return None
     if raw.dtype.kind not in "fiub":
         return None

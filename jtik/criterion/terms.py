@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from numpy.typing import ArrayLike
 
 from jtik.criterion.base import Criteria, Criterion, CriterionSum
-from jtik.criterion.parameters import Parameters, Parametric
+from jtik.criterion.parameters import Parameters, Parametric, first_values
 from jtik.criterion.tracing import traced
 from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
@@ -34,10 +34,15 @@ class CriterionTerms:
         """Reads the first value of every parameter, of the criteria and of ``others`` that share the mapping."""
         named = CriterionSum.of(criteria).named()
         values: dict[str, ArrayLike] = {}
-        of_joints = {f"{name}.{each}" for name, _, criterion in named for each in criterion.joint_parameters}
+        of_joints: set[str] = set()
         for name, weight, criterion in named:
             values[f"{name}.weight"] = weight
-            for parameter, value in criterion.parameters(robot).items():
+            own = first_values(criterion, robot)
+            if "weight" in own:
+                given = f"{type(criterion).__name__}.parameters with 'weight'"
+                raise ArgumentError(f"criterion {name!r}", given, "another name: it is that of the criterion's weight")
+            of_joints |= {f"{name}.{parameter}" for parameter in criterion.joint_parameters}
+            for parameter, value in own.items():
                 values[f"{name}.{parameter}"] = value
         for other in others:
             for parameter, value in other.parameters(robot).items():

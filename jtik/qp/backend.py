@@ -17,7 +17,7 @@ PLUGINS = {"daqp": 1e-7, "osqp": 1e-3, "piqp": 1e-5, "proxqp": 1e-3, "qpoases": 
 """CasADi's conic plugins and the accuracy (violation, stationarity) that their solutions are checked against."""
 
 EXCLUDED = ("qrqp",)
-"""Plugins that are refused: qrqp gave wrong solutions to up to a sixth of box-constrained QPs."""
+"""Plugins that are refused: qrqp returned wrong solutions to up to a sixth of box-constrained QPs."""
 
 DEFAULT_ACCURACY = 1e-3
 """The accuracy of a solver of qpsolvers that is not in the table."""

@@ -65,7 +65,7 @@ class QuadraticProgram:
     lower: Expression
     upper: Expression
     rows: Sequence[Rows] = ()
-    name: str = "program"
+    name: str = "qp"
     closed_form: tuple[Expression, Expression] | None = None
 
     def __post_init__(self) -> None:

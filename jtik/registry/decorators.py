@@ -34,13 +34,7 @@ def register_strategy(name: str) -> Callable[[S], S]:
     Raises:
         ArgumentError: when another class has the name, or what is decorated is no Strategy.
     """
-    strategies.check_name(name)  # also finds a decorator without its name
-
-    def register(plugin: S) -> S:
-        strategies.add(name, plugin)
-        return plugin
-
-    return register
+    return strategies.register(name)
 
 
 def register_secondary(name: str) -> Callable[[N], N]:
@@ -54,13 +48,7 @@ def register_secondary(name: str) -> Callable[[N], N]:
     Raises:
         ArgumentError: when another class has the name, or what is decorated is no SecondaryTerm.
     """
-    secondaries.check_name(name)  # also finds a decorator without its name
-
-    def register(plugin: N) -> N:
-        secondaries.add(name, plugin)
-        return plugin
-
-    return register
+    return secondaries.register(name)
 
 
 def register_criterion(name: str) -> Callable[[C], C]:
@@ -74,10 +62,4 @@ def register_criterion(name: str) -> Callable[[C], C]:
     Raises:
         ArgumentError: when another class has the name, or what is decorated is no Criterion.
     """
-    criteria.check_name(name)  # also finds a decorator without its name
-
-    def register(plugin: C) -> C:
-        criteria.add(name, plugin)
-        return plugin
-
-    return register
+    return criteria.register(name)

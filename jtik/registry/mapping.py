@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Generic, TypeVar
 
 from jtik.errors import ArgumentError, UnknownNameError
@@ -14,6 +14,7 @@ from jtik.registry.plugins import PluginError, Plugins
 BUILT_IN = "jtik_formulations"
 
 T = TypeVar("T")
+C = TypeVar("C", bound=type)
 
 
 class Registry(Mapping[str, type[T]], Generic[T]):
@@ -45,7 +46,8 @@ class Registry(Mapping[str, type[T]], Generic[T]):
             plugin: the class.
 
         Raises:
-            ArgumentError: when another class has the name, the name is none, or ``plugin`` is no subclass of the base.
+            ArgumentError: when another class has the name, the name cannot be used, or ``plugin`` is no subclass of the
+                base.
         """
         self.check_name(name)
         if not (isinstance(plugin, type) and issubclass(plugin, self._base)):
@@ -59,6 +61,16 @@ class Registry(Mapping[str, type[T]], Generic[T]):
         self._classes[name] = plugin
         if not vars(plugin).get("name"):
             plugin.name = name  # type: ignore[attr-defined]
+
+    def register(self, name: str) -> Callable[[C], C]:
+        """A class decorator that adds a class by this name, with the errors of `add`."""
+        self.check_name(name)  # also finds a decorator without its name
+
+        def registered(plugin: C) -> C:
+            self.add(name, plugin)
+            return plugin
+
+        return registered
 
     def check_name(self, name: object) -> None:
         """Raise ArgumentError when ``name`` is no text, empty, or has the ``+`` of pairs."""

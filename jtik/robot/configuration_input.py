@@ -44,7 +44,8 @@ def read_configuration(space: ConfigurationSpace, q: Any, argument: str) -> Arra
 def read_joint_values(space: ConfigurationSpace, values: Any, argument: str, default: ArrayLike) -> Array:
     """One number for each entry of q, (nq,); see `ConfigurationSpace.joint_values`."""
     if isinstance(values, Mapping):
-        return _from_names(space, values, argument, np.broadcast_to(np.asarray(default, dtype=float), space.nq))
+        others = finite_array("default", default, () if _shape(default) == () else (space.nq,))
+        return _from_names(space, values, argument, np.broadcast_to(others, space.nq))
     sizes, shape = _sizes(space), _shape(values)
     accepted = f"{_accepted(sizes)}, one number for all of them, or a dict by joint name"
     if shape not in (None, (), *((size,) for size in sizes)):
@@ -71,7 +72,7 @@ def _from_names(space: ConfigurationSpace, named: Mapping[str, Any], argument: s
         if name in own:
             indices = space.q_slice(name)
             size = indices.stop - indices.start
-            shape = () if size == 1 and np.ndim(value) == 0 else (size,)
+            shape = () if size == 1 and _shape(value) == () else (size,)
             q[indices] = finite_array(f"{argument}[{name!r}]", value, shape)
     return q
 

@@ -169,7 +169,7 @@ class Composition(Strategy):
         return CheckedCall(self, self._checked_secondary_term(), "supports_clearances").flag()
 
     def update(self, model: LocalModel, state: State) -> Update:
-        """Propose both displacements, join them, judge the sum, adapt the state."""
+        """Propose both displacements, join them, evaluate the sum, adapt the state."""
         n, task_step = model.robot.n, self._checked_task_step()
         secondary = self._checked_secondary_term() if model.has_criterion or model.clearance else None
         proposing = CheckedCall(self, task_step, "propose")

@@ -4,9 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from jtik.errors import ArgumentError
+from jtik.errors import ArgumentError, several
 from jtik.robot import Robot
 from jtik.task import Task, TaskStack
+
+
+def joints_of(given: object) -> str | tuple[str, ...] | None:
+    """The argument ``joints`` of a solver. Raises ArgumentError for what is neither a name nor several."""
+    if given is None or isinstance(given, str):
+        return given
+    accepted = 'names of joints, "all", or None for those on which the tasks depend'
+    names = several("joints", given, accepted)
+    if not all(isinstance(name, str) for name in names):
+        raise ArgumentError("joints", list(names), accepted)
+    return names
 
 
 def reduced(
@@ -31,8 +42,9 @@ def reduced(
     moving = stack.moving_joints()
     if not moving:
         raise ArgumentError("task", stack.tasks, f"a task on frames that {robot!r} can move")
+    joints = joints_of(joints)
     named = (joints,) if isinstance(joints, str) else joints
-    chosen = moving if named is None else robot.joint_names if joints == "all" else tuple(named)
+    chosen = moving if named is None else robot.joint_names if joints == "all" else named
     if not set(chosen) & set(moving):
         raise ArgumentError("joints", list(chosen), f"at least one on which the tasks depend: {list(moving)}")
     if set(chosen) == set(robot.joint_names):

@@ -69,7 +69,7 @@ def read_placement(target: Any, kind: Kind, dimension: int, accepted: str) -> Ar
     """A target in any of its forms as numbers.
 
     Args:
-        target: what the caller gave.
+        target: the target as the caller passed it.
         kind: what the task uses; of a pose the other part is not used.
         dimension: 2 for a planar robot, else 3.
         accepted: what a target may be, for the error.

@@ -44,7 +44,7 @@ class TestBuild:
 
 class TestInvalidInput:
     def test_a_solver_that_is_not_used(self):
-        with pytest.raises(jtik.ArgumentError, match="solver: given daqp; accepted: none: .* no quadratic program"):
+        with pytest.raises(jtik.ArgumentError, match="solver: given daqp; accepted: None, as Hybrid solves no quadratic program"):
             solver(planar(3), solver="daqp")
 
     def test_clearances_that_a_strategy_does_not_support(self):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import casadi
 import numpy as np
 import pytest
 
@@ -223,3 +224,40 @@ class TestParametersOfTheJoints:
         text = r"^per_joint.scale: given shape \(9,\); accepted: shape \(4,\), one number for each entry of q"
         with pytest.raises(jtik.ArgumentError, match=text):
             self.solver(wrong)
+
+    @pytest.mark.parametrize("names", ["scale", None, 5, ("nope",), (None,), ([],)])
+    def test_names_that_are_none_of_its_parameters_are_refused(self, names):
+        wrong = PerJoint()
+        wrong.joint_parameters = names
+        with pytest.raises(jtik.CriterionError, match=r"'per_joint': joint_parameters is .*names in \['scale'\]"):
+            self.solver(wrong)
+        with pytest.raises(jtik.CriterionError, match="joint_parameters is"):
+            wrong([0.0, 0.0, 0.0], planar(3))
+
+
+class TestFirstValues:
+    @pytest.mark.parametrize("returned", [None, "x", 5, [("scale", 1.0)]])
+    def test_what_is_no_mapping(self, returned):
+        class Wrong(PerJoint):
+            def parameters(self, robot):
+                return returned
+
+        with pytest.raises(jtik.CriterionError, match="'wrong': parameters returned .*; expected a dict"):
+            solver(planar(3), Wrong())
+
+    def test_the_name_of_the_weight_is_taken(self):
+        class Weighted(jtik.Criterion):
+            def parameters(self, robot):
+                return {"weight": 5.0}
+
+            def value(self, kinematics, parameters):
+                return parameters["weight"] * kinematics.q[0]
+
+        with pytest.raises(jtik.ArgumentError, match="^criterion 'weighted': given Weighted.parameters with 'weight'"):
+            solver(planar(3), 3.0 * Weighted())
+
+    def test_an_expression_is_no_value(self):
+        parameters = solver(planar(3), JointCentering()).parameters
+        for value in (casadi.MX.sym("x"), casadi.SX.sym("x", 3)):
+            with pytest.raises(jtik.ArgumentError, match="^joint_centering.weight: given"):
+                parameters["joint_centering.weight"] = value

@@ -299,7 +299,7 @@ def test_contradicting_limits_end_as_a_status_or_are_relaxed():
     assert solution.status is not jtik.Status.UNSOLVED
     assert solution.q[0] <= 0.88 + 1e-9  # the wall is hard
     [entry] = solution.relaxed
-    assert entry.name == "program: limit 1, row 0"
+    assert entry.name == "qp: limit 1, row 0"
     step = ik.step(solution.q, [1.4, 0, 0]).q[0] - solution.q[0]
     assert entry.amount == pytest.approx(0.5 - step, abs=1e-6)
 

@@ -19,7 +19,7 @@ from ..conftest import planar
     [
         (Relaxation("task step", 0.25, "share"), "task step by 25 %"),
         (Relaxation("clearance: link4 to obstacle 1", 0.0123456, "m"), "clearance: link4 to obstacle 1 by 0.0123 m"),
-        (Relaxation("program: rows, row 0", 2.0, ""), "program: rows, row 0 by 2"),
+        (Relaxation("qp: rows, row 0", 2.0, ""), "qp: rows, row 0 by 2"),
     ],
 )
 def test_it_prints_by_how_much(relaxation, text):

@@ -235,3 +235,13 @@ class TestJointValues:
     def test_unknown_joint(self):
         with pytest.raises(UnknownNameError, match="^unknown joint in stiffness 'elbow'"):
             PART.joint_values({"elbow": 1.0}, default=1.0, argument="stiffness")
+
+    def test_a_ragged_value_of_a_joint(self):
+        for read in (PART.configuration, lambda given: PART.joint_values(given, default=1.0)):
+            with pytest.raises(ArgumentError, match=r"\['joint2'\]: given a ragged list"):
+                read({"joint2": [1.0, [2.0]]})
+
+    @pytest.mark.parametrize("default", [None, np.nan, "x", "12", [1.0], 1j, [[1.0], [2.0, 3.0]]])
+    def test_a_default_that_is_no_number_for_each_entry(self, default):
+        with pytest.raises(ArgumentError, match="^default: given"):
+            PART.joint_values({"joint2": 1.0}, default=default)

@@ -12,7 +12,7 @@ from jtik_formulations import JointCentering, Newton, ProjectedGradient
 
 from ..conftest import EXACT, ball_arm, dh_arm, floating_arm, large_ones_slow, planar, planar_jacobian, planar_points
 
-TELLING = [name for name, strategy in jtik.strategies.items() if not strategy.is_soft and name != "mink"]
+WITH_FIGURES = [name for name, strategy in jtik.strategies.items() if not strategy.is_soft and name != "mink"]
 """Strategies whose null-space step is exact, and separate from the task step."""
 
 BARE = {"backtracking": False, "q_limit": math.inf}
@@ -195,7 +195,7 @@ class TestNullSpaceTerm:
                 dq = ik.step(q, target).q - q
                 assert dq == pytest.approx(-pinv @ e - beta * (g - pinv @ J @ g), rel=1e-8, abs=1e-10)
 
-    @pytest.mark.parametrize("strategy", large_ones_slow(TELLING))
+    @pytest.mark.parametrize("strategy", large_ones_slow(WITH_FIGURES))
     def test_it_does_not_move_the_end_effector(self, strategy, rng):
         """|J nu| / |nu|, as the trace reports it and as computed from on-target steps."""
         for robot, kind in ((planar(10), "position"), (dh_arm(7, 1), "position"), (dh_arm(8, 2), "pose")):

@@ -127,7 +127,7 @@ class Decrease(Merit):
 @dataclass(frozen=True)
 class Proposing(Programmed):
     proposal: object = lambda model: Proposal(newton(model))
-    judged: object = Decrease()
+    chosen_merit: object = Decrease()
     shortened: object = None
     term: object = None
 
@@ -138,7 +138,7 @@ class Proposing(Programmed):
         return given(self.proposal, model)
 
     def merit(self):
-        return given(self.judged)
+        return given(self.chosen_merit)
 
     def shortening(self):
         return self.shortened
@@ -190,7 +190,7 @@ def test_a_field_of_a_proposal(name, wrong):
 @pytest.mark.parametrize("wrong", WRONG.values(), ids=WRONG)
 @pytest.mark.parametrize("name", [field.name for field in fields(Verdict)])
 def test_a_field_of_a_verdict(name, wrong):
-    text = message(Proposing(judged=Decrease(lambda model, candidate: Verdict(**{"accepted": 1, name: wrong}))))
+    text = message(Proposing(chosen_merit=Decrease(lambda model, candidate: Verdict(**{"accepted": 1, name: wrong}))))
     assert f"Decrease.verdict returned {'a state' if wrong == {1: 2} and name == 'state' else name}" in text
 
 
@@ -222,9 +222,9 @@ def test_a_field_inside_a_proposal_has_its_whole_name():
         ),
         (Composed(term=Term(corrected="x")), "Term.correct returned dq = str 'x'"),
         (Composed(term=Term(corrected=lambda model: newton(model).T)), "Term.correct returned dq of shape (1, 3)"),
-        (Proposing(judged=1), "Proposing.merit returned int 1; accepted: Merit, or None"),
-        (Proposing(judged=lambda: 1 / 0), "Proposing.merit raised ZeroDivisionError: division by zero in `"),
-        (Proposing(judged=Decrease(None)), "Decrease.verdict returned None; accepted: a Verdict"),
+        (Proposing(chosen_merit=1), "Proposing.merit returned int 1; accepted: Merit, or None"),
+        (Proposing(chosen_merit=lambda: 1 / 0), "Proposing.merit raised ZeroDivisionError: division by zero in `"),
+        (Proposing(chosen_merit=Decrease(None)), "Decrease.verdict returned None; accepted: a Verdict"),
         (
             Proposing(shortened=0.5),
             "Proposing.shortening returned float 0.5; accepted: AdaptiveDamping or Backtracking",

@@ -31,10 +31,10 @@ def hessian(robot, task):
     lagrangian = H(robot.integrate(q, v), zeros(0))
     if task:
         lagrangian += casadi.dot(multipliers, r(robot.integrate(q, v), zeros(0)))
-    bend = lagrangian_hessian(
+    hessian = lagrangian_hessian(
         robot, H, r, q=q, target=zeros(0), parameters=zeros(0), multipliers=multipliers if task else None
     )
-    return function("L", [q, v, multipliers], [lagrangian]), function("W", [q, multipliers], [bend])
+    return function("L", [q, v, multipliers], [lagrangian]), function("W", [q, multipliers], [hessian])
 
 
 @pytest.mark.parametrize("task", [True, False])

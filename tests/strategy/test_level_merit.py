@@ -13,7 +13,7 @@ from .conftest import numbers, quadratic_model
 LEVELS = ((0, 1), (2,))
 
 
-def judged(J, r, dq, *, levels=LEVELS, weights=None, penalty=0.0, null=None, **options):
+def verdict_on(J, r, dq, *, levels=LEVELS, weights=None, penalty=0.0, null=None, **options):
     """The verdict on the task displacement dq (n,), beside a null-space displacement (n,)."""
     model = quadratic_model(J, r, levels=levels, **options)
     null = np.zeros(len(dq)) if null is None else null
@@ -27,7 +27,7 @@ def judged(J, r, dq, *, levels=LEVELS, weights=None, penalty=0.0, null=None, **o
 
 
 def accepted(*arguments, **options):
-    return bool(numbers(judged(*arguments, **options).accepted))
+    return bool(numbers(verdict_on(*arguments, **options).accepted))
 
 
 def test_the_first_state_has_a_weight_for_every_row():
@@ -46,7 +46,7 @@ class TestOneLevel:
 
     def test_ratio_and_progress_of_a_linear_task(self, rng):
         J, r = rng.normal(size=(3, 5)), rng.normal(size=3)
-        found = judged(J, r, -0.25 * np.linalg.pinv(J) @ r, levels=self.levels)
+        found = verdict_on(J, r, -0.25 * np.linalg.pinv(J) @ r, levels=self.levels)
         assert numbers(found.ratio) == pytest.approx(1.0)
         assert numbers(found.progress) == pytest.approx(0.25)
         assert numbers(found.predicted_decrease) == pytest.approx((1 - 0.75**2) * r @ r / 2)
@@ -76,16 +76,16 @@ class TestTwoLevels:
     def test_weights_are_one_below_and_at_least_half_of_those_before_above(self, rng):
         J, r = rng.normal(size=(3, 4)), rng.normal(size=3)
         dq = -np.linalg.pinv(J) @ r
-        weights = numbers(judged(J, r, dq).state["weights"])
+        weights = numbers(verdict_on(J, r, dq).state["weights"])
         assert (weights[0] > 0, weights[1:].tolist()) == (True, [1.0, 0.0])
-        assert numbers(judged(J, r, dq, weights=[1e3, 1, 0]).state["weights"])[0] == 500
+        assert numbers(verdict_on(J, r, dq, weights=[1e3, 1, 0]).state["weights"])[0] == 500
 
     def test_the_weight_exceeds_the_multiplier_of_the_level_above(self, rng):
         """The lower level's error with the higher level kept has the multiplier (J1')+ J2' sign(r2)."""
         for _ in range(20):
             J, r = rng.normal(size=(3, 4)), rng.normal(size=3)
             multiplier = np.linalg.norm(np.linalg.pinv(J[:2]).T @ J[2]) / (1 + 1e-3)  # it is damped slightly
-            assert numbers(judged(J, r, np.zeros(4)).state["weights"])[0] > 1.4 * multiplier
+            assert numbers(verdict_on(J, r, np.zeros(4)).state["weights"])[0] > 1.4 * multiplier
 
 
 class TestWithCriterion:

@@ -139,12 +139,12 @@ class TestQuadraticPrograms:
         model = quadratic_model(np.ones((1, 2)), np.ones(1), qps=qps)
         solution = model.solve(self.program)
         (answer,) = model.compute("norm", lambda _: None, [model.J], [(3, 1)])
-        assert [recorded.name for recorded in qps.calls] == ["program", "norm"]
+        assert [recorded.name for recorded in qps.calls] == ["qp", "norm"]
         assert (solution.x.shape, answer.shape) == ((2, 1), (3, 1))
 
     def test_a_strategy_whose_uses_qp_is_false_gets_an_error(self):
         model = quadratic_model(np.ones((1, 2)), np.ones(1))
-        with pytest.raises(jtik.JtikError, match="'program' of a strategy whose uses_qp"):
+        with pytest.raises(jtik.JtikError, match="'qp' of a strategy whose uses_qp"):
             model.solve(self.program)
         with pytest.raises(jtik.JtikError, match="'norm' of a strategy whose uses_qp"):
             model.compute("norm", lambda _: None, [model.J], [(3, 1)])

@@ -120,9 +120,9 @@ class WeightedQP(Programmed):
 
 def _limits_active(solution: QPSolution) -> Expression:
     """1 where a limit or a row is active in the step."""
-    program = solution.qp
-    multipliers = [fabs(solution.box_multipliers[j]) for j in range(program.size)]
-    for group in program.rows:
+    qp = solution.qp
+    multipliers = [fabs(solution.box_multipliers[j]) for j in range(qp.size)]
+    for group in qp.rows:
         of_rows = solution.multipliers(group.name)
         multipliers += [fabs(of_rows[i]) * norm(group.matrix[i, :]) for i in range(group.count)]
-    return mmax(vertcat(*multipliers)) > ACTIVE * (1 + norm_inf(program.q))
+    return mmax(vertcat(*multipliers)) > ACTIVE * (1 + norm_inf(qp.q))
