@@ -44,7 +44,8 @@ class TestBuild:
 
 class TestInvalidInput:
     def test_a_solver_that_is_not_used(self):
-        with pytest.raises(jtik.ArgumentError, match="solver: given daqp; accepted: None, as Hybrid solves no quadratic program"):
+        accepted = "None, as Hybrid solves no quadratic program here"
+        with pytest.raises(jtik.ArgumentError, match=f"solver: given daqp; accepted: {accepted}"):
             solver(planar(3), solver="daqp")
 
     def test_clearances_that_a_strategy_does_not_support(self):
