@@ -12,10 +12,9 @@ from jtik._loop.copying import FixedSolver
 from jtik._loop.engine import Engine
 from jtik._loop.locked_joints import LockedJoints
 from jtik._loop.options import Until
-from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.clearance import Clearance, clearances_of
 from jtik.constraints.limits import Limits, limits_of
-from jtik.criterion import Criteria, CriterionSum, CriterionTerms, Parameters
+from jtik.criterion import Criteria, CriterionSum, Parameters
 from jtik.progress import Progress
 from jtik.qp import Backend
 from jtik.registry import strategy_of
@@ -60,6 +59,8 @@ class InverseKinematics(LockedJoints, FixedSolver):
             them: "weighted_qp", "lexicographic_qp", and task steps with "+qp", such as "hybrid+qp".
         joints: names of the joints to move, or "all"; by default those on which the tasks depend, not a hand's fingers.
         at: configuration of the full robot at which the other joints are locked, its neutral one by default.
+        null_space_rate: rate at which `track` and ``step(dt=)`` approach the minimum of the criterion [1/s]: their
+            motion in the null space does not depend on dt. ``math.inf`` for the steps of `solve`.
         compiled: run the step as generated C, three to five times faster. This needs a C compiler and, the first time,
             about a second.
 
@@ -88,27 +89,23 @@ class InverseKinematics(LockedJoints, FixedSolver):
         joints: str | Iterable[str] | None = None,
         at: ArrayLike | None = None,
         compiled: bool = False,
+        null_space_rate: float = 5.0,
     ) -> None:
         joints = joints_of(joints)
         self._lock(robot, task, joints, at)
         self.limits: Limits = limits_of(limits)
         self.strategy: Strategy = strategy_of(strategy)
-        clearance_list, criterion_sum = clearances_of(clearances), CriterionSum.of(criteria)
-        terms = CriterionTerms.of(self.robot, criterion_sum, clearance_list)
-        self.parameters: Parameters = terms.parameters
-        bounds = self.limits.of(self.robot)
-        problem = SymbolicProblem(self.robot, self.tasks, terms, bounds.bounded, clearance_list)
-        self._engine = Engine(problem, self.strategy, solver, bounds, compiled)
+        terms: dict[str, Any] = {"criteria": CriterionSum.of(criteria), "clearances": clearances_of(clearances)}
+        how: dict[str, Any] = {"solver": solver, "compiled": compiled, "null_space_rate": null_space_rate}
+        self._engine = Engine(self.robot, self.tasks, self.limits, self.strategy, **terms, **how)
+        self.parameters: Parameters = self._engine.problem.terms.parameters
         self._stepping, self._solving = self._engine.stepping, self._engine.solving
-        arguments = {"robot": robot, "task": self.tasks.tasks, "criteria": criterion_sum, "strategy": self.strategy}
-        arguments |= {"solver": solver, "limits": self.limits, "clearances": clearance_list, "compiled": compiled}
-        self._fix({**arguments, "joints": joints, "at": self._locked})
+        arguments = {"robot": robot, "task": self.tasks.tasks, "limits": self.limits, "strategy": self.strategy}
+        self._fix({**arguments, **terms, **how, "joints": joints, "at": self._locked})
 
     def __repr__(self) -> str:
-        weights = {name: float(self.parameters[f"{name}.weight"]) for name, _, _ in self._engine.problem.terms.named}
-        terms = [name if weight == 1 else f"{weight:g} * {name}" for name, weight in weights.items()]
-        criteria = " + ".join(terms) or "no criterion"
-        return f"InverseKinematics({self.robot!r}, {list(self.tasks.tasks)}, {criteria}, {self.strategy!r})"
+        problem = self._engine.problem
+        return f"InverseKinematics({self.robot!r}, {list(self.tasks.tasks)}, {problem.terms}, {self.strategy!r})"
 
     def solve(
         self,

@@ -8,6 +8,7 @@ from jtik._loop.arguments import ConfigurationReader
 from jtik._loop.exclusive_use import ExclusiveUse
 from jtik._loop.inspection import Inspector
 from jtik._loop.native_search import NativeSearch
+from jtik._loop.options import read_rate
 from jtik._loop.runners import Runners
 from jtik._loop.saddle_escape import SaddleEscape
 from jtik._loop.search import Search
@@ -15,12 +16,15 @@ from jtik._loop.solving import Solving
 from jtik._loop.stepping import Stepping
 from jtik._step.inputs import InputMemory
 from jtik._step.symbolic_problem import SymbolicProblem
-from jtik.constraints.limits import Bounds
+from jtik.constraints import Clearance, Limits
+from jtik.criterion import CriterionSum, CriterionTerms
 from jtik.errors import ArgumentError
 from jtik.qp import Backend, as_problem, backend_of
 from jtik.registry import supporting_clearances
+from jtik.robot import Robot
 from jtik.strategy import Strategy
 from jtik.strategy.checked_call import CheckedCall
+from jtik.task import TaskStack
 
 if TYPE_CHECKING:
     import qpsolvers
@@ -30,11 +34,15 @@ class Engine:
     """Assembles what `InverseKinematics` runs.
 
     Args:
-        problem: robot, tasks, criteria and clearances.
+        robot: the robot.
+        tasks: the tasks.
+        limits: limits of position, velocity and acceleration.
         strategy: the strategy.
+        criteria: the criteria.
+        clearances: the clearances.
         solver: what solves its QPs, or None for the default.
-        bounds: limits of position, velocity and acceleration.
         compiled: whether the step runs as generated C.
+        null_space_rate: rate of the motion in the null space in timed steps [1/s].
 
     Attributes:
         problem: robot, tasks, criteria and clearances.
@@ -50,12 +58,23 @@ class Engine:
     """
 
     def __init__(
-        self, problem: SymbolicProblem, strategy: Strategy, solver: str | Backend | None, bounds: Bounds, compiled: bool
+        self,
+        robot: Robot,
+        tasks: TaskStack,
+        limits: Limits,
+        strategy: Strategy,
+        *,
+        criteria: CriterionSum,
+        clearances: tuple[Clearance, ...],
+        solver: str | Backend | None,
+        compiled: bool,
+        null_space_rate: float,
     ) -> None:
         if not isinstance(compiled, bool):
             raise ArgumentError("compiled", compiled, "True or False: whether the step is compiled as C")
-        self.problem, self._strategy = problem, strategy
-        robot, tasks, clearances = problem.robot, problem.tasks, problem.clearances
+        bounds, terms = limits.of(robot), CriterionTerms.of(robot, criteria, clearances)
+        self.problem = problem = SymbolicProblem(robot, tasks, terms, bounds.bounded, clearances)
+        self._strategy = strategy
         if clearances and not CheckedCall(strategy, strategy, "supports_clearances").flag():
             given = f"{list(clearances)!r} with strategy={strategy!r}"
             raise ArgumentError("clearances", given, supporting_clearances())
@@ -69,7 +88,15 @@ class Engine:
             raise ArgumentError("solver", solver, accepted)
         self.memory = InputMemory(tasks.target_size, problem.terms.parameters, bounds.lower, bounds.upper)
         inputs = self.memory.inputs
-        self.runners = Runners(problem, strategy, backend, bounds=bounds, memory=self.memory, compiled=compiled)
+        self.runners = Runners(
+            problem,
+            strategy,
+            backend,
+            bounds=bounds,
+            memory=self.memory,
+            compiled=compiled,
+            null_space_rate=read_rate("null_space_rate", null_space_rate),
+        )
         self.configurations = ConfigurationReader(robot, inputs.lower, inputs.upper)
         self._exclusive = ExclusiveUse()
         escape = SaddleEscape(problem)

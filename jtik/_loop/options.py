@@ -29,6 +29,17 @@ def read_settings(position: float, orientation: float, optimality: float, until:
     )
 
 
+def read_rate(argument: str, rate: object) -> float:
+    """A rate [1/s]: a positive number or infinity.
+
+    Raises:
+        ArgumentError: for anything else.
+    """
+    if isinstance(rate, (int, float, np.integer, np.floating)) and not isinstance(rate, bool) and rate > 0:
+        return float(rate)
+    raise ArgumentError(argument, rate, "a positive rate [1/s]; math.inf for steps as long as the strategy proposes")
+
+
 def read_until(until: str) -> Until:
     """When to stop; warns for the old name of "stationary".
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from jtik._loop import native_search
 from jtik._loop.runner import Runner
 from jtik._step.fused_step import FusedStep, fused_step
-from jtik._step.inputs import InputMemory, Inputs, Settings
+from jtik._step.inputs import SETTING, InputMemory, Inputs, Settings
 from jtik._step.relaxation import RelaxationTerms
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.limits import Bounds
@@ -31,6 +32,7 @@ class Runners:
         bounds: limits of position, velocity and acceleration.
         memory: the inputs of `solve`.
         compiled: whether the step runs as generated C.
+        null_space_rate: rate of the motion in the null space in timed steps [1/s].
 
     Attributes:
         memory: the inputs of `solve`.
@@ -47,9 +49,10 @@ class Runners:
         bounds: Bounds,
         memory: InputMemory,
         compiled: bool,
+        null_space_rate: float,
     ) -> None:
         self._problem, self._strategy, self._backend = problem, strategy, backend
-        self._bounds, self._compiled = bounds, compiled
+        self._bounds, self._compiled, self._null_space_rate = bounds, compiled, null_space_rate
         self.memory = memory
         self.solve = self._runner(self._fused(), memory.inputs)
         self.step_inputs = memory.inputs._replace(settings=np.array(Settings()))
@@ -66,10 +69,15 @@ class Runners:
 
     @cached_property
     def timed_step(self) -> tuple[Runner, StepBox]:
-        """The runner of ``step(dt=)``: as `step`, within a box on the step that it owns."""
-        lower, upper = self._bounds.lower.copy(), self._bounds.upper.copy()
-        runner = self._runner(self._evaluated, self.step_inputs._replace(lower=lower, upper=upper))
-        return self._started(runner), StepBox(self._bounds, self._box_function, lower, upper)
+        """The runner of ``step(dt=)``, within a box on the step that it owns."""
+        inputs = self.step_inputs._replace(lower=self._bounds.lower.copy(), upper=self._bounds.upper.copy())
+        runner = self._runner(self._timed, inputs)
+        return self._started(runner), self._box(inputs, self._null_space_rate)
+
+    @cached_property
+    def track(self) -> Runner:
+        """The runner of `InverseKinematics.track`: timed steps on the inputs of `solve`."""
+        return self._runner(self._timed, self.memory.inputs)
 
     @cached_property
     def traced_solve(self) -> Runner:
@@ -83,10 +91,17 @@ class Runners:
         inputs: Inputs[Array] = Inputs(*[np.zeros_like(part) for part in self.memory.inputs])
         return self._runner(self.traced_solve.fused, inputs)
 
-    def tracking_box(self) -> StepBox:
-        """The box on each step of a path, written into the inputs of `solve`."""
-        inputs = self.memory.inputs
-        return StepBox(self._bounds, self._box_function, inputs.lower, inputs.upper)
+    def tracking_box(self, *, stationary: bool) -> StepBox:
+        """The box on each step of a path, written into the inputs of `solve`.
+
+        Args:
+            stationary: whether the criterion is to be stationary at each target, at any speed.
+        """
+        return self._box(self.memory.inputs, math.inf if stationary else self._null_space_rate)
+
+    def _box(self, inputs: Inputs[Array], null_space_rate: float) -> StepBox:
+        share = inputs.settings[SETTING.null_space_share :][:1]
+        return StepBox(self._bounds, self._box_function, inputs.lower, inputs.upper, share, null_space_rate)
 
     def _runner(self, fused: FusedStep, inputs: Inputs[Array]) -> Runner:
         return Runner(fused, inputs, self._problem.robot.nq)
@@ -104,6 +119,12 @@ class Runners:
         """The fused step whose errors are those after the step."""
         evaluated = self._strategy.evaluates_candidate(self._problem.has_criterion)
         return self.solve.fused if evaluated else self._fused(evaluated=True)
+
+    @cached_property
+    def _timed(self) -> FusedStep:
+        """The fused step of a duration."""
+        fused = fused_step(self._problem, self._strategy, backend=self._backend, timed=True)
+        return fused.compiled() if self._compiled else fused
 
     @cached_property
     def _box_function(self) -> Function:

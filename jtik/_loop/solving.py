@@ -15,10 +15,12 @@ from jtik._loop.batch import BatchEntry, collect
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspection, Inspector
 from jtik._loop.options import read_search_options, read_settings
+from jtik._loop.runner import Runner
 from jtik._loop.runners import Runners
 from jtik._loop.search import Search, SearchOptions, SearchResult
 from jtik._loop.trace_recorder import TraceRecorder
 from jtik._loop.tracking import follow
+from jtik._step.inputs import SETTING
 from jtik._step.stopping import Code
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.errors import ArgumentError, positive_number
@@ -27,6 +29,7 @@ from jtik.result.batch import SolutionBatch
 from jtik.result.report import Report
 from jtik.result.solution import Solution
 from jtik.result.status import Status, is_success
+from jtik.result.trace import Trace
 from jtik.result.trajectory import Trajectory
 from jtik.types import Array
 
@@ -74,20 +77,34 @@ class Solving:
             start = self._configurations.start(q0)
             search_options = self._read_options(options)
             recorder = TraceRecorder(self._runners.traced_solve) if trace else None
-            found, status, inspection = self._search_in_memory(start, search_options, target, recorder)
-            return Solution.of(
-                q=found.q,
-                status=status,
-                converged=is_success(status, options[-1]),
-                iterations=found.iterations,
-                escapes=found.escapes,
-                restarts=found.restarts,
-                seconds=time.perf_counter() - begin,
-                inspect=inspection,
-                trace=recorder.trace(found.q, self._error) if recorder else None,
-            )
+            runner = recorder.runner if recorder else self._runners.solve
+            found, status, inspection = self._search_in_memory(start, search_options, target, runner, recorder)
+            recorded = recorder.trace(found.q, self._error) if recorder else None
+            return self._solution(found, status, options, begin, inspection, recorded)
         finally:
             self._leave()
+
+    def _solution(
+        self,
+        found: SearchResult,
+        status: Status,
+        options: Options,
+        begin: float,
+        inspection: Inspection,
+        trace: Trace | None = None,
+    ) -> Solution:
+        """The end of a search that began at the time ``begin`` as a Solution."""
+        return Solution.of(
+            q=found.q,
+            status=status,
+            converged=is_success(status, options[-1]),
+            iterations=found.iterations,
+            escapes=found.escapes,
+            restarts=found.restarts,
+            seconds=time.perf_counter() - begin,
+            inspect=inspection,
+            trace=trace,
+        )
 
     def solve_batch(self, targets: Iterable[Any], q0: Any, options: Options, progress: Progress) -> SolutionBatch:
         """Solve for each target by itself, as `InverseKinematics.solve_batch` describes it."""
@@ -103,7 +120,8 @@ class Solving:
                 self._target[:] = numbers[i]
                 found, seconds = native[i] if native else (None, 0.0)
                 if found is None:
-                    found, status, _ = self._search_in_memory(starts[i % len(starts)], search_options, given[i])
+                    start = starts[i % len(starts)]
+                    found, status, _ = self._search_in_memory(start, search_options, given[i], self._runners.solve)
                 else:
                     status = self._inspector.current(found.q).status(found.code)
                 seconds += time.perf_counter() - begin
@@ -127,11 +145,20 @@ class Solving:
             if not given:
                 raise ArgumentError("targets", "none", "at least one target")
             start, dt = self._configurations.start(q0), positive_number("dt", dt)
+            search_options, stationary = self._read_options(options), options[-1] != "reached"
+            self._memory.inputs.settings[SETTING.null_space_again] = float(stationary)
+            box, runner = self._runners.tracking_box(stationary=stationary), self._runners.track
 
             def solve(target: Any, q: Array) -> Solution:
-                return self.solve(target, q, options, False)
+                begin = time.perf_counter()
+                self._target[:] = self._tasks.read_target(target)
+                found, status, inspection = self._search_in_memory(q, search_options, target, runner)
+                return self._solution(found, status, options, begin, inspection)
 
-            return follow(self._robot, given, start, dt, self._runners.tracking_box(), solve, self._at_another_q)
+            try:
+                return follow(self._robot, given, start, dt, box, solve, self._at_another_q)
+            finally:
+                self._options = self._prepared = ()
 
     def _read_options(self, options: Options) -> SearchOptions:
         """The options of a search; the tolerances are written to the step's memory. Both only when they change."""
@@ -174,12 +201,16 @@ class Solving:
         )
 
     def _search_in_memory(
-        self, start: Array, search_options: SearchOptions, target: Any, recorder: TraceRecorder | None = None
+        self,
+        start: Array,
+        search_options: SearchOptions,
+        target: Any,
+        runner: Runner,
+        recorder: TraceRecorder | None = None,
     ) -> tuple[SearchResult, Status, Inspection]:
         """Search for the target that is in memory: the result, its status, and its inspection."""
         if recorder or search_options.limit == 0:
             start = self._configurations.clamped(start)  # otherwise the first step clamps it
-        runner = recorder.runner if recorder else self._runners.solve
         found = self._search.find(runner, start, search_options, recorder)
         inspection = self._inspector.snapshot(found.q, target)
         return found, inspection.status(found.code), inspection

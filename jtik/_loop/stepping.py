@@ -66,6 +66,7 @@ class Stepping:
                 memory[:] = self._read("q", q)
             if box is not None and dt is not None:
                 box.narrow(memory, dt)
+                memory[:] = box.start()
             runner.calls[at]()
             after = runner.q[1 - at]
             position: float
@@ -77,6 +78,9 @@ class Stepping:
                 self._read("q", q)
                 self._tasks.read_target(target)
             moved, done, escaped = accepted == 1.0, code == 1.0, False
+            if box is not None and not (moved or done):
+                after[:] = box.braked()
+                position, orientation = self._inspector.errors(after, runner.inputs)
             if code == Code.STALLED:
                 escaped = self._escape.escape(after, runner.inputs)
                 runner.start(after)

@@ -44,7 +44,10 @@ def follow(
     try:
         for target in targets:
             box.narrow(q, dt)
-            solution = solve(target, q)
+            start = box.start()
+            solution = solve(target, start)
+            if not solution.converged and (solution.q == start).all():  # no step was accepted
+                solution = moved(solution, box.braked())
             allowed = box.slowed(solution.q)
             if allowed is not solution.q:
                 solution = replace(moved(solution, allowed), converged=False)

@@ -21,6 +21,7 @@ from jtik._step.solve_progress import UNKNOWN, Progress, initial_progress
 from jtik._step.stopping import Code, Stop
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik._step.vector_layout import VectorLayout
+from jtik.qp import backend_of
 from jtik.qp.backend import Backend
 from jtik.qp.fast_path import fast_or_qp_path
 from jtik.qp.recorder import QPRecorder
@@ -100,6 +101,7 @@ def fused_step(
     backend: Backend | None = None,
     recorded: bool = False,
     evaluated: bool = False,
+    timed: bool = False,
 ) -> FusedStep:
     """Join problem and strategy into one function, or into those between which quadratic programs are solved.
 
@@ -110,19 +112,24 @@ def fused_step(
         recorded: whether its outputs have the figures of a trace.
         evaluated: whether task and criterion are always evaluated where the step ends, so that the outcome has the
             errors there. Otherwise a step of a strategy that accepts every step has the errors of its start.
+        timed: whether the step has a duration: it is then fitted into its box, damped where the last step has left an
+            error, and takes a share of the null-space displacement.
 
     Raises:
         StrategyError: when a method of the strategy raises or returns what cannot be used.
     """
     evaluates = CheckedCall(strategy, strategy, "evaluates_candidate").flag(problem.has_criterion)
-    evaluated = evaluated or evaluates or bool(problem.clearances)
-    first = _first_state(problem, strategy, evaluated=evaluated)
+    evaluated = evaluated or evaluates or bool(problem.clearances) or timed
+    first = _first_state(problem, strategy, evaluated=evaluated, timed=timed)
     layout = VectorLayout.of({name: value.size for name, value in first.items()})
     inputs, q, memory = _input_symbols(problem), symbol("q", problem.robot.nq), symbol("state", layout.size)
     state, settings = layout.split(memory), Settings.of(inputs.settings)
+    uses_qp = backend is not None
+    if backend is None and timed and problem.bounded and CheckedCall(strategy, strategy, "fits_limits").flag():
+        backend = backend_of(None)
     qps = QPRecorder(backend.accuracy, backend.name) if backend else None
 
-    at = linearized(problem, q, inputs, state, qps)
+    at = linearized(problem, q, inputs, state, qps, uses_qp=uses_qp, timed=timed)
     model, active = at.model, at.active_set
     own = {name[len(STRATEGY_PREFIX) :]: v for name, v in state.items() if name.startswith(STRATEGY_PREFIX)}
     update = checked_update(strategy, model, own)
@@ -132,7 +139,10 @@ def fused_step(
     progress = Progress.of(model, state, stop)
 
     finite = _finite(model, q)
-    tried = logic_and(finite, logic_not(logic_or(stop.done_before, logic_or(stop.stationary, progress.slow))))
+    stops = logic_or(stop.stationary, progress.slow)
+    if not timed:  # a timed step follows its target within the tolerances, too
+        stops = logic_or(stops, stop.done_before)
+    tried = logic_and(finite, logic_not(stops))
     if qps:
         tried = logic_and(tried, qps.solved())
     accepted = logic_and(tried, update.accepted)
@@ -146,6 +156,10 @@ def fused_step(
 
     after, stalled = progress.after(model, state, update, accepted, stop, restoration, evaluated=evaluated)
     after["neighbourhood"] = model.neighbourhood
+    if timed:
+        after["remaining"] = if_else(accepted, update.candidate.length, model.here.length)
+        if problem.has_criterion:
+            after["null_space_left"] = if_else(accepted, settings.null_space_again, state["null_space_left"])
     if restoration:
         after |= restoration.after(update.dq, accepted)
     if active and evaluated:
@@ -170,9 +184,13 @@ def fused_step(
     return FusedStep(joined, numbers, layout, record, parts, relaxation=relaxation)
 
 
-def _first_state(problem: SymbolicProblem, strategy: Strategy, *, evaluated: bool) -> dict[str, Array]:
+def _first_state(problem: SymbolicProblem, strategy: Strategy, *, evaluated: bool, timed: bool) -> dict[str, Array]:
     """The state that a solve starts from: the engine's, then the strategy's."""
     state = initial_progress(evaluated=evaluated) | {"neighbourhood": np.zeros(1)}
+    if timed:
+        state["remaining"] = np.zeros(1)
+        if problem.has_criterion:
+            state["null_space_left"] = np.ones(1)
     if problem.clearances and problem.restored.any():
         state |= {"longest": np.full(1, LONGEST), "violation": np.full(1, UNKNOWN)}
     if problem.bounded and evaluated:

@@ -21,12 +21,16 @@ class Settings(NamedTuple):
         orientation_tolerance: norm of the orientation error that counts as reached [rad].
         optimality_tolerance: null-space residual, relative to max(1, |dH/dv|), that counts as stationary.
         until_stationary: 1 to continue until the criterion is stationary, 0 to stop at the target.
+        null_space_share: share of a null-space displacement that a timed step takes, (0, 1].
+        null_space_again: 0 if only the first step from a start takes it, else 1.
     """
 
     position_tolerance: Any = 1e-6
     orientation_tolerance: Any = 1e-6
     optimality_tolerance: Any = 1e-6
     until_stationary: Any = 1.0
+    null_space_share: Any = 1.0
+    null_space_again: Any = 1.0
 
     @classmethod
     def of(cls, column: Expression) -> Settings:

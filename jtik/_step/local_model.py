@@ -7,15 +7,22 @@ from dataclasses import dataclass
 
 from jtik._step.active_set import ActiveSet, clamped
 from jtik._step.clearances import clearance_model
-from jtik._step.inputs import Inputs
+from jtik._step.inputs import Inputs, Settings
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.qp.recorder import QPRecorder
 from jtik.strategy import Evaluation, LocalModel
-from jtik.symbolic import TINY, Expression, if_else, sqrt, substitute, symbol
+from jtik.symbolic import TINY, Expression, if_else, sqrt, substitute, sumsqr, symbol
 from jtik.symbolic.factorization import squared_length
 
 NEIGHBOURHOOD = 0.02
 """Radius of the neighbourhood of the target relative to |J|: the error that a motion of this many rad (or m) makes."""
+
+
+RETURN = 0.1
+"""Damping of a timed step relative to V [1 / rad^2]: negligible beside J J' on a path that is followed."""
+
+SINGULAR = 1e-12
+"""Smallest damping of a timed step relative to |J|^2: what is left of an error outside the range stays rounding."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +49,9 @@ def linearized(
     inputs: Inputs[Expression],
     state: Mapping[str, Expression],
     qps: QPRecorder | None,
+    *,
+    uses_qp: bool = False,
+    timed: bool = False,
 ) -> Linearized:
     """The problem at ``start`` (nq, 1), clamped to the limits.
 
@@ -51,8 +61,10 @@ def linearized(
         inputs: inputs of the step.
         state: state of the step.
         qps: records the quadratic programs; None for a strategy without any.
+        uses_qp: whether the strategy's own quadratic programs find the active limits.
+        timed: whether the step has a duration.
     """
-    limits = inputs.lower, inputs.upper
+    limits, settings = (inputs.lower, inputs.upper), Settings.of(inputs.settings)
     parts = _parts(problem, clamped(start, *limits, problem.bounded), inputs.target, inputs.parameters)
     at = [symbol(f"at{i}", *part.shape) for i, part in enumerate(parts)] if qps else parts
     q, residual, J, H, gradient = at[:5]
@@ -64,7 +76,7 @@ def linearized(
         near_target = here.length <= neighbourhood
     active = None
     if problem.bounded:
-        active = ActiveSet(problem, state, here, near_target, J, gradient, limits, uses_qp=bool(qps))
+        active = ActiveSet(problem, state, here, near_target, J, gradient, limits, uses_qp=uses_qp)
     model = LocalModel(
         robot=problem.robot,
         here=here,
@@ -86,8 +98,21 @@ def linearized(
         qps=qps,
         clearance=clearance_model(problem, q, at[5:], inputs.parameters, limits, state) if problem.clearances else None,
         tasks=problem.tasks,
+        timed=timed,
+        curvature=_curvature(J, state["remaining"], residual) if timed else 0,
+        null_space_share=settings.null_space_share * state["null_space_left"] if "null_space_left" in state else 1,
     )
     return Linearized(parts, at, model, active)
+
+
+def _curvature(J: Expression, remaining: Expression, residual: Expression) -> Expression:
+    """Bound of the curvature of V that J' J leaves out, for an error that remains after the step.
+
+    The second derivative of a point's position by two joints is at most as long as a column of J. A share of V bounds
+    the first step after the target has come back into reach, and one of |J|^2 keeps a step in the row space.
+    """
+    squared = squared_length(J)
+    return remaining * sqrt(squared / J.shape[1]) + RETURN * sumsqr(residual) / 2 + SINGULAR * squared
 
 
 def _parts(problem: SymbolicProblem, q: Expression, target: Expression, parameters: Expression) -> list[Expression]:

@@ -61,21 +61,36 @@ def _merged(
     return fmin(fmax(lowest, down), up), fmin(fmax(highest, down), up)
 
 
+BRAKING_RATE = 10.0
+"""Rate at which a timed step slows down the motion of the joints that its task does not need [1/s]."""
+
+
 class StepBox:
     """The box of each step, written to memory that a solver reads, from the step before it.
+
+    Args:
+        bounds: the limits.
+        box: what `box_function` returns for them.
+        lower: memory of the lower bounds of q (nq,).
+        upper: memory of the upper bounds of q (nq,).
+        share: memory of the share of a null-space displacement that a step takes, (1,).
+        null_space_rate: rate of the motion in the null space [1/s].
 
     Attributes:
         lower: lower bounds of q (nq,).
         upper: upper bounds of q (nq,).
     """
 
-    def __init__(self, bounds: Bounds, box: Function, lower: Array, upper: Array) -> None:
+    def __init__(
+        self, bounds: Bounds, box: Function, lower: Array, upper: Array, share: Array, null_space_rate: float
+    ) -> None:
         self._bounds, self._robot = bounds, bounds.robot
         self._remembers = bool((bounds.acceleration < math.inf).any())
         self._vector = self._robot.nq == self._robot.n
         self._unboxed = bounds.unboxed
         self._q, self._last, self._clock = np.zeros(self._robot.nq), np.zeros(self._robot.n), np.ones(2)
-        self._dt = self._before = 1.0
+        self._dt, self._before = math.nan, 1.0
+        self._share, self._rate, self._decay = share, null_space_rate, 0.0
         self.lower, self.upper = lower, upper
         self._evaluate = bind(box, [self._q, self._last, self._clock], [lower, upper])
 
@@ -87,8 +102,24 @@ class StepBox:
         """
         if dt != self._dt:
             self._clock[0] = self._dt = positive_number("dt", dt)
+            self._decay = math.exp(-BRAKING_RATE * dt) if self._remembers else 0.0
+            self._share[0] = -math.expm1(-self._rate * dt) * (1 - self._decay)
         self._q[:] = q
         self._evaluate()
+
+    def start(self) -> Array:
+        """Where the step starts, (nq,): q, or with limits of acceleration where the last motion leads (M7)."""
+        if not self._remembers:
+            return self._q
+        ahead = self._last * (self._decay * self._clock[0] / self._clock[1])
+        if self._vector:
+            start: Array = np.clip(self._q + ahead, self.lower, self.upper)
+            return start
+        return self._inside(self._robot.integrate(self._q, ahead))
+
+    def braked(self) -> Array:
+        """The configuration of the box closest to q, (nq,): the strongest braking."""
+        return self._inside(self._q)
 
     def moved(self, q: Array) -> None:
         """Remember that the step ended at ``q`` (nq,)."""

@@ -29,6 +29,12 @@ class CriterionTerms:
     named: tuple[tuple[str, float, Criterion], ...]
     parameters: Parameters
 
+    def __str__(self) -> str:
+        """The weighted sum with its present weights."""
+        weights = {name: float(self.parameters[f"{name}.weight"]) for name, _, _ in self.named}
+        terms = [name if weight == 1 else f"{weight:g} * {name}" for name, weight in weights.items()]
+        return " + ".join(terms) or "no criterion"
+
     @classmethod
     def of(cls, robot: Robot, criteria: Criteria, others: Iterable[Parametric] = ()) -> CriterionTerms:
         """Reads the first value of every parameter, of the criteria and of ``others`` that share the mapping."""

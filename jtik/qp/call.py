@@ -99,6 +99,37 @@ class QPCall:
 
 
 @dataclass(frozen=True)
+class FunctionCall:
+    """A function that is evaluated only where its result is not known without it.
+
+    Attributes:
+        name: name of the function.
+        function: (inputs) -> result, a column.
+    """
+
+    name: str
+    function: Function
+
+    @property
+    def sizes(self) -> list[int]:
+        """The length of the result."""
+        return [self.function.numel_out(0)]
+
+    def bound(self, data: list[Array], results: list[Array]) -> Callable[[], None]:
+        """The call on this memory."""
+        return bind(self.solver_function(None), data, results)
+
+    def solver_function(self, backend: object) -> Function:
+        """(the inputs, the known result, whether it is known) -> result; no back end is used."""
+        given = [MX.sym(f"d{i}", *self.function.size_in(i)) for i in range(self.function.n_in())]
+        known, is_known = MX.sym("known", self.function.numel_out(0)), MX.sym("is_known")
+        skip = function("skip", [*given, known], [known])
+        evaluate = function("evaluate", [*given, known], called(self.function, given))
+        data = [*given, known, is_known]
+        return function(self.name, data, called(either(skip, evaluate), [is_known, *given, known]))
+
+
+@dataclass(frozen=True)
 class PythonCall:
     """A computation in Python.
 

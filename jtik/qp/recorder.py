@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 from jtik.qp.quadratic_program import QuadraticProgram
 from jtik.qp.solution import QPSolution
 from jtik.result.deprecated import RenamedAttribute
-from jtik.symbolic import Expression, logic_and, logic_or, symbol
+from jtik.symbolic import Expression, Function, logic_and, logic_or, symbol
 from jtik.types import Array
 
 Compute: TypeAlias = Callable[[Sequence[Array]], "Sequence[Any] | None"]
@@ -81,6 +81,33 @@ class RecordedComputation:
 
 
 @dataclass(frozen=True)
+class RecordedFunction:
+    """A function inside a step that is evaluated only where its result is not known without it.
+
+    Attributes:
+        name: name of the function.
+        function: (inputs) -> result, a column.
+        inputs: expressions of its arguments.
+        known: the result where it is known (k, 1), and 1 there, else 0.
+        result_symbols: the symbol of the result.
+    """
+
+    name: str
+    function: Function
+    inputs: list[Expression]
+    known: tuple[Expression, Expression]
+    result_symbols: list[Expression]
+
+    def data(self) -> list[Expression]:
+        """Expressions of the arguments."""
+        return self.inputs
+
+    def solved(self, accuracy: float) -> Expression:
+        """1: the function itself answers for its result."""
+        return 1
+
+
+@dataclass(frozen=True)
 class Preparation:
     """A QP that is solved before the step, where it is needed.
 
@@ -110,7 +137,7 @@ class QPRecorder:
 
     accuracy: float
     solver: str = "daqp"
-    calls: list[RecordedQP | RecordedComputation] = field(default_factory=list)
+    calls: list[RecordedQP | RecordedComputation | RecordedFunction] = field(default_factory=list)
     preparations: list[Preparation] = field(default_factory=list)
     programs = RenamedAttribute("calls")
 
@@ -132,6 +159,24 @@ class QPRecorder:
         symbols = [symbol(f"c{k}_{i}", *shape) for i, shape in enumerate(shapes)]
         self.calls.append(RecordedComputation(name, compute, list(inputs), symbols))
         return symbols
+
+    def evaluate(
+        self, name: str, function: Function, inputs: Sequence[Expression], known: tuple[Expression, Expression]
+    ) -> Expression:
+        """Record a function that is evaluated only where its result is not known without it.
+
+        Args:
+            name: name of the function.
+            function: (inputs) -> result, a column.
+            inputs: expressions of its arguments.
+            known: the result where it is known (k, 1), and 1 there, else 0.
+
+        Returns:
+            The symbol of the result.
+        """
+        result = symbol(f"f{len(self.calls)}", function.size1_out(0))
+        self.calls.append(RecordedFunction(name, function, list(inputs), known, [result]))
+        return result
 
     def solve(self, qp: QuadraticProgram) -> QPSolution:
         """Record a QP and return its solution, as symbols."""

@@ -17,16 +17,25 @@ import numpy as np
 
 from jtik.errors import UnknownNameError
 from jtik.qp.backend import Backend, FusedBackend, NumericQP
-from jtik.qp.call import BoundComputation, BoundSolver, PythonCall, QPCall, called, evaluated, output_memory
+from jtik.qp.call import (
+    BoundComputation,
+    BoundSolver,
+    FunctionCall,
+    PythonCall,
+    QPCall,
+    called,
+    evaluated,
+    output_memory,
+)
 from jtik.qp.conic import Conic
 from jtik.qp.partition import partitioned
 from jtik.qp.preparation import PreparationCall
-from jtik.qp.recorder import QPRecorder, RecordedComputation, RecordedQP
+from jtik.qp.recorder import QPRecorder, RecordedComputation, RecordedFunction, RecordedQP
 from jtik.symbolic import MX, Expression, Function, either, function, logic_and, symbol, zeros
 from jtik.symbolic.compile import bind, to_c
 from jtik.types import Array
 
-StageCall: TypeAlias = QPCall | PythonCall
+StageCall: TypeAlias = QPCall | PythonCall | FunctionCall
 """A call between two stages."""
 
 
@@ -57,7 +66,7 @@ class Staged:
     @property
     def fusible(self) -> bool:
         """Whether the step can be one function: a fused back end, and no computation in Python."""
-        return isinstance(self.backend, FusedBackend) and all(isinstance(call, QPCall) for call in self.calls)
+        return isinstance(self.backend, FusedBackend) and not any(isinstance(call, PythonCall) for call in self.calls)
 
     def compiled(self) -> Staged:
         """The same as generated C, all but the solver."""
@@ -100,7 +109,7 @@ class Staged:
         """The step's outputs by stages and calls; ``given`` are the outputs of the first stage, if known."""
         assert isinstance(self.backend, FusedBackend)
         for k, call in enumerate(self.calls):
-            assert isinstance(call, QPCall)
+            assert not isinstance(call, PythonCall)
             *data, intermediate = called(self.stages[k], known) if k or given is None else given
             known = [*known, intermediate, *called(call.solver_function(self.backend), data)]
         return called(self.stages[-1], known)
@@ -130,7 +139,7 @@ class Staged:
             if isinstance(call, PythonCall):
                 call_results = [np.zeros(size) for size in call.sizes]
                 BoundComputation(call.compute, data, call_results)()
-            elif call.name == wanted:
+            elif isinstance(call, QPCall) and call.name == wanted:
                 return call.expanded_qp(data)
             else:
                 call_results = evaluated(call.solver_function(Conic()), data)
@@ -157,6 +166,8 @@ class Staged:
             call_results = [np.zeros(size) for size in call.sizes]
             if isinstance(call, PythonCall):
                 calls.append(BoundComputation(call.compute, data, call_results))
+            elif isinstance(call, FunctionCall):
+                calls.append(call.bound(data, call_results))
             elif isinstance(self.backend, FusedBackend):
                 calls.append(bind(call.solver_function(self.backend), data, call_results))
             else:
@@ -204,6 +215,8 @@ def staged(
         if isinstance(recorded, RecordedComputation):
             sizes = [int(result.numel()) for result in recorded.result_symbols]
             calls.append(PythonCall(recorded.name, recorded.compute, sizes))
+        elif isinstance(recorded, RecordedFunction):
+            calls.append(FunctionCall(recorded.name, recorded.function))
         else:
             calls.append(QPCall.of(recorded.qp))
         known.append(recorded.result_symbols)
@@ -234,8 +247,10 @@ def _columns(of: Function, count: int) -> list[MX]:
     return [MX.sym(f"i{k}", *of.size_in(k)) for k in range(count)]
 
 
-def _call_data(recorded: RecordedQP | RecordedComputation) -> list[Expression]:
+def _call_data(recorded: RecordedQP | RecordedComputation | RecordedFunction) -> list[Expression]:
     """The data of a call."""
+    if isinstance(recorded, RecordedFunction):
+        return [*recorded.data(), *recorded.known]
     if isinstance(recorded, RecordedComputation):
         return recorded.data()
     return [*recorded.data(), *recorded.qp.penalties, *recorded.qp.solution_without_solver()]

@@ -8,6 +8,9 @@ from jtik.strategy.evaluation import Evaluation
 from jtik.strategy.model import LocalModel
 from jtik.symbolic import Expression, is_finite, logic_and, logic_not, logic_or
 
+SIGNIFICANT = 1e-9
+"""Predicted decrease of V, relative to it, below which the refusal of a timed step says nothing about its length."""
+
 Acceptance = Literal["merit", "task", "always"]
 """By which test a step is accepted."""
 
@@ -55,4 +58,7 @@ def final_verdict(
         accepted = logic_and(accepted, clear)
         # a step whose path is not proved safe is too long: both of its parts are shortened
         shorten_task, shorten_null = (logic_or(part, logic_not(clear)) for part in (shorten_task, shorten_null))
+    if model.timed:  # at rest a refusal by rounding must not shorten the step to the next target
+        matters = model.predicted_decrease(model.J @ dq) > SIGNIFICANT * model.here.V
+        shorten_task = logic_and(shorten_task, matters)
     return FinalVerdict(accepted, shorten_task, shorten_null)

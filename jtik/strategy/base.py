@@ -115,6 +115,10 @@ class Strategy(ABC):
         """
         return False
 
+    def fits_limits(self) -> bool:
+        """Whether it uses ``model.fitted``, which in a timed step needs a solver of quadratic programs."""
+        return False
+
     def supports_clearances(self) -> bool:
         """Whether its quadratic programs have the rows of clearances. No step that violates one is then accepted."""
         return False

@@ -164,6 +164,10 @@ class Composition(Strategy):
         """If its secondary term does, and there is a criterion or a clearance."""
         return has_criterion and CheckedCall(self, self._checked_secondary_term(), "uses_qp").flag()
 
+    def fits_limits(self) -> bool:
+        """Always: the task displacement is."""
+        return True
+
     def supports_clearances(self) -> bool:
         """If its secondary term does."""
         return CheckedCall(self, self._checked_secondary_term(), "supports_clearances").flag()
@@ -174,7 +178,7 @@ class Composition(Strategy):
         secondary = self._checked_secondary_term() if model.has_criterion or model.clearance else None
         proposing = CheckedCall(self, task_step, "propose")
         task = proposing(TaskDisplacement, model, state).checked(proposing, model).completed(model)
-        task_dq = model.within_limits(task.dq)
+        task_dq = model.fitted(task.dq)
         proposed = NullSpaceDisplacement.none(n)
         if secondary:
             proposing = CheckedCall(self, secondary, "propose")
@@ -277,7 +281,8 @@ class _Step:
     @cached_property
     def predicted(self) -> Expression:
         """Decrease of V that the linear model predicts for the task displacement."""
-        image = self.task.image if self.as_proposed else self.model.J_free @ self.task_dq
+        J = self.model.J if self.model.timed else self.model.J_free
+        image = self.task.image if self.as_proposed else J @ self.task_dq
         return self.model.predicted_decrease(image)
 
     @property
@@ -288,7 +293,8 @@ class _Step:
     def decrease_of_criterion(self) -> Expression:
         """Predicted decrease of H by both displacements, to first order."""
         row = self._row_vector
-        change = self.model.criterion_change(row) if row else dot(self.model.gradient_free, self.task_dq)
+        gradient = self.model.gradient if self.model.timed else self.model.gradient_free
+        change = self.model.criterion_change(row) if row else dot(gradient, self.task_dq)
         return self.null.decrease - change
 
     @property

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from jtik.constraints.clearance import ClearanceModel
 from jtik.errors import ArgumentError, JtikError
+from jtik.qp.fitting import fitting
 from jtik.qp.quadratic_program import QPSolution, QuadraticProgram
 from jtik.qp.recorder import Compute, QPRecorder
 from jtik.robot import Robot
 from jtik.strategy.evaluation import Evaluation
 from jtik.strategy.feasibility_restoration import FeasibilityRestoration, feasibility_restoration
-from jtik.symbolic import TINY, Expression, Function, dot, fmax, fmin, norm, sqrt, sumsqr, vertcat
+from jtik.symbolic import TINY, Expression, Function, dot, fmax, fmin, norm, norm_inf, sqrt, sumsqr, vertcat
 from jtik.symbolic.factorization import RowSpace, RowVector, Split
 from jtik.task import TaskStack
 
@@ -55,6 +56,10 @@ class LocalModel:
         qps: records the quadratic programs; None for a strategy without any.
         clearance: distances that may not fall below their safe values; None without any.
         tasks: the tasks themselves, for strategies that hand them to another library.
+        timed: whether the step has a duration, and so limits of velocity and acceleration in its box.
+        curvature: bound of the curvature of V that J' J leaves out, from the error that the last step left, in a timed
+            step; 0 otherwise. As damping it keeps a step along a weak direction from overshooting.
+        null_space_share: share of a null-space displacement to take in this step, (0, 1]; 1 in a step without a time.
     """
 
     robot: Robot
@@ -77,6 +82,9 @@ class LocalModel:
     qps: QPRecorder | None = None
     clearance: ClearanceModel | None = None
     tasks: TaskStack | None = None
+    timed: bool = False
+    curvature: Expression = 0
+    null_space_share: Expression = 1
 
     # -- quadratic programs ---------------------------------------------------------------------------------------
 
@@ -260,6 +268,20 @@ class LocalModel:
             low, high = self.lower[i] - self.here.q[i], self.upper[i] - self.here.q[i]
             entries[j] = fmax(fmin(entries[j], high), low)
         return vertcat(*entries)
+
+    def fitted(self, dq: Expression) -> Expression:
+        """The task displacement ``dq`` (n, 1) fitted into the limits.
+
+        In a timed step the end effector keeps its direction and moves as far as the limits allow: the unsaturated
+        joints compensate for the saturated ones (formulations/limits.md). Otherwise it is shortened joint by joint.
+        """
+        clipped = self.within_limits(dq)
+        if self.qps is None or not (self.timed and self.bounded):
+            return clipped
+        low, high = self.box
+        inside = norm_inf(clipped - dq) <= 0
+        function = fitting(*self.J.shape)
+        return self.qps.evaluate("fitting", function, [self.J, dq, low, high], (dq, inside))
 
     def candidate(self, dq: Expression) -> Evaluation:
         """Task and criterion after the displacement dq, which must end within the limits."""

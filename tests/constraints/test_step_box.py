@@ -158,8 +158,8 @@ def test_from_outside_it_leads_back_in_and_not_out_at_the_other_end(start, accel
 def test_it_is_written_where_a_solver_reads_it():
     robot = jtik.Robot.planar(2, lower=-1.0, upper=1.0, velocity_limit=[0.5, 1.0])
     bounds = Limits(acceleration=10.0).of(robot)
-    lower, upper = np.zeros(2), np.zeros(2)
-    box = StepBox(bounds, box_function(bounds), lower, upper)
+    lower, upper, share = np.zeros(2), np.zeros(2), np.zeros(1)
+    box = StepBox(bounds, box_function(bounds), lower, upper, share, null_space_rate=2.0)
     q = np.array([0.2, -0.3])
     box.narrow(q, 0.01)
     assert upper - q == pytest.approx([1e-3, 1e-3])

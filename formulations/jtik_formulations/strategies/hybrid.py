@@ -24,8 +24,8 @@ from jtik.strategy import (
     check_step_limit,
 )
 from jtik.symbolic import Expression, fmax, fmin, if_else, logic_and, logic_or, ratio, sqrt, sumsqr
-from jtik.symbolic.factorization import RowVector
 from jtik.types import Array
+from jtik_formulations.strategies._parts.damped_least_squares import damped_step
 from jtik_formulations.strategies._parts.transpose_step import cauchy_step, optimal_gain
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
@@ -55,9 +55,11 @@ class DoglegStep(TaskStep):
     def propose(self, model: LocalModel, state: State) -> TaskDisplacement:
         """The dogleg point."""
         radius = state["radius"]
+        if model.timed:
+            return self._general(model, state, damped_step(model, model.curvature).completed(model))
         newton = model.row_space_free.least_squares(-model.here.residual)
         if not model.all_rotational:
-            return self._mixed(model, state, newton)
+            return self._general(model, state, TaskDisplacement.along(newton))
         gradient = model.task_gradient_rows
         alpha = optimal_gain(gradient.squared_length, gradient.image)
         s = fmin(1, ratio(radius, alpha * sqrt(gradient.squared_length)))
@@ -66,11 +68,11 @@ class DoglegStep(TaskStep):
         along = _along(tt, tn, nn, radius, s)
         return TaskDisplacement.along((1 - along) * transpose + along * newton, alpha)
 
-    def _mixed(self, model: LocalModel, state: State, newton: RowVector) -> TaskDisplacement:
-        """The dogleg of a robot with prismatic joints: the radius bounds the rotational part only."""
+    def _general(self, model: LocalModel, state: State, newton: TaskDisplacement) -> TaskDisplacement:
+        """The dogleg to any Newton step, also with prismatic joints: the radius bounds the rotational part only."""
         radius, fraction = state["radius"], self.backtracking.fraction(state)
         transpose = cauchy_step(model, radius)
-        towards, step = -transpose.gain * transpose.direction, newton.vector
+        towards, step = -transpose.gain * transpose.direction, newton.dq
         tt, tn = model.rotation_dot(towards, towards), model.rotation_dot(towards, step)
         along = _along(tt, tn, model.rotation_dot(step, step), radius, transpose.s)
         of_transpose, of_newton = fraction * (1 - along), fraction * along

@@ -48,7 +48,8 @@ class JParse(ScaledComposition):
         found = SingularValues(model.J_free)
         floor = self.threshold**2 * found.squared[0]
         gains = [
-            if_else(squared > floor, 1, self.singular_gain) * ratio(component, if_else(squared > floor, squared, floor))
+            if_else(squared > floor, 1, self.singular_gain)
+            * ratio(component, if_else(squared > floor, squared, floor) + model.curvature)
             for component, squared in zip(found.components(-model.here.residual), found.squared, strict=True)
         ]
         return TaskDisplacement(found.combined(gains), found.image(gains))

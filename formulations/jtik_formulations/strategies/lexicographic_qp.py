@@ -70,7 +70,7 @@ class LexicographicQP(Programmed):
             box,
             model.solve,
             damping=self.damping,
-            added_damping=state[DAMPING.name],
+            added_damping=state[DAMPING.name] + model.curvature,
             rows=restoration.rows if restoration else None,
             start=restoration.dq if restoration else None,
         )

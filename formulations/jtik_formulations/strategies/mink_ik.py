@@ -107,6 +107,7 @@ class Mink(Programmed):
         low, high = limited_box(model, self.step_limit)
         gradient = null.beta * model.gradient
         inputs = [model.here.q, model.target, model.here.residual, model.J, gradient, low, high]
+        inputs.append(zeros(1) + model.curvature)
         dq, strict = model.compute("mink", step, inputs, [(n, 1), (1, 1)])
         dq = model.within_limits(dq)
         return Proposal(
@@ -124,5 +125,5 @@ class Mink(Programmed):
         if self.strict:
             return self.descent.propose(model, state, zeros(model.robot.n))
         h, length = model.null_gradient_free, model.null_gradient_norm
-        beta = fmin(self.descent.beta_max, ratio(self.descent.step_limit, length))
+        beta = model.null_space_share * fmin(self.descent.beta_max, ratio(self.descent.step_limit, length))
         return NullSpaceDisplacement(-beta * h, beta * length, beta * length**2, beta)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from jtik import register_strategy
 from jtik.strategy import LocalModel, State, TaskDisplacement
+from jtik_formulations.strategies._parts.damped_least_squares import damped_step
 from jtik_formulations.strategies._parts.scaled_step import ScaledComposition
 
 
@@ -29,5 +30,7 @@ class Newton(ScaledComposition):
     source = "Das, Slotine and Sheridan 1988, section 2.3"
 
     def full_step(self, model: LocalModel, state: State) -> TaskDisplacement:
-        """-J+ r: of all displacements that minimise |r + J dq| the shortest."""
+        """-J+ r: of all displacements that minimise |r + J dq| the shortest; damped in a timed step."""
+        if model.timed:
+            return damped_step(model, model.curvature)
         return TaskDisplacement.along(model.row_space_free.least_squares(-model.here.residual))

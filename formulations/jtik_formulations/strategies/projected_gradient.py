@@ -76,14 +76,14 @@ class ProjectedGradient(SecondaryTerm):
         h, length = model.null_gradient_free, model.null_gradient_norm
         if self.rule == "merit":
             beta = fmin(self.gain.gain(model, state, h), ratio(state["null_cap"], length))
-            return _along(h, length, significant(length, model.gradient_norm) * beta)
+            return _along(h, length, model.null_space_share * significant(length, model.gradient_norm) * beta)
         energy = state["null_energy"]
         if self.rule == "sqrt":
             energy = fmax(energy, self.floor**2)
             beta = fmin(fmin(self.beta_max, (energy**0.5) / length), self.step_limit / length)
         else:
             beta = if_else(length**2 > energy, ratio(energy, length**2), self.beta_max)
-        return _along(h, length, beta)
+        return _along(h, length, model.null_space_share * beta)
 
     def adapt(self, model: LocalModel, state: State, null_space: NullSpaceDisplacement, outcome: Outcome) -> State:
         """The state of the gain after the outcome is known; or the energy V2 that the next step may have."""

@@ -102,6 +102,7 @@ class QPSecondary(ProjectedGradient):
         length = norm(h)
         # of all joints: a quadratic program finds the active limits by itself
         beta = fmin(self.gain.gain(model, state, model.null_gradient), ratio(state["null_cap"], length))
+        beta = model.null_space_share * beta
         figures, relaxed = dict[str, Expression](), dict[tuple[str, str], Expression]()
         if model.clearance:
             dq, scale = self._with_clearances(model, weight, beta, task_dq)

@@ -148,6 +148,7 @@ class SecondOrder(SecondaryTerm):
         is_significant = significant(norm(after_task), norm(model.gradient))
         longest = ratio(cap, norm(x))
         x = if_else(is_significant, 1, 0) * if_else(lowest < -NEGATIVE, longest, fmin(1, longest)) * x
+        x = model.null_space_share * x
         residual = _stationarity_residual(model, gradient)
         return NullSpaceDisplacement(
             dq=x,
@@ -171,7 +172,7 @@ class SecondOrder(SecondaryTerm):
 
     def adapt(self, model: LocalModel, state: State, null_space: NullSpaceDisplacement, outcome: Outcome) -> State:
         """The cap: four times after an acceptance, a quarter of the step after a refusal for its length."""
-        cap, tried = state["null_cap"], outcome.null_space.length
+        cap, tried = state["null_cap"], ratio(outcome.null_space.length, model.null_space_share)
         shorter = if_else(outcome.shorten_null_space, fmin(tried, cap) / 4, cap)
         after = {"null_cap": if_else(outcome.accepted, fmin(4 * cap, self.step_limit), shorter)}
         if self.curvature == "gauss_newton":

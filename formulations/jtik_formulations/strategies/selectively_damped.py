@@ -64,7 +64,7 @@ class SelectivelyDampedStep(TaskStep):
             wanted = sum(norm(svd.left[i][list(rows)]) for rows in effectors) if len(effectors) > 1 else 1
             moved = sum(fabs(row[j]) * effector_motion[j] for j in range(model.robot.n))
             limit = self.max_angle * fmin(1, ratio(wanted * squared, moved))
-            gain = ratio(component, squared)
+            gain = ratio(component, squared + model.curvature)
             gains.append(gain * self._scale(limit, fabs(gain) * _largest_rotation(model, row)))
         full = svd.combined(gains)
         scale = self._scale_of_sum(_largest_rotation(model, full)) * self.backtracking.fraction(state)

@@ -27,7 +27,7 @@ from jtik.strategy import (
     check_non_negative,
     check_step_limit,
 )
-from jtik.symbolic import Expression, fmax, fmin, logic_and, norm, ratio, sumsqr, vertcat, zeros
+from jtik.symbolic import Expression, fmax, fmin, is_symbolic, logic_and, norm, ratio, sumsqr, vertcat, zeros
 from jtik.symbolic.factorization import RowSpace, damped_multipliers, squared_length
 from jtik.types import Array
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
@@ -43,10 +43,11 @@ class PriorityLevels:
         r: residual (m, 1).
         rule: rule of `TaskPriority`.
         damping: damping below the highest level.
+        curvature: damping of all levels, that of a timed step; 0 for none.
     """
 
-    def __init__(self, J: Expression, r: Expression, rule: Rule, damping: float) -> None:
-        self._J, self._r, self._rule, self._damping = J, r, rule, damping
+    def __init__(self, J: Expression, r: Expression, rule: Rule, damping: float, curvature: Expression = 0) -> None:
+        self._J, self._r, self._rule, self._damping, self._curvature = J, r, rule, damping, curvature
         self._above: list[RowSpace] = []
 
     def add(self, rows: Sequence[int], total: Expression) -> Expression:
@@ -67,8 +68,9 @@ class PriorityLevels:
 
     def _solved(self, J: Expression, space: RowSpace, r: Expression) -> Expression:
         """-J^+ r, below the highest level -J' (J J' + lambda I)^-1 r."""
-        if self._above and self._damping:
-            return J.T @ damped_multipliers(J, self._damping * sumsqr(r) / 2, -r)
+        damping = self._damping * sumsqr(r) / 2 if self._above and self._damping else 0
+        if is_symbolic(damping) or is_symbolic(self._curvature):
+            return J.T @ damped_multipliers(J, damping + self._curvature, -r)
         return space.least_squares(-r).vector
 
 
@@ -133,6 +135,10 @@ class TaskPriority(Programmed):
         """Never."""
         return False
 
+    def fits_limits(self) -> bool:
+        """Always."""
+        return True
+
     def own_state(self, shape: Shape) -> Mapping[str, Array]:
         """The fraction of each level's displacement; as many as rows, since the number of levels is not known here."""
         return {"fractions": np.ones(shape.m)}
@@ -140,7 +146,7 @@ class TaskPriority(Programmed):
     def propose(self, model: LocalModel, state: State) -> Proposal:
         """All levels, the highest first, then the criterion."""
         unlimited, lengths = self._levels(model, state["fractions"])
-        task = model.within_limits(unlimited)
+        task = model.fitted(unlimited)
         null = self.secondary.propose(model, state, task).completed(model) if model.has_criterion else None
         longest = reduce(fmax, lengths)
         return Proposal(
@@ -166,7 +172,7 @@ class TaskPriority(Programmed):
 
     def _levels(self, model: LocalModel, fractions: Expression) -> tuple[Expression, list[Expression]]:
         """The sum of all levels' displacements, each within what remains of the Q limit; their norms."""
-        levels = PriorityLevels(model.J_free, model.here.residual, self.rule, self.damping)
+        levels = PriorityLevels(model.J_free, model.here.residual, self.rule, self.damping, model.curvature)
         total, lengths = zeros(model.robot.n), []
         for k, rows in enumerate(model.levels):
             part = levels.add(rows, total)

@@ -63,7 +63,7 @@ class BarzilaiBorweinStep(TaskStep):
         """-alpha J' r."""
         gradient = model.task_gradient
         image = model.J_free @ gradient
-        optimal = optimal_gain(sumsqr(gradient), image)
+        optimal = optimal_gain(sumsqr(gradient), image, model.curvature * sumsqr(gradient))
         step, change = state["last_step"], gradient - state["last_gradient"]
         curvature = dot(step, change)
         gain = if_else(curvature > 0, ratio(curvature, sumsqr(change)), optimal)

@@ -12,7 +12,7 @@ from jtik import register_strategy
 from jtik.errors import ArgumentError
 from jtik.strategy import LocalModel, Outcome, Shape, State, TaskDisplacement
 from jtik.symbolic import Expression, fabs, fmin, horzcat, if_else, is_finite, ratio, sqrt, vertcat, zeros
-from jtik.symbolic.factorization import RowSpace
+from jtik.symbolic.factorization import RowSpace, damped_multipliers
 from jtik.types import Array
 from jtik_formulations.strategies._parts.scaled_step import ScaledComposition
 
@@ -69,6 +69,9 @@ class WeightedLeastNorm(ScaledComposition):
         gradient, before = limit_gradient(model, self.max_weight - 1), state["limit_gradient"]
         light = [1 / sqrt(1 + if_else(gradient[j] >= before[j], gradient[j], 0)) for j in range(model.robot.n)]
         scaled = horzcat(*[light[j] * model.J_free[:, j] for j in range(model.robot.n)])
+        if model.timed:
+            multipliers = damped_multipliers(scaled, model.curvature, -model.here.residual)
+            return TaskDisplacement(vertcat(*light) * (scaled.T @ multipliers))
         shortest = RowSpace(scaled).least_squares(-model.here.residual)
         return TaskDisplacement(vertcat(*light) * shortest.vector, shortest.image)
 

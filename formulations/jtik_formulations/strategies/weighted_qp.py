@@ -86,8 +86,13 @@ class WeightedQP(Programmed):
         if model.has_criterion:
             mu = mu + self.weight * self.curvature
             gradient = gradient + self.weight * model.gradient
+            if model.timed:  # the part in the null space sets the speed there
+                gradient = gradient - self.weight * (1 - model.null_space_share) * model.null_gradient
         added: Expression = state[DAMPING.name] if self.backtracking else 0
         P = J.T @ J + (mu + added) * identity(n)
+        if model.timed:
+            rows = model.row_space.unit_basis
+            P = P + model.curvature * rows.T @ rows  # the criterion is not damped
         low, high = limited_box(model, self.q_limit)
         rows = [model.restoration.within(low, high).rows] if model.clearance else []
         solution = model.solve(QuadraticProgram(P=P, q=gradient, lower=low, upper=high, rows=rows, name="step"))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jtik.strategy import LocalModel, NullSpaceDisplacement, Outcome, Shape, State
-from jtik.symbolic import TINY, Expression, dot, fmax, fmin, if_else, logic_and, sqrt, sumsqr
+from jtik.symbolic import TINY, Expression, dot, fmax, fmin, if_else, is_symbolic, logic_and, sqrt, sumsqr
 from jtik.types import Array
 
 SMALLEST_CHANGE = 1e-12
@@ -68,13 +68,18 @@ class BarzilaiBorweinGain:
         outcome: Outcome,
     ) -> State:
         """The state after the step was accepted or refused."""
-        cap, accepted = state["null_cap"], outcome.accepted
-        shorter = if_else(outcome.shorten_null_space, fmin(outcome.null_space.length, cap) / 4, cap)
+        cap, accepted, share = state["null_cap"], outcome.accepted, model.null_space_share
+        shorter = if_else(outcome.shorten_null_space, fmin(_whole(outcome.null_space.length, share), cap) / 4, cap)
         return {
             "null_cap": if_else(accepted, fmin(2 * cap, self.step_limit), shorter),
-            "beta": if_else(proposed.beta > 0, proposed.beta, state["beta"]),
+            "beta": if_else(proposed.beta > 0, _whole(proposed.beta, share), state["beta"]),
             "last_q": model.here.q,
             "last_H_gradient": model.gradient,
             "last_null_gradient": null_gradient,
             "last_kind": if_else(logic_and(accepted, outcome.shorten_null_space), NULL_STEP, STEP),
         }
+
+
+def _whole(taken: Expression, share: Expression) -> Expression:
+    """What a step would take of which it takes a share; the value itself where that is 0."""
+    return taken / if_else(share > 0, share, 1) if is_symbolic(share) else taken / share

@@ -29,5 +29,10 @@ class DampedLeastSquares(ScaledComposition):
 
     def full_step(self, model: LocalModel, state: State) -> TaskDisplacement:
         """-J' (J J' + lambda I)^-1 r."""
-        J = model.J_free
-        return TaskDisplacement(J.T @ damped_multipliers(J, self.damping_of(model), -model.here.residual))
+        return damped_step(model, self.damping_of(model) + model.curvature)
+
+
+def damped_step(model: LocalModel, damping: Expression) -> TaskDisplacement:
+    """-J' (J J' + lambda I)^-1 r for a lambda in the unit of J J'."""
+    J = model.J_free
+    return TaskDisplacement(J.T @ damped_multipliers(J, damping, -model.here.residual))

@@ -32,6 +32,10 @@ _EQUALITY_TOLERANCE = 1e-6
 """Largest accepted violation of an equality, relative to 1 + the error."""
 
 
+LEFT = 1e-3
+"""Curvature of a timed step, relative to |J|^2 / n, above which its target is out of reach for the strict form."""
+
+
 class MinkStep:
     """A problem of mink, updated with the numbers of each step."""
 
@@ -49,6 +53,7 @@ class MinkStep:
             names = ", ".join(qpsolvers.available_solvers)
             more = "more come with: pip install 'qpsolvers[open-source-solvers]'"
             raise ArgumentError("solver", solver, f"one that mink can use: {names}; {more}")
+        self._curvature = 0.0
         mujoco_model = to_mujoco(robot)
         mujoco_model.jnt_limited[:] = 0  # the box contains the limits
         self._strategy, self._solver, self._robot = strategy, solver, robot
@@ -70,7 +75,7 @@ class MinkStep:
 
     def __call__(self, numbers: Sequence[Array]) -> Sequence[Any] | None:
         """Displacement (n,), and 1 if the strict form was solved, else 0; None where mink solves neither form."""
-        q, target, residual, columns, gradient, low, high = numbers
+        q, target, residual, columns, gradient, low, high, curvature = numbers
         self._configuration.update(self._places.qpos(q))
         J = columns.reshape(self._robot.n, -1).T
         for part in self._parts:
@@ -78,7 +83,9 @@ class MinkStep:
         if self._criterion:
             self._criterion.gradient = self._places.leads @ gradient
         self._box.low, self._box.high = low, high
-        strict = self._solved(strict=True) if self._strategy.strict else None
+        self._curvature = float(curvature[0])
+        reached = self._curvature <= LEFT * float((columns**2).sum()) / self._robot.n
+        strict = self._solved(strict=True) if self._strategy.strict and reached else None
         if strict is not None:
             return strict, 1.0
         soft = self._solved(strict=False)
@@ -98,7 +105,7 @@ class MinkStep:
                     tasks=tasks,
                     dt=1.0,  # so that the velocity is the displacement
                     solver=self._solver,
-                    damping=strategy.damping if tasks else 1.0,
+                    damping=strategy.damping + self._curvature if tasks else 1.0,
                     limits=[self._box],
                     constraints=[*equal, *self._followers],
                     **_EXACT.get(self._solver, {}),

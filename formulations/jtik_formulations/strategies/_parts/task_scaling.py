@@ -149,7 +149,7 @@ class TaskScaling(Programmed):
             if above:
                 basis = RowSpace(model.J[above, :] @ diag(free)).unit_basis
                 own = own - (own @ basis.T) @ basis
-            damping = self.damping * sumsqr(r) / 2
+            damping = self.damping * sumsqr(r) / 2 + model.curvature
             part = -(own.T @ damped_multipliers(own, damping, error))
             here = here.with_task(J, own @ part)
             unlimited = unlimited + part
@@ -166,6 +166,7 @@ class TaskScaling(Programmed):
         length = norm(h)
         known = self.secondary.gain.gain(model, state, model.null_gradient_free)
         beta = fmin(if_else(known > 0, known, self.secondary.beta_max), ratio(state["null_cap"], length))
+        beta = model.null_space_share * beta
         wanted_null = -beta * h
         dq = significant(length, norm(model.gradient)) * (here.towards(wanted_null).x - here.x)
         moved = norm(dq)

@@ -8,9 +8,15 @@ from jtik.strategy import LocalModel
 from jtik.symbolic import Expression, dot, fmin, if_else, ratio, sumsqr, vertcat
 
 
-def optimal_gain(decrease: Expression, image: Expression) -> Expression:
-    """alpha = N / 2D = u'Mu / |image|^2, the minimum of the linear model of V along a step with J dq = -alpha image."""
-    return ratio(decrease, sumsqr(image))
+def optimal_gain(decrease: Expression, image: Expression, curvature: Expression = 0) -> Expression:
+    """alpha = N / 2D = u'Mu / |image|^2, the minimum of the linear model of V along a step with J dq = -alpha image.
+
+    Args:
+        decrease: decrease of V per unit of alpha, to first order.
+        image: J times the direction (m, 1).
+        curvature: further curvature of V along the direction, that of a timed step.
+    """
+    return ratio(decrease, sumsqr(image) + curvature)
 
 
 @dataclass(frozen=True)
@@ -40,13 +46,13 @@ def cauchy_step(model: LocalModel, limit: Expression) -> CauchyStep:
     """
     J, g = model.J_free, model.task_gradient
     image = J @ g
-    alpha = optimal_gain(sumsqr(g), image)
+    alpha = optimal_gain(sumsqr(g), image, model.curvature * sumsqr(g))
     s = fmin(1, ratio(limit, alpha * model.rotation_norm(g)))
     if model.all_rotational:
         return CauchyStep(g, image, alpha * s, alpha, s)
     limited = _scaled(model, s, g)
     image = J @ limited
-    alpha = fmin(alpha, optimal_gain(dot(g, limited), image))
+    alpha = fmin(alpha, optimal_gain(dot(g, limited), image, model.curvature * sumsqr(limited)))
     return CauchyStep(limited, image, alpha, alpha, s)
 
 

@@ -1,0 +1,82 @@
+"""A task displacement fitted into a box: the unsaturated joints compensate for the saturated ones (limits.md)."""
+
+from __future__ import annotations
+
+from math import inf
+
+from jtik.qp.call import called
+from jtik.qp.conic import Conic
+from jtik.symbolic import (
+    MX,
+    Expression,
+    Function,
+    fmax,
+    fmin,
+    function,
+    identity,
+    if_else,
+    is_finite,
+    logic_and,
+    norm,
+    sumsqr,
+    symbol,
+    vertcat,
+    zeros,
+)
+from jtik.symbolic.factorization import RowSpace
+
+PENALTY = 1e4
+"""Weight of motion along the task in units of the displacement's length: larger than the multipliers of the box."""
+
+BLOCKED = 0.01
+"""Where the direction allows less than this share of the progress of clipping each joint, the joints are clipped."""
+
+
+def fitting(m: int, n: int) -> Function:
+    """(J (m, n), t (n, 1), lower (n, 1), upper (n, 1)) -> x (n, 1), the displacement t fitted into the box.
+
+    J x = s J t with the largest s up to 1, and of these x the closest to t. The box contains 0. Where that direction is
+    blocked, and clipping joint by joint is not, x is the clipped t.
+    """
+    data, finish = _quadratic_program(m, n), _finish(m, n)
+    given = [MX.sym(f"a{i}", *data.size_in(i)) for i in range(data.n_in())]
+    z, _, _ = called(Conic().function(n, m), called(data, given))
+    return function("fitting", given, called(finish, [*given, z]))
+
+
+def _symbols(m: int, n: int) -> list[Expression]:
+    return [symbol("J", m, n), symbol("t", n), symbol("lower", n), symbol("upper", n)]
+
+
+def _quadratic_program(m: int, n: int) -> Function:
+    """The QP of z = x / |t|: rows across the direction of the task are kept at 0, the motion along it is maximised."""
+    J, t, lower, upper = given = _symbols(m, n)
+    space, size = RowSpace(J), norm(t)
+    rows, wanted = space.unit_basis, space.unit_basis @ (t / size)
+    # a reflection that turns the wanted motion along the first row
+    length = norm(wanted)
+    sign = if_else(wanted[0] >= 0, 1, -1)
+    mirror = vertcat(wanted[0] + sign * length, *[wanted[i] for i in range(1, m)])
+    turned = rows - (2 / sumsqr(mirror) * mirror) @ (mirror.T @ rows)
+    along, across = -sign * turned[0, :], turned[1:, :]
+    low, high = (space.dependent_bounds(side) for side in (-1, 1))
+    rest = range(1, m)
+    bounds = [vertcat(*[low[i] for i in rest], -inf), vertcat(*[high[i] for i in rest], length)]
+    bounds += [lower / size, upper / size]
+    return function(
+        "data", given, [identity(n) + zeros(n, n), -t / size - PENALTY * along.T, vertcat(across, along), *bounds]
+    )
+
+
+def _finish(m: int, n: int) -> Function:
+    """The displacement of the QP's solution z, inside the box in spite of rounding; or the clipped one."""
+    J, t, lower, upper = given = _symbols(m, n)
+    z = symbol("z", n)
+    x, clipped = (fmin(fmax(dq, lower), upper) for dq in (norm(t) * z, t))
+    wanted = J @ t
+
+    def progress(dq: Expression) -> Expression:
+        return sumsqr(wanted) - sumsqr(wanted - J @ dq)
+
+    free = logic_and(is_finite(z), progress(x) >= BLOCKED * progress(clipped))
+    return function("finish", [*given, z], [if_else(free, x, clipped)])

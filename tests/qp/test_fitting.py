@@ -1,0 +1,94 @@
+"""A task displacement fitted into a box: published numbers, and the linear program of the largest share."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+from jtik.qp.fitting import fitting
+from jtik.symbolic.compile import CompiledFunction
+
+TOLERANCE = 1e-6
+"""Accuracy of the QP solver, relative to the displacement."""
+
+
+def fitted(J, t, lower, upper):
+    x = CompiledFunction(fitting(*J.shape))(J, t, lower, upper)[0]
+    return x[:, 0]
+
+
+def largest_share(J, wanted, lower, upper):
+    """The largest s up to 1 with J x = s wanted in the box."""
+    n = J.shape[1]
+    found = linprog(
+        [*[0.0] * n, -1.0],
+        A_eq=np.column_stack([J, -wanted]),
+        b_eq=np.zeros(len(wanted)),
+        bounds=[*zip(lower, upper, strict=True), (0.0, 1.0)],
+    )
+    return found.x[-1]
+
+
+@pytest.mark.parametrize(
+    ("share", "expected"),
+    [
+        (1.0, [2, -11 / 6, 11 / 6, -11 / 3]),
+        (1.5, [2, -2, 26 / 11, -4]),
+        (2.0, [2, -2, 26 / 11, -4]),
+        (3.0, [2, -2, 26 / 11, -4]),
+    ],
+)
+def test_the_published_example(share, expected):
+    """Flacco, De Luca and Khatib (2012): the arm of four unit links."""
+    J = np.array([[-2.0, -1.0, -1.0, 0.0], [2.0, 2.0, 1.0, 1.0]])
+    t = share * np.linalg.pinv(J) @ [-4.0, -1.5]
+    limit = np.array([2.0, 2.0, 4.0, 4.0])
+    assert fitted(J, t, -limit, limit) == pytest.approx(expected, abs=TOLERANCE)
+
+
+@pytest.mark.parametrize(("m", "n"), [(1, 3), (2, 4), (3, 7), (6, 7), (6, 6)])
+def test_the_direction_is_kept_and_the_share_is_that_of_the_linear_program(m, n, rng):
+    for _ in range(60):
+        J, limit = rng.normal(size=(m, n)), rng.uniform(0.2, 2, n)
+        lower, upper = -limit * rng.uniform(0.1, 1, n), limit
+        wanted = rng.normal(size=m) * rng.uniform(0.1, 4)
+        t = np.linalg.pinv(J) @ wanted
+        x = fitted(J, t, lower, upper)
+        assert (x >= lower).all()
+        assert (x <= upper).all()
+        share = (J @ x) @ wanted / (wanted @ wanted)
+        assert np.linalg.norm(J @ x - share * wanted) <= TOLERANCE * np.linalg.norm(wanted)
+        assert share == pytest.approx(largest_share(J, wanted, lower, upper), abs=TOLERANCE)
+
+
+def test_of_these_the_closest_to_the_displacement(rng):
+    """The conditions of optimality: t - x is in the row space but for the joints at a bound, which t pushes outward."""
+    for _ in range(100):
+        J, limit = rng.normal(size=(2, 5)), rng.uniform(0.5, 1, 5)
+        t = rng.normal(size=5)
+        x = fitted(J, t, -limit, limit)
+        wanted = J @ t
+        if largest_share(J, wanted, -limit, limit) < 1:
+            continue
+        free = np.abs(x) < limit - TOLERANCE
+        multipliers, *_ = np.linalg.lstsq(J[:, free].T, (x - t)[free], rcond=None)
+        if np.linalg.matrix_rank(J[:, free]) < 2:
+            continue
+        residual = x - t - J.T @ multipliers
+        assert np.abs(residual[free]).max() <= 1e-5
+        assert (residual[~free] * np.sign(x[~free]) <= 1e-5).all()
+
+
+def test_at_a_singular_pose():
+    J = np.array([[0.0, 0.0, 0.0], [3.0, 2.0, 1.0]])
+    limit = np.array([0.1, 1.0, 1.0])
+    t = np.linalg.pinv(J) @ [0.0, 1.0]
+    x = fitted(J, t, -limit, limit)
+    assert J @ x == pytest.approx([0.0, 1.0], abs=TOLERANCE)
+    assert x == pytest.approx([0.1, 0.28, 0.14], abs=TOLERANCE)
+
+
+def test_a_blocked_direction_is_left_and_the_joints_are_clipped():
+    J, t = np.array([[1.0, 0.0], [0.0, 1.0]]), np.array([1.0, 1.0])
+    assert fitted(J, t, np.array([-1.0, -1.0]), np.array([0.0, 0.5])).tolist() == [0.0, 0.5]
