@@ -30,7 +30,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from motion_limits import limits  # noqa: E402
 from motion_paths import paths, self_motion  # noqa: E402
 from motion_reach import out_and_back, out_of_reach, zero_pose  # noqa: E402
-from motion_runs import Table  # noqa: E402
+from motion_runs import Table, verdict  # noqa: E402
 
 import jtik  # noqa: E402
 
@@ -82,12 +82,16 @@ def main() -> None:
     out = sys.stderr if arguments.json == "-" else sys.stdout
     tables: list[Table] = []
     for name in arguments.only:
-        begin = time.perf_counter()
+        begin, spent = time.perf_counter(), time.process_time()
         found = SCENES[name](arguments.strategies, arguments.quick)
         for table in found:
             print(f"\n{table.text()}", file=out, flush=True)
-        print(f"\n{name} took {time.perf_counter() - begin:.0f} s", file=sys.stderr)
+        wall, cpu = time.perf_counter() - begin, time.process_time() - spent
+        print(f"\n{name} took {wall:.0f} s, {cpu:.0f} s of the processor", file=sys.stderr)
         tables += found
+    if any(table.bounds for table in tables):
+        tables.append(verdict(tables, arguments.strategies))
+        print(f"\n{tables[-1].text()}", file=out)
     if arguments.json:
         record = {
             "machine": f"{platform.machine()}, {platform.system()}, {os.cpu_count()} cores",

@@ -7,7 +7,21 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from motion_runs import Array, Cell, Motion, Row, Table, by_steps, moved, rotation, rotation_vector, rows, solver, times
+from motion_runs import (
+    Array,
+    Cell,
+    Motion,
+    Row,
+    Table,
+    by_steps,
+    fulfilled,
+    moved,
+    rotation,
+    rotation_vector,
+    rows,
+    solver,
+    times,
+)
 
 import jtik
 
@@ -16,6 +30,8 @@ DT = 1e-3
 ENOUGH, STRAIGHT, STILL = 0.99, 0.01, 1e-6
 """Share of the feasible progress that counts as all of it, angle that counts as kept [rad], and share of the wanted
 speed that counts as none, which has no direction."""
+MISSED, EXACT = 1 / 300, 1e-3
+"""Share of the states that may miss either, and accuracy of the published example [rad/s]."""
 EXAMPLE_Q = np.array([1.0, -1.0, 1.0, -1.0]) * math.pi / 2
 EXAMPLE_VELOCITY = np.array([-4.0, -1.5])
 EXAMPLE_LIMITS = (2.0, 2.0, 4.0, 4.0)
@@ -24,6 +40,8 @@ EXAMPLE_ANSWER = np.array([2, -11 / 6, 11 / 6, -11 / 3])
 joint velocities [rad/s]."""
 SPEED = 0.8
 """Velocity limit of the slow arm [rad/s]."""
+NEARLY = 1.5
+"""Errors and accelerations of the slow arm that count as pink's, relative to them."""
 SLOW_DT = 0.005
 """Time of its steps [s]."""
 
@@ -124,7 +142,14 @@ def _random_states(strategies: Sequence[str], quick: bool) -> Table:
     )
     heads = ("slow", "none", "median", "off", "angle", "either")
     columns = ("example", *(f"{head} {label[:2]}" for label in arms for head in heads))
-    return Table("velocity limits", title, columns, rows(strategies, measure))
+    table = rows(strategies, measure)
+    allowed = sets * size * MISSED
+    bounds = {
+        "4R example": fulfilled(table, 13, lambda cells: cells[0] < EXACT),
+        "progress": fulfilled(table, 13, lambda cells: max(cells[1], cells[7]) <= allowed),
+        "direction": fulfilled(table, 13, lambda cells: max(cells[4], cells[10]) <= allowed),
+    }
+    return Table("velocity limits", title, columns, table, bounds=bounds)
 
 
 def _slow_arm(strategies: Sequence[str]) -> Table:
@@ -155,7 +180,21 @@ def _slow_arm(strategies: Sequence[str]) -> Table:
         "acceleration [rad/s^2], sign changes, steps with a joint at its limit [%]"
     )
     columns = ("mm", "mrad", "acc", "signs", "at limit")
-    return Table("slow arm", title, columns, [*peer, *rows(strategies, measure)], tuple(targets))
+    table = rows(strategies, measure)
+    bounds = {}
+    reference = next((cells for _, cells in peer if len(cells) == 10), None)
+    if reference is not None:
+        bounds["slow arm"] = fulfilled(table, 10, lambda cells: _as_good(cells, reference))
+    return Table("slow arm", title, columns, [*peer, *table], tuple(targets), bounds)
+
+
+def _as_good(cells: Sequence[Any], reference: Sequence[Any]) -> bool:
+    """Whether errors (norm of [mm] and [mrad]) and acceleration are at most `NEARLY` times the reference's."""
+    return all(
+        math.hypot(*cells[k : k + 2]) <= NEARLY * math.hypot(*reference[k : k + 2])
+        and cells[k + 2] <= NEARLY * reference[k + 2]
+        for k in (0, 5)
+    )
 
 
 def _by_pink(robot: jtik.Robot, q0: Array, targets: Sequence[Array]) -> Motion:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -140,6 +140,7 @@ class Table:
         columns: heads of the columns after the first, which has the strategy.
         rows: (strategy, cells); one cell with a reason where there are no figures.
         groups: heads of groups of columns, if the columns repeat.
+        bounds: what the figures should fulfil, and for each strategy with figures whether they do.
     """
 
     name: str
@@ -147,6 +148,7 @@ class Table:
     columns: tuple[str, ...]
     rows: list[Row]
     groups: tuple[str, ...] = ("",)
+    bounds: dict[str, dict[str, bool]] = field(default_factory=dict)
 
     def text(self) -> str:
         """As plain text."""
@@ -181,6 +183,19 @@ class Table:
             for name, row in self.rows
         ]
         return {"name": self.name, "title": self.title, "rows": rows}
+
+
+def fulfilled(rows: Iterable[Row], columns: int, bound: Callable[[Any], bool]) -> dict[str, bool]:
+    """Whether the cells of each strategy fulfil a bound, for rows with figures."""
+    return {name: bool(bound(cells)) for name, cells in rows if len(cells) == columns}
+
+
+def verdict(tables: Sequence[Table], strategies: Iterable[str]) -> Table:
+    """Which bounds each strategy fulfils."""
+    bounds = {head: held for table in tables for head, held in table.bounds.items()}
+    words = {True: "yes", False: "no", None: ""}
+    found = [(name, tuple(words[held.get(name)] for held in bounds.values())) for name in strategies]
+    return Table("bounds", "what holds", tuple(bounds), found)
 
 
 def shown(cell: Cell) -> str:
