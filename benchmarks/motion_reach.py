@@ -125,7 +125,7 @@ def out_and_back(strategies: Sequence[str], quick: bool) -> list[Table]:
 
     accelerations = (None, 20.0)
     every = rows(dict.fromkeys((REFERENCE, *strategies)), drawn)
-    out, swept_rows = [row for row in every if row[0] in strategies], rows(strategies, swept)
+    out, swept_rows = [(name, dict(every)[name]) for name in strategies], rows(strategies, swept)
     # limited accelerations carry every arm past the target at which it must stop
     lost = 1e3 * LOST
     overshoot = max(lost, OVERSHOOT * next((cells[6] for name, cells in every if name == REFERENCE and cells[1:]), 0.0))
