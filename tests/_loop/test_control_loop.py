@@ -19,7 +19,7 @@ ON_ITS_LINE = [2.0, 0.0]
 CLEARANCE = jtik.Clearance(ObstacleAvoidance(jtik.Circle((1.0, 3.0), 0.2), bodies="links"), safe=0.05)
 
 
-class Built(Exception):
+class BuildError(Exception):
     """A function was built."""
 
 
@@ -28,7 +28,7 @@ def refuse_to_build(monkeypatch):
     """A call after which building any function of CasADi fails."""
 
     def refuse(*_, **__):
-        raise Built
+        raise BuildError
 
     def now():
         monkeypatch.setattr(casadi, "Function", refuse)
@@ -57,7 +57,7 @@ def test_after_warm_up_a_stalled_step_builds_nothing(strategy, clearances, dt, r
     warm.warm_up()
     refuse_to_build()
     assert warm.step(STRAIGHT, ON_ITS_LINE, dt=dt).escaped
-    with pytest.raises(Built):  # otherwise this test could not fail
+    with pytest.raises(BuildError):  # otherwise this test could not fail
         cold.step(STRAIGHT, ON_ITS_LINE, dt=dt)
 
 
@@ -70,7 +70,7 @@ def test_after_warm_up_a_strategy_that_accepts_every_step_builds_nothing(refuse_
     q = np.array([0.4, 0.3, 0.2, 0.1])
     assert warm.step(q, [1.0, 2.5]).accepted
     assert warm.step(q, [1.0, 2.5], dt=0.01).accepted
-    with pytest.raises(Built):
+    with pytest.raises(BuildError):
         cold.step(q, [1.0, 2.5])
 
 
