@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
+from jtik._loop.control_loop import ControlLoop
 from jtik._loop.copying import FixedSolver
 from jtik._loop.engine import Engine
 from jtik._loop.locked_joints import LockedJoints
@@ -28,12 +29,13 @@ if TYPE_CHECKING:
     import qpsolvers
 
 
-class InverseKinematics(LockedJoints, FixedSolver):
+class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
     """Joint positions that achieve a task and minimise a criterion with the remaining degrees of freedom.
 
-    Building one compiles the step. Targets, parameters and tolerances are numbers that can change from call to call at
-    no cost. It can be copied and pickled: the copy is built from the same arguments, with the parameters as they are.
-    Only one thread at a time can use it; make one for each thread, for instance by `copy.deepcopy`.
+    Building one compiles the step of `solve`; before a control loop, `warm_up` builds the others. Targets, parameters
+    and tolerances are numbers that can change from call to call at no cost. It can be copied and pickled: the copy is
+    built from the same arguments, with the parameters as they are. Only one thread at a time can use it; make one for
+    each thread, for instance by `copy.deepcopy`.
 
     **Configurations.** A ``q`` belongs to `robot`, which has only the joints that move. A ``q`` of the full robot, or
     a dict from joint name to position, is accepted as well.
@@ -174,7 +176,8 @@ class InverseKinematics(LockedJoints, FixedSolver):
     def step(self, q: ArrayLike, target: Any, *, dt: float | None = None) -> Step:
         """One update from ``q``, for controllers; the state of the strategy is kept from call to call.
 
-        A refused step leaves q where it is, and the next call tries a smaller one. `reset` forgets the state.
+        A refused step leaves q where it is, and the next call tries a smaller one. `reset` forgets the state. After
+        `warm_up` the first call is as fast as the others, and so is one that escapes from a saddle point.
 
         With ``dt``, limits of velocity and acceleration hold as well, from ``q`` to the result and from the last step
         with a ``dt`` to this one, and no joint is so fast that it could not stop before its position limits. A moving
@@ -190,10 +193,6 @@ class InverseKinematics(LockedJoints, FixedSolver):
             ArgumentError: for an argument of wrong shape, NaN or infinity, naming it, or a dt that is not positive.
         """
         return self._stepping.step(q, target, dt)
-
-    def reset(self) -> None:
-        """Forget the state that `step` keeps, as after a jump of the target; the robot is then at rest."""
-        self._stepping.reset()
 
     def build(
         self, q: ArrayLike, target: Any, *, qp: str | None = None, program: str | None = None

@@ -99,8 +99,8 @@ class Engine:
         )
         self.configurations = ConfigurationReader(robot, inputs.lower, inputs.upper)
         self._exclusive = ExclusiveUse()
-        escape = SaddleEscape(problem)
-        inspector = Inspector(problem, escape, self.runners)
+        self._escape = escape = SaddleEscape(problem)
+        self._inspector = inspector = Inspector(problem, escape, self.runners)
         self.search = Search(robot, escape, inputs)
         runner = self.runners.solve
         if runner.fused.library:
@@ -117,6 +117,14 @@ class Engine:
         self.solving = Solving(
             problem, self.runners, self.search, self.configurations, inspector=inspector, exclusive=self._exclusive
         )
+
+    def warm_up(self) -> None:
+        """Build what is otherwise built when it is first needed, as `InverseKinematics.warm_up` describes it."""
+        with self._exclusive:
+            self.stepping.warm_up()
+            self.solving.warm_up()
+            self._escape.warm_up()
+            self._inspector.warm_up()
 
     def build(self, q: Any, target: Any, qp: str | None) -> qpsolvers.Problem:
         """A quadratic program of a first step, as `InverseKinematics.build` describes it."""

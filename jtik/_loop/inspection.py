@@ -50,6 +50,11 @@ class Inspector:
     def _hessian(self) -> CompiledFunction:
         return CompiledFunction(self._problem.hessian())
 
+    def warm_up(self) -> None:
+        """Build the functions that a `status` needs."""
+        if self._problem.clearances:
+            _ = self._clearance
+
     def snapshot(self, q: Array, target: Any) -> Inspection:
         """The inspection of ``q`` for the target and parameters as they are now, whatever is solved next."""
         return Inspection(self, q, self._runners.memory.numbers.copy(), target)

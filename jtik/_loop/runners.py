@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
 
 import numpy as np
@@ -17,7 +18,6 @@ from jtik.constraints.limits import Bounds
 from jtik.constraints.step_box import StepBox, box_function
 from jtik.qp import Backend
 from jtik.strategy import Strategy
-from jtik.symbolic import Function
 from jtik.symbolic.compile import to_c
 from jtik.types import Array
 
@@ -38,6 +38,7 @@ class Runners:
         memory: the inputs of `solve`.
         solve: the runner of `InverseKinematics.solve`.
         step_inputs: the inputs of `step`: those of `solve`, with settings of their own.
+        step_is_built: whether `step` uses the function that `solve` has built.
     """
 
     def __init__(
@@ -54,7 +55,12 @@ class Runners:
         self._problem, self._strategy, self._backend = problem, strategy, backend
         self._bounds, self._compiled, self._null_space_rate = bounds, compiled, null_space_rate
         self.memory = memory
-        self.solve = self._runner(self._fused(), memory.inputs)
+        box = box_function(bounds)
+        with ThreadPoolExecutor(1) as compiler:
+            compiled_box = compiler.submit(to_c, box) if compiled else None  # while the step is compiled
+            self.solve = self._runner(self._fused(), memory.inputs)
+        self._box_function = compiled_box.result() if compiled_box else box
+        self.step_is_built = strategy.evaluates_candidate(problem.has_criterion) or bool(problem.clearances)
         self.step_inputs = memory.inputs._replace(settings=np.array(Settings()))
 
     @property
@@ -101,7 +107,15 @@ class Runners:
 
     def _box(self, inputs: Inputs[Array], null_space_rate: float) -> StepBox:
         share = inputs.settings[SETTING.null_space_share :][:1]
-        return StepBox(self._bounds, self._box_function, inputs.lower, inputs.upper, share, null_space_rate)
+        return StepBox(
+            self._bounds,
+            self._box_function,
+            inputs.lower,
+            inputs.upper,
+            share=share,
+            null_space_rate=null_space_rate,
+            ahead=not self._problem.clearances,
+        )
 
     def _runner(self, fused: FusedStep, inputs: Inputs[Array]) -> Runner:
         return Runner(fused, inputs, self._problem.robot.nq)
@@ -117,16 +131,10 @@ class Runners:
     @cached_property
     def _evaluated(self) -> FusedStep:
         """The fused step whose errors are those after the step."""
-        evaluated = self._strategy.evaluates_candidate(self._problem.has_criterion)
-        return self.solve.fused if evaluated else self._fused(evaluated=True)
+        return self.solve.fused if self.step_is_built else self._fused(evaluated=True)
 
     @cached_property
     def _timed(self) -> FusedStep:
         """The fused step of a duration."""
         fused = fused_step(self._problem, self._strategy, backend=self._backend, timed=True)
         return fused.compiled() if self._compiled else fused
-
-    @cached_property
-    def _box_function(self) -> Function:
-        box = box_function(self._bounds)
-        return to_c(box) if self._compiled else box

@@ -40,7 +40,7 @@ MINIMUM_DECREASE = 1e-9
 
 
 class SaddleEscape:
-    """Curvature of V and the escape along it; the functions are compiled when first needed."""
+    """Curvature of V and the escape along it; the functions are built when first needed, or by `warm_up`."""
 
     def __init__(self, problem: SymbolicProblem) -> None:
         self._problem = problem
@@ -56,7 +56,7 @@ class SaddleEscape:
         v = symbol("v", self._problem.robot.n)
         moved_q = self._problem.robot.integrate(q, v)
         V = sumsqr(self._problem.residual(moved_q, target)) / 2
-        return CompiledFunction(function("moved", [q, v, target], [moved_q, V]))
+        return CompiledFunction(function("moved", [q, v, target], [moved_q, V], cse=False))
 
     @cached_property
     def _clearances_hold(self) -> CompiledFunction:
@@ -67,6 +67,12 @@ class SaddleEscape:
         limits = symbol("lower", problem.robot.nq), symbol("upper", problem.robot.nq)
         model = clearance_model(problem, q, problem.clearance(q, parameters), parameters, limits)
         return CompiledFunction(function("clearances_hold", [q, v, parameters, *limits], [model.keeps(v)]))
+
+    def warm_up(self) -> None:
+        """Build the functions now."""
+        _ = self._curvature, self._moved
+        if self._problem.clearances:
+            _ = self._clearances_hold
 
     def lowest_curvature(self, q: Array, inputs: Inputs[Array]) -> tuple[float, Array, Array]:
         """The direction of most negative curvature of V that the limits allow.

@@ -138,6 +138,10 @@ class Solving:
 
             return collect(entries, targets=numbers, nq=self._robot.nq, inspect=inspect)
 
+    def warm_up(self) -> None:
+        """Build what a path runs."""
+        _ = self._runners.track
+
     def track(self, targets: Iterable[Any], q0: Any, dt: float, options: Options) -> Trajectory:
         """Follow a path of targets, as `InverseKinematics.track` describes it."""
         with self._exclusive:

@@ -44,6 +44,13 @@ class Stepping:
         self._vector_shape = self._target.shape if tasks.target_is_vector else None
         self._untimed: Runner | None = None
         self._timed: tuple[Runner, StepBox] | None = None
+        if runners.step_is_built:
+            self._first()
+
+    def warm_up(self) -> None:
+        """Build what a step runs."""
+        self._first()
+        self._first_timed()
 
     def step(self, q: Any, target: Any, dt: float | None) -> Step:
         """One update, as `InverseKinematics.step` describes it."""

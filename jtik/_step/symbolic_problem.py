@@ -167,9 +167,10 @@ class SymbolicProblem:
             "curvature",
             [q, target, parameters],
             [
-                norm(substitute(jacobian(moved, v), v, zero)) * norm(self.residual(q, target)),
+                norm(self.residual_jacobian(q, target)) * norm(self.residual(q, target)),
                 substitute(first, v, zero),
                 substitute(second, v, zero),
                 self.gradient(self.criterion(q, parameters), q),
             ],
+            cse=False,  # it would take seconds for a humanoid
         )

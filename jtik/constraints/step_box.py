@@ -1,6 +1,6 @@
 """The box in which a step of a given time must end: limits of position, velocity and acceleration in one.
 
-The labels (M1) to (M6) are those of formulations/limits.md.
+The labels (M1) to (M7) are those of formulations/limits.md, (Q1) that of formulations/motion.md.
 """
 
 from __future__ import annotations
@@ -25,6 +25,21 @@ def braking(distance: Expression, change: float | Expression) -> Expression:
     return 2 * distance / (1 + sqrt(1 + 2 * fmax(distance, 0) / change))
 
 
+def approach(distance: Expression, back: Expression, change: Expression | None, gain: float) -> Expression:
+    """The longest step towards a limit: a share of its distance, and not too long to stop (M4).
+
+    Outside the limit, where the distance is negative, it is the step back to the limit.
+
+    Args:
+        distance: distance to the limit.
+        back: how far the joint is outside its other limit. The share does not shorten the way back.
+        change: largest change of the step; None without an acceleration limit.
+        gain: the share, in (0, 1].
+    """
+    longest = distance if change is None else braking(distance, change)
+    return longest if gain == 1 else fmin(longest, fmax(gain * distance, back))
+
+
 def box_function(bounds: Bounds) -> Function:
     """(q, displacement of the last step (n, 1), (dt, dt of the last step)) -> box (lower, upper) of the next q."""
     robot = bounds.robot
@@ -34,7 +49,8 @@ def box_function(bounds: Bounds) -> Function:
         largest_step = bounds.velocity[j] * dt
         change = bounds.acceleration[j] * dt**2 if bounds.acceleration[j] < math.inf else None
         low, high = _allowed(last[j] * (dt / clock[1]), largest_step, change)
-        lower[i], upper[i] = _merged(q[i], bounds.lower[i], bounds.upper[i], low, high, change)
+        limits = bounds.lower[i], bounds.upper[i]
+        lower[i], upper[i] = _merged(q[i], limits, low, high, change, bounds.position_gain)
     return function("step_box", [q, last, clock], [vertcat(*lower), vertcat(*upper)])
 
 
@@ -47,16 +63,22 @@ def _allowed(last: Expression, largest_step: Expression, change: Expression | No
 
 
 def _merged(
-    q: Expression, lower: float, upper: float, low: Expression, high: Expression, change: Expression | None
+    q: Expression,
+    limits: tuple[float, float],
+    low: Expression,
+    high: Expression,
+    change: Expression | None,
+    gain: float,
 ) -> tuple[Expression, Expression]:
-    """The same with the position limits (M4), as positions; if the two do not intersect, the closest to the limit."""
-    down, up = q + low, q + high
-    lowest, highest = -math.inf, math.inf
-    if lower > -math.inf:
-        lowest = lower if change is None else fmax(q - braking(q - lower, change), lower)
-    if upper < math.inf:
-        highest = upper if change is None else fmin(q + braking(upper - q, change), upper)
-    if change is not None:  # outside one limit, the return is no longer than the other limit allows
+    """The same with the position limits (M5), as positions; if the two do not intersect, the closest to the limit."""
+    (lower, upper), down, up = limits, q + low, q + high
+    lowest, highest = lower, upper
+    if change is not None or gain < 1:
+        if lower > -math.inf:
+            lowest = fmax(q - approach(q - lower, fmax(q - upper, 0), change, gain), lower)
+        if upper < math.inf:
+            highest = fmin(q + approach(upper - q, fmax(lower - q, 0), change, gain), upper)
+        # outside one limit, the return is no longer than the other limit allows
         lowest, highest = fmin(lowest, fmax(highest, q)), fmax(highest, fmin(lowest, q))
     return fmin(fmax(lowest, down), up), fmin(fmax(highest, down), up)
 
@@ -75,6 +97,7 @@ class StepBox:
         upper: memory of the upper bounds of q (nq,).
         share: memory of the share of a null-space displacement that a step takes, (1,).
         null_space_rate: rate of the motion in the null space [1/s].
+        ahead: whether a step starts where the last motion leads, rather than where the joints stop.
 
     Attributes:
         lower: lower bounds of q (nq,).
@@ -82,10 +105,19 @@ class StepBox:
     """
 
     def __init__(
-        self, bounds: Bounds, box: Function, lower: Array, upper: Array, share: Array, null_space_rate: float
+        self,
+        bounds: Bounds,
+        box: Function,
+        lower: Array,
+        upper: Array,
+        *,
+        share: Array,
+        null_space_rate: float,
+        ahead: bool = True,
     ) -> None:
         self._bounds, self._robot = bounds, bounds.robot
         self._remembers = bool((bounds.acceleration < math.inf).any())
+        self._ahead = self._remembers and ahead
         self._vector = self._robot.nq == self._robot.n
         self._unboxed = bounds.unboxed
         self._q, self._last, self._clock = np.zeros(self._robot.nq), np.zeros(self._robot.n), np.ones(2)
@@ -102,14 +134,14 @@ class StepBox:
         """
         if dt != self._dt:
             self._clock[0] = self._dt = positive_number("dt", dt)
-            self._decay = math.exp(-BRAKING_RATE * dt) if self._remembers else 0.0
+            self._decay = math.exp(-BRAKING_RATE * dt) if self._ahead else 0.0
             self._share[0] = -math.expm1(-self._rate * dt) * (1 - self._decay)
         self._q[:] = q
         self._evaluate()
 
     def start(self) -> Array:
-        """Where the step starts, (nq,): q, or with limits of acceleration where the last motion leads (M7)."""
-        if not self._remembers:
+        """Where the step starts, (nq,): q, or with limits of acceleration where the last motion leads (Q1)."""
+        if not self._ahead:
             return self._q
         ahead = self._last * (self._decay * self._clock[0] / self._clock[1])
         if self._vector:
@@ -137,7 +169,7 @@ class StepBox:
         self._last[:] = 0
 
     def slowed(self, q: Array) -> Array:
-        """``q`` (nq,), or the configuration before it at which no ball or free joint exceeds its limits (M6)."""
+        """``q`` (nq,), or the configuration before it at which no ball or free joint exceeds its limits (M7)."""
         if not self._unboxed.size:
             return q
         displacement, base = self._robot.difference(self._q, q), np.zeros(self._robot.n)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cached_property
 from typing import Any
 
 from jtik.qp.backend import CalledBackend, NumericQP, QPSolver
@@ -54,11 +53,11 @@ def fast_or_qp_path(
     """
     fallback = _Fallback(parts, arguments, results)
     if parts.fast_path is None:
-        return _with_fallback(bind(joined, arguments, results), fallback, unsolved)
+        return _with_fallback(bind(joined, arguments, results), fallback, unsolved, results)
     valid, *between = output_memory(parts.fast_path)[len(results) :]
     no_qp_needed: Any = memoryview(valid.data)
     fast_path = bind(parts.fast_path, arguments, [*results, valid, *between])
-    qp_path = _with_fallback(bind(parts.qp_path(), [*arguments, *between], results), fallback, unsolved)
+    qp_path = _with_fallback(bind(parts.qp_path, [*arguments, *between], results), fallback, unsolved, results)
 
     def step() -> None:
         fast_path()
@@ -69,22 +68,19 @@ def fast_or_qp_path(
 
 
 class _Fallback:
-    """The step with the back end's fallback, bound when it is first needed."""
+    """The step with the back end's fallback."""
 
     def __init__(self, parts: Staged, arguments: list[Array], results: list[Array]) -> None:
-        self._parts, self._arguments, self.results = parts, arguments, results
-        self.backend = parts.backend.fallback
-
-    @cached_property
-    def step(self) -> Callable[[], None]:
-        """The call."""
-        return replace(self._parts, backend=self.backend or NoBackend()).bind(self._arguments, self.results)
+        backend = parts.backend.fallback
+        self.solves = backend is not None
+        self.step = replace(parts, backend=backend or NoBackend()).bind(arguments, results)
 
 
-def _with_fallback(step: Callable[[], None], fallback: _Fallback, unsolved: int) -> Callable[[], None]:
+def _with_fallback(
+    step: Callable[[], None], fallback: _Fallback, unsolved: int, results: list[Array]
+) -> Callable[[], None]:
     """``step``, repeated with the fallback if it ends ``unsolved`` or its solver fails."""
-    code: Any = memoryview(fallback.results[2].data)  # of doubles
-    has_fallback = fallback.backend is not None
+    code: Any = memoryview(results[2].data)  # of doubles
 
     def guarded() -> None:
         code[0] = NOT_WRITTEN  # some plugins fail by leaving all results as they were
@@ -93,7 +89,7 @@ def _with_fallback(step: Callable[[], None], fallback: _Fallback, unsolved: int)
         except RuntimeError:  # how CasADi reports any failure of a plugin, such as crossed bounds
             fallback.step()
         else:
-            if code[0] == NOT_WRITTEN or (has_fallback and code[0] == unsolved):
+            if code[0] == NOT_WRITTEN or (fallback.solves and code[0] == unsolved):
                 fallback.step()
 
     return guarded

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
@@ -91,9 +92,10 @@ class Staged:
         arguments = [*parts[:ends], *inputs, *parts[ends + 1 :]]
         inside = [MX.sym(f"a{i}", *part.shape) for i, part in enumerate(arguments)]
         fast = function("fast_path", inside, inside[:ends])
-        qp = function("qp_path", inside, called(self.qp_path(), inside[ends:]))
+        qp = function("qp_path", inside, called(self.qp_path, inside[ends:]))
         return function("jtik_step", inputs, called(either(fast, qp), [parts[ends], *arguments]))
 
+    @cached_property
     def qp_path(self) -> Function:
         """(inputs, local model, outputs of the first stage) -> outputs of the step; called after ``fast_path``."""
         first, before = self.stages[0], self.local.n_in() + self.local.n_out()

@@ -146,8 +146,10 @@ def function(
     outputs: Sequence[Expression],
     input_names: Sequence[str] = (),
     output_names: Sequence[str] = (),
+    *,
+    cse: bool = True,
 ) -> Function:
-    """A ``casadi.Function`` with common subexpressions eliminated and dense outputs.
+    """A ``casadi.Function`` with dense outputs.
 
     Args:
         name: name of the function.
@@ -155,10 +157,12 @@ def function(
         outputs: expressions of the outputs.
         input_names: names of the inputs; CasADi's by default.
         output_names: names of the outputs; give both or neither.
+        cse: whether common subexpressions are eliminated. It takes most of the time of building a large function, and
+            makes each call faster by a tenth or less where the expression was written once.
     """
     dense = [casadi.densify(output) for output in outputs]
     names = [list(input_names), list(output_names)] if input_names else []
-    return casadi.Function(name, list(inputs), dense, *names, {"cse": True})
+    return casadi.Function(name, list(inputs), dense, *names, {"cse": cse})
 
 
 def c_source(function: Function) -> str:

@@ -107,6 +107,35 @@ def test_a_refused_step_brakes_as_hard_as_the_joints_can(arm):
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("acceleration", [None, 20.0])
+def test_every_strategy_uses_a_share_of_the_distance_to_a_limit(strategy, acceleration, arm):
+    """Of the distance before each step; a joint was stopped by it, and limits of velocity and acceleration hold."""
+    gain, q = 0.5, np.array([0.5, -0.4, 0.9, 0.3])
+    limits = jtik.Limits(position_gain=gain, acceleration=acceleration)
+    ik, path = solver(arm, strategy=strategy, limits=limits), [q]
+    for k in range(150):
+        q = ik.step(q, restless(k), dt=DT).q
+        path.append(q)
+    steps, before = np.diff(path, axis=0), np.array(path[:-1])
+    distance = np.where(steps > 0, arm.upper - before, before - arm.lower)
+    assert (np.abs(steps) <= gain * distance + EXACT).all()
+    assert (np.abs(steps) > 0.99 * gain * distance)[np.abs(steps) > 1e-6].any()
+    checked_speeds(arm, path[0], path[1:], np.inf if acceleration is None else acceleration)
+
+
+def test_the_share_applies_to_a_path_and_not_to_a_solve_nor_to_a_step_without_a_time():
+    robot, limits = planar(2, lower=-0.5, upper=0.5, velocity_limit=1e3), jtik.Limits(position_gain=0.5)
+    ik, plain = solver(robot, limits=limits), solver(robot)
+    q0, target = np.array([0.3, 0.3]), robot.position([0.5, 0.4])
+    assert ik.solve(target, q0=q0).q.tolist() == plain.solve(target, q0=q0).q.tolist()
+    assert ik.step(q0, target).q.tolist() == plain.step(q0, target).q.tolist()
+    path = ik.track([target] * 60, q0=q0, dt=DT)
+    left = 0.5 - np.concatenate([[0.3], path.q[:, 0]])
+    assert (left[1:] >= 0.5 * left[:-1] - EXACT).all()
+    assert left[-1] == pytest.approx(0, abs=1e-5)  # the tolerance of the target is 1e-6 m
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
 def test_a_start_outside_returns_at_the_allowed_rate(strategy):
     robot = jtik.Robot.planar(3, lower=-0.5, upper=0.5, velocity_limit=1.0)
     acceleration = 5.0
@@ -249,6 +278,11 @@ class TestArguments:
     def test_an_acceleration_is_positive(self, wrong):
         with pytest.raises(jtik.ArgumentError, match="acceleration: given .*; accepted: None for none, or positive"):
             jtik.Limits(acceleration=wrong)
+
+    @pytest.mark.parametrize("wrong", [0.0, -0.5, 1.1, math.nan, math.inf, "half", None, True, [0.5, 0.5]])
+    def test_a_share_of_the_distance_is_above_0_and_at_most_1(self, wrong):
+        with pytest.raises(jtik.ArgumentError, match="position_gain: given"):
+            jtik.Limits(position_gain=wrong)
 
     def test_position_limits_hold_or_do_not(self):
         with pytest.raises(jtik.ArgumentError, match="position: given .*; accepted: True or False"):

@@ -19,14 +19,17 @@ from jtik.symbolic.compile import CompiledFunction
 
 LOWER, UPPER = -0.4, 0.5
 DT = 0.01
+GAINS = (1.0, 0.9, 0.5, 0.3, 0.05)
+"""Shares of the distance to a limit that a step may use."""
 ROUNDING = 1e-13
 """Of differences of positions of order one."""
 
 
 @functools.cache
-def box_of(velocity=1.5, acceleration=8.0, lower=LOWER, upper=UPPER):
+def box_of(velocity=1.5, acceleration=8.0, lower=LOWER, upper=UPPER, gain=1.0):
     robot = jtik.Robot.planar(1, lower=lower, upper=upper)
-    return CompiledFunction(box_function(Limits(velocity=velocity, acceleration=acceleration).of(robot)))
+    limits = Limits(velocity=velocity, acceleration=acceleration, position_gain=gain)
+    return CompiledFunction(box_function(limits.of(robot)))
 
 
 def ends(box, q, last, dt=DT, before=None):
@@ -76,11 +79,13 @@ class TestBraking:
     velocity=st.sampled_from([0.1, 1.5, math.inf]),
     acceleration=st.sampled_from([0.5, 8.0, 1e4, math.inf]),
     limits=st.sampled_from([(LOWER, UPPER), (0.2, 0.2), (-math.inf, 0.1), (-math.inf, math.inf)]),
+    gain=st.sampled_from(GAINS),
 )
-@example(0.6, 0.0, 0.3, 0.3, math.inf, 0.5, (0.2, 0.2))
-def test_never_empty_and_in_the_order_of_precedence(q, last, dt, before, velocity, acceleration, limits):
+@example(0.6, 0.0, 0.3, 0.3, math.inf, 0.5, (0.2, 0.2), 1.0)
+@example(2.0, 0.0, 0.3, 0.3, math.inf, math.inf, (0.2, 0.2), 0.5)
+def test_never_empty_and_in_the_order_of_precedence(q, last, dt, before, velocity, acceleration, limits, gain):
     """Whatever the state: acceleration holds; so does velocity, where acceleration lets it; then position."""
-    low, high = ends(box_of(velocity, acceleration, *limits), q, last, dt, before)
+    low, high = ends(box_of(velocity, acceleration, *limits, gain), q, last, dt, before)
     assert low <= high
     step, reach, change = last * dt / before, velocity * dt, acceleration * dt**2
     tolerance = ROUNDING * (1 + abs(step))
@@ -99,11 +104,16 @@ def test_never_empty_and_in_the_order_of_precedence(q, last, dt, before, velocit
     greed=st.sampled_from([0.0, 0.5, 0.95, 1.0]),
     dts=st.sampled_from([(DT,), (0.001, 0.01, 0.05)]),
     velocity=st.sampled_from([0.3, 1.5, math.inf]),
-    acceleration=st.sampled_from([0.5, 8.0, 300.0]),
+    acceleration=st.sampled_from([0.5, 8.0, 300.0, math.inf]),
+    gain=st.sampled_from(GAINS),
 )
-def test_any_sequence_of_steps_in_the_box_keeps_all_limits(seed, start, greed, dts, velocity, acceleration):
-    """From rest; greedy steps go to an end of the box, to the same for a while."""
-    rng, box = np.random.default_rng(seed), box_of(velocity, acceleration)
+def test_any_sequence_of_steps_in_the_box_keeps_all_limits(seed, start, greed, dts, velocity, acceleration, gain):
+    """From rest; greedy steps go to an end of the box, to the same for a while.
+
+    A share of the distance to a limit is kept, too, but by the hardest braking: that can be too long for shares below
+    a half.
+    """
+    rng, box = np.random.default_rng(seed), box_of(velocity, acceleration, gain=gain)
     q, last, before, side = start, 0.0, DT, 1
     for _ in range(1000):
         dt = float(rng.choice(dts))
@@ -115,6 +125,9 @@ def test_any_sequence_of_steps_in_the_box_keeps_all_limits(seed, start, greed, d
         assert LOWER <= after <= UPPER
         assert abs(after - q) <= velocity * dt + ROUNDING
         assert abs((after - q) / dt - last / before) <= acceleration * dt + ROUNDING / dt + ROUNDING / before
+        step, distance = abs(after - q), UPPER - q if after > q else q - LOWER
+        if gain >= 0.5 or step > abs(last) * dt / before - acceleration * dt**2 + ROUNDING:
+            assert step <= gain * distance + ROUNDING
         q, last, before = after, after - q, dt
 
 
@@ -125,6 +138,24 @@ def test_a_joint_that_runs_into_its_limit_ends_there():
         q, last = after, after - q
     assert q == UPPER
     assert last == 0.0
+
+
+@pytest.mark.parametrize("gain", [0.9, 0.5, 0.1])
+def test_a_joint_that_runs_into_its_limit_leaves_the_rest_of_the_distance_each_time(gain):
+    """In closed form: the distance decreases by the share in each step."""
+    box, q = box_of(math.inf, math.inf, gain=gain), 0.0
+    for k in range(1, 30):
+        _, q = ends(box, q, 0.0)
+        assert UPPER - q == pytest.approx((1 - gain) ** k * UPPER, abs=ROUNDING)
+
+
+@pytest.mark.parametrize("gain", [0.9, 0.5, 0.1])
+@pytest.mark.parametrize("acceleration", [300.0, math.inf])
+def test_the_share_does_not_shorten_the_way_back_from_outside(gain, acceleration):
+    for q in (0.6, 0.9, -0.7):
+        with_share, without = (ends(box_of(1.5, acceleration, gain=g), q, 0.0) for g in (gain, 1.0))
+        nearer = 1 if q > UPPER else 0
+        assert with_share[nearer] == pytest.approx(without[nearer], abs=ROUNDING)
 
 
 def test_without_accelerations_it_is_where_limits_and_speeds_meet():
@@ -139,10 +170,11 @@ def test_without_accelerations_it_is_where_limits_and_speeds_meet():
     start=st.floats(0.501, 2.0),
     acceleration=st.sampled_from([0.5, 8.0, 300.0, math.inf]),
     limits=st.sampled_from([(LOWER, UPPER), (UPPER, UPPER), (UPPER - 1e-3, UPPER)]),
+    gain=st.sampled_from([1.0, 0.9, 0.5, 0.3]),
 )
-def test_from_outside_it_leads_back_in_and_not_out_at_the_other_end(start, acceleration, limits):
+def test_from_outside_it_leads_back_in_and_not_out_at_the_other_end(start, acceleration, limits, gain):
     """Greedy for the far end, from rest: monotone to inside, and then inside for ever; a range may have no width."""
-    box, q, last = box_of(1.5, acceleration, *limits), start, 0.0
+    box, q, last = box_of(1.5, acceleration, *limits, gain), start, 0.0
     entered = False
     for _ in range(1500):
         low, high = ends(box, q, last)
@@ -159,7 +191,7 @@ def test_it_is_written_where_a_solver_reads_it():
     robot = jtik.Robot.planar(2, lower=-1.0, upper=1.0, velocity_limit=[0.5, 1.0])
     bounds = Limits(acceleration=10.0).of(robot)
     lower, upper, share = np.zeros(2), np.zeros(2), np.zeros(1)
-    box = StepBox(bounds, box_function(bounds), lower, upper, share, null_space_rate=2.0)
+    box = StepBox(bounds, box_function(bounds), lower, upper, share=share, null_space_rate=2.0)
     q = np.array([0.2, -0.3])
     box.narrow(q, 0.01)
     assert upper - q == pytest.approx([1e-3, 1e-3])
@@ -169,3 +201,36 @@ def test_it_is_written_where_a_solver_reads_it():
     box.rest()
     box.narrow(q, 0.1)
     assert upper - q == pytest.approx([0.05, 0.1])
+
+
+def test_a_step_starts_where_the_last_motion_leads():
+    robot = jtik.Robot.planar(2, lower=-1.0, upper=1.0, velocity_limit=2.0)
+    bounds, share = Limits(acceleration=10.0).of(robot), np.zeros(1)
+    lower, upper = np.zeros(2), np.zeros(2)
+    box = StepBox(bounds, box_function(bounds), lower, upper, share=share, null_space_rate=5.0)
+    q, motion = np.array([0.2, -0.3]), np.array([8e-4, -9e-4])
+    box.narrow(q, DT)
+    assert box.start().tolist() == q.tolist()
+    box.moved(q + motion)
+    box.narrow(q + motion, DT)
+    assert box.start() == pytest.approx(q + motion + math.exp(-10 * DT) * motion)
+    assert share[0] == pytest.approx((1 - math.exp(-5 * DT)) * (1 - math.exp(-10 * DT)))
+    box.narrow(q + motion, 2 * DT)  # the same velocity in twice the time
+    assert box.start() == pytest.approx(q + motion + 2 * math.exp(-20 * DT) * motion)
+    assert box.braked() == pytest.approx(q + motion)
+    box.rest()
+    box.narrow(q, DT)
+    assert box.start().tolist() == q.tolist()
+
+
+def test_the_start_is_in_the_box():
+    """A joint that moves towards its limit starts where it can still stop."""
+    robot = jtik.Robot.planar(1, lower=-1.0, upper=1.0)
+    bounds = Limits(acceleration=10.0).of(robot)
+    lower, upper = np.zeros(1), np.zeros(1)
+    box = StepBox(bounds, box_function(bounds), lower, upper, share=np.zeros(1), null_space_rate=5.0)
+    box.narrow(np.array([0.98]), DT)
+    box.moved(np.array([0.985]))
+    box.narrow(np.array([0.985]), DT)
+    assert box.start() == upper < 0.99
+    assert box.braked() == lower

@@ -41,7 +41,7 @@ def both_paths(strategy, q, limit, preferred=None):
     ends = parts.stages[-1].n_out()
     fast, no_qp_needed, between = outputs[:ends], outputs[ends], outputs[ends + 1 :]
     solved, joined = ([np.zeros_like(part) for part in fast] for _ in range(2))
-    bind(parts.qp_path(), [*arguments, *between], solved)()
+    bind(parts.qp_path, [*arguments, *between], solved)()
     bind(fused.function, arguments, joined)()
     return bool(no_qp_needed[0]), fast, solved, joined
 

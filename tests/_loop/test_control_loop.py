@@ -1,0 +1,96 @@
+"""A control loop builds nothing: neither in its first step nor, after warm_up, where a step stalls."""
+
+from __future__ import annotations
+
+import casadi
+import numpy as np
+import pytest
+
+import jtik
+from jtik_formulations import JointCentering, ObstacleAvoidance
+
+from ..conftest import large_ones_slow, planar
+from .conftest import STRATEGIES, solver
+
+STRAIGHT = np.zeros(4)
+ON_ITS_LINE = [2.0, 0.0]
+"""A target at which the straight arm is a saddle point of the error."""
+
+CLEARANCE = jtik.Clearance(ObstacleAvoidance(jtik.Circle((1.0, 3.0), 0.2), bodies="links"), safe=0.05)
+
+
+class BuildError(Exception):
+    """A function was built."""
+
+
+@pytest.fixture
+def refuse_to_build(monkeypatch):
+    """A call after which building any function of CasADi fails."""
+
+    def refuse(*_, **__):
+        raise BuildError
+
+    def now():
+        monkeypatch.setattr(casadi, "Function", refuse)
+        monkeypatch.setattr(casadi, "conic", refuse)
+
+    return now
+
+
+@pytest.mark.parametrize("strategy", large_ones_slow([*STRATEGIES, "hybrid+qp"]))
+@pytest.mark.parametrize("criteria", [None, JointCentering()])
+def test_the_first_step_builds_nothing(strategy, criteria, refuse_to_build):
+    ik = solver(planar(4, lower=-2.0, upper=2.0), strategy=strategy, criteria=criteria)
+    refuse_to_build()
+    q = np.array([0.4, 0.3, 0.2, 0.1])
+    assert ik.step(q, [1.0, 2.5]).accepted
+
+
+@pytest.mark.parametrize("strategy", large_ones_slow([*STRATEGIES, "hybrid+qp"]))
+@pytest.mark.parametrize("criteria", [None, JointCentering()])
+def test_after_warm_up_a_timed_step_and_a_path_build_nothing(strategy, criteria, refuse_to_build):
+    ik = solver(planar(4, lower=-2.0, upper=2.0), strategy=strategy, criteria=criteria)
+    ik.warm_up()
+    refuse_to_build()
+    q = np.array([0.4, 0.3, 0.2, 0.1])
+    assert ik.step(q, [1.0, 2.5], dt=0.01).accepted
+    ik.track([[1.0, 2.5]] * 3, q0=q, dt=0.01)
+
+
+@pytest.mark.parametrize("strategy", ["hybrid", "weighted_qp"])
+@pytest.mark.parametrize("clearances", [None, CLEARANCE])
+@pytest.mark.parametrize("dt", [None, 0.1])
+def test_after_warm_up_a_stalled_step_builds_nothing(strategy, clearances, dt, refuse_to_build):
+    if clearances and strategy == "hybrid":
+        strategy = "hybrid+qp"
+    cold, warm = (solver(planar(4), strategy=strategy, clearances=clearances) for _ in range(2))
+    warm.warm_up()
+    refuse_to_build()
+    assert warm.step(STRAIGHT, ON_ITS_LINE, dt=dt).escaped
+    with pytest.raises(BuildError):  # otherwise this test could not fail
+        cold.step(STRAIGHT, ON_ITS_LINE, dt=dt)
+
+
+def test_after_warm_up_a_strategy_that_accepts_every_step_builds_nothing(refuse_to_build):
+    """Its `step` has a function of its own, which evaluates the errors where it ends."""
+    strategy = jtik.strategies["damped"](backtracking=False)
+    cold, warm = (solver(planar(4), strategy=strategy) for _ in range(2))
+    warm.warm_up()
+    refuse_to_build()
+    q = np.array([0.4, 0.3, 0.2, 0.1])
+    assert warm.step(q, [1.0, 2.5]).accepted
+    assert warm.step(q, [1.0, 2.5], dt=0.01).accepted
+    with pytest.raises(BuildError):
+        cold.step(q, [1.0, 2.5])
+
+
+def test_warm_up_changes_no_result():
+    """Neither of a step that has begun, nor of a solve."""
+    cold, warm = (solver(planar(4), criteria=JointCentering()) for _ in range(2))
+    q, target = np.array([0.4, 0.3, 0.2, 0.1]), [-1.0, 0.1]
+    for _ in range(6):
+        one, other = cold.step(q, target), warm.step(q, target)
+        warm.warm_up()
+        assert one.q.tolist() == other.q.tolist()
+        q = one.q
+    assert cold.solve(target, q0=q).q.tolist() == warm.solve(target, q0=q).q.tolist()
