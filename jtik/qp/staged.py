@@ -17,7 +17,7 @@ import numpy as np
 
 from jtik.errors import UnknownNameError
 from jtik.qp.backend import Backend, FusedBackend, NumericQP
-from jtik.qp.call import BoundComputation, BoundSolver, PythonCall, QPCall, called, evaluated, output_memory
+from jtik.qp.call import BoundComputation, PythonCall, QPCall, called, evaluated, output_memory
 from jtik.qp.conic import Conic
 from jtik.qp.partition import partitioned
 from jtik.qp.preparation import PreparationCall
@@ -68,6 +68,7 @@ class Staged:
             self,
             local=local,
             stages=tuple(rest[len(fast) :]),
+            calls=tuple(call.compiled() if isinstance(call, QPCall) else call for call in self.calls),
             preparations=tuple(each.compiled() for each in self.preparations),
             fast_path=rest[0] if fast else None,
         )
@@ -160,9 +161,7 @@ class Staged:
             elif isinstance(self.backend, FusedBackend):
                 calls.append(bind(call.solver_function(self.backend), data, call_results))
             else:
-                memory, expand = call.expanded_memory(data)
-                calls += [expand] if expand else []
-                calls.append(BoundSolver(self.backend, call.numeric_qp(memory), call_results))
+                calls.append(call.bound_solver(self.backend, data, call_results))
             known = [*known, intermediate, *call_results]
         calls.append(bind(self.stages[-1], known, results))
 

@@ -32,7 +32,7 @@ from jtik.symbolic import (
 )
 from jtik.symbolic.factorization import RowSpace
 from jtik.types import Array
-from jtik_formulations.strategies._parts.significance import significant
+from jtik_formulations.strategies._parts.significance import in_null_space, significant
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
 NEGLIGIBLE = 1e-6
@@ -110,8 +110,9 @@ class QPSecondary(ProjectedGradient):
             relaxed["task step", "share"] = if_else(short, 1 - scale, 0)
         else:
             dq, scale = self._within_limits(model, weight, beta, length, task_dq), 1
+        kept = 1 if model.clearance else in_null_space(model.row_space.unit_basis, dq, task_dq)
         return NullSpaceDisplacement(
-            dq=dq,
+            dq=kept * dq,
             beta=beta,
             stationarity_residual=ratio(norm(weight * dq), beta),
             task_scale=scale,
@@ -196,5 +197,5 @@ def _reduced_gradient(model: LocalModel) -> Expression:
 
 
 def _task_rows(model: LocalModel, matrix: Expression, to: Expression = 0) -> Rows:
-    """matrix x = to; rows of zeros, of a dependent task, are free."""
-    return Rows("task", matrix, *[to + model.row_space.dependent_bounds(side) for side in (-1, 1)])
+    """matrix x = to, exactly; rows of zeros, of a dependent task, are free."""
+    return Rows.in_null_space("task", model.row_space, matrix, to)
