@@ -10,10 +10,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from jtik.symbolic import (
+    MX,
     TINY,
     Expression,
     Function,
     diag,
+    either,
     fmax,
     fmin,
     function,
@@ -23,12 +25,14 @@ from jtik.symbolic import (
     logic_not,
     logic_or,
     norm,
-    norm_inf,
     solve_ldl,
     symbol,
     trace,
     vertcat,
 )
+
+ROUNDING = 1e-14
+"""Violation of the rows, relative to the solution, up to which nothing is corrected."""
 
 DAMPING = 1e-14
 """Damping of the correction, relative to the squared norm of the rows: dependent rows must not enlarge it."""
@@ -43,6 +47,8 @@ ROUNDS = 2
 def refinement(n: int, rows: int, exact: Sequence[int]) -> Function:
     """(C, l, u, lb, ub, x, box multipliers, accuracy) -> x, for QPs of n variables and this number of rows.
 
+    The result is in the box. Where the rows then hold to rounding, as they mostly do, nothing else is evaluated.
+
     Args:
         n: number of variables.
         rows: number of rows of C.
@@ -50,27 +56,36 @@ def refinement(n: int, rows: int, exact: Sequence[int]) -> Function:
     """
     sizes = ((rows, n), (rows, 1), (rows, 1), (n, 1), (n, 1), (n, 1), (n, 1), (1, 1))
     given = [symbol(f"d{i}", *size) for i, size in enumerate(sizes)]
-    C, low, high, *rest = given
+    C, low, high, lower, upper, x, multipliers, accuracy = given
     chosen = list(exact)
-    return function("refined", given, [refined(C[chosen, :], low[chosen], high[chosen], *rest)])
+    equal = vertcat(*[low[i] == high[i] for i in chosen])
+    E, to = diag(equal) @ C[chosen, :], if_else(equal, low[chosen], 0)
+    inside = fmin(fmax(x, lower), upper)
+    holds = norm(to - E @ inside) <= ROUNDING * norm(inside)
+    free_rows = 1 - equal
+    corrected = _corrected(E, to, free_rows, lower, upper, x, multipliers, accuracy)
+    keep, correct = function("in_box", given, [inside]), function("corrected", given, [corrected])
+    arguments = [MX.sym(f"a{i}", *size) for i, size in enumerate(sizes)]
+    condition = function("holds", given, [holds])(*arguments)
+    return function("refined", arguments, [either(keep, correct)(condition, *arguments)])
 
 
-def refined(
-    C: Expression,
-    low: Expression,
-    high: Expression,
+def _corrected(
+    E: Expression,
+    to: Expression,
+    free_rows: Expression,
     lower: Expression,
     upper: Expression,
     x: Expression,
     multipliers: Expression,
     accuracy: Expression,
 ) -> Expression:
-    """The solution x (n, 1) in the box with C x = ``low`` where low = high; only clipped to the box where that fails.
+    """The solution x (n, 1) in the box with E x = ``to``; only clipped to the box where that fails, NaN where x is.
 
     Args:
-        C: rows (k, n).
-        low: their lower bounds (k, 1).
-        high: their upper bounds (k, 1).
+        E: rows (k, n).
+        to: their right-hand sides (k, 1).
+        free_rows: 1 for the rows that are zeros and need not hold (k, 1).
         lower: lower bounds of x (n, 1).
         upper: upper bounds of x (n, 1).
         x: the solver's solution (n, 1).
@@ -78,9 +93,6 @@ def refined(
         accuracy: what the solution is checked against: the largest correction, relative to a solution longer than 1,
             and the distance from a bound up to which a variable with a multiplier is put on it.
     """
-    k = C.shape[0]
-    equal = vertcat(*[low[i] == high[i] for i in range(k)])
-    E, wanted = diag(equal) @ C, if_else(equal, low, 0)
     clipped = fmin(fmax(x, lower), upper)
     at_upper = logic_and(multipliers > 0, x >= upper - accuracy)
     at_lower = logic_and(multipliers < 0, x <= lower + accuracy)
@@ -89,12 +101,12 @@ def refined(
     for _ in range(ROUNDS):
         F = E @ diag(free)
         gram = F @ F.T
-        gram = gram + diag(1 - equal) + (DAMPING * trace(gram) + TINY) * identity(k)
+        gram = gram + diag(free_rows) + (DAMPING * trace(gram) + TINY) * identity(E.shape[0])
         for _ in range(2):  # the second time without the rounding and the damping of the first
-            y = y + F.T @ solve_ldl(gram, wanted - E @ y)
+            y = y + F.T @ solve_ldl(gram, to - E @ y)
         inside = fmin(fmax(y, lower), upper)
         free, y = logic_and(free, inside == y), inside
-    better = norm_inf(wanted - E @ y) < norm_inf(wanted - E @ clipped)
+    better = norm(to - E @ y) < norm(to - E @ clipped)
     size = norm(x)
     small = norm(y - x) <= fmin(accuracy * fmax(1, size), LARGEST_CHANGE * size)
     is_number = logic_or(x <= 0, x >= 0)  # clipping hides NaN

@@ -27,6 +27,7 @@ from jtik.symbolic import (
     norm,
     ratio,
     sqrt,
+    sumsqr,
     vertcat,
     zeros,
 )
@@ -110,9 +111,8 @@ class QPSecondary(ProjectedGradient):
             relaxed["task step", "share"] = if_else(short, 1 - scale, 0)
         else:
             dq, scale = self._within_limits(model, weight, beta, length, task_dq), 1
-        kept = 1 if model.clearance else in_null_space(model.row_space.unit_basis, dq, task_dq)
         return NullSpaceDisplacement(
-            dq=kept * dq,
+            dq=self._without_leakage(model, dq, task_dq),
             beta=beta,
             stationarity_residual=ratio(norm(weight * dq), beta),
             task_scale=scale,
@@ -142,6 +142,16 @@ class QPSecondary(ProjectedGradient):
             )
         )
         return is_significant * solution.x
+
+    @staticmethod
+    def _without_leakage(model: LocalModel, dq: Expression, task_dq: Expression) -> Expression:
+        """dq where it is in the null space, or restores a clearance, else zero: it is then the solver's noise."""
+        K = model.row_space.unit_basis
+        if not model.clearance:
+            return in_null_space(K, dq, task_dq) * dq
+        # the share of the task displacement, of order 1, is a variable of the same quadratic program
+        restores = sumsqr(model.restoration.dq) > 0 if model.clearance.restores else 0
+        return logic_or(restores, in_null_space(K, dq, task_dq, shortest=1.0)) * dq
 
     def _with_clearances(
         self, model: LocalModel, weight: Array, beta: Expression, t: Expression

@@ -146,12 +146,12 @@ class SecondOrder(SecondaryTerm):
         scaled, wanted = (moving * each / size for each in (after_task, _without_outward(model, after_task)))
         gradient_size = norm_inf(wanted)
         unit, stretch = fmin(cap, gradient_size) + TINY, fmax(1, ratio(gradient_size, cap))
-        q = fmax(fmin(ratio(scaled, gradient_size), LARGEST_ENTRY), -LARGEST_ENTRY)
+        is_significant = significant(norm(wanted), fmax(norm(scaled), norm(model.gradient) / size))
+        q = is_significant * fmax(fmin(ratio(scaled, gradient_size), LARGEST_ENTRY), -LARGEST_ENTRY)
         P = (hessian + (stretch - 1) * identity(model.robot.n)) / stretch
         solution = model.solve(QuadraticProgram(P, q, lower / unit, upper / unit, [fixed], "null-space step"))
         x = moving * fmin(fmax(unit * solution.x, lower), upper)
-        is_significant = logic_and(significant(size * norm(wanted), norm(model.gradient)), norm(solution.x) > SHORTEST)
-        is_significant = logic_and(is_significant, in_null_space(task.unit_basis, x, task_dq))
+        is_significant = logic_and(norm(solution.x) > SHORTEST, in_null_space(task.unit_basis, x, task_dq))
         longest = ratio(cap, norm(x))
         x = if_else(is_significant, 1, 0) * if_else(lowest < -NEGATIVE, longest, fmin(1, longest)) * x
         residual = norm(_without_outward(model, gradient))
