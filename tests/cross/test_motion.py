@@ -28,15 +28,13 @@ COMPOSED = [
     "hybrid",
     "newton",
     "damped",
-    "sugihara",
     "nakamura",
     "selectively_damped",
-    "jparse",
     "sns",
     "sns_qp",
     "task_priority",
 ]
-"""Those that keep the direction of the task within limits."""
+"""Those that keep the direction of the task within limits; constant damping and a threshold for weak directions turn it."""
 
 RMS = 0.6
 """Acceleration of the path itself under the shortest velocities, rms over the joints [rad/s^2]."""
@@ -110,11 +108,11 @@ def test_outside_the_workspace_the_arm_does_not_shake(strategy):
 @pytest.mark.parametrize("strategy", large_ones_slow([name for name in FOLLOWING if name not in JUMPING_WEIGHTS]))
 @pytest.mark.parametrize("limit", [None, *slow(20.0)])
 def test_out_of_the_workspace_and_back(strategy, limit):
-    dt = 0.004
+    dt = 0.002
     ik = panda(strategy, limits=jtik.Limits(velocity=2.0, acceleration=limit))
     home = ik.robot.keyframes["home"]
     t = dt * np.arange(1, round(4 / dt) + 1)
-    out = np.concatenate([0.25 * (1 - np.cos(np.pi * t / 2)), np.zeros(round(0.5 / dt))])
+    out = np.concatenate([0.25 * (1 - np.cos(np.pi * t / 2)), np.zeros(round(1 / dt))])
     targets = moved(ik.robot.pose(home), np.outer(out, [1, 0, 0]))
     path = stepped(ik, home, targets, dt)[1:]
     away = errors(ik, path, targets)
@@ -147,8 +145,8 @@ def test_the_rate_is_that_of_the_decay():
     ik = jtik.InverseKinematics(arm, task, criteria=JointCentering(), null_space_rate=4.0)
     q0 = np.array([0.02, -0.01, 0.03])
     start = np.abs(q0).max()
-    path = stepped(ik, q0, [arm.position(q0)[1:]] * 50, 0.01)
-    final = ik.solve(arm.position(q0)[1:], q0=q0).q
+    path = stepped(ik, q0, [arm.position(q0)] * 50, 0.01)
+    final = ik.solve(arm.position(q0), q0=q0).q
     distance = np.linalg.norm(path - final, axis=1)
     assert start > 0
     assert distance[-1] / distance[0] == pytest.approx(np.exp(-4.0 * 0.5), rel=0.05)
@@ -157,7 +155,7 @@ def test_the_rate_is_that_of_the_decay():
 @pytest.mark.parametrize("strategy", large_ones_slow(["hybrid", "damped", "task_priority", "newton", "sns", "sns_qp"]))
 def test_the_published_example_of_saturation(strategy):
     """Flacco, De Luca and Khatib (2012): four unit links; dq/dt by hand."""
-    arm, dt = planar(4, velocity_limit=[2.0, 2.0, 4.0, 4.0]), 1e-6
+    arm, dt = jtik.Robot.planar(4, velocity_limit=[2.0, 2.0, 4.0, 4.0]), 1e-6
     ik = jtik.InverseKinematics(arm, jtik.FrameTask("tip", kind="position"), strategy=strategy)
     q = np.deg2rad([90, -90, 90, -90])
     for share, expected in ((1.0, [2, -11 / 6, 11 / 6, -11 / 3]), (2.0, [2, -2, 26 / 11, -4])):
@@ -180,7 +178,7 @@ def test_random_states_make_the_progress_that_is_feasible_in_the_direction_of_th
     dt, missed = 1e-5, 0
     limits = rng.uniform(0.3, 2, size=(5, links))
     for limit in limits:
-        arm = planar(links, velocity_limit=limit)
+        arm = jtik.Robot.planar(links, velocity_limit=limit)
         ik = jtik.InverseKinematics(arm, jtik.FrameTask("tip", kind="position"), strategy=strategy)
         for _ in range(20 if links == 4 else 60):
             q, wanted = rng.uniform(-2, 2, links), rng.normal(size=2) * rng.uniform(0.5, 4)
