@@ -73,7 +73,8 @@ class Stepping:
                 memory[:] = self._read("q", q)
             if box is not None and dt is not None:
                 box.narrow(memory, dt)
-                memory[:] = box.start()
+                if box.ahead:
+                    memory[:] = box.start()
             runner.calls[at]()
             after = runner.q[1 - at]
             position: float

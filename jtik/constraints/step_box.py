@@ -102,6 +102,7 @@ class StepBox:
     Attributes:
         lower: lower bounds of q (nq,).
         upper: upper bounds of q (nq,).
+        ahead: whether a step starts where the last motion leads, rather than at q.
     """
 
     def __init__(
@@ -117,7 +118,7 @@ class StepBox:
     ) -> None:
         self._bounds, self._robot = bounds, bounds.robot
         self._remembers = bool((bounds.acceleration < math.inf).any())
-        self._ahead = self._remembers and ahead
+        self.ahead = self._remembers and ahead
         self._vector = self._robot.nq == self._robot.n
         self._unboxed = bounds.unboxed
         self._q, self._last, self._clock = np.zeros(self._robot.nq), np.zeros(self._robot.n), np.ones(2)
@@ -134,14 +135,14 @@ class StepBox:
         """
         if dt != self._dt:
             self._clock[0] = self._dt = positive_number("dt", dt)
-            self._decay = math.exp(-BRAKING_RATE * dt) if self._ahead else 0.0
+            self._decay = math.exp(-BRAKING_RATE * dt) if self.ahead else 0.0
             self._share[0] = -math.expm1(-self._rate * dt) * (1 - self._decay)
         self._q[:] = q
         self._evaluate()
 
     def start(self) -> Array:
         """Where the step starts, (nq,): q, or with limits of acceleration where the last motion leads (Q1)."""
-        if not self._ahead:
+        if not self.ahead:
             return self._q
         ahead = self._last * (self._decay * self._clock[0] / self._clock[1])
         if self._vector:

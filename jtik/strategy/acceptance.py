@@ -37,6 +37,7 @@ def final_verdict(
     *,
     null_longer: Expression,
     evaluated: bool,
+    predicted: Expression | None = None,
 ) -> FinalVerdict:
     """The verdict of the merit function, and of the tests for clearances and finite numbers.
 
@@ -47,6 +48,7 @@ def final_verdict(
         accepted: whether the merit function accepts it.
         null_longer: 1 where the null-space part is the longer one and is shortened after a refusal.
         evaluated: whether the strategy depends on task and criterion at the candidate.
+        predicted: decrease of V that the linear model predicts; None to compute it.
     """
     shorten_null = null_longer if model.has_criterion else 0
     shorten_task = logic_not(shorten_null) if model.has_criterion else 1
@@ -59,6 +61,7 @@ def final_verdict(
         # a step whose path is not proved safe is too long: both of its parts are shortened
         shorten_task, shorten_null = (logic_or(part, logic_not(clear)) for part in (shorten_task, shorten_null))
     if model.timed:  # at rest a refusal by rounding must not shorten the step to the next target
-        matters = model.predicted_decrease(model.J @ dq) > SIGNIFICANT * model.here.V
+        predicted = model.predicted_decrease(model.J @ dq) if predicted is None else predicted
+        matters = predicted > SIGNIFICANT * model.here.V
         shorten_task = logic_and(shorten_task, matters)
     return FinalVerdict(accepted, shorten_task, shorten_null)

@@ -195,7 +195,9 @@ class Composition(Strategy):
         accepted, actual, mu = self._verdict(step, state)
         evaluated = self.evaluates_candidate(model.has_criterion)
         longer = null.length > task.length
-        verdict = final_verdict(model, dq, candidate, accepted, null_longer=longer, evaluated=evaluated)
+        verdict = final_verdict(
+            model, dq, candidate, accepted, null_longer=longer, evaluated=evaluated, predicted=step.predicted
+        )
         gained = ratio(actual, fmax(step.predicted, 0))
         if self._checked_acceptance() == "merit" and model.has_criterion:
             gained = if_else(model.near_target, verdict.accepted, gained)

@@ -34,7 +34,7 @@ COMPOSED = [
     "sns_qp",
     "task_priority",
 ]
-"""Those that keep the direction of the task within limits; constant damping and a threshold for weak directions turn it."""
+"""Those that keep the direction of the task within limits; constant damping or a threshold would turn it."""
 
 RMS = 0.6
 """Acceleration of the path itself under the shortest velocities, rms over the joints [rad/s^2]."""

@@ -18,7 +18,7 @@ class JParse(ScaledComposition):
     """dq = -sum g_i (u_i' r) sigma_i v_i - beta (I - J+ J) grad H, g_i = 1 / max(sigma_i, gamma sigma_1)^2.
 
     Newton's step along singular directions stronger than ``threshold`` times the strongest, and along weaker
-    ones the transpose step of gain 1 / (gamma sigma_1)^2, which goes to zero with sigma_i. For following a target to,
+    ones the transpose step of gain 1 / (gamma sigma_1)^2, which goes to zero with sigma_i. For steps without a time to,
     through and out of singular poses; at a singular target it converges linearly.
 
     Attributes:
