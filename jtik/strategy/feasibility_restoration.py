@@ -165,7 +165,7 @@ def feasibility_restoration(
         return FeasibilityRestoration(*none, clearance, jacobian, length, 0)
     C, K, demand = clearance.jacobian, task_rows(), clearance.demand
     lower, upper = fmax(box[0], -clearance.longest), fmin(box[1], clearance.longest)
-    penalty = PENALTY * (1 + TASK_WEIGHT) / clearance.row_norm_bound**2
+    penalty = PENALTY * (1 + TASK_WEIGHT) / clearance.motion.row_norm_bound**2
     floor = clearance.low - demand
     qp = QuadraticProgram(
         P=identity(n) + TASK_WEIGHT * K.T @ K + penalty * _gram(if_else(demand > 0, 1, 0), C),

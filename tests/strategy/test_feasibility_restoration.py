@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 import qpsolvers
 
+import jtik
 from jtik.constraints.clearance import ClearanceModel
+from jtik.constraints.motion_bound import MotionBound
 from jtik.qp import QPRecorder
+from jtik.robot import Joint, JointType
 from jtik.strategy.feasibility_restoration import LONGEST, FeasibilityRestoration, feasibility_restoration
 from jtik.symbolic import substitute
 
@@ -18,6 +21,11 @@ SAFE, AIM = 0.1, 0.2
 C = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 1.0]])
 TASK = np.array([[1.0, 0.0, 0.0]])
 """The task moves with the first joint only."""
+
+SLIDES = jtik.Robot(
+    [Joint(f"joint{i}", JointType.PRISMATIC, f"frame{i}", f"frame{i + 1}") for i in range(3)], base="frame0"
+)
+"""No point moves farther than the joints."""
 
 FINITE = 1e-5
 """A demand of 0.1 m is missed by 3e-5 of it, because its penalty weight is finite."""
@@ -34,8 +42,7 @@ def clearances(distance, *, restored=(True, True), gain=1.0, longest=LONGEST, re
         influence=casadi.SX([1.0] * k),
         gain=casadi.SX([gain] * k),
         curvature_radius=casadi.SX(1e9),
-        lever_arms=np.ones(3),
-        rotational=np.zeros(3, dtype=bool),
+        motion=MotionBound(SLIDES, casadi.SX(3, 1)),
         after=lambda dq: distance + casadi.SX(C) @ dq,
         restored=np.array(restored),
         longest=casadi.SX(longest),
