@@ -29,6 +29,9 @@ TOLERATED = 0.5
 A body that moves along an obstacle ends every step slightly short of the aim, which needs no restoration.
 """
 
+LONGEST = 0.3
+"""Largest motion of each velocity entry in a restoration step [rad] or [m]; refused steps reduce it."""
+
 
 @runtime_checkable
 class Measure(Protocol):
@@ -52,9 +55,10 @@ class Clearance:
 
     A row limits the approach of each step, grad d' dq >= -gain (d - safe - margin), for distances below ``influence``:
     the velocity damper of Faverjon and Tournassoud, with ``influence=math.inf`` its control-barrier form. Where the
-    task requires more than the rows allow, the task is relaxed. A distance below ``safe`` plus half the margin is
-    restored first, grad d' dq = gain (safe + margin - d), as far as limits and the other clearances allow; it never
-    becomes smaller. ``Solution.relaxed`` lists what cannot be met.
+    task requires more than the rows allow, the arm moves along the obstacle and the task is relaxed. A distance below
+    ``safe`` plus half the margin is restored first, grad d' dq = gain (safe + margin - d), as far as limits and the
+    other clearances allow; it never becomes smaller. ``Solution.relaxed`` lists what cannot be met, and
+    ``Solution.active_clearances`` which distances are as small as they may become.
 
     Live parameters: ``clearance.safe``, ``.influence``, and those of the measure, such as ``clearance.centers``.
 
@@ -184,8 +188,13 @@ class ClearanceModel:
 
     @cached_property
     def demand(self) -> Expression:
-        """Increase wanted of the distances that are too small, (k, 1) [m], non-negative."""
-        return self.gain * self.lacking
+        """Increase wanted of the distances that are too small, (k, 1) [m], non-negative.
+
+        That of a distance above ``safe`` falls with the square of ``longest``, faster than the step itself when steps
+        are refused: a body that moves along an obstacle must not be kept from moving by a share of its margin.
+        """
+        shortened = fmin(self.longest / LONGEST, 1) ** 2
+        return self.gain * self.lacking * if_else(self.distance < self.safe, 1, shortened)
 
     @cached_property
     def lacking(self) -> Expression:

@@ -179,7 +179,7 @@ class Composition(Strategy):
         if secondary:
             proposing = CheckedCall(self, secondary, "propose")
             proposed = proposing(NullSpaceDisplacement, model, state, task_dq).checked(proposing, n).completed(model)
-        task_dq = proposed.task_scale * task_dq
+        task_dq = proposed.task_scale * task_dq if proposed.task_dq is None else proposed.task_dq
         null = proposed if proposed.within_limits else _shortened(model, task_dq, proposed)
         dq = task_dq + null.dq
         if secondary and model.has_criterion:
