@@ -99,6 +99,7 @@ class Inspector:
             unused_part=None if target is None else partial(self._problem.tasks.unused, target),
             curvature=partial(self._curvature, q, inputs) if self._criteria else None,
             relaxations=partial(self._relaxations, q, inputs) if relaxes else None,
+            close_pairs=partial(self._close_pairs, q, inputs) if self._problem.clearances else None,
         )
 
     def errors(self, q: Array, inputs: Inputs[Array]) -> tuple[float, float]:
@@ -126,9 +127,9 @@ class Inspector:
             return Status.CONVERGED if not self._criteria or stationary else Status.REACHED
         if code is Code.CONTINUE:
             return Status.ITERATION_LIMIT
-        inputs = self._runners.memory.views(numbers)
-        if self._blocked(q, inputs):
+        if found.active_clearances:
             return Status.BLOCKED
+        inputs = self._runners.memory.views(numbers)
         of_all, of_free = found.relative_gradient
         if of_all > FLAT:
             return Status.LIMITS if of_free <= FLAT else Status.STALLED
@@ -141,13 +142,13 @@ class Inspector:
         with self._lock:
             return self._hessian(q, inputs.target, inputs.parameters, multipliers)[0]
 
-    def _blocked(self, q: Array, inputs: Inputs[Array]) -> bool:
-        """Whether a clearance is as small as its constraint allows."""
-        if not self._problem.clearances:
-            return False
-        distance, _, figures = self._clearance(q, inputs.parameters)
+    def _close_pairs(self, q: Array, inputs: Inputs[Array]) -> tuple[str, ...]:
+        """Names of the distances that are about as small as their constraints allow."""
+        with self._lock:
+            distance, _, figures = self._clearance(q, inputs.parameters)
         margin = figures[:, 1] - figures[:, 0]
-        return bool((distance[:, 0] < figures[:, 1] + margin).any())
+        close = distance[:, 0] < figures[:, 1] + margin
+        return tuple(name for name, is_close in zip(self._problem.pairs, close, strict=True) if is_close)
 
     def _relaxations(self, q: Array, inputs: Inputs[Array]) -> tuple[Relaxation, ...]:
         """What the strategy's first step from q relaxes."""

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 
 from jtik._step.active_set import clamped
 from jtik._step.symbolic_problem import SymbolicProblem
-from jtik.constraints.clearance import ClearanceModel, lever_arms
+from jtik.constraints.clearance import ClearanceModel
+from jtik.constraints.motion_bound import MotionBound
 from jtik.symbolic import Expression, mmin, substitute, symbol
 
 
@@ -43,8 +44,7 @@ def clearance_model(
         influence=influence,
         gain=gain,
         curvature_radius=mmin(figures[:, 4]),
-        lever_arms=lever_arms(problem.robot),
-        rotational=problem.robot.rotational,
+        motion=MotionBound(problem.robot, q),
         after=lambda step: substitute(after, dq, step),
         restored=problem.restored,
         longest=state.get("longest", 0),

@@ -21,6 +21,7 @@ from jtik._step.solve_progress import UNKNOWN, Progress, initial_progress
 from jtik._step.stopping import Code, Stop
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik._step.vector_layout import VectorLayout
+from jtik.constraints.clearance import LONGEST
 from jtik.qp import backend_of
 from jtik.qp.backend import Backend
 from jtik.qp.fast_path import fast_or_qp_path
@@ -28,7 +29,6 @@ from jtik.qp.recorder import QPRecorder
 from jtik.qp.staged import Staged, staged
 from jtik.strategy import LocalModel, Shape, Strategy
 from jtik.strategy.checked_call import CheckedCall
-from jtik.strategy.feasibility_restoration import LONGEST
 from jtik.symbolic import (
     Expression,
     Function,

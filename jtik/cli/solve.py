@@ -76,6 +76,7 @@ SHOWN = (
     "second_order",
     "condition",
     "active_limits",
+    "active_clearances",
     "relaxed",
     "unused",
     "seconds",

@@ -15,10 +15,10 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jtik.constraints.motion_bound import MotionBound
 from jtik.errors import ArgumentError, finite_array, several
-from jtik.robot import JointType, Kinematics, Robot
-from jtik.symbolic import Expression, fabs, fmax, fmin, if_else, mmin, sum1, vertcat
-from jtik.types import Array
+from jtik.robot import Kinematics, Robot
+from jtik.symbolic import Expression, fmax, fmin, if_else, mmin, sum1, vertcat
 
 SAMPLES = 4
 """Points along a step, its end included, where distances are evaluated; between them they are bounded."""
@@ -28,6 +28,9 @@ TOLERATED = 0.5
 
 A body that moves along an obstacle ends every step slightly short of the aim, which needs no restoration.
 """
+
+LONGEST = 0.3
+"""Largest motion of each velocity entry in a restoration step [rad] or [m]; refused steps reduce it."""
 
 
 @runtime_checkable
@@ -52,15 +55,17 @@ class Clearance:
 
     A row limits the approach of each step, grad d' dq >= -gain (d - safe - margin), for distances below ``influence``:
     the velocity damper of Faverjon and Tournassoud, with ``influence=math.inf`` its control-barrier form. Where the
-    task requires more than the rows allow, the task is relaxed. A distance below ``safe`` plus half the margin is
-    restored first, grad d' dq = gain (safe + margin - d), as far as limits and the other clearances allow; it never
-    becomes smaller. ``Solution.relaxed`` lists what cannot be met.
+    task requires more than the rows allow, the arm moves along the obstacle and the task is relaxed. A distance below
+    ``safe`` plus half the margin is restored first, grad d' dq = gain (safe + margin - d), as far as limits and the
+    other clearances allow; it never becomes smaller. ``Solution.relaxed`` lists what cannot be met, and
+    ``Solution.active_clearances`` which distances are as small as they may become.
 
     Live parameters: ``clearance.safe``, ``.influence``, and those of the measure, such as ``clearance.centers``.
 
     Args:
         measure: a criterion with ``distances``, such as ``ObstacleAvoidance(obstacles, bodies="links")``. It is not
-            minimised here; as one of ``criteria`` it can be, too.
+            minimised here; as one of ``criteria`` it can be, too. The bounds between the ends of a step hold for
+            points of the robot's frames, links and solids.
         safe: the smallest distance allowed [m].
         influence: distance from which on a body is not constrained [m].
         gain: share of the distance to ``safe + margin`` that a step may use, in (0, 1].
@@ -149,8 +154,7 @@ class ClearanceModel:
         influence: distance from which on each is not constrained (k, 1) [m].
         gain: share of the distance to the aim that a step may use (k, 1).
         curvature_radius: smallest radius of curvature of a surface of constant distance [m].
-        lever_arms: upper bound of the motion of any point of the robot per unit of each velocity entry (n,) [m].
-        rotational: which velocity entries are rotations (n,).
+        motion: upper bounds of the motion of any point of the robot from q.
         after: dq -> the distances after that displacement, (k, 1) [m].
         restored: which distances are restored when they are too small (k,).
         longest: how far each velocity entry may move for the restoration in this step [rad] or [m].
@@ -164,17 +168,11 @@ class ClearanceModel:
     influence: Expression
     gain: Expression
     curvature_radius: Expression
-    lever_arms: Array
-    rotational: NDArray[np.bool_]
+    motion: MotionBound
     after: Any
     restored: NDArray[np.bool_]
     longest: Expression = 0
     smallest_violation: Expression = 0
-
-    @property
-    def row_norm_bound(self) -> float:
-        """Upper bound of the norm of a row of the Jacobian [m]."""
-        return float(np.linalg.norm(self.lever_arms)) or 1.0
 
     @property
     def restores(self) -> bool:
@@ -190,8 +188,13 @@ class ClearanceModel:
 
     @cached_property
     def demand(self) -> Expression:
-        """Increase wanted of the distances that are too small, (k, 1) [m], non-negative."""
-        return self.gain * self.lacking
+        """Increase wanted of the distances that are too small, (k, 1) [m], non-negative.
+
+        That of a distance above ``safe`` falls with the square of ``longest``, faster than the step itself when steps
+        are refused: a body that moves along an obstacle must not be kept from moving by a share of its margin.
+        """
+        shortened = fmin(self.longest / LONGEST, 1) ** 2
+        return self.gain * self.lacking * if_else(self.distance < self.safe, 1, shortened)
 
     @cached_property
     def lacking(self) -> Expression:
@@ -214,11 +217,7 @@ class ClearanceModel:
         step and its link rotates by at most S; between samples a distance lies at most
         (L^2 / rho + L S) / (8 K^2) below the chord of a convex stretch, and L / (2 K) below the lower end.
         """
-        size = [fabs(dq[j]) for j in range(len(self.lever_arms))]
-        travelled = sum(arm * length for arm, length in zip(self.lever_arms, size, strict=True))
-        # a rotation moves the axis of a prismatic joint behind it: each such pair of entries counts twice
-        twice = 1 if self.rotational.all() else 2
-        turned = twice * sum((length for length, turns in zip(size, self.rotational, strict=True) if turns), 0)
+        travelled, turned = self.motion.lengths(dq)
         curved = (travelled**2 / self.curvature_radius + travelled * turned) / (8 * SAMPLES**2)
         dip = fmin(curved, travelled / (2 * SAMPLES))
         smallest = fmin(self.safe, self.distance)  # a distance that starts too small becomes no smaller
@@ -231,38 +230,3 @@ class ClearanceModel:
             good = good * (mmin(surplus) >= 0)
             before = after
         return good
-
-
-def lever_arms(robot: Robot) -> Array:
-    """Upper bound of the motion of any point of the robot per unit of each velocity entry, (n,) [m/rad] or [m/m]."""
-    beyond = {frame: _largest_extent(robot, frame) for frame in robot.frame_names}
-    for joint in reversed(robot.joints):
-        length = float(np.linalg.norm(joint.origin[:3, 3])) + _stroke(joint)
-        beyond[joint.parent] = max(beyond[joint.parent], length + beyond[joint.child])
-    result = np.zeros(robot.n)
-    for joint in robot.joints:
-        if not joint.is_moving:
-            continue
-        gain = 1.0 if joint.mimic is None else abs(joint.mimic.multiplier)
-        place = robot.v_slice(joint.name)
-        turning = np.array(joint.type.rotational)
-        result[place] += gain * np.where(turning, beyond[joint.child] + _stroke(joint), 1.0)
-    return result
-
-
-def _largest_extent(robot: Robot, frame: str) -> float:
-    """Distance of the farthest point of a frame's solids from its origin [m]."""
-    from jtik.geometry import enclosing_segment
-
-    farthest = 0.0
-    for a, b, radius in (enclosing_segment(solid) for solid in robot.shapes.get(frame, ())):
-        farthest = max(farthest, float(np.linalg.norm(a)) + radius, float(np.linalg.norm(b)) + radius)
-    return farthest
-
-
-def _stroke(joint: Any) -> float:
-    """Largest translation of a prismatic joint [m]; 0 for other joints and without limits."""
-    if joint.type is not JointType.PRISMATIC:
-        return 0.0
-    ends = max(abs(joint.lower), abs(joint.upper))
-    return float(ends) if np.isfinite(ends) else 0.0

@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from jtik.robot import Joint, JointType, Robot
+from jtik.robot import JointType, Robot
+from jtik.robot.stroke import stroke
 from jtik.types import Array
 
 UNBOUNDED_LENGTH = 1.0
@@ -58,20 +59,7 @@ def _lengths(robot: Robot, frame: str) -> list[float]:
     for joint in robot.path(frame):
         pose = pose @ joint.origin
         if joint.is_moving:
-            lengths += [float(np.linalg.norm(pose[:3, 3])), _stroke(robot, joint)]
+            lengths += [float(np.linalg.norm(pose[:3, 3])), float(stroke(robot, joint, robot.lower, robot.upper))]
             pose = np.eye(4)
     # nothing moves before the first joint
     return [*lengths[1:], float(np.linalg.norm(pose[:3, 3]))]
-
-
-def _stroke(robot: Robot, joint: Joint) -> float:
-    """Largest translation of a joint itself [m]."""
-    if joint.type is JointType.FREE:
-        return math.inf
-    if joint.type is not JointType.PRISMATIC:
-        return 0.0
-    place = robot.q_slice(joint.name)
-    ends = np.array([robot.lower[place], robot.upper[place]]).ravel()
-    if joint.mimic is not None:
-        ends = joint.mimic.multiplier * ends + joint.mimic.offset
-    return float(np.abs(ends).max())

@@ -40,6 +40,7 @@ class Report:
         unused_part: what computes `unused`; None where there is no target to examine.
         curvature: multipliers lambda (m,) to the Hessian of H + lambda' r, (n, n); None without a criterion.
         relaxations: what computes `relaxed`; None for a strategy that relaxes nothing.
+        close_pairs: what computes `active_clearances`; None without clearances.
     """
 
     error: Array
@@ -57,11 +58,14 @@ class Report:
     unused_part: Callable[[], str | None] | None = None
     curvature: Callable[[Array], Array] | None = None
     relaxations: Callable[[], tuple[Relaxation, ...]] | None = None
+    close_pairs: Callable[[], tuple[str, ...]] | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         # the results are pickled, the functions that compute them are not
-        computed = {"second_order": self.second_order, "relaxed": self.relaxed, "unused": self.unused}
-        return {**vars(self), **computed, "curvature": None, "relaxations": None, "unused_part": None}
+        computed: dict[str, Any] = {"second_order": self.second_order, "relaxed": self.relaxed, "unused": self.unused}
+        computed["active_clearances"] = self.active_clearances
+        functions = ("curvature", "relaxations", "unused_part", "close_pairs")
+        return {**vars(self), **computed, **dict.fromkeys(functions)}
 
     @cached_property
     def unused(self) -> str | None:
@@ -82,6 +86,11 @@ class Report:
     def relaxed(self) -> tuple[Relaxation, ...]:
         """What the strategy's first step from here relaxes."""
         return self.relaxations() if self.relaxations and self.finite else ()
+
+    @cached_property
+    def active_clearances(self) -> tuple[str, ...]:
+        """Names of the pairs whose distance is about as small as its clearance allows."""
+        return self.close_pairs() if self.close_pairs else ()
 
     @property
     def reached(self) -> bool:

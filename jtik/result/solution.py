@@ -150,6 +150,14 @@ class Solution:
         """Names of the joints at a limit."""
         return self.report.active_limits
 
+    @property
+    def active_clearances(self) -> tuple[str, ...]:
+        """Names of the pairs of body and obstacle whose distance is within twice the margin of its safe value.
+
+        With the status BLOCKED they are what the error could fall without.
+        """
+        return self.report.active_clearances
+
     @cached_property
     def condition(self) -> float:
         """Condition number of the task's Jacobian; infinite at a singular pose, NaN where it is not finite."""
@@ -175,6 +183,8 @@ class Solution:
             lines.append(f"  H           {self.cost:.6g} ({terms}); null-space residual {self.null_space_residual:.2g}")
         if self.active_limits:
             lines.append(f"  at limit    {', '.join(self.active_limits)}")
+        if self.active_clearances:
+            lines.append(f"  close       {', '.join(self.active_clearances)}")
         if self.relaxed:
             lines.append(f"  relaxed     {', '.join(map(str, self.relaxed))}")
         if self.unused:

@@ -27,7 +27,7 @@ class Trace:
     - ``escaped``: 1 where the iteration ended in a saddle escape.
     - ``attempt``: 0 for the attempt from the caller's q0, then one more for each restart.
     - ``too_near``: with clearances, the largest amount by which a distance is below safe + margin [m].
-    - ``task_share``: with clearances, the fraction of the task step that they allow.
+    - ``task_share``: with clearances, the share of the task step that they allow: of its decrease of V in the model.
     - ``slack``: with elastic rows of a quadratic program, the largest amount by which one was relaxed.
 
     Attributes:

@@ -45,6 +45,19 @@ def adapted_fraction(fraction: Expression, accepted: Expression, shorten: Expres
     return if_else(accepted, fmin(1, 2 * fraction), if_else(shorten, fraction / 2, fraction))
 
 
+def path_backtracking(acceptance: str, has_clearance: bool) -> Backtracking:
+    """The fraction of a step that a strategy takes which accepts every step, beside clearances.
+
+    Clearances refuse a step whose path is not proved safe. A strategy without backtracking of its own would try the
+    same step for ever.
+
+    Args:
+        acceptance: what the strategy's ``acceptance()`` returns.
+        has_clearance: whether there is a clearance.
+    """
+    return Backtracking(active=has_clearance and acceptance == "always", name="path_fraction")
+
+
 @dataclass(frozen=True)
 class AdaptiveDamping:
     """Damping that refusals add and acceptances remove again.

@@ -20,6 +20,7 @@ from typing import Any, ClassVar, get_args
 import numpy as np
 
 from jtik.strategy.acceptance import Acceptance, final_verdict
+from jtik.strategy.backtracking import path_backtracking
 from jtik.strategy.base import Shape, State, Strategy, Update, take_renamed
 from jtik.strategy.checked_call import CheckedCall
 from jtik.strategy.displacement import NullSpaceDisplacement, Outcome, TaskDisplacement
@@ -154,7 +155,7 @@ class Composition(Strategy):
             state |= CheckedCall(self, self._checked_secondary_term(), "initial_state")(Mapping, shape)  # type: ignore[type-abstract]
         if shape.has_criterion:
             state["penalty"] = np.zeros(1)
-        return state
+        return state | dict(path_backtracking(self._checked_acceptance(), shape.has_clearance).initial_state())
 
     def evaluates_candidate(self, has_criterion: bool) -> bool:
         """Always, but where every step is taken and there is no criterion."""
@@ -183,8 +184,11 @@ class Composition(Strategy):
         if secondary:
             proposing = CheckedCall(self, secondary, "propose")
             proposed = proposing(NullSpaceDisplacement, model, state, task_dq).checked(proposing, n).completed(model)
-        task_dq = proposed.task_scale * task_dq
+        task_dq = proposed.task_scale * task_dq if proposed.task_dq is None else proposed.task_dq
         null = proposed if proposed.within_limits else _shortened(model, task_dq, proposed)
+        path = path_backtracking(self._checked_acceptance(), bool(model.clearance))
+        if path.active:
+            task_dq, null = path.fraction(state) * task_dq, null.scaled(path.fraction(state))
         dq = task_dq + null.dq
         if secondary and model.has_criterion:
             correcting = CheckedCall(self, secondary, "correct")
@@ -204,6 +208,7 @@ class Composition(Strategy):
         outcome = Outcome(verdict.accepted, gained, null, verdict.shorten_task, verdict.shorten_null_space)
 
         after = dict(state) | CheckedCall(self, task_step, "adapt").states(state, model, state, task, outcome)
+        after |= path.adapt(state, outcome)
         if secondary:
             after |= CheckedCall(self, secondary, "adapt").states(state, model, state, proposed, outcome)
         if model.has_criterion:

@@ -71,6 +71,8 @@ class NullSpaceDisplacement:
         beta: the gain that a trace reports; NaN without one.
         stationarity_residual: stationarity residual of H; None for ``model.null_gradient_norm``.
         task_scale: share of the task displacement to take, where clearances do not allow all of it.
+        task_dq: displacement to take for the task (n, 1) in place of the proposed one; by default the share
+            ``task_scale`` of that.
         within_limits: whether both displacements together end inside the limits as they are; if not, the engine
             shortens this one.
         figures: further scalars for the trace, by name.
@@ -83,6 +85,7 @@ class NullSpaceDisplacement:
     beta: Expression = math.nan
     stationarity_residual: Expression | None = None
     task_scale: Expression = 1
+    task_dq: Expression = None
     within_limits: bool = False
     figures: Mapping[str, Expression] = field(default_factory=dict)
     relaxed: Mapping[tuple[str, str], Expression] = field(default_factory=dict)
@@ -101,6 +104,7 @@ class NullSpaceDisplacement:
             beta=call.column(f"{prefix}beta", self.beta, 1),
             stationarity_residual=call.optional(f"{prefix}stationarity_residual", self.stationarity_residual),
             task_scale=call.column(f"{prefix}task_scale", self.task_scale, 1),
+            task_dq=None if self.task_dq is None else call.displacement(f"{prefix}task_dq", self.task_dq, n),
             within_limits=call.instance(f"{prefix}within_limits", self.within_limits, bool),
             figures=call.figures(f"{prefix}figures", self.figures),
             relaxed=call.relaxed(f"{prefix}relaxed", self.relaxed),

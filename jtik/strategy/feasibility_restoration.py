@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
 
-from jtik.constraints.clearance import ClearanceModel
+from jtik.constraints.clearance import LONGEST, ClearanceModel
 from jtik.qp.quadratic_program import QPSolution, QuadraticProgram, Rows
 from jtik.qp.recorder import QPRecorder
 from jtik.symbolic import (
@@ -29,9 +29,6 @@ from jtik.symbolic import (
     zeros,
 )
 
-LONGEST = 0.3
-"""Largest motion of each velocity entry in a restoration step [rad] or [m]; refused steps reduce it."""
-
 TASK_WEIGHT = 1e2
 """Weight of a motion that changes the task, relative to one of the same length that does not."""
 
@@ -40,6 +37,12 @@ PENALTY = 1e5
 
 SIGNIFICANT = 1e-6
 """Distance [m] below which a demanded or an achieved increase is within the tolerance of the QP solver."""
+
+SLACK = 1e-7
+"""What the rows of demands that cannot be met concede [m], so that more than one displacement satisfies all rows.
+
+A solver may find no solution, within its tolerance, where there is only one.
+"""
 
 SUFFICIENT = 0.1
 """Share of the predicted increase that a step must achieve to be accepted for the restoration."""
@@ -73,7 +76,7 @@ class FeasibilityRestoration:
         """Rows for a displacement. ``dq`` satisfies all of them, and so does 0 where no distance can be increased."""
         low = self.clearance.low
         if self.clearance.restores:
-            low = fmin(low, self.gained)
+            low = fmin(low, self.gained - SLACK * (self.gained < low))
         return Rows("clearance", self.clearance.jacobian, low, inf + 0 * low)
 
     def within(self, lower: Expression, upper: Expression) -> FeasibilityRestoration:
@@ -165,7 +168,7 @@ def feasibility_restoration(
         return FeasibilityRestoration(*none, clearance, jacobian, length, 0)
     C, K, demand = clearance.jacobian, task_rows(), clearance.demand
     lower, upper = fmax(box[0], -clearance.longest), fmin(box[1], clearance.longest)
-    penalty = PENALTY * (1 + TASK_WEIGHT) / clearance.row_norm_bound**2
+    penalty = PENALTY * (1 + TASK_WEIGHT) / clearance.motion.row_norm_bound**2
     floor = clearance.low - demand
     qp = QuadraticProgram(
         P=identity(n) + TASK_WEIGHT * K.T @ K + penalty * _gram(if_else(demand > 0, 1, 0), C),

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import get_args
 
 from jtik.strategy.acceptance import Acceptance, final_verdict
-from jtik.strategy.backtracking import AdaptiveDamping, Backtracking
+from jtik.strategy.backtracking import AdaptiveDamping, Backtracking, path_backtracking
 from jtik.strategy.base import Shape, State, Strategy, Update
 from jtik.strategy.checked_call import CheckedCall
 from jtik.strategy.composition import SecondaryTerm
@@ -56,6 +56,11 @@ class Proposal:
     stationarity_residual: Expression | None = None
     relaxed: Mapping[tuple[str, str], Expression] = field(default_factory=dict)
 
+    def scaled(self, share: Expression) -> Proposal:
+        """``share`` of a proposal whose defaults are filled in."""
+        assert self.null_space is not None
+        return replace(self, dq=share * self.dq, task=share * self.task, null_space=self.null_space.scaled(share))
+
 
 class Programmed(Strategy):
     """A strategy that computes one displacement by quadratic programs and tests it by a merit function.
@@ -78,7 +83,11 @@ class Programmed(Strategy):
         return "always" if self.merit() is None else "merit"
 
     def shortening(self) -> AdaptiveDamping | Backtracking | None:
-        """How the next step is shortened after a refusal; None if the strategy's own state does that."""
+        """How the next step is shortened after a refusal; None if the strategy's own state does that.
+
+        A strategy that takes every step needs none: beside clearances, which may refuse a step, it takes a fraction
+        of its step, half of it after a refusal.
+        """
         return None
 
     def secondary_term(self) -> SecondaryTerm | None:
@@ -118,11 +127,13 @@ class Programmed(Strategy):
             state |= shortening.initial_state()
         if secondary and (shape.has_criterion or shape.has_clearance):
             state |= CheckedCall(self, secondary, "initial_state")(Mapping, shape)  # type: ignore[type-abstract]
-        return state
+        return state | dict(self._path(shape.has_clearance).initial_state())
 
     def update(self, model: LocalModel, state: State) -> Update:
         """Propose, test, adapt the state."""
-        proposal = self._proposed(model, state)
+        proposal, path = self._proposed(model, state), self._path(bool(model.clearance))
+        if path.active:
+            proposal = proposal.scaled(path.fraction(state))
         null = proposal.null_space
         assert null is not None
         candidate = model.candidate(proposal.dq)
@@ -140,7 +151,12 @@ class Programmed(Strategy):
         return Update(
             dq=proposal.dq,
             accepted=final.accepted,
-            state={**state, **verdict.state, **self._adapted(model, state, proposal, outcome)},
+            state={
+                **state,
+                **verdict.state,
+                **self._adapted(model, state, proposal, outcome),
+                **path.adapt(state, outcome),
+            },
             candidate=candidate,
             wanted=proposal.wanted,
             null_space=null.dq,
@@ -155,6 +171,11 @@ class Programmed(Strategy):
             progress=verdict.progress,
             relaxed={**null.relaxed, **proposal.relaxed},
         )
+
+    def _path(self, has_clearance: bool) -> Backtracking:
+        """The fraction of a step to take where the strategy accepts every step and clearances do not."""
+        shortened = self._checked_parts()[1] is not None
+        return path_backtracking(self._checked_acceptance(), has_clearance and not shortened)
 
     def _proposed(self, model: LocalModel, state: State) -> Proposal:
         """What `propose` returns, checked and with its defaults filled in."""

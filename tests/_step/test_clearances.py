@@ -37,7 +37,7 @@ def test_values_of_each_distance():
     assert numbers(found.safe).tolist() == [0.1] * 4
     assert numbers(found.aim) == pytest.approx([0.15] * 4)
     assert numbers(found.curvature_radius) == pytest.approx(0.1 + 0.25)  # of the smaller circle
-    assert found.lever_arms == pytest.approx([2.0, 1.0])
+    assert found.motion.lever_arms() == [2.0, 1.0]
 
 
 def test_distances_after_a_displacement(rng):

@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.constraints.clearance import lever_arms
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
-from ..conftest import dh_arm, planar, planar_points, slow
+from ..conftest import planar, planar_points, slow
 
 FIELD = [jtik.Circle((2.0, 1.2), 0.4), jtik.Circle((3.2, -0.8), 0.5), jtik.Circle((1.0, -1.5), 0.4)]
 SAFE = 0.05
@@ -245,7 +244,9 @@ def test_the_share_of_the_task_step_is_reported(problems):
     assert (entry.name, entry.unit) == ("task step", "share")
     assert entry.amount > 0.9
     assert str(entry) == "task step by 100 %"
-    assert solution.trace.task_share[0] > 0.1 > solution.trace.task_share[-1]
+    share = solution.trace.task_share[: np.argmin(solution.trace.task_share)]
+    assert share[0] > 0.1 > share[-1]
+    assert (np.diff(share) < 0).all()
     assert solution.trace.too_near.max() < 0.01
     assert pickle.loads(pickle.dumps(solution)).relaxed == solution.relaxed
 
@@ -327,21 +328,9 @@ def test_rows_name_what_they_are(problems):
     q, target = problems[0]
     ik = solver(planar(5))
     problem = ik.build(q, target)
-    assert problem.P.shape == (6, 6)  # five joints, and the share of the task step, in a unit of its own
-    assert (problem.lb[-1], problem.P[-1, -1]) == (0, 1)
+    assert problem.P.shape == (5, 5)
     room = ik.build(q, target, qp="restoration")
     assert room.P.shape == (5, 5)
-
-
-def test_travel_bounds_hold(rng):
-    """No point of the body moves farther, for a unit of one joint, than its bound."""
-    for robot in (planar(4), dh_arm(6, 1), jtik.Robot.vehicle(2, vehicle_lower=-1, vehicle_upper=1)):
-        bound = lever_arms(robot)
-        for _ in range(20):
-            q = robot.random_configuration(rng)
-            for frame in robot.frame_names:
-                moved = np.linalg.norm(robot.jacobian(q, frame)[:3], axis=0)
-                assert (moved <= bound + 1e-9).all()
 
 
 class TestInvalidInput:

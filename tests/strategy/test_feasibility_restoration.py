@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 import qpsolvers
 
+import jtik
 from jtik.constraints.clearance import ClearanceModel
+from jtik.constraints.motion_bound import MotionBound
 from jtik.qp import QPRecorder
+from jtik.robot import Joint, JointType
 from jtik.strategy.feasibility_restoration import LONGEST, FeasibilityRestoration, feasibility_restoration
 from jtik.symbolic import substitute
 
@@ -18,6 +21,11 @@ SAFE, AIM = 0.1, 0.2
 C = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 1.0]])
 TASK = np.array([[1.0, 0.0, 0.0]])
 """The task moves with the first joint only."""
+
+SLIDES = jtik.Robot(
+    [Joint(f"joint{i}", JointType.PRISMATIC, f"frame{i}", f"frame{i + 1}") for i in range(3)], base="frame0"
+)
+"""No point moves farther than the joints."""
 
 FINITE = 1e-5
 """A demand of 0.1 m is missed by 3e-5 of it, because its penalty weight is finite."""
@@ -34,8 +42,7 @@ def clearances(distance, *, restored=(True, True), gain=1.0, longest=LONGEST, re
         influence=casadi.SX([1.0] * k),
         gain=casadi.SX([gain] * k),
         curvature_radius=casadi.SX(1e9),
-        lever_arms=np.ones(3),
-        rotational=np.zeros(3, dtype=bool),
+        motion=MotionBound(SLIDES, casadi.SX(3, 1)),
         after=lambda dq: distance + casadi.SX(C) @ dq,
         restored=np.array(restored),
         longest=casadi.SX(longest),
@@ -87,6 +94,15 @@ class TestDisplacement:
     def test_limits_and_the_longest_motion_bound_it(self):
         assert numbers(restored(clearances([0.5, -9.0]), box=[1, 0.1, 0.2]).dq) == pytest.approx([0, 0.1, 0.2])
         assert numbers(restored(clearances([0.5, -9.0], longest=0.05)).dq) == pytest.approx([0, 0.05, 0.05])
+
+    @pytest.mark.parametrize("longest", [LONGEST, LONGEST / 2, LONGEST / 4, LONGEST / 64])
+    def test_within_the_margin_the_demand_falls_with_the_square_of_the_longest_motion(self, longest):
+        """A refused step shortens the restoration faster than itself: at last the task can fall again."""
+        share = (longest / LONGEST) ** 2
+        found = restored(clearances([0.14, 0.5], longest=longest))
+        assert numbers(found.clearance.demand) == pytest.approx([0.06 * share, 0])
+        below = restored(clearances([0.09, 0.5], longest=longest))
+        assert numbers(below.clearance.demand) == pytest.approx([0.11, 0])
 
     def test_clearances_that_are_not_restored_need_no_quadratic_program(self):
         found = restored(clearances([0.05, 0.05], restored=(False, False)))
@@ -140,7 +156,7 @@ class TestAcceptance:
 
 class TestMemory:
     def after(self, accepted, dq=(0, 0.05, 0.05), **options):
-        found = restored(clearances([0.5, 0.1], **options))
+        found = restored(clearances([0.5, 0.0999], **options))
         return {name: numbers(value) for name, value in found.after(casadi.SX(list(dq)), accepted).items()}
 
     def test_an_accepted_step_doubles_the_longest_motion_up_to_a_bound(self):
@@ -154,7 +170,7 @@ class TestMemory:
 
     def test_the_smallest_violation_is_kept(self):
         assert self.after(1)["violation"] == pytest.approx(0.0, abs=FINITE)
-        assert self.after(0)["violation"] == pytest.approx(0.1)
+        assert self.after(0)["violation"] == pytest.approx(0.1001)
         assert self.after(1, dq=(0, 0, 0), record=0.02)["violation"] == pytest.approx(0.02)
 
 

@@ -15,8 +15,8 @@ from jtik_formulations.strategies._parts.damped_least_squares import DampedLeast
 class ConstantDamped(DampedLeastSquares):
     """dq = -J' (J J' + lambda I)^-1 r - beta (I - J+ J) grad H, with one lambda for all poses.
 
-    For comparison: it converges linearly, the more slowly the smaller the singular values of J are, and in a control loop
-    lags behind the other strategies, which a timed step damps only where it has to.
+    For comparison: it converges linearly, the more slowly the smaller the singular values of J are. In a control loop
+    it lags behind the other strategies, which a timed step damps only where it has to.
 
     Attributes:
         damping: lambda, in the unit of J J' [m^2 / rad^2].

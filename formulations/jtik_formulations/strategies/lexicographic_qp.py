@@ -75,11 +75,8 @@ class LexicographicQP(Programmed):
             start=restoration.dq if restoration else None,
         )
         task, null = found.dq, None
-        if model.has_criterion or model.clearance:
-            if restoration:  # the restoration is no share of the task displacement
-                task = task - model.restoration.dq
-            null = self.secondary.propose(_below(model, found.free), state, task)
-            task = null.task_scale * task
+        if model.has_criterion:  # the levels keep limits and clearances
+            null = self.secondary.beside(_below(model, found.free), state, task)
         missed = {(f"level {k}", "of its residual"): left for k, left in enumerate(found.missed)}
         return Proposal(
             dq=model.within_limits(task + null.dq if null else task), task=task, null_space=null, relaxed=missed

@@ -16,13 +16,12 @@ def significant(length: Expression, gradient_norm: Expression) -> Expression:
     return length > NOISE * gradient_norm
 
 
-def in_null_space(basis: Expression, dq: Expression, task_dq: Expression, *, shortest: float = 0.0) -> Expression:
+def in_null_space(basis: Expression, dq: Expression, task_dq: Expression) -> Expression:
     """1 where ``dq`` (n, 1) is in the null space up to `LEAKAGE`, else 0: it is then shorter than its own error.
 
     Args:
         basis: orthonormal rows of the row space of J (m, n).
         dq: displacement (n, 1).
         task_dq: the task displacement (n, 1) to which it is added.
-        shortest: length to which the leakage is relative where both displacements are shorter.
     """
-    return norm(basis @ dq) <= LEAKAGE * fmax(fmax(norm(dq), norm(task_dq)), shortest)
+    return norm(basis @ dq) <= LEAKAGE * fmax(norm(dq), norm(task_dq))
