@@ -219,4 +219,5 @@ def _next_configuration(model: LocalModel, update: CheckedUpdate, accepted: Expr
     q, robot = model.here.q, model.robot
     if model.bounded or robot.nq != robot.n:
         return if_else(accepted, update.candidate.q, q)
-    return q + vertcat(*[if_else(accepted, update.dq[i], 0) for i in range(robot.n)])
+    dq = model.coordinates.to_joints(update.dq)
+    return q + vertcat(*[if_else(accepted, dq[i], 0) for i in range(robot.n)])

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jtik.errors import ArgumentError, finite_array, several
-from jtik.robot import JointType, Kinematics, Robot
+from jtik.robot import UNWEIGHTED, JointType, Kinematics, Robot, WeightedCoordinates
 from jtik.symbolic import Expression, fabs, fmax, fmin, if_else, mmin, sum1, vertcat
 from jtik.types import Array
 
@@ -155,6 +155,7 @@ class ClearanceModel:
         restored: which distances are restored when they are too small (k,).
         longest: how far each velocity entry may move for the restoration in this step [rad] or [m].
         smallest_violation: smallest violation so far [m].
+        coordinates: of displacements, from the joint weights.
     """
 
     distance: Expression
@@ -170,6 +171,7 @@ class ClearanceModel:
     restored: NDArray[np.bool_]
     longest: Expression = 0
     smallest_violation: Expression = 0
+    coordinates: WeightedCoordinates = UNWEIGHTED
 
     @property
     def row_norm_bound(self) -> float:
@@ -214,7 +216,7 @@ class ClearanceModel:
         step and its link rotates by at most S; between samples a distance lies at most
         (L^2 / rho + L S) / (8 K^2) below the chord of a convex stretch, and L / (2 K) below the lower end.
         """
-        size = [fabs(dq[j]) for j in range(len(self.lever_arms))]
+        size = [fabs(self.coordinates.to_joints(dq)[j]) for j in range(len(self.lever_arms))]
         travelled = sum(arm * length for arm, length in zip(self.lever_arms, size, strict=True))
         # a rotation moves the axis of a prismatic joint behind it: each such pair of entries counts twice
         twice = 1 if self.rotational.all() else 2

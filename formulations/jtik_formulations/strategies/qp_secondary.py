@@ -114,7 +114,7 @@ class QPSecondary(ProjectedGradient):
         return NullSpaceDisplacement(
             dq=dq,
             beta=beta,
-            stationarity_residual=ratio(norm(weight * dq), beta),
+            stationarity_residual=ratio(model.joint_gradient_norm(weight * dq), beta),
             task_scale=scale,
             within_limits=True,
             figures=figures,

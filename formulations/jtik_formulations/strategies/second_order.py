@@ -119,6 +119,7 @@ class SecondOrder(SecondaryTerm):
             parameters=model.parameters,
             multipliers=-split.multipliers if self.curvature == "exact" else None,
         )
+        W = model.coordinates.hessian(W)
         if self.curvature == "gauss_newton":
             W = _hessian_scale(W, state["null_step"], gradient - state["lagrangian_gradient"]) * W
         basis = rows.unit_basis
@@ -226,4 +227,4 @@ def _stationarity_residual(model: LocalModel, gradient: Expression) -> Expressio
     for i, j in model.bounded:
         entries[j] = if_else(q[i] >= model.upper[i] - AT_LIMIT, fmax(entries[j], 0), entries[j])
         entries[j] = if_else(q[i] <= model.lower[i] + AT_LIMIT, fmin(entries[j], 0), entries[j])
-    return norm(vertcat(*entries))
+    return model.joint_gradient_norm(vertcat(*entries))

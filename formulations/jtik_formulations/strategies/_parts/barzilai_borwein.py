@@ -51,7 +51,7 @@ class BarzilaiBorweinGain:
         convex there is no bound. Otherwise y is that of grad H; where H is not convex, or q has not changed, the gain
         stays the same.
         """
-        change = model.robot.difference(state["last_q"], model.here.q)
+        change = model.coordinates.from_joints(model.robot.difference(state["last_q"], model.here.q))
         squared = sumsqr(change)
         of_null = dot(change, null_gradient - state["last_null_gradient"])
         of_all = dot(change, model.gradient - state["last_H_gradient"])
