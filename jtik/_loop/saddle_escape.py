@@ -67,9 +67,7 @@ class SaddleEscape:
         limits = symbol("lower", problem.robot.nq), symbol("upper", problem.robot.nq)
         model = clearance_model(problem, q, problem.clearance(q, parameters), parameters, limits)
         keeps = model.keeps(problem.coordinates.from_joints(v))
-        return CompiledFunction(
-            function("clearances_hold", [q, v, parameters, *limits], [model.keeps(problem.coordinates.from_joints(v))])
-        )
+        return CompiledFunction(function("clearances_hold", [q, v, parameters, *limits], [keeps]))
 
     def warm_up(self) -> None:
         """Build the functions now."""
