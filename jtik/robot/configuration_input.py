@@ -56,9 +56,7 @@ def read_velocity_values(space: ConfigurationSpace, values: Any, argument: str, 
     robots = [space]
     while robots[-1].full is not robots[-1]:
         robots.append(robots[-1].full)
-    array = _numbers(values, argument, tuple(dict.fromkeys(robot.n for robot in robots)))
-    if not array.ndim:
-        return np.full(space.n, array)
+    array = _numbers(values, argument, tuple(dict.fromkeys(robot.n for robot in robots)), one=False)
     given = next(robot for robot in robots if robot.n == array.size)
     return np.concatenate([array[given.v_slice(name)] for name in space.joint_names])
 
@@ -69,11 +67,11 @@ def _default(default: ArrayLike, size: int) -> Array:
     return np.broadcast_to(others, size)
 
 
-def _numbers(values: Any, argument: str, sizes: tuple[int, ...]) -> Array:
-    """One number, or as many as one of the sizes."""
+def _numbers(values: Any, argument: str, sizes: tuple[int, ...], *, one: bool = True) -> Array:
+    """As many numbers as one of the sizes, or, where that is accepted, one."""
     shape = _shape(values)
-    accepted = f"{_accepted(sizes)}, one number for all of them, or a dict by joint name"
-    if shape not in (None, (), *((size,) for size in sizes)):
+    accepted = f"{_accepted(sizes)}, {'one number for all of them, ' if one else ''}or a dict by joint name"
+    if shape not in (None, *([()] if one else []), *((size,) for size in sizes)):
         raise ArgumentError(argument, f"shape {shape}", accepted)
     try:
         return finite_array(argument, values, shape or ())

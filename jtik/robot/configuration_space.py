@@ -146,10 +146,9 @@ class ConfigurationSpace:
         """One number for each velocity entry, (n,), such as the weights of the joints.
 
         Args:
-            values: one of four forms. A number for all entries. Numbers (n,). On a robot made by `Robot.subset` also
-                numbers (full.n,); those of the locked joints are ignored. A dict from joint name to a number, for all
-                entries of the joint, or to 3 and 6 numbers for a ball and a free joint; locked joints of `full` are
-                accepted and ignored.
+            values: one of three forms. Numbers (n,). On a robot made by `Robot.subset` also numbers (full.n,); those of
+                the locked joints are ignored. A dict from joint name to a number, for all entries of the joint, or to 3
+                and 6 numbers for a ball and a free joint; locked joints of `full` are accepted and ignored.
             default: the values of the joints that a dict does not name: a number, or numbers (n,).
             argument: name of the argument in error messages.
 

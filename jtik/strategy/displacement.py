@@ -69,7 +69,7 @@ class NullSpaceDisplacement:
         length: norm of dq.
         decrease: predicted decrease of H to first order, -(dH/dv)' dq.
         beta: the gain that a trace reports; NaN without one.
-        stationarity_residual: stationarity residual of H; None for ``model.null_gradient_norm``.
+        stationarity_residual: stationarity residual of H; None for ``model.stationarity_residual``.
         task_scale: share of the task displacement to take, where clearances do not allow all of it.
         within_limits: whether both displacements together end inside the limits as they are; if not, the engine
             shortens this one.

@@ -58,7 +58,9 @@ class QPSecondary(ProjectedGradient):
     the rule "merit" of `ProjectedGradient`.
 
     Attributes:
-        weight: diagonal of W, one positive number, or one for each velocity entry: a heavier joint moves less.
+        weight: diagonal of W, the metric of the null-space step: one positive number, or one for each velocity entry.
+            A heavier joint moves less for the criterion. It does not affect the task step, and nothing without a
+            criterion: ``InverseKinematics(weights=)`` is for both.
         rule: "merit".
         step_limit: longest null-space step [rad].
         beta_max: first gain; the unit of q^2 over that of H.

@@ -45,7 +45,7 @@ class BarzilaiBorweinGain:
         }
 
     def gain(self, model: LocalModel, state: State, null_gradient: Expression) -> Expression:
-        """s's / s'y, s the change of q since the last step, y the change of the gradient with it (P2).
+        """s's / s'y, s the displacement since the last step, y the change of the gradient with it (P2).
 
         If the last step was mostly a null-space step, y is the change of ``null_gradient`` (n, 1), and where H is not
         convex there is no bound. Otherwise y is that of grad H; where H is not convex, or q has not changed, the gain
