@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,8 +12,9 @@ from jtik.qp.backend import CalledBackend, FusedBackend, NumericQP
 from jtik.qp.elastic import SlackExpansion
 from jtik.qp.quadratic_program import QuadraticProgram
 from jtik.qp.recorder import Compute
+from jtik.qp.refinement import refinement
 from jtik.symbolic import MX, Expression, Function, either, function
-from jtik.symbolic.compile import bind
+from jtik.symbolic.compile import bind, to_c
 from jtik.types import Array
 
 
@@ -26,17 +27,28 @@ class QPCall:
         n: number of variables, without slacks.
         rows: number of rows.
         expansion: how slack variables are added for elastic rows; None without elastic rows.
+        refinement: what corrects solutions so that exact rows hold to rounding; None without exact rows.
     """
 
     name: str
     n: int
     rows: int
     expansion: SlackExpansion | None = None
+    refinement: Function = None
 
     @classmethod
     def of(cls, qp: QuadraticProgram) -> QPCall:
         """The call for QPs of the size of ``qp``."""
-        return cls(qp.name, qp.size, qp.row_count, qp.expansion)
+        exact, start = list[int](), 0
+        for group in qp.rows:
+            exact += range(start, start + group.count) if group.exact else ()
+            start += group.count
+        refine = refinement(qp.size, qp.row_count, exact) if exact else None
+        return cls(qp.name, qp.size, qp.row_count, qp.expansion, refine)
+
+    def compiled(self) -> QPCall:
+        """The same with generated C."""
+        return replace(self, refinement=to_c(self.refinement)) if self.refinement else self
 
     @property
     def sizes(self) -> list[int]:
@@ -88,7 +100,28 @@ class QPCall:
         solution = called(backend.function(self.expanded_size, self.rows), expanded)
         if self.expansion:  # the slacks are the last entries; they follow from x
             solution = [solution[0][: self.n], solution[1], solution[2][: self.n]]
+        if self.refinement:
+            x, rows, box = solution
+            solution = [*called(self.refinement, [*given[2:7], x, box, backend.accuracy]), rows, box]
         return solution
+
+    def bound_solver(self, backend: CalledBackend, data: list[Array], solution: list[Array]) -> Callable[[], None]:
+        """A call that solves the QP of a stage's outputs by a called back end.
+
+        Args:
+            backend: the back end.
+            data: the QP's data, filled in and without slacks.
+            solution: memory of x, row multipliers and box multipliers.
+        """
+        memory, expand = self.expanded_memory(data)
+        calls: list[Callable[[], None]] = [expand] if expand else []
+        if not self.refinement:
+            calls.append(BoundSolver(backend, self.numeric_qp(memory), solution))
+            return in_turn(calls)
+        (x, rows, box), found = solution, np.zeros(self.n)
+        calls.append(BoundSolver(backend, self.numeric_qp(memory), [found, rows, box]))
+        calls.append(bind(self.refinement, [*data[2:7], found, box, np.full(1, backend.accuracy)], [x]))
+        return in_turn(calls)
 
     @property
     def data_sizes(self) -> list[tuple[int, int]]:
@@ -178,6 +211,18 @@ class BoundComputation:
             if found is not None and np.shape(values) != memory.shape:
                 raise ArgumentError(f"result {i} of a computation", f"{np.size(values)} numbers", f"{len(memory)}")
             memory[:] = values
+
+
+def in_turn(calls: Sequence[Callable[[], None]]) -> Callable[[], None]:
+    """One call that makes these in turn."""
+    if len(calls) == 1:
+        return calls[0]
+
+    def all_of_them() -> None:
+        for call in calls:
+            call()
+
+    return all_of_them
 
 
 def called(inner: Function, arguments: Sequence[Expression]) -> list[Expression]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jtik.qp.backend import Backend, FusedBackend
-from jtik.qp.call import BoundSolver, QPCall, called, output_memory
+from jtik.qp.call import QPCall, called, output_memory
 from jtik.qp.recorder import Preparation
 from jtik.symbolic import MX, Expression, Function, either, function
 from jtik.symbolic.compile import bind, to_c
@@ -66,12 +66,8 @@ class PreparationCall:
         if isinstance(backend, FusedBackend):
             return bind(self.solver_function(backend), known, results)
         data, needed = output_memory(self.data), np.zeros(1)
-        memory, expand = self.call.expanded_memory(data)
         solution = [np.zeros(size) for size in self.call.sizes]
-        calls = [bind(self.data, known, data)]
-        if expand:
-            calls.append(expand)
-        calls.append(BoundSolver(backend, self.call.numeric_qp(memory), solution))
+        calls = [bind(self.data, known, data), self.call.bound_solver(backend, data, solution)]
         calls.append(bind(self.finish, [*known, *solution], results))
         evaluate_needed = bind(self.needed, known, [needed])
 

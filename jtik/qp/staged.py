@@ -20,7 +20,6 @@ from jtik.errors import UnknownNameError
 from jtik.qp.backend import Backend, FusedBackend, NumericQP
 from jtik.qp.call import (
     BoundComputation,
-    BoundSolver,
     FunctionCall,
     PythonCall,
     QPCall,
@@ -78,6 +77,7 @@ class Staged:
             self,
             local=local,
             stages=tuple(rest[len(fast) :]),
+            calls=tuple(call.compiled() if isinstance(call, QPCall) else call for call in self.calls),
             preparations=tuple(each.compiled() for each in self.preparations),
             fast_path=rest[0] if fast else None,
         )
@@ -173,9 +173,7 @@ class Staged:
             elif isinstance(self.backend, FusedBackend):
                 calls.append(bind(call.solver_function(self.backend), data, call_results))
             else:
-                memory, expand = call.expanded_memory(data)
-                calls += [expand] if expand else []
-                calls.append(BoundSolver(self.backend, call.numeric_qp(memory), call_results))
+                calls.append(call.bound_solver(self.backend, data, call_results))
             known = [*known, intermediate, *call_results]
         calls.append(bind(self.stages[-1], known, results))
 

@@ -27,12 +27,13 @@ from jtik.symbolic import (
     norm,
     ratio,
     sqrt,
+    sumsqr,
     vertcat,
     zeros,
 )
 from jtik.symbolic.factorization import RowSpace
 from jtik.types import Array
-from jtik_formulations.strategies._parts.significance import significant
+from jtik_formulations.strategies._parts.significance import in_null_space, significant
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
 NEGLIGIBLE = 1e-6
@@ -114,7 +115,7 @@ class QPSecondary(ProjectedGradient):
         else:
             dq, scale = self._within_limits(model, weight, beta, length, task_dq), 1
         return NullSpaceDisplacement(
-            dq=dq,
+            dq=self._without_leakage(model, dq, task_dq),
             beta=beta,
             stationarity_residual=ratio(model.joint_gradient_norm(weight * dq), beta),
             task_scale=scale,
@@ -144,6 +145,16 @@ class QPSecondary(ProjectedGradient):
             )
         )
         return is_significant * solution.x
+
+    @staticmethod
+    def _without_leakage(model: LocalModel, dq: Expression, task_dq: Expression) -> Expression:
+        """dq where it is in the null space, or restores a clearance, else zero: it is then the solver's noise."""
+        K = model.row_space.unit_basis
+        if not model.clearance:
+            return in_null_space(K, dq, task_dq) * dq
+        # the share of the task displacement, of order 1, is a variable of the same quadratic program
+        restores = sumsqr(model.restoration.dq) > 0 if model.clearance.restores else 0
+        return logic_or(restores, in_null_space(K, dq, task_dq, shortest=1.0)) * dq
 
     def _with_clearances(
         self, model: LocalModel, weight: Array, beta: Expression, t: Expression
@@ -199,5 +210,5 @@ def _reduced_gradient(model: LocalModel) -> Expression:
 
 
 def _task_rows(model: LocalModel, matrix: Expression, to: Expression = 0) -> Rows:
-    """matrix x = to; rows of zeros, of a dependent task, are free."""
-    return Rows("task", matrix, *[to + model.row_space.dependent_bounds(side) for side in (-1, 1)])
+    """matrix x = to, exactly; rows of zeros, of a dependent task, are free."""
+    return Rows.in_null_space("task", model.row_space, matrix, to)

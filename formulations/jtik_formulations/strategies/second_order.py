@@ -35,6 +35,7 @@ from jtik.symbolic import (
     horzcat,
     identity,
     if_else,
+    is_symbolic,
     logic_and,
     logic_not,
     logic_or,
@@ -48,13 +49,22 @@ from jtik.symbolic import (
 from jtik.symbolic.factorization import RowSpace, Split
 from jtik.types import Array
 from jtik_formulations.strategies._parts.convexified import convexified
-from jtik_formulations.strategies._parts.significance import significant
+from jtik_formulations.strategies._parts.significance import in_null_space, significant
 
 NEGATIVE = 1e-3
 """A pivot below minus this fraction is negative curvature: the step then is as long as its cap allows."""
 
+SMALLEST_SHARE = 1e-6
+"""Smallest share of a step for which its bounds are enlarged."""
+
 SHORT = 0.5
 """Longest second-order correction, relative to the step that it corrects; a longer one is omitted."""
+
+SHORTEST = 1e-9
+"""Length of the solution of the quadratic program, whose data are of order 1, up to which it is the solver's noise."""
+
+LARGEST_ENTRY = 1e3
+"""Largest entry of its gradient: a joint that is pushed outward at a limit stays there."""
 
 LARGEST_SCALE = 1e3
 """Largest factor by which the Hessian without the task's curvature is scaled."""
@@ -132,25 +142,27 @@ class SecondOrder(SecondaryTerm):
 
         cap = state["null_cap"]
         low, high = model.box
-        lower, upper = fmax(low - task_dq, -cap), fmin(high - task_dq, cap)
+        share = model.null_space_share  # the whole step may leave the box where the share that is taken does not
+        whole = fmax(share, SMALLEST_SHARE) if is_symbolic(share) else share
+        lower, upper = fmax((low - task_dq) / whole, -cap), fmin((high - task_dq) / whole, cap)
         moving = _moving(model)
         task = RowSpace(_masked(model.J, moving)) if model.bounded else model.row_space_free
-        fixed = Rows("task", task.unit_basis, *[task.dependent_bounds(side) for side in (-1, 1)])
+        fixed = Rows.in_null_space("task", task)
         # solvers have absolute tolerances: data and solution are scaled to order 1. A step much longer than the cap
         # follows the negative gradient, as one of infinite curvature does
-        scaled = moving * after_task / size
-        gradient_size = norm_inf(scaled)
+        scaled, wanted = (moving * each / size for each in (after_task, _without_outward(model, after_task)))
+        gradient_size = norm_inf(wanted)
         unit, stretch = fmin(cap, gradient_size) + TINY, fmax(1, ratio(gradient_size, cap))
+        is_significant = significant(norm(wanted), fmax(norm(scaled), norm(model.gradient) / size))
+        q = is_significant * fmax(fmin(ratio(scaled, gradient_size), LARGEST_ENTRY), -LARGEST_ENTRY)
         P = (hessian + (stretch - 1) * identity(model.robot.n)) / stretch
-        solution = model.solve(
-            QuadraticProgram(P, ratio(scaled, gradient_size), lower / unit, upper / unit, [fixed], "null-space step")
-        )
-        x = fmin(fmax(unit * solution.x, lower), upper)
-        is_significant = significant(norm(after_task), norm(model.gradient))
+        solution = model.solve(QuadraticProgram(P, q, lower / unit, upper / unit, [fixed], "null-space step"))
+        x = moving * fmin(fmax(unit * solution.x, lower), upper)
+        is_significant = logic_and(norm(solution.x) > SHORTEST, in_null_space(task.unit_basis, x, task_dq))
         longest = ratio(cap, norm(x))
         x = if_else(is_significant, 1, 0) * if_else(lowest < -NEGATIVE, longest, fmin(1, longest)) * x
-        x = model.null_space_share * x
-        residual = _stationarity_residual(model, gradient)
+        x = share * x
+        residual = model.joint_gradient_norm(_without_outward(model, gradient))
         return NullSpaceDisplacement(
             dq=x,
             decrease=-dot(gradient, x),
@@ -220,11 +232,11 @@ def _masked(J: Expression, free: Expression) -> Expression:
     return horzcat(*[J[:, j] * free[j] for j in range(J.shape[1])])
 
 
-def _stationarity_residual(model: LocalModel, gradient: Expression) -> Expression:
-    """Norm of the gradient of the Lagrangian, without the joints that it pushes outward at a limit."""
+def _without_outward(model: LocalModel, gradient: Expression) -> Expression:
+    """The gradient (n, 1) with zeros for the joints that its negative pushes outward at a limit."""
     q = model.here.q
     entries = [gradient[j] for j in range(model.robot.n)]
     for i, j in model.bounded:
         entries[j] = if_else(q[i] >= model.upper[i] - AT_LIMIT, fmax(entries[j], 0), entries[j])
         entries[j] = if_else(q[i] <= model.lower[i] + AT_LIMIT, fmin(entries[j], 0), entries[j])
-    return model.joint_gradient_norm(vertcat(*entries))
+    return vertcat(*entries)

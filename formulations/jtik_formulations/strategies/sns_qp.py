@@ -81,9 +81,9 @@ class QPScaling:
 
     def _solved(self, kept: RowSpace, start: Expression, q: Expression, rows: list[Rows], name: str) -> Expression:
         """The x that minimises 1/2 |x - start|^2 + q' (x - start) within box and rows, and keeps the kept rows."""
-        basis, n = kept.unit_basis, q.shape[0]
-        if basis.shape[0]:
-            rows = [Rows("kept", basis, *[kept.dependent_bounds(side) for side in (-1, 1)]), *rows]
+        n = q.shape[0]
+        if kept.unit_basis.shape[0]:
+            rows = [Rows.in_null_space("kept", kept), *rows]
         qp = QuadraticProgram(identity(n), q, self.lower - start, self.upper - start, rows, name=name)
         return fmin(fmax(start + self.solve(qp).x, self.lower), self.upper)
 

@@ -39,7 +39,7 @@ from jtik.symbolic import (
     zeros,
 )
 from jtik.symbolic.factorization import RowSpace, damped_multipliers
-from jtik_formulations.strategies._parts.significance import significant
+from jtik_formulations.strategies._parts.significance import in_null_space, significant
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
 BACKTRACKING = Backtracking()
@@ -170,10 +170,11 @@ class TaskScaling(Programmed):
         wanted_null = -beta * h
         dq = significant(length, norm(model.gradient)) * (here.towards(wanted_null).x - here.x)
         moved = norm(dq)
+        kept = in_null_space(model.row_space.unit_basis, dq, here.x)
         null = NullSpaceDisplacement(
-            dq=dq,
-            length=moved,
-            decrease=-dot(model.gradient, dq),
+            dq=kept * dq,
+            length=kept * moved,
+            decrease=-kept * dot(model.gradient, dq),
             beta=beta,
             stationarity_residual=ratio(model.joint_gradient_norm(dq, moved), beta) if releases else None,
         )

@@ -1,0 +1,215 @@
+"""What an arm feels in a control loop, for every strategy: quiet motion, limits solved instead of clipped.
+
+Accelerations are second differences of q. Progress is compared with a linear program on the Jacobian in closed form.
+The figures of all cases, and of more of them, are those of benchmarks/motion.py.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+import jtik
+from jtik_formulations import JointCentering
+
+from ..conftest import large_ones_slow, planar, planar_jacobian, planar_points, slow
+
+SLOW_TO_CONVERGE = ("transpose", "transpose_bb")
+"""One step of these a sample is not enough to follow a path."""
+
+JUMPING_WEIGHTS = ("weighted_least_norm",)
+"""Their weights jump between two steps."""
+
+FOLLOWING = [
+    name for name in [*sorted(jtik.strategies), "hybrid+qp", "newton+second_order"] if name not in SLOW_TO_CONVERGE
+]
+COMPOSED = [
+    "hybrid",
+    "newton",
+    "damped",
+    "nakamura",
+    "selectively_damped",
+    "sns",
+    "sns_qp",
+    "task_priority",
+]
+"""Those that keep the direction of the task within limits; constant damping and a threshold for weak directions turn it."""
+
+RMS = 0.6
+"""Acceleration of the path itself under the shortest velocities, rms over the joints [rad/s^2]."""
+
+
+def panda(strategy, **options):
+    arm = jtik.Robot.builtin("panda")
+    return jtik.InverseKinematics(arm, jtik.FrameTask(arm.tip, kind="pose"), strategy=strategy, **options)
+
+
+def moved(start, displacements):
+    """Poses displaced by (k, 3) [m]."""
+    targets = np.tile(start, (len(displacements), 1, 1))
+    targets[:, :3, 3] += displacements
+    return targets
+
+
+def stepped(ik, q, targets, dt):
+    path = [q]
+    for target in targets:
+        path.append(ik.step(path[-1], target, dt=dt).q)
+    return np.array(path)
+
+
+def acceleration(path, dt):
+    """Root mean square over joints and time."""
+    return np.sqrt(np.mean(np.diff(path, 2, axis=0) ** 2)) / dt**2
+
+
+def errors(ik, path, targets):
+    tips = np.array([ik.robot.position(q) for q in path])
+    return np.linalg.norm(tips - np.array([target[:3, 3] for target in targets]), axis=1)
+
+
+def cosine(dt, duration=1.5):
+    t = dt * np.arange(1, round(duration / dt) + 1)
+    return np.outer(0.15 * (1 - np.cos(2 * np.pi * t / 3)), [0, 1, 0])
+
+
+@pytest.mark.parametrize("strategy", large_ones_slow(FOLLOWING))
+@pytest.mark.parametrize("limit", [10.0, *slow(50.0)])
+@pytest.mark.parametrize("dt", [0.02, *slow(0.002)])
+def test_a_path_under_limits_of_acceleration_is_quiet(strategy, dt, limit):
+    """In steps and by track; where one composition used to alternate between its limits."""
+    ik = panda(strategy, limits=jtik.Limits(velocity=1.5, acceleration=limit))
+    home = ik.robot.keyframes["home"]
+    targets = moved(ik.robot.pose(home), cosine(dt))
+    ways = {"step": stepped(ik, home, targets, dt), "track": np.vstack([home, ik.track(targets, q0=home, dt=dt).q])}
+    for way, path in ways.items():
+        if way == "step" and strategy in JUMPING_WEIGHTS:
+            continue
+        assert acceleration(path, dt) <= 1.2 * RMS, way
+        assert errors(ik, path[1:], targets).max() <= 2e-5, way
+
+
+@pytest.mark.parametrize("strategy", large_ones_slow([*FOLLOWING, "transpose"]))
+def test_outside_the_workspace_the_arm_does_not_shake(strategy):
+    arm, dt = jtik.Robot.builtin("ur5e"), 0.02
+    ik = jtik.InverseKinematics(arm, jtik.FrameTask(arm.tip, kind="position"), strategy=strategy)
+    angles = np.concatenate([np.full(150, -0.4), np.linspace(-0.4, 0.4, 200)])
+    targets = np.column_stack([1.05 * np.cos(angles), 1.05 * np.sin(angles), np.full(len(angles), 0.4)])
+    path = stepped(ik, arm.keyframes["home"], targets, dt)[151:]
+    velocity = np.diff(path, axis=0) / dt
+    signs = np.sign(np.where(np.abs(velocity) > 1e-4, velocity, 0))
+    changes = (signs[1:] * signs[:-1] < 0).any(axis=1).sum()
+    assert changes < (60 if strategy == "transpose" else 5)
+    away = np.linalg.norm([arm.position(q) - target for q, target in zip(path, targets[150:], strict=True)], axis=1)
+    assert np.ptp(away[20:]) <= 1e-3
+
+
+@pytest.mark.parametrize("strategy", large_ones_slow([name for name in FOLLOWING if name not in JUMPING_WEIGHTS]))
+@pytest.mark.parametrize("limit", [None, *slow(20.0)])
+def test_out_of_the_workspace_and_back(strategy, limit):
+    dt = 0.002
+    ik = panda(strategy, limits=jtik.Limits(velocity=2.0, acceleration=limit))
+    home = ik.robot.keyframes["home"]
+    t = dt * np.arange(1, round(4 / dt) + 1)
+    out = np.concatenate([0.25 * (1 - np.cos(np.pi * t / 2)), np.zeros(round(1 / dt))])
+    targets = moved(ik.robot.pose(home), np.outer(out, [1, 0, 0]))
+    path = stepped(ik, home, targets, dt)[1:]
+    away = errors(ik, path, targets)
+    assert away.max() > 0.08  # it was out of reach
+    assert away[-1] <= 1e-6
+    if limit is None:
+        assert away[len(t) - 1] <= 1e-5
+
+
+@pytest.mark.parametrize("strategy", large_ones_slow([name for name in FOLLOWING if name != "weighted_qp"]))
+@pytest.mark.parametrize("limit", [None, 10.0])
+def test_the_speed_in_the_null_space_does_not_depend_on_the_time_of_a_step(strategy, limit):
+    ends, speeds = [], []
+    for dt in (0.002, 0.02):
+        ik = panda(strategy, criteria=JointCentering(), limits=jtik.Limits(acceleration=limit), null_space_rate=3.0)
+        home = ik.robot.keyframes["home"] + [0.6, -0.2, -0.5, 0.3, 0.4, -0.2, 0.5]
+        ik.parameters["joint_centering.preferred"] = ik.robot.keyframes["home"]
+        path = stepped(ik, home, [ik.robot.pose(home)] * round(0.3 / dt), dt)
+        speeds.append(np.abs(np.diff(path, axis=0)).max() / dt)
+        ends.append(path[-1] - path[0])
+    assert max(speeds) <= 1.0
+    assert speeds[0] == pytest.approx(speeds[1], rel=0.1)
+    assert np.linalg.norm(ends[0] - ends[1]) <= 0.15 * np.linalg.norm(ends[0])
+
+
+def test_the_rate_is_that_of_the_decay():
+    """Of the distance to the minimum of H on the self-motion, with a criterion that is its own quadratic model."""
+    arm = planar(3)
+    task = jtik.FrameTask("tip", kind="position", axes="y")
+    ik = jtik.InverseKinematics(arm, task, criteria=JointCentering(), null_space_rate=4.0)
+    q0 = np.array([0.02, -0.01, 0.03])
+    start = np.abs(q0).max()
+    path = stepped(ik, q0, [arm.position(q0)] * 50, 0.01)
+    final = ik.solve(arm.position(q0), q0=q0).q
+    distance = np.linalg.norm(path - final, axis=1)
+    assert start > 0
+    assert distance[-1] / distance[0] == pytest.approx(np.exp(-4.0 * 0.5), rel=0.05)
+
+
+@pytest.mark.parametrize("strategy", large_ones_slow(["hybrid", "damped", "task_priority", "newton", "sns", "sns_qp"]))
+def test_the_published_example_of_saturation(strategy):
+    """Flacco, De Luca and Khatib (2012): four unit links; dq/dt by hand."""
+    arm, dt = jtik.Robot.planar(4, velocity_limit=[2.0, 2.0, 4.0, 4.0]), 1e-6
+    ik = jtik.InverseKinematics(arm, jtik.FrameTask("tip", kind="position"), strategy=strategy)
+    q = np.deg2rad([90, -90, 90, -90])
+    for share, expected in ((1.0, [2, -11 / 6, 11 / 6, -11 / 3]), (2.0, [2, -2, 26 / 11, -4])):
+        ik.reset()
+        step = ik.step(q, arm.position(q) + share * dt * np.array([-4.0, -1.5]), dt=dt)
+        assert (step.q - q) / dt == pytest.approx(expected, abs=2e-4)
+
+
+def largest_share(J, wanted, limit):
+    """The largest s up to 1 with J v = s wanted within the limits."""
+    n = J.shape[1]
+    equal = np.column_stack([J, -wanted])
+    bounds = [*((-bound, bound) for bound in limit), (0, 1)]
+    return linprog([*[0.0] * n, -1.0], A_eq=equal, b_eq=np.zeros(len(wanted)), bounds=bounds).x[-1]
+
+
+@pytest.mark.parametrize("strategy", large_ones_slow(COMPOSED))
+@pytest.mark.parametrize("links", [4, *slow(7)])
+def test_random_states_make_the_progress_that_is_feasible_in_the_direction_of_the_task(strategy, links, rng):
+    dt, missed = 1e-5, 0
+    limits = rng.uniform(0.3, 2, size=(5, links))
+    for limit in limits:
+        arm = jtik.Robot.planar(links, velocity_limit=limit)
+        ik = jtik.InverseKinematics(arm, jtik.FrameTask("tip", kind="position"), strategy=strategy)
+        for _ in range(20 if links == 4 else 60):
+            q, wanted = rng.uniform(-2, 2, links), rng.normal(size=2) * rng.uniform(0.5, 4)
+            ik.reset()
+            made = planar_points(ik.step(q, arm.position(q) + dt * wanted, dt=dt).q)[-1] - planar_points(q)[-1]
+            share = made @ wanted / (wanted @ wanted) / dt
+            direction = np.linalg.norm(made / dt - share * wanted)
+            feasible = largest_share(planar_jacobian(q), wanted, limit)
+            missed += share < 0.99 * feasible or direction > 2e-3 * np.linalg.norm(wanted)
+    assert missed <= 1
+
+
+@pytest.mark.parametrize("arm", ["panda", "ur5e"])
+def test_newton_follows_a_path_from_the_zero_pose(arm):
+    robot, dt = jtik.Robot.builtin(arm), 0.02
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask(robot.tip, kind="position"), strategy="newton")
+    q = robot.configuration(np.clip(np.zeros(robot.nq), robot.lower, robot.upper))[robot.kept_indices]
+    q = q[: ik.robot.nq]
+    start, rng = ik.robot.position(q), np.random.default_rng(2)
+    end = ik.robot.position(ik.robot.random_configuration(rng))
+    targets = [start + share * (end - start) for share in np.linspace(0, 1, 200)] + [end] * 50
+    path = stepped(ik, q, targets, dt)
+    assert np.linalg.norm(ik.robot.position(path[-1]) - end) <= 1e-5
+
+
+@pytest.mark.parametrize(("a", "b"), [("hybrid", "newton"), ("newton", "damped")])
+def test_on_a_path_that_is_followed_they_are_the_same(a, b):
+    """Damping of a timed step vanishes with the error that the step before has left."""
+    paths = []
+    for name in (a, b):
+        ik = panda(name, limits=jtik.Limits(velocity=1.5, acceleration=10.0))
+        home = ik.robot.keyframes["home"]
+        paths.append(stepped(ik, home, moved(ik.robot.pose(home), cosine(0.02)), 0.02))
+    assert np.abs(paths[0] - paths[1]).max() <= 1e-5
