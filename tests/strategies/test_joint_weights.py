@@ -54,6 +54,9 @@ EXACT_STEPS = ["newton", "hybrid", "task_priority", "sns", "lexicographic_qp", *
 OTHERS = ("hybrid+qp", "damped+qp", "newton+second_order")
 """Strategies with another secondary term."""
 
+MINIMISING = ("newton", "lexicographic_qp", "task_priority", *OTHERS)
+"""Strategies that find a minimum of H at limits to the tolerance of a solve."""
+
 POINT = 1e-6
 """Task error of a converged solve."""
 
@@ -275,10 +278,13 @@ class TestNullSpace:
         assert steps[1] == pytest.approx(steps[0], abs=1e-8)
 
     @pytest.mark.parametrize(
-        "name",
-        ["hybrid", "damped", *slow("newton", "lexicographic_qp", "sns", "task_priority", *OTHERS)],
+        ("name", "limit"),
+        [
+            *[(name, limit) for name in ("hybrid", "damped") for limit in (math.inf, 0.7)],
+            *[pytest.param(name, math.inf, marks=pytest.mark.slow) for name in (*MINIMISING, "sns")],
+            *[pytest.param(name, 0.7, marks=pytest.mark.slow) for name in MINIMISING],
+        ],
     )
-    @pytest.mark.parametrize("limit", [math.inf, 0.7])
     def test_a_solve_ends_at_the_same_minimum_whatever_the_weights(self, name, limit, rng):
         """The conditions of optimality there do not contain the weights."""
         robot = planar(5, lower=-limit, upper=limit)
