@@ -21,6 +21,7 @@ from jtik.qp import Backend
 from jtik.registry import strategy_of
 from jtik.result import Solution, SolutionBatch, Step, Trajectory
 from jtik.robot import Robot
+from jtik.robot.joint_weights import Weights, read_weights
 from jtik.strategy import Strategy
 from jtik.task import Task
 from jtik.task.reduction import joints_of
@@ -61,6 +62,8 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
             them: "weighted_qp", "lexicographic_qp", and task steps with "+qp", such as "hybrid+qp".
         joints: names of the joints to move, or "all"; by default those on which the tasks depend, not a hand's fingers.
         at: configuration of the full robot at which the other joints are locked, its neutral one by default.
+        weights: a dict from joint name to a positive number, 1 for the others, or one number for each velocity entry: a
+            step minimises the weighted sum of squares of its joint motions, so that heavy joints move less.
         null_space_rate: rate at which `track` and ``step(dt=)`` approach the minimum of the criterion [1/s]: their
             motion in the null space does not depend on dt. ``math.inf`` for the steps of `solve`.
         compiled: run the step as generated C, three to five times faster. This needs a C compiler and, the first time,
@@ -90,15 +93,16 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         clearances: Clearance | Iterable[Clearance] | None = None,
         joints: str | Iterable[str] | None = None,
         at: ArrayLike | None = None,
+        weights: Weights = None,
         compiled: bool = False,
         null_space_rate: float = 5.0,
     ) -> None:
-        joints = joints_of(joints)
-        self._lock(robot, task, joints, at)
+        self._lock(robot, task, joints := joints_of(joints), at)
         self.limits: Limits = limits_of(limits)
         self.strategy: Strategy = strategy_of(strategy)
         terms: dict[str, Any] = {"criteria": CriterionSum.of(criteria), "clearances": clearances_of(clearances)}
         how: dict[str, Any] = {"solver": solver, "compiled": compiled, "null_space_rate": null_space_rate}
+        how["weights"] = read_weights(self.robot, weights)
         self._engine = Engine(self.robot, self.tasks, self.limits, self.strategy, **terms, **how)
         self.parameters: Parameters = self._engine.problem.terms.parameters
         self._stepping, self._solving = self._engine.stepping, self._engine.solving

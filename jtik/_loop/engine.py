@@ -21,10 +21,11 @@ from jtik.criterion import CriterionSum, CriterionTerms
 from jtik.errors import ArgumentError
 from jtik.qp import Backend, as_problem, backend_of
 from jtik.registry import supporting_clearances
-from jtik.robot import Robot
+from jtik.robot import Robot, WeightedCoordinates
 from jtik.strategy import Strategy
 from jtik.strategy.checked_call import CheckedCall
 from jtik.task import TaskStack
+from jtik.types import Array
 
 if TYPE_CHECKING:
     import qpsolvers
@@ -43,6 +44,7 @@ class Engine:
         solver: what solves its QPs, or None for the default.
         compiled: whether the step runs as generated C.
         null_space_rate: rate of the motion in the null space in timed steps [1/s].
+        weights: weights of the velocity entries (n,); None for none.
 
     Attributes:
         problem: robot, tasks, criteria and clearances.
@@ -69,11 +71,14 @@ class Engine:
         solver: str | Backend | None,
         compiled: bool,
         null_space_rate: float,
+        weights: Array | None = None,
     ) -> None:
         if not isinstance(compiled, bool):
             raise ArgumentError("compiled", compiled, "True or False: whether the step is compiled as C")
         bounds, terms = limits.of(robot), CriterionTerms.of(robot, criteria, clearances)
-        self.problem = problem = SymbolicProblem(robot, tasks, terms, bounds.bounded, clearances)
+        self.problem = problem = SymbolicProblem(
+            robot, tasks, terms, bounds.bounded, clearances, WeightedCoordinates.of(weights)
+        )
         self._strategy = strategy
         if clearances and not CheckedCall(strategy, strategy, "supports_clearances").flag():
             given = f"{list(clearances)!r} with strategy={strategy!r}"

@@ -66,7 +66,8 @@ class SaddleEscape:
         v = symbol("v", problem.robot.n)
         limits = symbol("lower", problem.robot.nq), symbol("upper", problem.robot.nq)
         model = clearance_model(problem, q, problem.clearance(q, parameters), parameters, limits)
-        return CompiledFunction(function("clearances_hold", [q, v, parameters, *limits], [model.keeps(v)]))
+        keeps = model.keeps(problem.coordinates.from_joints(v))
+        return CompiledFunction(function("clearances_hold", [q, v, parameters, *limits], [keeps]))
 
     def warm_up(self) -> None:
         """Build the functions now."""

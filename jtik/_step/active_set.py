@@ -118,6 +118,7 @@ class ActiveSet:
         """
         c = (12 * norm(model.multipliers) + model.gradient_norm / model.jacobian_norm) / model.neighbourhood
         gradient = self._gradient + self._J.T @ (c * self._here.residual - model.multipliers)
+        gradient = model.coordinates.gradient_by_joints(gradient)
         signs = [if_else(self._here.q[i] >= self._upper[i] - AT_LIMIT, 1, -1) for i, _ in self._problem.bounded]
         return [
             if_else(active, fmax(sign * gradient[j], 0), 0)
@@ -146,7 +147,7 @@ class ActiveSet:
         if not self._problem.has_criterion:
             return vertcat(*blocked)
         wrong, largest = self._wrong_multipliers(model), self.largest_wrong_multiplier(model)
-        leaves = largest > model.null_gradient_norm
+        leaves = largest > model.stationarity_residual
         kept = [
             logic_or(push, logic_and(own, logic_not(logic_and(leaves, each == largest))))
             for own, push, each in zip(self.active, pushed, wrong, strict=True)

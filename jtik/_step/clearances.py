@@ -33,7 +33,8 @@ def clearance_model(
     distance, J, figures = measured
     lower, upper = limits
     dq = symbol("dq", problem.robot.n)
-    candidate = clamped(problem.robot.integrate(q, dq), lower, upper, problem.bounded)
+    moved = problem.robot.integrate(q, problem.coordinates.to_joints(dq))
+    candidate = clamped(moved, lower, upper, problem.bounded)
     after = problem.distances(candidate, parameters)
     safe, aim, influence, gain = (figures[:, i] for i in range(4))
     return ClearanceModel(
@@ -46,6 +47,7 @@ def clearance_model(
         curvature_radius=mmin(figures[:, 4]),
         motion=MotionBound(problem.robot, q),
         after=lambda step: substitute(after, dq, step),
+        coordinates=problem.coordinates,
         restored=problem.restored,
         longest=state.get("longest", 0),
         smallest_violation=state.get("violation", 0),

@@ -150,6 +150,8 @@ def fused_step(
     if evaluated:
         accepted = logic_and(accepted, is_finite(update.candidate.V + update.candidate.H))
         done = logic_or(done, logic_and(accepted, stop.done_after(update.candidate)))
+        if timed:  # which is taken on the target, too, and may leave it
+            done = logic_and(done, logic_or(logic_not(accepted), stop.reached_after(update.candidate)))
         figures_after = [*stop.errors(update.candidate), update.candidate.V]
         pairs = zip(figures_after, [*errors, V], strict=True)
         *errors, V = [if_else(accepted, after, before) for after, before in pairs]  # type: ignore[assignment]
@@ -219,4 +221,5 @@ def _next_configuration(model: LocalModel, update: CheckedUpdate, accepted: Expr
     q, robot = model.here.q, model.robot
     if model.bounded or robot.nq != robot.n:
         return if_else(accepted, update.candidate.q, q)
-    return q + vertcat(*[if_else(accepted, update.dq[i], 0) for i in range(robot.n)])
+    dq = model.coordinates.to_joints(update.dq)
+    return q + vertcat(*[if_else(accepted, dq[i], 0) for i in range(robot.n)])

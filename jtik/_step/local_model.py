@@ -96,6 +96,7 @@ def linearized(
         target=inputs.target,
         parameters=inputs.parameters,
         qps=qps,
+        coordinates=problem.coordinates,
         clearance=clearance_model(problem, q, at[5:], inputs.parameters, limits, state) if problem.clearances else None,
         tasks=problem.tasks,
         timed=timed,
@@ -119,7 +120,10 @@ def _parts(problem: SymbolicProblem, q: Expression, target: Expression, paramete
     """q, residual, its Jacobian, H and its gradient; with clearances distances, their Jacobian and their figures."""
     at = symbol("at", problem.robot.nq)
     H = problem.criterion(at, parameters)
-    parts = [problem.residual(at, target), problem.residual_jacobian(at, target), H, problem.gradient(H, at)]
+    by = problem.coordinates
+    J, gradient = by.jacobian(problem.residual_jacobian(at, target)), by.gradient(problem.gradient(H, at))
+    parts = [problem.residual(at, target), J, H, gradient]
     if problem.clearances:
-        parts += problem.clearance(at, parameters)
+        distances, of_distances, figures = problem.clearance(at, parameters)
+        parts += [distances, by.jacobian(of_distances), figures]
     return [q, *[substitute(part, at, q) for part in parts]]

@@ -18,19 +18,20 @@ def figures_of(
     model: LocalModel, update: CheckedUpdate, accepted: Expression, relaxation: RelaxationTerms
 ) -> tuple[VectorLayout, dict[str, Expression]]:
     """Layout and expressions of the record of a step."""
-    here = model.here
+    here, joints = model.here, model.coordinates
+    J_free = joints.jacobian_by_joints(model.J_free)
     figures = {
         "V": here.V,
         "H": here.H,
         "accepted": accepted,
-        "null_residual": model.null_gradient_norm if model.has_criterion else 0,
+        "null_residual": model.stationarity_residual if model.has_criterion else 0,
         **dict.fromkeys(OPTIONAL, math.nan),
         "actual_decrease": here.V - update.candidate.V,
         **update.figures,
         **relaxation.figures,
-        "dq": update.dq,
-        "null_space": update.null_space,
-        "J": vertcat(*[model.J_free[:, j] for j in range(model.robot.n)]),
+        "dq": joints.to_joints(update.dq),
+        "null_space": joints.to_joints(update.null_space),
+        "J": vertcat(*[J_free[:, j] for j in range(model.robot.n)]),
         "null_space_image": model.J @ update.null_space,
     }
     return VectorLayout.of({name: _rows(value) for name, value in figures.items()}), figures

@@ -11,14 +11,14 @@ import numpy as np
 from jtik._step.checked_update import CheckedUpdate
 from jtik._step.stopping import Code, Stop
 from jtik.strategy import FeasibilityRestoration, LocalModel
-from jtik.symbolic import Expression, if_else, logic_and, logic_not, logic_or
+from jtik.symbolic import Expression, fabs, if_else, logic_and, logic_not, logic_or
 from jtik.types import Array
 
 REFUSALS = 40
 """Refused steps in a row after which the solve has stalled: 2^-40 of the first step is below working precision."""
 
 STAGNANT = 1e-10
-"""Relative decrease of V below which a step brings no progress."""
+"""Relative decrease of V, and near the target also of H, below which a step brings no progress."""
 
 STAGNATIONS = 20
 """Steps in a row without progress after which the solve has stalled."""
@@ -88,6 +88,10 @@ class Progress:
             stagnates = logic_and(accepted, V - update.candidate.V <= STAGNANT * V)
             if update.progress is not None:
                 stagnates = logic_and(accepted, update.progress <= STAGNANT)
+            if model.has_criterion:  # near the target the error may rise while a step lowers H
+                decrease = model.here.H - update.candidate.H
+                lowers = logic_and(model.near_target, decrease > STAGNANT * fabs(model.here.H))
+                stagnates = logic_and(stagnates, logic_not(lowers))
         else:
             stagnates = logic_and(state["V"] > 0, state["V"] - V <= STAGNANT * state["V"])
             stagnates = logic_or(stagnates, self.without_progress >= CYCLING)

@@ -100,9 +100,10 @@ class Stop:
         if problem.has_criterion:
             residual = stationarity_residual
             if residual is None:
-                residual = model.null_gradient_norm
+                residual = model.stationarity_residual
                 residual = fmax(residual, active.largest_wrong_multiplier(model)) if active else residual
-            small = residual <= settings.optimality_tolerance * fmax(1, model.gradient_norm)
+            size = model.joint_gradient_norm(model.gradient_free, model.gradient_norm)
+            small = residual <= settings.optimality_tolerance * fmax(1, size)
             self.done_before = logic_and(self.reached_before, logic_or(small, settings.until_stationary == 0))
         if restoration:
             restored = logic_or(logic_not(restoration.pending), settings.until_stationary == 0)
@@ -122,8 +123,12 @@ class Stop:
         settings = self._settings
         return logic_and(position <= settings.position_tolerance, orientation <= settings.orientation_tolerance)
 
+    def reached_after(self, point: Evaluation) -> Expression:
+        """Whether the errors at ``point`` are within the tolerances."""
+        return self._reached(self.errors(point))
+
     def done_after(self, point: Evaluation) -> Expression:
         """Whether the solve ends at ``point`` without another test of the criterion."""
-        reached = self._reached(self.errors(point))
+        reached = self.reached_after(point)
         waits = self._problem.has_criterion or self._restoration
         return logic_and(reached, self._settings.until_stationary == 0) if waits else reached

@@ -6,7 +6,7 @@ import numpy as np
 
 from jtik.constraints.clearance import Clearance, names_of
 from jtik.criterion import CriterionTerms
-from jtik.robot import Kinematics, Robot
+from jtik.robot import UNWEIGHTED, Kinematics, Robot, WeightedCoordinates
 from jtik.strategy.curvature import lagrangian_hessian
 from jtik.symbolic import (
     TINY,
@@ -36,6 +36,7 @@ class SymbolicProblem:
         terms: its criteria.
         bounded: (q index, v index) of the joints that have a limit.
         clearances: its clearances.
+        coordinates: of the displacements of a step, from the joint weights; the functions below are without them.
         linear: for each task row, whether it is a length [m] rather than an angle [rad].
         levels: the rows of each level of priority, the highest first.
         factor: L with Kp = L L', (m, m).
@@ -58,8 +59,10 @@ class SymbolicProblem:
         terms: CriterionTerms,
         bounded: tuple[tuple[int, int], ...],
         clearances: tuple[Clearance, ...] = (),
+        coordinates: WeightedCoordinates = UNWEIGHTED,
     ) -> None:
         self.robot, self.tasks, self.terms, self.bounded = robot, tasks, terms, bounded
+        self.coordinates = coordinates
         q, target, parameters = self.symbols()
         kinematics = robot.at(q)
         rows = tasks.rows(kinematics, target)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from jtik.constraints.motion_bound import MotionBound
 from jtik.errors import ArgumentError, finite_array, several
-from jtik.robot import Kinematics, Robot
+from jtik.robot import UNWEIGHTED, Kinematics, Robot, WeightedCoordinates
 from jtik.symbolic import Expression, fmax, fmin, if_else, mmin, sum1, vertcat
 
 SAMPLES = 4
@@ -159,6 +159,7 @@ class ClearanceModel:
         restored: which distances are restored when they are too small (k,).
         longest: how far each velocity entry may move for the restoration in this step [rad] or [m].
         smallest_violation: smallest violation so far [m].
+        coordinates: of displacements, from the joint weights.
     """
 
     distance: Expression
@@ -173,6 +174,7 @@ class ClearanceModel:
     restored: NDArray[np.bool_]
     longest: Expression = 0
     smallest_violation: Expression = 0
+    coordinates: WeightedCoordinates = UNWEIGHTED
 
     @property
     def restores(self) -> bool:
@@ -217,7 +219,7 @@ class ClearanceModel:
         step and its link rotates by at most S; between samples a distance lies at most
         (L^2 / rho + L S) / (8 K^2) below the chord of a convex stretch, and L / (2 K) below the lower end.
         """
-        travelled, turned = self.motion.lengths(dq)
+        travelled, turned = self.motion.lengths(self.coordinates.to_joints(dq))
         curved = (travelled**2 / self.curvature_radius + travelled * turned) / (8 * SAMPLES**2)
         dip = fmin(curved, travelled / (2 * SAMPLES))
         smallest = fmin(self.safe, self.distance)  # a distance that starts too small becomes no smaller

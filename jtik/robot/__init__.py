@@ -2,9 +2,20 @@
 
 from jtik.robot.dh import DHRow
 from jtik.robot.joint_type import JointType
+from jtik.robot.joint_weights import UNWEIGHTED, WeightedCoordinates
 from jtik.robot.kinematics import Kinematics
 from jtik.robot.masses_and_shapes import Mass
 from jtik.robot.model import Robot
 from jtik.robot.tree import Joint, Mimic
 
-__all__ = ["DHRow", "Joint", "JointType", "Kinematics", "Mass", "Mimic", "Robot"]
+__all__ = [
+    "UNWEIGHTED",
+    "DHRow",
+    "Joint",
+    "JointType",
+    "Kinematics",
+    "Mass",
+    "Mimic",
+    "Robot",
+    "WeightedCoordinates",
+]

@@ -44,17 +44,39 @@ def read_configuration(space: ConfigurationSpace, q: Any, argument: str) -> Arra
 def read_joint_values(space: ConfigurationSpace, values: Any, argument: str, default: ArrayLike) -> Array:
     """One number for each entry of q, (nq,); see `ConfigurationSpace.joint_values`."""
     if isinstance(values, Mapping):
-        others = finite_array("default", default, () if _shape(default) == () else (space.nq,))
-        return _from_names(space, values, argument, np.broadcast_to(others, space.nq))
-    sizes, shape = _sizes(space), _shape(values)
-    accepted = f"{_accepted(sizes)}, one number for all of them, or a dict by joint name"
-    if shape not in (None, (), *((size,) for size in sizes)):
+        return _from_names(space, values, argument, _default(default, space.nq))
+    array = _numbers(values, argument, _sizes(space))
+    return _kept(space, array) if array.ndim else np.full(space.nq, array)
+
+
+def read_velocity_values(space: ConfigurationSpace, values: Any, argument: str, default: ArrayLike) -> Array:
+    """One number for each velocity entry, (n,); see `ConfigurationSpace.velocity_values`."""
+    if isinstance(values, Mapping):
+        return _velocity_from_names(space, values, argument, _default(default, space.n))
+    robots = [space]
+    while robots[-1].full is not robots[-1]:
+        robots.append(robots[-1].full)
+    array = _numbers(values, argument, tuple(dict.fromkeys(robot.n for robot in robots)), one=False)
+    given = next(robot for robot in robots if robot.n == array.size)
+    return np.concatenate([array[given.v_slice(name)] for name in space.joint_names])
+
+
+def _default(default: ArrayLike, size: int) -> Array:
+    """The values of joints that a dict does not name, (size,)."""
+    others = finite_array("default", default, () if _shape(default) == () else (size,))
+    return np.broadcast_to(others, size)
+
+
+def _numbers(values: Any, argument: str, sizes: tuple[int, ...], *, one: bool = True) -> Array:
+    """As many numbers as one of the sizes, or, where that is accepted, one."""
+    shape = _shape(values)
+    accepted = f"{_accepted(sizes)}, {'one number for all of them, ' if one else ''}or a dict by joint name"
+    if shape not in (None, *([()] if one else []), *((size,) for size in sizes)):
         raise ArgumentError(argument, f"shape {shape}", accepted)
     try:
-        array = finite_array(argument, values, shape or ())
+        return finite_array(argument, values, shape or ())
     except ArgumentError as error:
         raise ArgumentError(argument, error.given, accepted) from None
-    return _kept(space, array) if array.ndim else np.full(space.nq, array)
 
 
 def _kept(space: ConfigurationSpace, values: Array) -> Array:
@@ -64,17 +86,32 @@ def _kept(space: ConfigurationSpace, values: Array) -> Array:
 
 def _from_names(space: ConfigurationSpace, named: Mapping[str, Any], argument: str, default: Array) -> Array:
     """The numbers of a dict by joint name; joints that are not named have those of ``default``."""
-    q, own = default.copy(), set(space.joint_names)
-    known = _outermost(space).joint_names
-    for name, value in named.items():
+    q = default.copy()
+    for name in _own_names(space, named, argument):
+        indices, value = space.q_slice(name), named[name]
+        size = indices.stop - indices.start
+        shape = () if size == 1 and _shape(value) == () else (size,)
+        q[indices] = finite_array(f"{argument}[{name!r}]", value, shape)
+    return q
+
+
+def _velocity_from_names(space: ConfigurationSpace, named: Mapping[str, Any], argument: str, default: Array) -> Array:
+    """The same for velocity entries; one number is that of all entries of a joint."""
+    v = default.copy()
+    for name in _own_names(space, named, argument):
+        indices = space.v_slice(name)
+        shape = () if _shape(named[name]) == () else (indices.stop - indices.start,)
+        v[indices] = finite_array(f"{argument}[{name!r}]", named[name], shape)
+    return v
+
+
+def _own_names(space: ConfigurationSpace, named: Mapping[str, Any], argument: str) -> list[str]:
+    """The names that are joints of ``space``; the others must be locked joints of the robots it was made from."""
+    own, known = set(space.joint_names), _outermost(space).joint_names
+    for name in named:
         if name not in known:
             raise UnknownNameError(f"joint in {argument}", name, known)
-        if name in own:
-            indices = space.q_slice(name)
-            size = indices.stop - indices.start
-            shape = () if size == 1 and _shape(value) == () else (size,)
-            q[indices] = finite_array(f"{argument}[{name!r}]", value, shape)
-    return q
+    return [name for name in named if name in own]
 
 
 def _check_quaternions(space: ConfigurationSpace, argument: str, q: Array) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jtik.errors import UnknownNameError
-from jtik.robot.configuration_input import read_configuration, read_joint_values
+from jtik.robot.configuration_input import read_configuration, read_joint_values, read_velocity_values
 from jtik.robot.joint_layout import JointLayout
 from jtik.robot.subset import Reduction
 from jtik.robot.tree import Joint
@@ -141,6 +141,22 @@ class ConfigurationSpace:
             UnknownNameError: when a dict names a joint that does not exist or has no position of its own.
         """
         return read_joint_values(self, values, argument, default)
+
+    def velocity_values(self, values: Any, *, default: ArrayLike, argument: str = "values") -> Array:
+        """One number for each velocity entry, (n,), such as the weights of the joints.
+
+        Args:
+            values: one of three forms. Numbers (n,). On a robot made by `Robot.subset` also numbers (full.n,); those of
+                the locked joints are ignored. A dict from joint name to a number, for all entries of the joint, or to 3
+                and 6 numbers for a ball and a free joint; locked joints of `full` are accepted and ignored.
+            default: the values of the joints that a dict does not name: a number, or numbers (n,).
+            argument: name of the argument in error messages.
+
+        Raises:
+            ArgumentError: when ``values`` has another shape or is not finite.
+            UnknownNameError: when a dict names a joint that does not exist or has no position of its own.
+        """
+        return read_velocity_values(self, values, argument, default)
 
     @property
     def kept_indices(self) -> NDArray[np.intp]:

@@ -48,7 +48,8 @@ class Update:
         wanted: the displacement before limits shortened it (n, 1); ``dq`` by default.
         null_space: the part of ``dq`` meant to move only the null space (n, 1); zeros by default.
         figures: scalars for the trace, by name, such as the gains alpha and beta.
-        stationarity_residual: stationarity residual of H; ``model.null_gradient_norm`` by default.
+        stationarity_residual: stationarity residual of H, by the joints themselves; ``model.stationarity_residual`` by
+            default.
         progress: relative decrease of what the strategy minimises, if that is not V.
         relaxed: amount by which each constraint is relaxed, non-negative, by (name, unit).
     """

@@ -319,8 +319,7 @@ def _shortened(model: LocalModel, task_dq: Expression, null: NullSpaceDisplaceme
     scale: Expression = 1
     for i, j in model.bounded:
         step = null.dq[j]
-        up = model.upper[i] - model.here.q[i] - task_dq[j]
-        down = model.lower[i] - model.here.q[i] - task_dq[j]
+        down, up = (room - task_dq[j] for room in model.room(i, j))
         moves = fabs(step) > 0
         fraction = if_else(step > 0, up, down) / if_else(moves, step, 1)
         blocked = logic_and(moves, fraction < scale)

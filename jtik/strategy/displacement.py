@@ -69,7 +69,7 @@ class NullSpaceDisplacement:
         length: norm of dq.
         decrease: predicted decrease of H to first order, -(dH/dv)' dq.
         beta: the gain that a trace reports; NaN without one.
-        stationarity_residual: stationarity residual of H; None for ``model.null_gradient_norm``.
+        stationarity_residual: stationarity residual of H; None for ``model.stationarity_residual``.
         task_scale: share of the task displacement to take, where clearances do not allow all of it.
         task_dq: displacement to take for the task (n, 1) in place of the proposed one; by default the share
             ``task_scale`` of that.

@@ -15,7 +15,7 @@ from jtik.errors import ArgumentError, JtikError
 from jtik.qp.fitting import fitting
 from jtik.qp.quadratic_program import QPSolution, QuadraticProgram
 from jtik.qp.recorder import Compute, QPRecorder
-from jtik.robot import Robot
+from jtik.robot import UNWEIGHTED, Robot, WeightedCoordinates
 from jtik.strategy.evaluation import Evaluation
 from jtik.strategy.feasibility_restoration import FeasibilityRestoration, feasibility_restoration
 from jtik.symbolic import TINY, Expression, Function, dot, fmax, fmin, norm, norm_inf, sqrt, sumsqr, vertcat
@@ -34,6 +34,10 @@ class LocalModel:
     is active. Use the first pair in a quadratic program that has the limits as its box, which finds the active limits
     by itself; use the second in a strategy that ignores limits, such as a pseudo-inverse; the engine's active set then
     handles them. Without limits both pairs are the same.
+
+    With joint weights, every displacement, derivative and bound is in the coordinates z = W^(1/2) dq, in which all
+    joints weigh the same, and a strategy needs to know no more (formulations/weights.md). ``coordinates`` converts
+    where it needs an angle, a length or a derivative of the joints themselves.
 
     Attributes:
         robot: the robot.
@@ -60,6 +64,7 @@ class LocalModel:
         curvature: bound of the curvature of V that J' J leaves out, from the error that the last step left, in a timed
             step; 0 otherwise. As damping it keeps a step along a weak direction from overshooting.
         null_space_share: share of a null-space displacement to take in this step, (0, 1]; 1 in a step without a time.
+        coordinates: of the displacements, from the joint weights.
     """
 
     robot: Robot
@@ -85,6 +90,7 @@ class LocalModel:
     timed: bool = False
     curvature: Expression = 0
     null_space_share: Expression = 1
+    coordinates: WeightedCoordinates = UNWEIGHTED
 
     # -- quadratic programs ---------------------------------------------------------------------------------------
 
@@ -128,8 +134,14 @@ class LocalModel:
         """Bounds of dq by the joint limits, lower <= 0 <= upper, (n, 1) each; infinite without a limit."""
         low, high = [-inf] * self.robot.n, [inf] * self.robot.n
         for i, j in self.bounded:
-            low[j], high[j] = fmin(self.lower[i] - self.here.q[i], 0), fmax(self.upper[i] - self.here.q[i], 0)
+            down, up = self.room(i, j)
+            low[j], high[j] = fmin(down, 0), fmax(up, 0)
         return vertcat(*low), vertcat(*high)
+
+    def room(self, i: int, j: int) -> tuple[Expression, Expression]:
+        """How far entry j of a displacement can go down and up to the limits of q_i, a pair of ``bounded``."""
+        down, up = self.lower[i] - self.here.q[i], self.upper[i] - self.here.q[i]
+        return self.coordinates.entry(j, down), self.coordinates.entry(j, up)
 
     @cached_property
     def restoration(self) -> FeasibilityRestoration:
@@ -191,6 +203,17 @@ class LocalModel:
         return sqrt(self.null_gradient_norm**2 + self._split.rest.squared_length)
 
     @cached_property
+    def stationarity_residual(self) -> Expression:
+        """|h| as a derivative by the joints themselves: what the optimality tolerance is for."""
+        return self.joint_gradient_norm(self.null_gradient_free, self.null_gradient_norm)
+
+    def joint_gradient_norm(self, gradient: Expression, length: Expression | None = None) -> Expression:
+        """The norm of a gradient (n, 1) as a derivative by the joints themselves; ``length`` is its own norm."""
+        if self.coordinates.scale is None and length is not None:
+            return length
+        return norm(self.coordinates.gradient_by_joints(gradient))
+
+    @cached_property
     def jacobian_norm(self) -> Expression:
         """Frobenius norm of J_free."""
         return sqrt(self.row_space_free.squared_length + TINY)
@@ -235,23 +258,27 @@ class LocalModel:
 
     @property
     def all_rotational(self) -> bool:
-        """Whether every velocity entry is a rotation."""
-        return len(self.rotational_entries) == self.robot.n
+        """Whether every velocity entry is a rotation and weighs the same: Q is then the norm of the displacement."""
+        return len(self.rotational_entries) == self.robot.n and self.coordinates.scale is None
 
     def rotation_norm(self, dq: Expression, squared_length: Expression | None = None) -> Expression:
         """The paper's Q: the norm of the rotational part of a displacement [rad].
 
         Args:
             dq: displacement (n, 1).
-            squared_length: its squared norm, used where every entry is a rotation.
+            squared_length: its squared norm, used where ``all_rotational``.
         """
         if self.all_rotational and squared_length is not None:
             return sqrt(squared_length)
-        return norm(dq[self.rotational_entries]) if self.rotational_entries else 0
+        return norm(self._rotation(dq)) if self.rotational_entries else 0
 
     def rotation_dot(self, a: Expression, b: Expression) -> Expression:
         """Inner product of the rotational parts of two displacements [rad^2]."""
-        return dot(a[self.rotational_entries], b[self.rotational_entries]) if self.rotational_entries else 0
+        return dot(self._rotation(a), self._rotation(b)) if self.rotational_entries else 0
+
+    def _rotation(self, dq: Expression) -> Expression:
+        """The rotational part of a displacement [rad]."""
+        return self.coordinates.to_joints(dq)[self.rotational_entries]
 
     # -- candidates -----------------------------------------------------------------------------------------------
 
@@ -265,7 +292,7 @@ class LocalModel:
             return dq
         entries = [dq[i] for i in range(self.robot.n)]
         for i, j in self.bounded:
-            low, high = self.lower[i] - self.here.q[i], self.upper[i] - self.here.q[i]
+            low, high = self.room(i, j)
             entries[j] = fmax(fmin(entries[j], high), low)
         return vertcat(*entries)
 
@@ -285,7 +312,7 @@ class LocalModel:
 
     def candidate(self, dq: Expression) -> Evaluation:
         """Task and criterion after the displacement dq, which must end within the limits."""
-        q = self.robot.integrate(self.here.q, dq)
+        q = self.robot.integrate(self.here.q, self.coordinates.to_joints(dq))
         if self.bounded:  # rounding of q + (limit - q) must not leave the box
             entries = [q[i] for i in range(self.robot.nq)]
             for i, _ in self.bounded:

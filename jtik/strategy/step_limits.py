@@ -13,7 +13,7 @@ def limited_box(model: LocalModel, limit: float) -> tuple[Expression, Expression
     low, high = model.box
     if not math.isfinite(limit):
         return low, high
-    largest = [limit if rotates else math.inf for rotates in model.rotational]
+    largest = [model.coordinates.entry(j, limit) if turns else math.inf for j, turns in enumerate(model.rotational)]
     return (
         vertcat(*[fmax(low[j], -angle) for j, angle in enumerate(largest)]),
         vertcat(*[fmin(high[j], angle) for j, angle in enumerate(largest)]),

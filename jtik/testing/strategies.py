@@ -34,7 +34,7 @@ def check_strategy(
     tolerance: float = EASY_TOLERANCE,
     max_iterations: int = 5000,
 ) -> None:
-    """Check that a strategy keeps its contract, on planar, spatial, mixed and limited robots.
+    """Check that a strategy keeps its contract: robots are planar, spatial, mixed and limited, one has joint weights.
 
     It reaches targets close to the start, with and without a criterion; its displacement has the right sign; with a
     criterion H falls; no iterate is NaN or leaves the joint limits; V never rises where the strategy guarantees it; a
@@ -58,10 +58,11 @@ def check_strategy(
     checked = strategy_of(strategy)
     claims_monotone = _claims_monotone(checked) if monotone is None else monotone
     generator = np.random.default_rng(rng)
-    for robot, task in _test_cases():
+    for robot, task, weights in _test_cases():
         for criteria in (None, posture):
-            ik = InverseKinematics(robot, task, criteria=criteria, strategy=checked)
+            ik = InverseKinematics(robot, task, criteria=criteria, strategy=checked, weights=weights)
             where = f"strategy {checked!r} on {robot!r} {'with' if criteria else 'without'} a criterion"
+            where += f", with weights={weights}" if weights else ""
             falls = claims_monotone and criteria is None
             for _ in range(samples):
                 start = moved(robot, robot.neutral, generator.uniform(-0.6, 0.6, robot.n))
@@ -73,8 +74,8 @@ def check_strategy(
             _check_straight(where, ik, falls=falls)
 
 
-def _test_cases() -> list[tuple[Robot, Task]]:
-    """Robots and tasks that together have all properties that a strategy has to support."""
+def _test_cases() -> list[tuple[Robot, Task, dict[str, float] | None]]:
+    """Robots, tasks and joint weights that together have all properties that a strategy has to support."""
     half = np.pi / 2
     spatial = [(0.1, half, 0.3), (0.4, 0.3, 0.0), (0.0, -half, 0.1), (0.3, half, 0.3), (0.0, -half, 0.2)]
     spatial += [(0.0, half, 0.0), (0.1, 0.0, 0.1)]
@@ -94,15 +95,16 @@ def _test_cases() -> list[tuple[Robot, Task]]:
         ],
         name="ball",
     )
+    vehicle = Robot.vehicle(3, lower=-2.0, upper=2.0)
     return [
-        (Robot.planar(5), FrameTask("tip", "position")),
-        (Robot.planar(5), FrameTask("tip", "position", axes="x")),
-        (Robot.planar(5, lower=-0.7, upper=0.7), FrameTask("tip", "position", stiffness=[1.0, 4.0])),
-        (Robot.planar(4), FrameTask("tip", "pose")),
-        (Robot.vehicle(3, lower=-2.0, upper=2.0), FrameTask("tip", "position")),
-        (Robot.from_dh(rows), FrameTask("tip", "position")),
-        (Robot.from_dh(rows), FrameTask("tip", "pose", stiffness=[1.0] * 3 + [0.1] * 3)),
-        (ball, FrameTask("tip", "position")),
+        (Robot.planar(5), FrameTask("tip", "position"), None),
+        (Robot.planar(5), FrameTask("tip", "position", axes="x"), None),
+        (Robot.planar(5, lower=-0.7, upper=0.7), FrameTask("tip", "position", stiffness=[1.0, 4.0]), None),
+        (Robot.planar(4), FrameTask("tip", "pose"), None),
+        (vehicle, FrameTask("tip", "position"), {"x": 9.0, "y": 9.0}),
+        (Robot.from_dh(rows), FrameTask("tip", "position"), None),
+        (Robot.from_dh(rows), FrameTask("tip", "pose", stiffness=[1.0] * 3 + [0.1] * 3), None),
+        (ball, FrameTask("tip", "position"), None),
     ]
 
 

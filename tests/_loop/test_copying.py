@@ -42,6 +42,9 @@ SOLVERS = {
         at=PANDA.keyframes["home"],
         limits=False,
     ),
+    "weights": lambda: jtik.InverseKinematics(
+        PANDA, jtik.FrameTask("tip", "position"), weights={"panda_joint1": 9.0, "panda_joint7": 2.0}
+    ),
     "several tasks": lambda: jtik.InverseKinematics(
         planar(5), iter([jtik.FrameTask("tip", name="hand"), jtik.FrameTask("link3", axes="y", name="elbow")])
     ),

@@ -24,14 +24,17 @@ from jtik._step.stopping import Code
 from .conftest import numbers
 
 
-def run(steps, *, evaluated=True, patience=math.inf, reached=0, stationary=0, progress=None, clearance=None):
-    """States and codes of successive steps, each given as (V before, V after, accepted)."""
+def run(
+    steps, *, evaluated=True, patience=math.inf, reached=0, stationary=0, progress=None, clearance=None, H=None, near=0
+):
+    """States and codes of successive steps, each given as (V before, V after, accepted); H is (before, after)."""
     state = initial_progress(evaluated=evaluated) | {"patience": np.full(1, patience)}
     stop = SimpleNamespace(reached_before=reached, stationary=stationary)
     found = []
     for V, after, accepted in steps:
-        model = SimpleNamespace(here=SimpleNamespace(V=casadi.SX(V)), clearance=clearance)
-        update = SimpleNamespace(candidate=SimpleNamespace(V=casadi.SX(after)), progress=progress)
+        here, candidate = (SimpleNamespace(V=casadi.SX(v), H=h) for v, h in zip((V, after), H or (0, 0), strict=True))
+        model = SimpleNamespace(here=here, clearance=clearance, has_criterion=H is not None, near_target=near)
+        update = SimpleNamespace(candidate=candidate, progress=progress)
         columns = {name: casadi.SX(value) for name, value in state.items()}
         at = Progress.of(model, columns, stop)
         next_state, stalled = at.after(model, columns, update, accepted, stop, None, evaluated=evaluated)
@@ -89,6 +92,14 @@ class TestStalled:
     def test_by_the_progress_that_a_strategy_reports_instead(self):
         assert codes([(1.0, 0.5, 1)] * STAGNATIONS, progress=0.0)[-1] is Code.STALLED
         assert codes([(1.0, 1.0, 1)] * STAGNATIONS, progress=0.1)[-1] is Code.CONTINUE
+
+    @pytest.mark.parametrize("near", [0, 1])
+    @pytest.mark.parametrize("progress", [None, 0.0])
+    @pytest.mark.parametrize(("fall", "lowers"), [(0.5 * STAGNANT, False), (2 * STAGNANT, True)])
+    def test_near_the_target_a_step_that_lowers_the_criterion_is_progress(self, near, progress, fall, lowers):
+        """A long slide in the null space raises the error again and again, within the neighbourhood of the target."""
+        found = codes([(1.0, 1.1, 1)] * STAGNATIONS, H=(-3.0, -3.0 * (1 + fall)), near=near, progress=progress)
+        assert (found[-1] is Code.STALLED) == (not (near and lowers))
 
     def test_on_the_target_steps_may_lower_the_criterion_only(self):
         assert set(codes([(1.0, 1.0, 1)] * (STAGNATIONS + 1), reached=1)) == {Code.CONTINUE}

@@ -213,3 +213,14 @@ def test_on_a_path_that_is_followed_they_are_the_same(a, b):
         home = ik.robot.keyframes["home"]
         paths.append(stepped(ik, home, moved(ik.robot.pose(home), cosine(0.02)), 0.02))
     assert np.abs(paths[0] - paths[1]).max() <= 1e-5
+
+
+def test_a_criterion_does_not_take_a_path_off_its_target():
+    """At a constant target that is reached: the step in the null space leaves it to second order."""
+    robot = jtik.Robot.vehicle(3)
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask(robot.tip, kind="position"), criteria=JointCentering())
+    q0 = np.concatenate([[0.5, -0.4], [0.3, 0.9, -0.6, 0.4]])[: robot.nq]
+    path = ik.track([robot.position(q0)] * 30, q0=q0, dt=0.05)
+    assert path.converged
+    assert path.position_error.max() <= 1e-6
+    assert np.abs(path.q[-1] - q0).max() > 0.1

@@ -245,3 +245,37 @@ class TestJointValues:
     def test_a_default_that_is_no_number_for_each_entry(self, default):
         with pytest.raises(ArgumentError, match="^default: given"):
             PART.joint_values({"joint2": 1.0}, default=default)
+
+
+class TestVelocityValues:
+    def test_numbers_of_the_robot_and_of_those_it_was_made_from(self):
+        assert FINGER.velocity_values([7], default=1.0).tolist() == [7.0]
+        assert FINGER.velocity_values([6, 7], default=1.0).tolist() == [7.0]
+        assert FINGER.velocity_values([1, 2, 3, 4, 5], default=1.0).tolist() == [4.0]
+
+    def test_names_leave_the_others_at_the_default(self):
+        default = np.array([0.5, 0.6])
+        assert PART.velocity_values({"joint4": 3, "joint1": 9}, default=default).tolist() == [0.5, 3.0]
+        assert default.tolist() == [0.5, 0.6]
+
+    def test_a_joint_has_as_many_as_its_velocity(self):
+        floating = floating_arm()
+        found = floating.velocity_values({"float": [1, 2, 3, 4, 5, 6]}, default=0.0)
+        assert found.tolist() == [1, 2, 3, 4, 5, 6, 0, 0, 0]
+        assert floating.velocity_values({"float": 2}, default=0.0).tolist() == [2] * 6 + [0] * 3
+        with pytest.raises(
+            ArgumentError, match=r"^values\['float'\]: given shape \(7,\); accepted: finite numbers of shape \(6,\)"
+        ):
+            floating.velocity_values({"float": np.zeros(7)}, default=0.0)
+
+    @pytest.mark.parametrize("values", [1.0, None, [1.0, 2.0, 3.0], "high", [1.0, np.inf]])
+    def test_what_is_accepted(self, values):
+        text = (
+            r"^weights: given .*; accepted: 2 numbers for ik.robot, or 5 for the full robot, or a dict by joint name$"
+        )
+        with pytest.raises(ArgumentError, match=text):
+            PART.velocity_values(values, default=1.0, argument="weights")
+
+    def test_unknown_joint(self):
+        with pytest.raises(UnknownNameError, match="^unknown joint in weights 'elbow'"):
+            PART.velocity_values({"elbow": 1.0}, default=1.0, argument="weights")

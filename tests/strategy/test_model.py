@@ -8,6 +8,8 @@ import pytest
 
 import jtik
 from jtik.qp import QPRecorder, QuadraticProgram
+from jtik.robot import WeightedCoordinates
+from jtik.strategy import limited_box
 
 from ..conftest import EXACT
 from .conftest import numbers, quadratic_model
@@ -129,6 +131,54 @@ class TestRotations:
         assert numbers(model.rotation_dot(casadi.SX([2.0, 5.0]), casadi.SX([3.0, 7.0]))) == 6.0
         # the squared norm of the whole displacement is of no use here
         assert numbers(model.rotation_norm(casadi.SX([-0.3, 5.0]), 25.09)) == pytest.approx(0.3)
+
+
+class TestWeights:
+    """A displacement is z; angles, limits and configurations are those of the joints."""
+
+    W = np.array([9.0, 1.0, 4.0, 25.0])
+
+    def model(self, data, **options):
+        J, r, g = data
+        D = self.W**-0.5
+        return quadratic_model(J * D, r, gradient=D * g, coordinates=WeightedCoordinates.of(self.W), **options)
+
+    def test_limits(self, data):
+        model, scale = self.model(data, limits=LIMITS), np.sqrt(self.W)
+        assert [numbers(bound) for bound in model.box] == [
+            pytest.approx(scale * LIMITS[0]),
+            pytest.approx(scale * LIMITS[1]),
+        ]
+        ends = numbers(model.within_limits(casadi.SX([9.0, -9.0, 9.0, 0.01])))
+        assert ends == pytest.approx([0.9, -0.5, 2.0, 0.01])
+        low, high = (numbers(bound) for bound in limited_box(model, 0.25))
+        assert (low, high) == (
+            pytest.approx(scale * np.maximum(LIMITS[0], -0.25)),
+            pytest.approx(scale * np.minimum(LIMITS[1], 0.25)),
+        )
+
+    def test_a_candidate_is_where_the_joints_move(self, data):
+        at = self.model(data).candidate(casadi.SX([0.3, 0.1, -0.2, 1.0]))
+        assert numbers(at.q) == pytest.approx([0.1, 0.1, -0.1, 0.2])
+        assert numbers(at.dq) == pytest.approx([0.3, 0.1, -0.2, 1.0])
+
+    def test_rotations_are_angles(self, data):
+        model, z = self.model(data), casadi.SX([3.0, 4.0, 0.0, 0.0])
+        assert not model.all_rotational
+        assert numbers(model.rotation_norm(z, 25.0)) == pytest.approx(np.hypot(1, 4))
+        assert numbers(model.rotation_dot(z, z)) == pytest.approx(17.0)
+
+    def test_the_stationarity_residual_is_of_the_joints_themselves(self, data):
+        """At least the norm of the gradient without its part in the row space; zero with it."""
+        J, _, g = data
+        null = g - np.linalg.pinv(J) @ J @ g
+        assert numbers(self.model(data).stationarity_residual) >= np.linalg.norm(null)
+        balanced = (J, data[1], J.T @ np.array([2.0, -3.0]))
+        assert numbers(self.model(balanced).stationarity_residual) == pytest.approx(0, abs=1e-12)
+
+    def test_without_weights_it_is_that_of_the_null_space(self, data):
+        model = quadratic_model(data[0], data[1], gradient=data[2])
+        assert model.stationarity_residual is model.null_gradient_norm
 
 
 class TestQuadraticPrograms:

@@ -89,7 +89,7 @@ class DoglegStep(TaskStep):
         smaller = fmin(if_else(size > 0, size, radius), radius) / 4
         larger = fmin(2 * radius, self.q_limit)
         after = {"radius": if_else(poor, smaller, if_else(good, larger, radius)), "fraction": state["fraction"]}
-        if not model.all_rotational:
+        if not model.rotational.all():
             after |= self.backtracking.adapt(state, outcome)
         return after
 

@@ -95,7 +95,7 @@ class Mink(Programmed):
         robot, n = model.robot, model.robot.n
         if model.tasks is None or model.qps is None:
             raise ArgumentError("model", model, "that of an InverseKinematics")
-        null = self._descent(model, state)
+        null, joints = self._descent(model, state), model.coordinates
         step = MinkStep(
             self,
             robot,
@@ -103,19 +103,21 @@ class Mink(Programmed):
             strict_rows=model.levels[0],
             solver=model.qps.solver,
             has_criterion=model.has_criterion,
+            weights=joints.weights,
         )
-        low, high = limited_box(model, self.step_limit)
-        gradient = null.beta * model.gradient
-        inputs = [model.here.q, model.target, model.here.residual, model.J, gradient, low, high]
-        inputs.append(zeros(1) + model.curvature)
+        # mink's displacement is that of the joints themselves
+        box = (joints.to_joints(bound) for bound in limited_box(model, self.step_limit))
+        J, gradient = joints.jacobian_by_joints(model.J), joints.gradient_by_joints(null.beta * model.gradient)
+        inputs = [model.here.q, model.target, model.here.residual, J, gradient, *box, zeros(1) + model.curvature]
         dq, strict = model.compute("mink", step, inputs, [(n, 1), (1, 1)])
-        dq = model.within_limits(dq)
+        dq = model.within_limits(joints.from_joints(dq))
+        residual = model.joint_gradient_norm(dq, norm(dq))
         return Proposal(
             dq=dq,
             null_space_unlimited=null,
             null_space_longer=2 * null.length**2 > sumsqr(dq),  # the two parts are at right angles
             figures={"beta": null.beta, "strict": strict},
-            stationarity_residual=if_else(null.beta > 0, ratio(norm(dq), null.beta), model.null_gradient_norm),
+            stationarity_residual=if_else(null.beta > 0, ratio(residual, null.beta), model.stationarity_residual),
         )
 
     def _descent(self, model: LocalModel, state: State) -> NullSpaceDisplacement:

@@ -30,7 +30,9 @@ class QPSecondary(ProjectedGradient):
     the rule "merit" of `ProjectedGradient`.
 
     Attributes:
-        weight: diagonal of W, one positive number, or one for each velocity entry: a heavier joint moves less.
+        weight: diagonal of W, the metric of the null-space step: one positive number, or one for each velocity entry.
+            A heavier joint moves less for the criterion. It does not affect the task step, and nothing without a
+            criterion: ``InverseKinematics(weights=)`` is for both.
         rule: "merit".
         step_limit: longest null-space step [rad].
         beta_max: first gain; the unit of q^2 over that of H.
@@ -110,7 +112,7 @@ class QPSecondary(ProjectedGradient):
             )
         )
         dq = is_significant * solution.x
-        residual = ratio(norm(weight * dq), beta)
+        residual = ratio(model.joint_gradient_norm(weight * dq), beta)
         # what is not in the null space is the solver's noise
         dq = in_null_space(model.row_space.unit_basis, dq, task_dq) * dq
         return NullSpaceDisplacement(dq=dq, beta=beta, stationarity_residual=residual, within_limits=True)

@@ -129,6 +129,7 @@ class SecondOrder(SecondaryTerm):
             parameters=model.parameters,
             multipliers=-split.multipliers if self.curvature == "exact" else None,
         )
+        W = model.coordinates.hessian(W)
         if self.curvature == "gauss_newton":
             W = _hessian_scale(W, state["null_step"], gradient - state["lagrangian_gradient"]) * W
         basis = rows.unit_basis
@@ -161,7 +162,7 @@ class SecondOrder(SecondaryTerm):
         longest = ratio(cap, norm(x))
         x = if_else(is_significant, 1, 0) * if_else(lowest < -NEGATIVE, longest, fmin(1, longest)) * x
         x = share * x
-        residual = norm(_without_outward(model, gradient))
+        residual = model.joint_gradient_norm(_without_outward(model, gradient))
         return NullSpaceDisplacement(
             dq=x,
             decrease=-dot(gradient, x),

@@ -108,8 +108,9 @@ class SelectivelyDampedStep(TaskStep):
 def _largest_rotation(model: LocalModel, step: Expression) -> Expression:
     """The largest angle in a step [rad]; prismatic joints are not clamped."""
     largest: Expression = 0
+    angles = model.coordinates.to_joints(step)
     for j in model.rotational_entries:
-        largest = fmax(largest, fabs(step[j]))
+        largest = fmax(largest, fabs(angles[j]))
     return largest
 
 

@@ -45,13 +45,13 @@ class BarzilaiBorweinGain:
         }
 
     def gain(self, model: LocalModel, state: State, null_gradient: Expression) -> Expression:
-        """s's / s'y, s the change of q since the last step, y the change of the gradient with it (P2).
+        """s's / s'y, s the displacement since the last step, y the change of the gradient with it (P2).
 
         If the last step was mostly a null-space step, y is the change of ``null_gradient`` (n, 1), and where H is not
         convex there is no bound. Otherwise y is that of grad H; where H is not convex, or q has not changed, the gain
         stays the same.
         """
-        change = model.robot.difference(state["last_q"], model.here.q)
+        change = model.coordinates.from_joints(model.robot.difference(state["last_q"], model.here.q))
         squared = sumsqr(change)
         of_null = dot(change, null_gradient - state["last_null_gradient"])
         of_all = dot(change, model.gradient - state["last_H_gradient"])

@@ -48,6 +48,7 @@ class MinkStep:
         strict_rows: Sequence[int],
         solver: str,
         has_criterion: bool,
+        weights: Array | None = None,
     ) -> None:
         if solver not in qpsolvers.available_solvers:
             names = ", ".join(qpsolvers.available_solvers)
@@ -59,7 +60,12 @@ class MinkStep:
         self._strategy, self._solver, self._robot = strategy, solver, robot
         self._places = MujocoCorrespondence(robot, mujoco_model)
         self._configuration = mink.Configuration(mujoco_model)
-        self._criterion = _CriterionObjective(mujoco_model.nv) if has_criterion else None
+        metric = np.eye(mujoco_model.nv)
+        self._excess: Array | None = None  # of the metric of the joint weights over mink's
+        if weights is not None:
+            self._excess = self._places.leads @ np.diag(weights - 1) @ self._places.leads.T
+            metric = metric + self._excess
+        self._criterion = _Quadratic(metric) if has_criterion else None
         self._lower_tasks: list[BaseTask] = [*strategy.tasks, *([self._criterion] if self._criterion else [])]
         self._box = _BoxLimit(self._places)
         self._followers = [_Rows(self._places.follows)] if len(self._places.follows) else []
@@ -94,9 +100,13 @@ class MinkStep:
     def _solved(self, *, strict: bool) -> Array | None:
         strategy = self._strategy
         equal = [part.task for part in self._parts if strict and part.strict]
-        tasks: list[BaseTask] = [part.task for part in self._parts if not (strict and part.strict)]
-        weight = strategy.weight if tasks else 1.0
-        tasks += [_WeightedTask(task, weight) for task in self._lower_tasks]
+        soft = [part.task for part in self._parts if not (strict and part.strict)]
+        weight = strategy.weight if soft else 1.0
+        tasks: list[BaseTask] = [*soft, *[_WeightedTask(task, weight) for task in self._lower_tasks]]
+        damping = strategy.damping + self._curvature if tasks else 1.0
+        if self._excess is not None:
+            size = damping + sum(_error_damping(task, self._configuration) for task in soft)
+            tasks.append(_Quadratic(size * self._excess))
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # about solver interfaces, which the caller cannot change
@@ -105,7 +115,7 @@ class MinkStep:
                     tasks=tasks,
                     dt=1.0,  # so that the velocity is the displacement
                     solver=self._solver,
-                    damping=strategy.damping + self._curvature if tasks else 1.0,
+                    damping=damping,
                     limits=[self._box],
                     constraints=[*equal, *self._followers],
                     **_EXACT.get(self._solver, {}),
@@ -207,15 +217,21 @@ class _WeightedTask(BaseTask):
         return Objective(self._weight * P, self._weight * c)
 
 
-class _CriterionObjective(BaseTask):
-    """The objective 1/2 |dq|^2 + gradient' dq."""
+class _Quadratic(BaseTask):
+    """The objective 1/2 dq' metric dq + gradient' dq, with the gradient 0 until it is set."""
 
-    def __init__(self, nv: int) -> None:
-        self.gradient, self._identity = np.zeros(nv), np.eye(nv)
+    def __init__(self, metric: Array) -> None:
+        self.gradient, self._metric = np.zeros(len(metric)), metric
 
     def compute_qp_objective(self, configuration: mink.Configuration) -> Objective:
-        """(I, gradient)."""
-        return Objective(self._identity, self.gradient)
+        """(metric, gradient)."""
+        return Objective(self._metric, self.gradient)
+
+
+def _error_damping(task: mink.Task, configuration: mink.Configuration) -> float:
+    """The damping that mink adds for the error of a task."""
+    error = task.cost * task.gain * task.compute_error(configuration)
+    return float(task.lm_damping * (error @ error))
 
 
 class _BoxLimit(mink.Limit):

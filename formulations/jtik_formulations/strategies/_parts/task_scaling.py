@@ -176,7 +176,7 @@ class TaskScaling(Programmed):
             length=kept * moved,
             decrease=-kept * dot(model.gradient, dq),
             beta=beta,
-            stationarity_residual=ratio(moved, beta) if releases else None,
+            stationarity_residual=ratio(model.joint_gradient_norm(dq, moved), beta) if releases else None,
         )
         return null, wanted_null
 
