@@ -24,7 +24,9 @@ from jtik.symbolic import (
     logic_and,
     logic_not,
     logic_or,
+    mmax,
     norm,
+    norm_inf,
     solve_ldl,
     symbol,
     trace,
@@ -47,7 +49,8 @@ ROUNDS = 2
 def refinement(n: int, rows: int, exact: Sequence[int]) -> Function:
     """(C, l, u, lb, ub, x, box multipliers, accuracy) -> x, for QPs of n variables and this number of rows.
 
-    The result is in the box. Where the rows then hold to rounding, as they mostly do, nothing else is evaluated.
+    The result is in the box, and violates no other row more than x or the accuracy; x itself where it would. Where x
+    is in the box and the rows hold to rounding, as they mostly do, nothing else is evaluated.
 
     Args:
         n: number of variables.
@@ -60,11 +63,13 @@ def refinement(n: int, rows: int, exact: Sequence[int]) -> Function:
     chosen = list(exact)
     equal = vertcat(*[low[i] == high[i] for i in chosen])
     E, to = diag(equal) @ C[chosen, :], if_else(equal, low[chosen], 0)
-    inside = fmin(fmax(x, lower), upper)
-    holds = norm(to - E @ inside) <= ROUNDING * norm(inside)
-    free_rows = 1 - equal
-    corrected = _corrected(E, to, free_rows, lower, upper, x, multipliers, accuracy)
-    keep, correct = function("in_box", given, [inside]), function("corrected", given, [corrected])
+    in_box = norm_inf(x - fmin(fmax(x, lower), upper)) <= 0
+    holds = logic_and(in_box, norm(to - E @ x) <= ROUNDING * norm(x))
+    y, clipped = _corrected(E, to, 1 - equal, lower, upper, x, multipliers, accuracy)
+    allowed = fmax(accuracy, _violation(C, low, high, x))  # other rows, of other units, must not suffer
+    corrected = if_else(_violation(C, low, high, clipped) <= allowed, clipped, x)
+    corrected = if_else(_violation(C, low, high, y) <= allowed, y, corrected)
+    keep, correct = function("as_it_is", given, [x]), function("corrected", given, [corrected])
     arguments = [MX.sym(f"a{i}", *size) for i, size in enumerate(sizes)]
     condition = function("holds", given, [holds])(*arguments)
     return function("refined", arguments, [either(keep, correct)(condition, *arguments)])
@@ -79,8 +84,10 @@ def _corrected(
     x: Expression,
     multipliers: Expression,
     accuracy: Expression,
-) -> Expression:
-    """The solution x (n, 1) in the box with E x = ``to``; only clipped to the box where that fails, NaN where x is.
+) -> tuple[Expression, Expression]:
+    """The solution x (n, 1) in the box with E x = ``to``, or only clipped to the box where that fails; and clipped.
+
+    Both are NaN where x is.
 
     Args:
         E: rows (k, n).
@@ -93,7 +100,8 @@ def _corrected(
         accuracy: what the solution is checked against: the largest correction, relative to a solution longer than 1,
             and the distance from a bound up to which a variable with a multiplier is put on it.
     """
-    clipped = fmin(fmax(x, lower), upper)
+    is_number = logic_or(x <= 0, x >= 0)  # clipping hides NaN
+    clipped = if_else(is_number, fmin(fmax(x, lower), upper), x)
     at_upper = logic_and(multipliers > 0, x >= upper - accuracy)
     at_lower = logic_and(multipliers < 0, x <= lower + accuracy)
     y = if_else(at_upper, upper, if_else(at_lower, lower, clipped))
@@ -109,5 +117,9 @@ def _corrected(
     better = norm(to - E @ y) < norm(to - E @ clipped)
     size = norm(x)
     small = norm(y - x) <= fmin(accuracy * fmax(1, size), LARGEST_CHANGE * size)
-    is_number = logic_or(x <= 0, x >= 0)  # clipping hides NaN
-    return if_else(is_number, if_else(logic_and(better, small), y, clipped), x)
+    return if_else(logic_and(better, small), y, clipped), clipped
+
+
+def _violation(C: Expression, low: Expression, high: Expression, x: Expression) -> Expression:
+    """Largest violation of a row."""
+    return fmax(fmax(mmax(low - C @ x), mmax(C @ x - high)), 0)

@@ -92,7 +92,18 @@ def test_rows_that_the_free_variables_cannot_satisfy_leave_the_solution_in_the_b
     x = call(C, np.zeros(2), upper - 9, upper, np.array([1e-9, 2e-9, 0.5]), np.array([1.0, 1.0, 0.0]))
     assert x == pytest.approx([0.0, 0.0, 0.5], abs=0)
     x = call(C, np.array([1e-3, 0.0]), upper - 9, upper, np.array([1e-9, 2e-9, 0.5]), np.array([1.0, 1.0, 0.0]))
-    assert x == pytest.approx([0.0, 0.0, 0.5], abs=0)
+    assert x == pytest.approx([0.0, 0.0, 0.5], abs=SOLVER_NOISE)
+
+
+def test_other_rows_do_not_suffer():
+    """A row in another unit, a thousand times as steep: the correction would violate it by more than the accuracy."""
+    C = np.array([[1.0, 1.0, 1.0], [1e3, 0.0, 0.0]])
+    x = np.array([-0.2, 0.1, 0.1 - 3e-9])
+    low, high = np.array([0.0, -np.inf]), np.array([0.0, -200.0])
+    box = np.full(3, 9.0)
+    assert np.array_equal(call(C, (low, high), -box, box, x, np.zeros(3), exact=[0]), x)
+    high = np.array([0.0, -199.0])
+    assert abs(call(C, (low, high), -box, box, x, np.zeros(3), exact=[0]).sum()) <= 1e-16
 
 
 def test_nan_remains_nan():

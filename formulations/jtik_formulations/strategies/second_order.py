@@ -158,10 +158,9 @@ class SecondOrder(SecondaryTerm):
         P = (hessian + (stretch - 1) * identity(model.robot.n)) / stretch
         solution = model.solve(QuadraticProgram(P, q, lower / unit, upper / unit, [fixed], "null-space step"))
         x = moving * fmin(fmax(unit * solution.x, lower), upper)
-        is_significant = logic_and(norm(solution.x) > SHORTEST, in_null_space(task.unit_basis, x, task_dq))
         longest = ratio(cap, norm(x))
-        x = if_else(is_significant, 1, 0) * if_else(lowest < -NEGATIVE, longest, fmin(1, longest)) * x
-        x = share * x
+        x = if_else(norm(solution.x) > SHORTEST, if_else(lowest < -NEGATIVE, longest, fmin(1, longest)), 0) * x
+        x = share * in_null_space(task.unit_basis, x, task_dq) * x  # as long as it is taken
         residual = model.joint_gradient_norm(_without_outward(model, gradient))
         return NullSpaceDisplacement(
             dq=x,
