@@ -112,7 +112,7 @@ class QPSecondary(ProjectedGradient):
         else:
             dq, scale = self._within_limits(model, weight, beta, length, task_dq), 1
         return NullSpaceDisplacement(
-            dq=self._without_leakage(model, dq, task_dq),
+            dq=self._without_leakage(model, dq, scale * task_dq),
             beta=beta,
             stationarity_residual=ratio(norm(weight * dq), beta),
             task_scale=scale,
