@@ -41,7 +41,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
     **Configurations.** A ``q`` belongs to `robot`, which has only the joints that move. A ``q`` of the full robot, or
     a dict from joint name to position, is accepted as well.
 
-    **Tolerances** of `solve`, `solve_batch` and `track`, which the step of `step` has at their defaults:
+    **Tolerances** of `solve`, `solve_batch` and `track`; `step` uses their defaults:
 
     - ``position_tolerance``: norm of the position error that counts as reached [m].
     - ``orientation_tolerance``: norm of the orientation error that counts as reached [rad].
@@ -63,9 +63,11 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         joints: names of the joints to move, or "all"; by default those on which the tasks depend, not a hand's fingers.
         at: configuration of the full robot at which the other joints are locked, its neutral one by default.
         weights: a dict from joint name to a positive number, 1 for the others, or one number for each velocity entry: a
-            step minimises the weighted sum of squares of its joint motions, so that heavy joints move less.
-        null_space_rate: rate at which `track` and ``step(dt=)`` approach the minimum of the criterion [1/s]: their
-            motion in the null space does not depend on dt. ``math.inf`` for the steps of `solve`.
+            step minimises the weighted sum of squares of its joint motions, so that heavy joints move less for the
+            task. 1 m counts as 1 rad. The posture to which a criterion leads does not depend on the weights.
+        null_space_rate: rate at which `track` and ``step(dt=)`` approach the minimum of the criterion [1/s], so that
+            their speed in the null space does not depend on dt. Where the strategy has a ``step_limit``, that speed is
+            at most about this rate times it. ``math.inf`` for steps as long as those of `solve`.
         compiled: run the step as generated C, three to five times faster. This needs a C compiler and, the first time,
             about a second.
 
@@ -74,7 +76,8 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         tasks: the tasks.
         strategy: the strategy.
         limits: the limits that hold.
-        parameters: live parameters of the criteria by name: ``ik.parameters["joint_centering.weight"] = 2.0``.
+        parameters: live parameters of criteria and clearances by name:
+            ``ik.parameters["joint_centering.weight"] = 2.0``.
 
     Raises:
         ArgumentError: for an argument that cannot be used, naming it.
@@ -180,12 +183,14 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
     def step(self, q: ArrayLike, target: Any, *, dt: float | None = None) -> Step:
         """One update from ``q``, for controllers; the state of the strategy is kept from call to call.
 
-        A refused step leaves q where it is, and the next call tries a smaller one. `reset` forgets the state. After
-        `warm_up` the first call is as fast as the others, and so is one that escapes from a saddle point.
+        Pass the ``q`` of the last step, which is what the robot was told, not a measured one: the limits count from
+        ``q``. A refused step leaves q where it is, and the next call tries a smaller one. `reset` forgets the state.
+        After `warm_up` the first call is as fast as the others, and so is one that escapes from a saddle point.
 
         With ``dt``, limits of velocity and acceleration hold as well, from ``q`` to the result and from the last step
         with a ``dt`` to this one, and no joint is so fast that it could not stop before its position limits. A moving
-        joint cannot stop at once: a refused step then slows the joints down as fast as they can.
+        joint cannot stop at once: a refused step then slows the joints down as fast as they can. With limited
+        acceleration, a target that jumps, starts or stops at once is overshot, with a short ``dt`` several times.
         Steps with and without a ``dt`` have separate states.
 
         Args:

@@ -25,15 +25,15 @@ Speeds: TypeAlias = bool | float | Sequence[float] | NDArray[np.float64]
 class Limits:
     """Which limits apply, for `InverseKinematics`.
 
-    Position limits always apply. Velocity and acceleration limits apply where a time is given, in ``track`` and in
-    ``step(..., dt=)``; there all three are one box on the step, which is never empty (formulations/limits.md). Each
+    Position limits apply in every method. Velocity and acceleration limits apply where a time is given, in ``track``
+    and ``step(..., dt=)``; there all three are one box on the step, which is never empty (formulations/limits.md). Each
     revolute and prismatic joint has its own limits; the velocity of a ball or free joint is scaled.
 
     A joint that starts at rest inside its limits keeps all three, whatever the strategy does. If a start violates one,
     accelerations have priority over velocities, and these over positions; the joint returns to its position limits as
     fast as the others allow. With an acceleration limit, joints decelerate before position limits, but not before
-    targets or clearances: targets should move as the robot can, and a strategy with the box in its quadratic program
-    ("weighted_qp", "lexicographic_qp") follows them best.
+    targets or clearances: targets should move as the robot can. How well each strategy follows them is measured in
+    formulations/motion.md.
 
     Attributes:
         position: whether the robot's position limits apply.

@@ -14,7 +14,8 @@ class Step(NamedTuple):
         q: configuration after the step, (nq,) [rad] and [m].
         position_error: norm of the position error there [m].
         orientation_error: norm of the orientation error there [rad].
-        accepted: whether the step was taken; a refused one leaves q, and the next call tries a smaller one.
+        accepted: whether the step was taken; a refused one leaves q, and the next call tries a smaller one. It can be
+            False where `done` is True: there is no step to take.
         done: whether nothing is left to do at the default tolerances.
         escaped: whether the step was a saddle escape.
     """
