@@ -35,8 +35,8 @@ FLAT = 1e-5
 NEGATIVE = 1e-9
 """An eigenvalue counts as negative below this fraction of the largest magnitude."""
 
-MINIMUM_DECREASE = 1e-9
-"""Smallest relative decrease of V for which an escape is made."""
+MINIMUM_DECREASE = 1e-12
+"""Smallest relative decrease of V for which an escape is made: small, because the box of a timed step may be."""
 
 
 class SaddleEscape:

@@ -86,13 +86,13 @@ class Stepping:
                 self._read("q", q)
                 self._tasks.read_target(target)
             moved, done, escaped = accepted == 1.0, code == 1.0, False
-            if box is not None and not (moved or done):
-                after[:] = box.braked()
-                position, orientation = self._inspector.errors(after, runner.inputs)
             if code == Code.STALLED:
                 escaped = self._escape.escape(after, runner.inputs)
                 runner.start(after)
                 moved = False
+                position, orientation = self._inspector.errors(after, runner.inputs)
+            if box is not None and not (moved or done or escaped):
+                after[:] = box.braked()
                 position, orientation = self._inspector.errors(after, runner.inputs)
             if box is not None:
                 allowed = box.slowed(after)

@@ -8,15 +8,19 @@ from dataclasses import dataclass
 from jtik._step.active_set import ActiveSet, clamped
 from jtik._step.clearances import clearance_model
 from jtik._step.inputs import Inputs, Settings
+from jtik._step.solve_progress import UNKNOWN
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.qp.recorder import QPRecorder
 from jtik.strategy import Evaluation, LocalModel
-from jtik.symbolic import TINY, Expression, if_else, sqrt, substitute, sumsqr, symbol
+from jtik.symbolic import TINY, Expression, fmax, if_else, ratio, sqrt, substitute, sumsqr, symbol
 from jtik.symbolic.factorization import squared_length
 
 NEIGHBOURHOOD = 0.02
 """Radius of the neighbourhood of the target relative to |J|: the error that a motion of this many rad (or m) makes."""
 
+
+LEFT_OUT = 2.0
+"""Curvature that J' J leaves out, relative to the error times the root mean square of the columns of J."""
 
 RETURN = 0.1
 """Damping of a timed step relative to V [1 / rad^2]: negligible beside J J' on a path that is followed."""
@@ -74,6 +78,8 @@ def linearized(
         known = state["neighbourhood"]
         neighbourhood = if_else(known > 0, known, NEIGHBOURHOOD * sqrt(squared_length(J) + TINY))
         near_target = here.length <= neighbourhood
+    # what moves in a control loop may come close again, whatever was achieved before
+    restored = {**state, "violation": UNKNOWN} if timed else state
     active = None
     if problem.bounded:
         active = ActiveSet(problem, state, here, near_target, J, gradient, limits, uses_qp=uses_qp)
@@ -97,13 +103,23 @@ def linearized(
         parameters=inputs.parameters,
         qps=qps,
         coordinates=problem.coordinates,
-        clearance=clearance_model(problem, q, at[5:], inputs.parameters, limits, state) if problem.clearances else None,
+        clearance=clearance_model(problem, q, at[5:], inputs.parameters, limits, restored)
+        if problem.clearances
+        else None,
         tasks=problem.tasks,
         timed=timed,
         curvature=_curvature(J, state["remaining"], residual) if timed else 0,
-        null_space_share=settings.null_space_share * state["null_space_left"] if "null_space_left" in state else 1,
+        null_space_share=_null_space_share(settings, state, neighbourhood),
     )
     return Linearized(parts, at, model, active)
+
+
+def _null_space_share(settings: Settings, state: Mapping[str, Expression], neighbourhood: Expression) -> Expression:
+    """Share of a null-space displacement that a step takes; less of it where the last step has left an error."""
+    if "null_space_left" not in state:
+        return 1
+    reached = fmax(1 - ratio(state["remaining"], neighbourhood), 0)
+    return settings.null_space_share * state["null_space_left"] * reached
 
 
 def _curvature(J: Expression, remaining: Expression, residual: Expression) -> Expression:
@@ -113,7 +129,7 @@ def _curvature(J: Expression, remaining: Expression, residual: Expression) -> Ex
     the first step after the target has come back into reach, and one of |J|^2 keeps a step in the row space.
     """
     squared = squared_length(J)
-    return remaining * sqrt(squared / J.shape[1]) + RETURN * sumsqr(residual) / 2 + SINGULAR * squared
+    return LEFT_OUT * remaining * sqrt(squared / J.shape[1]) + RETURN * sumsqr(residual) / 2 + SINGULAR * squared
 
 
 def _parts(problem: SymbolicProblem, q: Expression, target: Expression, parameters: Expression) -> list[Expression]:

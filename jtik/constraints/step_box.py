@@ -133,10 +133,10 @@ class StepBox:
         Raises:
             ArgumentError: when dt is not a positive number.
         """
-        if dt != self._dt:
+        if type(dt) is not float or dt != self._dt:
             self._clock[0] = self._dt = positive_number("dt", dt)
-            self._decay = math.exp(-BRAKING_RATE * dt) if self.ahead else 0.0
-            self._share[0] = -math.expm1(-self._rate * dt) * (1 - self._decay)
+            self._decay = math.exp(-BRAKING_RATE * self._dt) if self.ahead else 0.0
+            self._share[0] = 1.0 if math.isinf(self._rate) else -math.expm1(-self._rate * self._dt) * (1 - self._decay)
         self._q[:] = q
         self._evaluate()
 

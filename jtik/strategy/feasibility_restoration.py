@@ -124,7 +124,8 @@ class FeasibilityRestoration:
         """
         longest = self.clearance.longest
         reached = fmin(self.smallest_violation, self._violation(dq))
-        shorten = logic_or(self.clearance.keeps(dq), 4 * sumsqr(self.dq) >= sumsqr(dq))
+        longer = logic_or(self.clearance.keeps(dq), 4 * sumsqr(self.dq) >= sumsqr(dq))
+        shorten = logic_and(sumsqr(self.dq) > 0, longer)
         return {
             "longest": if_else(accepted, fmin(2 * longest, LONGEST), if_else(shorten, longest / 4, longest)),
             "violation": if_else(accepted, reached, self.smallest_violation),

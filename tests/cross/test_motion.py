@@ -6,12 +6,14 @@ The figures of all cases, and of more of them, are those of benchmarks/motion.py
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from scipy.optimize import linprog
 
 import jtik
-from jtik_formulations import JointCentering
+from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from ..conftest import large_ones_slow, planar, planar_jacobian, planar_points, slow
 
@@ -35,6 +37,12 @@ COMPOSED = [
     "task_priority",
 ]
 """Those that keep the direction of the task within limits; constant damping or a threshold would turn it."""
+
+CASES = [
+    ("ur5e", "hybrid"),
+    pytest.param("iiwa14", "hybrid", marks=pytest.mark.slow),
+    pytest.param("ur5e", "weighted_qp", marks=pytest.mark.slow),
+]
 
 RMS = 0.6
 """Acceleration of the path itself under the shortest velocities, rms over the joints [rad/s^2]."""
@@ -224,3 +232,56 @@ def test_a_criterion_does_not_take_a_path_off_its_target():
     assert path.converged
     assert path.position_error.max() <= 1e-6
     assert np.abs(path.q[-1] - q0).max() > 0.1
+
+
+@pytest.mark.parametrize(("arm", "strategy"), CASES)
+@pytest.mark.parametrize("criteria", [None, JointCentering()])
+def test_far_out_of_reach_an_arm_with_limits_of_acceleration_comes_to_rest(arm, strategy, criteria):
+    robot, dt = jtik.Robot.builtin(arm), 0.01
+    ik = jtik.InverseKinematics(
+        robot,
+        jtik.FrameTask(robot.tip, kind="position"),
+        strategy=strategy,
+        criteria=criteria,
+        limits=jtik.Limits(velocity=1.5, acceleration=20.0),
+    )
+    q = 0.3 * np.ones(ik.robot.nq)
+    path = stepped(ik, np.clip(q, ik.robot.lower, ik.robot.upper), [[2.0, 1.5, 1.5]] * 800, dt)
+    assert acceleration(path[-200:], dt) <= 0.1
+
+
+def test_a_saddle_is_left_under_limits_of_acceleration():
+    """A Panda at a stretched posture with joints at their limits, from which V falls to second order only."""
+    arm, dt = jtik.Robot.builtin("panda"), 0.002
+    limits = jtik.Limits(velocity=1.5, acceleration=10.0)
+    ik = jtik.InverseKinematics(arm, jtik.FrameTask("tip", kind="position"), limits=limits)
+    target = ik.robot.position(ik.robot.keyframes["home"])
+    stuck = np.array([0.0, 1.291, 0.0, -0.0698, 0.0, 3.7525, 0.785])
+    path = stepped(ik, stuck, [target] * 5000, dt)
+    assert np.linalg.norm(ik.robot.position(path[-1]) - target) <= 1e-6
+
+
+@pytest.mark.parametrize("strategy", ["hybrid+qp", *slow("weighted_qp", "lexicographic_qp")])
+def test_an_arm_at_its_target_gives_way_to_an_obstacle(strategy):
+    """After many steps at rest, in which nothing was to be done."""
+    arm, safe = planar(4), 0.1
+    field = ObstacleAvoidance([jtik.Circle((6.0, 6.0), 0.2)], bodies="links")
+    clearance = jtik.Clearance(field, safe=safe)
+    ik = jtik.InverseKinematics(arm, jtik.FrameTask("tip"), strategy=strategy, clearances=clearance)
+    q = np.array([0.3, 0.5, -0.6, 0.4])
+    target = arm.position(q)
+    for _ in range(300):
+        q = ik.step(q, target, dt=0.01).q
+    start = target + np.array([0.0, 1.0])
+    for share in np.linspace(0, 1, 200):
+        ik.parameters["clearance.centers"] = [start - share * np.array([0.0, 0.85])]
+        q = ik.step(q, target, dt=0.01).q
+    for _ in range(100):
+        q = ik.step(q, target, dt=0.01).q
+    points = planar_points(q)
+    center = start - [0.0, 0.85]
+    distances = []
+    for a, b in itertools.pairwise(points):
+        along = np.clip((center - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
+        distances.append(np.linalg.norm(center - a - along * (b - a)) - 0.2)
+    assert min(distances) >= safe - 1e-9
