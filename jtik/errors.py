@@ -169,7 +169,7 @@ def positive_number(argument: str, value: float) -> float:
     if type(value) is float and 0.0 < value < math.inf:
         return value
     number = float(finite_array(argument, value, ()))
-    if not number > 0:
+    if isinstance(value, bool) or not number > 0:
         raise ArgumentError(argument, value, "a positive number")
     return number
 

@@ -201,7 +201,7 @@ class TestStep:
             q = [ik.step(each, restless(k), dt=DT).q for ik, each in zip(ways, q, strict=True)]
             assert q[1] == pytest.approx(q[0], abs=1e-9)
 
-    @pytest.mark.parametrize("dt", [0.0, -0.01, math.nan, math.inf, "0.1", [0.1, 0.2]])
+    @pytest.mark.parametrize("dt", [0.0, -0.01, math.nan, math.inf, "0.1", [0.1, 0.2], np.array([0.02, 0.03]), True])
     def test_a_time_is_a_positive_number(self, dt, arm):
         with pytest.raises(jtik.ArgumentError, match="dt: given"):
             solver(arm).step(np.zeros(4), [2.0, 2.0], dt=dt)
