@@ -19,7 +19,7 @@ NEIGHBOURHOOD = 0.02
 """Radius of the neighbourhood of the target relative to |J|: the error that a motion of this many rad (or m) makes."""
 
 
-LEFT_OUT = 2.0
+LEFT_OUT = 1.5
 """Curvature that J' J leaves out, relative to the error times the root mean square of the columns of J."""
 
 RETURN = 0.1
