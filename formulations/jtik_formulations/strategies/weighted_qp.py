@@ -87,11 +87,11 @@ class WeightedQP(Programmed):
             mu = mu + self.weight * self.curvature
             gradient = gradient + self.weight * model.gradient
             if model.timed:  # the part in the null space sets the speed there
-                gradient = gradient - self.weight * (1 - model.null_space_share) * model.null_gradient
+                gradient = gradient - self.weight * (1 - model.null_space_share) * model.null_gradient_free
         added: Expression = state[DAMPING.name] if self.backtracking else 0
         P = J.T @ J + (mu + added) * identity(n)
         if model.timed:
-            rows = model.row_space.unit_basis
+            rows = model.row_space_free.unit_basis if model.has_criterion else identity(n)
             P = P + model.curvature * rows.T @ rows  # the criterion is not damped
         low, high = limited_box(model, self.q_limit)
         rows = [model.restoration.within(low, high).rows] if model.clearance else []
