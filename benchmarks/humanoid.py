@@ -1,4 +1,4 @@
-"""Humanoids whose centre of mass is told to drop: where they settle, and how quietly, beside pink.
+"""Humanoids whose target of the centre of mass drops: where they settle, and how quietly, beside pink.
 
 The feet and the right wrist are to stay where they are. The weights of feet and centre of mass are those of pink's
 examples: humanoid_g1_com.py for the Unitree G1, humanoid_jvrc_com.py for TALOS. The wrist weighs as a foot. pink
@@ -33,7 +33,7 @@ from jtik_formulations import JointCentering, WeightedQP
 
 Array = np.ndarray
 DROP = 0.15
-"""How far the centre of mass is told to drop, at once [m]."""
+"""How far the target of the centre of mass drops, at once [m]."""
 DT = 0.005
 """Time of a step, as in pink's examples [s]."""
 SECONDS = 4.0

@@ -240,7 +240,7 @@ def self_motion(strategies: Sequence[str], quick: bool) -> list[Table]:
 
     slowest = float(panda.velocity_limit.min())
 
-    def steady(cells: Sequence[float]) -> bool:
+    def independent_of_dt(cells: Sequence[float]) -> bool:
         """Whether speed and motion do not depend on dt by more than a tenth, below the velocity limits."""
         first, motion = cells[0::5], cells[2::5]
         return min(motion) > 0.9 * max(motion) and 0.9 * max(first) < min(first) < 0.99 * slowest
@@ -252,5 +252,5 @@ def self_motion(strategies: Sequence[str], quick: bool) -> list[Table]:
     columns = ("first", "last", "motion", "error", "refused")
     groups = tuple(f"{1e3 * dt:g} ms" for dt in periods)
     table = rows(strategies, measure)
-    bounds = {"self-motion": fulfilled(table, 15, steady)}
+    bounds = {"self-motion": fulfilled(table, 15, independent_of_dt)}
     return [Table("self-motion", title, columns, table, groups, bounds)]

@@ -183,7 +183,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
     def step(self, q: ArrayLike, target: Any, *, dt: float | None = None) -> Step:
         """One update from ``q``, for controllers; the state of the strategy is kept from call to call.
 
-        Pass the ``q`` of the last step, which is what the robot was told, not a measured one: the limits count from
+        Pass the ``q`` of the last step, the commanded configuration, not a measured one: the limits count from
         ``q``. A refused step leaves q where it is, and the next call tries a smaller one. `reset` forgets the state.
         After `warm_up` the first call is as fast as the others, and so is one that escapes from a saddle point.
 

@@ -60,7 +60,7 @@ class Clearance:
     other clearances allow; it never becomes smaller. ``Solution.relaxed`` lists what cannot be met, and
     ``Solution.active_clearances`` which distances are as small as they may become.
 
-    Braking is not anticipated: in `track` and ``step(dt=)`` with limits of acceleration, a body that moves towards an
+    Braking is not anticipated: in `track` and ``step(dt=)`` with acceleration limits, a body that moves towards an
     obstacle can come closer than ``safe`` (formulations/limits.md).
 
     Live parameters: ``clearance.safe``, ``.influence``, and those of the measure, such as ``clearance.centers``.

@@ -141,7 +141,7 @@ class StepBox:
         self._evaluate()
 
     def start(self) -> Array:
-        """Where the step starts, (nq,): q, or with limits of acceleration where the last motion leads (Q1)."""
+        """Where the step starts, (nq,): q, or with acceleration limits where the last motion leads (Q1)."""
         if not self.ahead:
             return self._q
         ahead = self._last * (self._decay * self._clock[0] / self._clock[1])

@@ -97,7 +97,7 @@ class TestStalled:
     @pytest.mark.parametrize("progress", [None, 0.0])
     @pytest.mark.parametrize(("fall", "lowers"), [(0.5 * STAGNANT, False), (2 * STAGNANT, True)])
     def test_near_the_target_a_step_that_lowers_the_criterion_is_progress(self, near, progress, fall, lowers):
-        """A long slide in the null space raises the error again and again, within the neighbourhood of the target."""
+        """A long motion in the null space raises the error again and again, within the neighbourhood of the target."""
         found = codes([(1.0, 1.1, 1)] * STAGNATIONS, H=(-3.0, -3.0 * (1 + fall)), near=near, progress=progress)
         assert (found[-1] is Code.STALLED) == (not (near and lowers))
 

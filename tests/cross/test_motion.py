@@ -85,7 +85,7 @@ def cosine(dt, duration=1.5):
 @pytest.mark.parametrize("strategy", large_ones_slow(FOLLOWING))
 @pytest.mark.parametrize("limit", [10.0, *slow(50.0)])
 @pytest.mark.parametrize("dt", [0.02, *slow(0.002)])
-def test_a_path_under_limits_of_acceleration_is_quiet(strategy, dt, limit):
+def test_a_path_under_acceleration_limits_is_quiet(strategy, dt, limit):
     """In steps and by track; where one composition used to alternate between its limits."""
     ik = panda(strategy, limits=jtik.Limits(velocity=1.5, acceleration=limit))
     home = ik.robot.keyframes["home"]
@@ -236,7 +236,7 @@ def test_a_criterion_does_not_take_a_path_off_its_target():
 
 @pytest.mark.parametrize(("arm", "strategy"), CASES)
 @pytest.mark.parametrize("criteria", [None, JointCentering()])
-def test_far_out_of_reach_an_arm_with_limits_of_acceleration_comes_to_rest(arm, strategy, criteria):
+def test_far_out_of_reach_an_arm_with_acceleration_limits_comes_to_rest(arm, strategy, criteria):
     robot, dt = jtik.Robot.builtin(arm), 0.01
     ik = jtik.InverseKinematics(
         robot,
@@ -250,7 +250,7 @@ def test_far_out_of_reach_an_arm_with_limits_of_acceleration_comes_to_rest(arm, 
     assert acceleration(path[-200:], dt) <= 0.1
 
 
-def test_a_saddle_is_left_under_limits_of_acceleration():
+def test_a_saddle_is_left_under_acceleration_limits():
     """A Panda at a stretched posture with joints at their limits, from which V falls to second order only."""
     arm, dt = jtik.Robot.builtin("panda"), 0.002
     limits = jtik.Limits(velocity=1.5, acceleration=10.0)
@@ -262,7 +262,7 @@ def test_a_saddle_is_left_under_limits_of_acceleration():
 
 
 @pytest.mark.parametrize("strategy", ["hybrid+qp", *slow("weighted_qp", "lexicographic_qp")])
-def test_an_arm_at_its_target_gives_way_to_an_obstacle(strategy):
+def test_an_arm_at_its_target_avoids_a_moving_obstacle(strategy):
     """After many steps at rest, in which nothing was to be done."""
     arm, safe = planar(4), 0.1
     field = ObstacleAvoidance([jtik.Circle((6.0, 6.0), 0.2)], bodies="links")

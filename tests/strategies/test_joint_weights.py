@@ -347,7 +347,7 @@ class TestSolves:
     @pytest.mark.parametrize("name", ["hybrid", "hybrid+qp", *slow("damped", "sns", "weighted_qp", "lexicographic_qp")])
     @pytest.mark.parametrize("criteria", [None, JointCentering()])
     def test_a_base_moves_less_than_its_arm(self, name, criteria):
-        """A slide in x and y under three joints, along a path within the reach of the arm."""
+        """Prismatic joints in x and y under three joints, along a path within the reach of the arm."""
         robot = jtik.Robot.vehicle(3)
         q0 = np.array([0.0, 0.0, 0.6, 0.6, 0.6])
         start = robot.position(q0, "tip")

@@ -22,7 +22,7 @@ C = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 1.0]])
 TASK = np.array([[1.0, 0.0, 0.0]])
 """The task moves with the first joint only."""
 
-SLIDES = jtik.Robot(
+PRISMATIC = jtik.Robot(
     [Joint(f"joint{i}", JointType.PRISMATIC, f"frame{i}", f"frame{i + 1}") for i in range(3)], base="frame0"
 )
 """No point moves farther than the joints."""
@@ -42,7 +42,7 @@ def clearances(distance, *, restored=(True, True), gain=1.0, longest=LONGEST, re
         influence=casadi.SX([1.0] * k),
         gain=casadi.SX([gain] * k),
         curvature_radius=casadi.SX(1e9),
-        motion=MotionBound(SLIDES, casadi.SX(3, 1)),
+        motion=MotionBound(PRISMATIC, casadi.SX(3, 1)),
         after=lambda dq: distance + casadi.SX(C) @ dq,
         restored=np.array(restored),
         longest=casadi.SX(longest),
