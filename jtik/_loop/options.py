@@ -37,7 +37,9 @@ def read_rate(argument: str, rate: object) -> float:
     """
     if isinstance(rate, (int, float, np.integer, np.floating)) and not isinstance(rate, bool) and rate > 0:
         return float(rate)
-    raise ArgumentError(argument, rate, "a positive rate [1/s]; math.inf for steps as long as the strategy proposes")
+    raise ArgumentError(
+        argument, repr(rate), "a positive rate [1/s]; math.inf for steps as long as the strategy proposes"
+    )
 
 
 def read_until(until: str) -> Until:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from numbers import Real
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.errors import ArgumentError
 from jtik.robot import Robot
 from jtik.types import Array
 
@@ -57,9 +58,9 @@ class Limits:
         if not isinstance(self.position, (bool, np.bool_)):
             raise ArgumentError("position", self.position, "True or False: whether position limits hold")
         object.__setattr__(self, "position", bool(self.position))
-        gain = finite_array("position_gain", self.position_gain, ())
-        if isinstance(self.position_gain, (bool, np.bool_)) or not 0 < gain <= 1:
-            raise ArgumentError("position_gain", self.position_gain, "a number in (0, 1]")
+        gain = self.position_gain
+        if isinstance(gain, (bool, np.bool_)) or not (isinstance(gain, Real) and 0 < gain <= 1):
+            raise ArgumentError("position_gain", repr(gain), "a number in (0, 1]")
         object.__setattr__(self, "position_gain", float(gain))
         if isinstance(self.velocity, (bool, np.bool_)):
             object.__setattr__(self, "velocity", bool(self.velocity))

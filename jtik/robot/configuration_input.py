@@ -72,7 +72,7 @@ def _numbers(values: Any, argument: str, sizes: tuple[int, ...], *, one: bool = 
     shape = _shape(values)
     accepted = f"{_accepted(sizes)}, {'one number for all of them, ' if one else ''}or a dict by joint name"
     if shape not in (None, *([()] if one else []), *((size,) for size in sizes)):
-        raise ArgumentError(argument, f"shape {shape}", accepted)
+        raise ArgumentError(argument, repr(values) if shape == () else f"shape {shape}", accepted)
     try:
         return finite_array(argument, values, shape or ())
     except ArgumentError as error:
