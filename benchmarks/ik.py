@@ -24,7 +24,6 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +33,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from ik_arms import FILE_SLACK, SOURCES, Arm, check, read_arm
 from ik_solvers import CLOSED_FORM, OURS, SLOW, SOLVERS, Accuracy, NotBuiltError, PreparedSolver
+from packages import versions
 
 Array = np.ndarray
 WARM_UP = 20
@@ -239,17 +239,6 @@ def watcher() -> Callable[[Sequence[Any], str], Iterator[Any]]:
     return lambda items, label: iter(progress.track(items, description=label, console=console))
 
 
-def versions() -> dict[str, str]:
-    """Versions of the installed packages."""
-    found = {}
-    for package in PACKAGES:
-        try:
-            found[package] = metadata.version(package)
-        except metadata.PackageNotFoundError:
-            continue
-    return found
-
-
 def parsed() -> argparse.Namespace:
     """Parsed command line."""
     parser = argparse.ArgumentParser(description="Global inverse kinematics by the protocol of TRAC-IK.")
@@ -309,7 +298,7 @@ def main() -> None:
         record = {
             "machine": f"{platform.machine()}, {platform.system()}, {os.cpu_count()} cores",
             "python": platform.python_version(),
-            "versions": versions(),
+            "versions": versions(PACKAGES),
             "tolerance": arguments.tolerance,
             "block": arguments.block,
             "seed": arguments.seed,

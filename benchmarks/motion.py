@@ -19,7 +19,6 @@ import platform
 import sys
 import time
 from collections.abc import Callable, Sequence
-from importlib import metadata
 from pathlib import Path
 
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -31,6 +30,7 @@ from motion_limits import limits  # noqa: E402
 from motion_paths import paths, self_motion  # noqa: E402
 from motion_reach import out_and_back, out_of_reach, zero_pose  # noqa: E402
 from motion_runs import Table, verdict  # noqa: E402
+from packages import versions  # noqa: E402
 
 import jtik  # noqa: E402
 
@@ -47,17 +47,6 @@ SCENES: dict[str, Scene] = {
     "limits": limits,
     "zero_pose": zero_pose,
 }
-
-
-def versions() -> dict[str, str]:
-    """Versions of the installed packages."""
-    found = {}
-    for package in PACKAGES:
-        try:
-            found[package] = metadata.version(package)
-        except metadata.PackageNotFoundError:
-            continue
-    return found
 
 
 def parsed() -> argparse.Namespace:
@@ -96,7 +85,7 @@ def main() -> None:
         record = {
             "machine": f"{platform.machine()}, {platform.system()}, {os.cpu_count()} cores",
             "python": platform.python_version(),
-            "versions": versions(),
+            "versions": versions(PACKAGES),
             "quick": arguments.quick,
             "tables": [table.record() for table in tables],
         }

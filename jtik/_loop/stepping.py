@@ -12,6 +12,7 @@ from jtik._loop.inspection import Inspector
 from jtik._loop.runner import Runner
 from jtik._loop.runners import Runners
 from jtik._loop.saddle_escape import SaddleEscape
+from jtik._step.solve_progress import UNKNOWN
 from jtik._step.stopping import Code
 from jtik.constraints.step_box import StepBox
 from jtik.result.step import Step
@@ -75,6 +76,8 @@ class Stepping:
                 box.narrow(memory, dt)
                 if box.ahead:
                     memory[:] = box.start()
+            if runner.violation is not None:  # obstacles, or the robot itself, may have moved between the calls
+                runner.state[at][runner.violation] = UNKNOWN
             runner.calls[at]()
             after = runner.q[1 - at]
             position: float

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from jtik._step.active_set import ActiveSet, clamped
 from jtik._step.clearances import clearance_model
 from jtik._step.inputs import Inputs, Settings
-from jtik._step.solve_progress import UNKNOWN
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.qp.recorder import QPRecorder
 from jtik.strategy import Evaluation, LocalModel
@@ -78,8 +77,6 @@ def linearized(
         known = state["neighbourhood"]
         neighbourhood = if_else(known > 0, known, NEIGHBOURHOOD * sqrt(squared_length(J) + TINY))
         near_target = here.length <= neighbourhood
-    # what moves in a control loop may come close again, whatever was achieved before
-    restored = {**state, "violation": UNKNOWN} if timed else state
     active = None
     if problem.bounded:
         active = ActiveSet(problem, state, here, near_target, J, gradient, limits, uses_qp=uses_qp)
@@ -103,9 +100,7 @@ def linearized(
         parameters=inputs.parameters,
         qps=qps,
         coordinates=problem.coordinates,
-        clearance=clearance_model(problem, q, at[5:], inputs.parameters, limits, restored)
-        if problem.clearances
-        else None,
+        clearance=clearance_model(problem, q, at[5:], inputs.parameters, limits, state) if problem.clearances else None,
         tasks=problem.tasks,
         timed=timed,
         curvature=_curvature(J, state["remaining"], residual) if timed else 0,
@@ -123,7 +118,7 @@ def _null_space_share(settings: Settings, state: Mapping[str, Expression], neigh
 
 
 def _curvature(J: Expression, remaining: Expression, residual: Expression) -> Expression:
-    """Bound of the curvature of V that J' J leaves out, for an error that remains after the step.
+    """Size of the curvature of V that J' J leaves out, for an error that remains after the step.
 
     The second derivative of a point's position by two joints is at most as long as a column of J. A share of V bounds
     the first step after the target has come back into reach, and one of |J|^2 keeps a step in the row space.

@@ -61,7 +61,7 @@ class LocalModel:
         clearance: distances that may not fall below their safe values; None without any.
         tasks: the tasks themselves, for strategies that hand them to another library.
         timed: whether the step has a duration, and so limits of velocity and acceleration in its box.
-        curvature: bound of the curvature of V that J' J leaves out, from the error that the last step left, in a timed
+        curvature: size of the curvature of V that J' J leaves out, from the error that the last step left, in a timed
             step; 0 otherwise. As damping it keeps a step along a weak direction from overshooting.
         null_space_share: share of a null-space displacement to take in this step, (0, 1]; 1 in a step without a time.
         coordinates: of the displacements, from the joint weights.

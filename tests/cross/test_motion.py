@@ -261,8 +261,9 @@ def test_a_saddle_is_left_under_acceleration_limits():
     assert np.linalg.norm(ik.robot.position(path[-1]) - target) <= 1e-6
 
 
+@pytest.mark.parametrize("dt", [None, 0.01])
 @pytest.mark.parametrize("strategy", ["hybrid+qp", *slow("weighted_qp", "lexicographic_qp")])
-def test_an_arm_at_its_target_avoids_a_moving_obstacle(strategy):
+def test_an_arm_at_its_target_avoids_a_moving_obstacle(strategy, dt):
     """After many steps at rest, in which nothing was to be done."""
     arm, safe = planar(4), 0.1
     field = ObstacleAvoidance([jtik.Circle((6.0, 6.0), 0.2)], bodies="links")
@@ -271,13 +272,13 @@ def test_an_arm_at_its_target_avoids_a_moving_obstacle(strategy):
     q = np.array([0.3, 0.5, -0.6, 0.4])
     target = arm.position(q)
     for _ in range(300):
-        q = ik.step(q, target, dt=0.01).q
+        q = ik.step(q, target, dt=dt).q
     start = target + np.array([0.0, 1.0])
     for share in np.linspace(0, 1, 200):
         ik.parameters["clearance.centers"] = [start - share * np.array([0.0, 0.85])]
-        q = ik.step(q, target, dt=0.01).q
+        q = ik.step(q, target, dt=dt).q
     for _ in range(100):
-        q = ik.step(q, target, dt=0.01).q
+        q = ik.step(q, target, dt=dt).q
     points = planar_points(q)
     center = start - [0.0, 0.85]
     distances = []
