@@ -261,28 +261,25 @@ def test_a_saddle_is_left_under_acceleration_limits():
     assert np.linalg.norm(ik.robot.position(path[-1]) - target) <= 1e-6
 
 
+@pytest.mark.parametrize("at_once", [False, True])
 @pytest.mark.parametrize("dt", [None, 0.01])
 @pytest.mark.parametrize("strategy", ["hybrid+qp", *slow("weighted_qp", "lexicographic_qp")])
-def test_an_arm_at_its_target_avoids_a_moving_obstacle(strategy, dt):
-    """After many steps at rest, in which nothing was to be done."""
-    arm, safe = planar(4), 0.1
-    field = ObstacleAvoidance([jtik.Circle((6.0, 6.0), 0.2)], bodies="links")
+def test_an_arm_at_its_target_avoids_a_moving_obstacle(strategy, dt, at_once):
+    """After many steps at rest, in which nothing was to be done; also one that is too close before the arm can move."""
+    arm, safe, radius = planar(4), 0.1, 0.2
+    field = ObstacleAvoidance([jtik.Circle((6.0, 6.0), radius)], bodies="links")
     clearance = jtik.Clearance(field, safe=safe)
     ik = jtik.InverseKinematics(arm, jtik.FrameTask("tip"), strategy=strategy, clearances=clearance)
     q = np.array([0.3, 0.5, -0.6, 0.4])
     target = arm.position(q)
     for _ in range(300):
         q = ik.step(q, target, dt=dt).q
-    start = target + np.array([0.0, 1.0])
-    for share in np.linspace(0, 1, 200):
-        ik.parameters["clearance.centers"] = [start - share * np.array([0.0, 0.85])]
+    for height in [*([] if at_once else np.linspace(1.0, 0.23, 200)), *[0.23] * 150]:
+        center = target + np.array([0.0, height])
+        ik.parameters["clearance.centers"] = [center]
         q = ik.step(q, target, dt=dt).q
-    for _ in range(100):
-        q = ik.step(q, target, dt=dt).q
-    points = planar_points(q)
-    center = start - [0.0, 0.85]
     distances = []
-    for a, b in itertools.pairwise(points):
+    for a, b in itertools.pairwise(planar_points(q)):
         along = np.clip((center - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
-        distances.append(np.linalg.norm(center - a - along * (b - a)) - 0.2)
+        distances.append(np.linalg.norm(center - a - along * (b - a)) - radius)
     assert min(distances) >= safe - 1e-9
