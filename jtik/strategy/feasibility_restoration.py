@@ -13,10 +13,10 @@ from jtik.qp.recorder import QPRecorder
 from jtik.symbolic import (
     TINY,
     Expression,
-    dot,
     fabs,
     fmax,
     fmin,
+    gram,
     identity,
     if_else,
     is_finite,
@@ -172,7 +172,7 @@ def feasibility_restoration(
     penalty = PENALTY * (1 + TASK_WEIGHT) / clearance.motion.row_norm_bound**2
     floor = clearance.low - demand
     qp = QuadraticProgram(
-        P=identity(n) + TASK_WEIGHT * K.T @ K + penalty * _gram(if_else(demand > 0, 1, 0), C),
+        P=identity(n) + TASK_WEIGHT * gram(K) + penalty * gram(C, if_else(demand > 0, 1, 0)),
         q=-penalty * C.T @ demand,
         lower=lower,
         upper=upper,
@@ -190,13 +190,3 @@ def feasibility_restoration(
     dq, gained = qps.prepare(mmax(demand) > SIGNIFICANT, qp, results)
     smallest_violation = fmin(clearance.smallest_violation, clearance.violation(clearance.distance))
     return FeasibilityRestoration(dq, gained, clearance, jacobian, length, smallest_violation)
-
-
-def _gram(weights: Expression, matrix: Expression) -> Expression:
-    """matrix' diag(weights) matrix, (n, n), each entry computed once."""
-    n, weighted = matrix.shape[1], [weights * matrix[:, j] for j in range(matrix.shape[1])]
-    product = zeros(n, n)
-    for i in range(n):
-        for j in range(i, n):
-            product[i, j] = product[j, i] = dot(weighted[i], matrix[:, j])
-    return product

@@ -93,6 +93,17 @@ def identity(size: int) -> Expression:
     return SX.eye(size)
 
 
+def gram(matrix: Expression, weights: Expression | None = None) -> Expression:
+    """M' diag(weights) M of M (m, n), (n, n), each entry computed once; without weights M' M."""
+    columns = [matrix[:, j] for j in range(matrix.shape[1])]
+    weighted = columns if weights is None else [weights * column for column in columns]
+    product = SX.zeros(len(columns), len(columns))
+    for i, left in enumerate(weighted):
+        for j in range(i, len(columns)):
+            product[i, j] = product[j, i] = casadi.dot(left, columns[j])
+    return product
+
+
 def hessian(scalar: Expression, variables: Expression) -> Expression:
     """Second derivatives of a scalar, (n, n)."""
     return casadi.hessian(scalar, variables)[0]

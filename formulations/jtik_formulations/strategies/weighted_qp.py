@@ -22,7 +22,7 @@ from jtik.strategy import (
     check_step_limit,
     limited_box,
 )
-from jtik.symbolic import Expression, dot, fabs, fmax, identity, if_else, mmax, norm, norm_inf, sumsqr, vertcat
+from jtik.symbolic import Expression, dot, fabs, fmax, gram, identity, if_else, mmax, norm, norm_inf, sumsqr, vertcat
 
 DAMPING = AdaptiveDamping(increase=8.0, decrease=0.25)
 """Damping that refusals add."""
@@ -89,10 +89,10 @@ class WeightedQP(Programmed):
             if model.timed:  # the part in the null space sets the speed there
                 gradient = gradient - self.weight * (1 - model.null_space_share) * model.null_gradient_free
         added: Expression = state[DAMPING.name] if self.backtracking else 0
-        P = J.T @ J + (mu + added) * identity(n)
-        if model.timed:
-            rows = model.row_space_free.unit_basis if model.has_criterion else identity(n)
-            P = P + model.curvature * rows.T @ rows  # the criterion is not damped
+        P = gram(J) + (mu + added) * identity(n)
+        if model.timed:  # where there is a criterion its motion in the null space is not damped
+            damped = gram(model.row_space_free.unit_basis) if model.has_criterion else identity(n)
+            P = P + model.curvature * damped
         low, high = limited_box(model, self.q_limit)
         rows = [model.restoration.within(low, high).rows] if model.clearance else []
         solution = model.solve(QuadraticProgram(P=P, q=gradient, lower=low, upper=high, rows=rows, name="step"))

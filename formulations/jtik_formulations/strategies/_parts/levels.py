@@ -13,6 +13,7 @@ from jtik.symbolic import (
     fabs,
     fmax,
     fmin,
+    gram,
     horzcat,
     identity,
     if_else,
@@ -154,7 +155,7 @@ class _Level:
             solved = logic_and(solved, logic_and(mmax(shifted.lower) <= 0, mmin(shifted.upper) >= 0))
         solution = solve(
             QuadraticProgram(
-                P=curved.T @ curved + identity(n),
+                P=gram(curved) + identity(n),
                 q=(part - 1) * (curved.T @ (curved @ y) + mu / scale * y),  # zero where no limit is active
                 lower=lower,
                 upper=upper,
