@@ -6,7 +6,7 @@ The operations are those that a criterion, a strategy or a task is made of:
 - elementwise: `sin`, `cos`, `atan2`, `sqrt`, `log`, `fabs`, `fmax`, `fmin`
 - conditions: `if_else`, `logic_and`, `logic_or`, `logic_not`, `is_finite`
 - vectors and matrices: `vertcat`, `horzcat`, `stack`, `reshape`, `vec`, `densify`, `diag`, `trace`, `skew`, `dot`,
-  `cross`, `sum1`, `sumsqr`, `norm`, `norm_inf`, `mmax`, `mmin`, `ratio`, `solve_ldl`
+  `cross`, `gram`, `sum1`, `sumsqr`, `norm`, `norm_inf`, `mmax`, `mmin`, `ratio`, `solve_ldl`
 - derivatives: `gradient`, `jacobian`, `hessian`
 - inspection: `symvar`, `substitute`, `is_equal`
 - functions: `Function`, `function`, `either`, `conic`, `has_conic`, `external`, `c_source`, and the codes of a

@@ -51,6 +51,15 @@ def test_solve_ldl_solves_a_positive_definite_system(rng):
     assert found == pytest.approx(np.linalg.solve(matrix, right), rel=1e-10)
 
 
+def test_gram_is_the_product_with_the_transpose(rng):
+    M, w = sym.symbol("M", 3, 4), sym.symbol("w", 3)
+    matrix, weights = rng.normal(size=(3, 4)), rng.normal(size=3)
+    assert evaluate(sym.gram(M), (M, matrix)) == pytest.approx(matrix.T @ matrix)
+    weighted = evaluate(sym.gram(M, w), (M, matrix), (w, weights))
+    assert weighted == pytest.approx(matrix.T @ np.diag(weights) @ matrix)
+    assert (weighted == weighted.T).all()
+
+
 def test_stack_makes_a_matrix_from_rows():
     x = sym.symbol("x", 1)
     assert evaluate(sym.stack([[x, 2], [3, x**2]]), (x, 5.0)).tolist() == [[5, 2], [3, 25]]
