@@ -1,9 +1,9 @@
 """The home configuration: where a solve begins that is given no start.
 
-A joint at its limit blocks every step towards that limit, and an arm with such a joint is often straight besides: from
-the neutral configuration, whose fourth joint is at its limit, a Panda reaches one in ten of the poses around its usual
-posture, from mid-range all of them. A straight arm inside its limits is left as it is: bending it reached no more poses
-on any arm that was measured, and fewer on most.
+A joint at its limit blocks every step towards that limit. From the neutral configuration, whose fourth joint is at its
+limit, a Panda reaches one in ten of the poses around its usual posture; from mid-range it reaches all of them. An arm
+that is straight inside its limits stays straight, although that is singular: at least 99 % of the poses around it are
+reached so. With every joint moved by 0.1 or 0.3 rad from there it was not more, and with `newton` on a UR5e 87 to 97 %.
 """
 
 from __future__ import annotations
@@ -19,8 +19,11 @@ if TYPE_CHECKING:
     from jtik.robot.model import Robot
 
 NEAR = 0.2
-"""Share of a joint's range within which a limit is near. Measured on 30 arms with 0.02 to 0.5: below 0.15 an arm whose
-elbow is at 14 % of its range fails at a third of the poses around its home with `newton`; above 0.2 nothing changes."""
+"""Share of a joint's range within which a limit is near.
+
+Measured on 22 arms: up to 0.1, one whose elbow is at 14 % of its range fails at a third of the poses around its home
+with `newton`; from 0.2 to 0.3 the shares reached are the same.
+"""
 
 LONGEST_RANGE = {JointType.REVOLUTE: 2 * math.pi, JointType.PRISMATIC: 2.0}
 """Range [rad] or [m] from the limit that counts where the other limit is missing or farther away: that from which
