@@ -29,7 +29,7 @@ def add_arguments(commands: Any) -> None:
     )
     add_problem_options(command, kind="position")
     command.add_argument("--target", nargs="+", type=float, metavar="NUMBER", help="such as X Y, or X Y Z")
-    command.add_argument("--q0", nargs="+", type=float, metavar="NUMBER", help="configuration to start from")
+    command.add_argument("--q0", nargs="+", type=float, metavar="NUMBER", help="where to start (default: home)")
     command.add_argument(
         "--strategy",
         metavar="NAME",
