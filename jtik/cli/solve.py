@@ -68,6 +68,7 @@ SHOWN = (
     "iterations",
     "escapes",
     "restarts",
+    "alternatives",
     "cost",
     "criteria",
     "jacobian",
@@ -105,6 +106,8 @@ def _json_value(value: Any) -> Any:
         return _json_value(value.item())
     if isinstance(value, (list, tuple)):
         return [_json_value(item) for item in value]
+    if isinstance(value, Solution):
+        return {"q": _json_value(value.q), "status": value.status.name, "cost": _json_value(value.cost)}
     if isinstance(value, Enum):
         return value.name
     if isinstance(value, float):
