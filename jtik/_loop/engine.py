@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jtik._loop.arguments import ConfigurationReader
+from jtik._loop.criterion_escape import CriterionEscape, Escapes, StepEscape
 from jtik._loop.exclusive_use import ExclusiveUse
 from jtik._loop.inspection import Inspector
+from jtik._loop.minimum_certificate import MinimumCertificate
 from jtik._loop.native_search import NativeSearch
 from jtik._loop.options import read_rate
 from jtik._loop.runners import Runners
@@ -93,6 +95,7 @@ class Engine:
             raise ArgumentError("solver", solver, accepted)
         self.memory = InputMemory(tasks.target_size, problem.terms.parameters, bounds.lower, bounds.upper)
         inputs = self.memory.inputs
+        certificate = MinimumCertificate(problem, compiled=compiled)  # compiled while the step is
         self.runners = Runners(
             problem,
             strategy,
@@ -105,8 +108,9 @@ class Engine:
         self.configurations = ConfigurationReader(robot, inputs.lower, inputs.upper)
         self._exclusive = ExclusiveUse()
         self._escape = escape = SaddleEscape(problem)
-        self._inspector = inspector = Inspector(problem, escape, self.runners)
-        self.search = Search(robot, escape, inputs)
+        self._inspector = inspector = Inspector(problem, escape, certificate, self.runners)
+        criterion = CriterionEscape(problem, inspector, escape)
+        self.search = Search(robot, Escapes(escape, criterion), inputs)
         runner = self.runners.solve
         if runner.fused.library:
             self.search.native = NativeSearch(runner.fused.library, runner, inputs)
@@ -116,6 +120,7 @@ class Engine:
             self.runners,
             self.configurations,
             escape=escape,
+            criterion_escape=StepEscape(criterion),
             inspector=inspector,
             exclusive=self._exclusive,
         )

@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from jtik._loop.criterion_escape import Escapes
 from jtik._loop.native_search import NativeSearch
 from jtik._loop.restarts import RestartConfigurations
 from jtik._loop.runner import Runner
-from jtik._loop.saddle_escape import SaddleEscape
 from jtik._loop.trace_recorder import TraceRecorder
 from jtik._step.inputs import Inputs, Settings
 from jtik._step.stopping import OUTCOME, Code
@@ -68,8 +68,8 @@ class Search:
         native: the search in C, where the step runs as generated C.
     """
 
-    def __init__(self, robot: Robot, escape: SaddleEscape, inputs: Inputs[Array]) -> None:
-        self._escape, self._inputs = escape, inputs
+    def __init__(self, robot: Robot, escapes: Escapes, inputs: Inputs[Array]) -> None:
+        self._escapes, self._inputs = escapes, inputs
         self._restarts = RestartConfigurations(robot)
         self.native: NativeSearch | None = None
         self._addressed: tuple[Array | None, int] = (None, 0)
@@ -143,6 +143,9 @@ class Search:
         rows = zip(batch.q, batch.errors.tolist(), batch.seconds.tolist(), batch.tallies.tolist(), strict=True)
         for q, errors, seconds, (code, iterations, number) in rows:
             last = _CODES[code] if code >= 0 else Code.STALLED
+            inputs = self._inputs._replace(target=targets[len(found)])
+            if last is Code.DONE and self._escapes.criterion.needed(q, inputs):
+                code = -1
             known = (errors[0], errors[1]) if last is Code.DONE else None
             found.append((None if code < 0 else SearchResult(q, last, iterations, 0, number, known), seconds))
         return found
@@ -156,6 +159,8 @@ class Search:
             return None
         iterations, number, at = native.tally.tolist()
         last, q = _CODES[code], native.runner.q[at].copy()
+        if last is Code.DONE and self._escapes.criterion.needed(q, self._inputs):
+            return None
         return SearchResult(q, last, iterations, 0, number, _errors_when_done(native.runner, last))
 
     def _address(self, starts: Array | None) -> int | None:
@@ -191,7 +196,8 @@ class Search:
                 continue
             code = _CODES[int(view[0])]
             may_escape = escapes < (1 if replaceable else MAX_ESCAPES) and (k == 1 or not replaceable)
-            if code is Code.STALLED and may_escape and self._escape.escape(runner.q[at], self._inputs):
+            may_escape = may_escape or (code is Code.DONE and escapes < MAX_ESCAPES)  # it is not replaced
+            if may_escape and self._escapes.escape(code, runner.q[at], self._inputs):
                 escapes += 1
                 if recorder is not None:
                     recorder.escaped()

@@ -11,7 +11,8 @@ import numpy as np
 
 from jtik.result.deprecated import RenamedAttribute
 from jtik.result.relaxation import Relaxation
-from jtik.result.report import Report, SecondOrder
+from jtik.result.report import Report
+from jtik.result.second_order import SecondOrder
 from jtik.result.status import Status
 from jtik.result.step import Step
 from jtik.result.trace import Trace

@@ -11,6 +11,7 @@ class Status(Enum):
     Attributes:
         CONVERGED: the target is reached, and the criterion, if any, is stationary.
         REACHED: the target is reached, and the criterion is not stationary.
+        SADDLE: the target is reached, and the criterion is stationary and not minimal.
         LOCAL_MINIMUM: the target is not reached, and the error has a local minimum at q.
         LIMITS: the error is stationary only because of active joint limits.
         BLOCKED: the target is not reached, and a clearance is as small as it may become.
@@ -23,6 +24,7 @@ class Status(Enum):
 
     CONVERGED = "converged: on target, and the criterion cannot fall further without leaving it"
     REACHED = "reached the target; the criterion could still fall"
+    SADDLE = "on target, at a saddle point or maximum of the criterion: limits or clearances keep it from falling"
     LOCAL_MINIMUM = "out of reach, or a local minimum of the error: this is the closest posture nearby"
     LIMITS = "stopped at joint limits: the error could fall if the joints at their limits could move further"
     BLOCKED = "stopped at clearances: the error could fall if bodies could come closer to the obstacles"
@@ -35,9 +37,9 @@ class Status(Enum):
     @property
     def on_target(self) -> bool:
         """Whether the errors are within their tolerances."""
-        return self in (Status.CONVERGED, Status.REACHED)
+        return self in (Status.CONVERGED, Status.REACHED, Status.SADDLE)
 
 
 def is_success(status: Status, until: str) -> bool:
-    """Whether a solve with this ``until`` is a success: a stationary criterion is needed only with "stationary"."""
-    return status is Status.CONVERGED or (status is Status.REACHED and until == "reached")
+    """Whether a solve with this ``until`` is a success: "stationary" needs a criterion that cannot fall further."""
+    return status is Status.CONVERGED or (status.on_target and until == "reached")
