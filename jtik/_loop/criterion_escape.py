@@ -1,8 +1,8 @@
 """The criterion escape: a move along the self-motion from a pose on target where H has a saddle point or a maximum.
 
 There the gradient of H vanishes over the self-motion, and no step of a strategy moves the robot. Along the direction of
-most negative curvature of the Lagrangian H falls to second order. The escape is deterministic, ends on target, and keeps
-limits and clearances. See formulations/criterion_escape.md.
+most negative curvature of the Lagrangian H falls to second order. The escape is deterministic, ends on target, and
+keeps limits and clearances. See formulations/criterion_escape.md.
 """
 
 from __future__ import annotations
@@ -71,50 +71,66 @@ class CriterionEscape:
         before = self.needed(q, inputs)
         if before is None or before.lowest_curvature is None:
             return False
-        curvature, z, _, _ = before.lowest_curvature
+        curvature, z = before.lowest_curvature.value, before.lowest_curvature.direction
         if z[np.argmax(np.abs(z))] < 0:
             z = -z
         moving = z != 0
         moving |= ~np.isin(np.arange(len(z)), [*before.at_upper, *before.at_lower])
         length = longest
         for _ in range(HALVINGS):
-            wanted = SUFFICIENT * -curvature * length**2 / 2
-            ends = [self._moved(before, q, sign * length * z, moving, inputs) for sign in (1.0, -1.0)]
-            found = [end for end in ends if end is not None and end[0] >= wanted]
+            model = -curvature * length**2 / 2
+            found = []
+            for sign in (1.0, -1.0):
+                end = self._on_target(before, q, sign * length * z, moving, inputs)
+                if end is not None:
+                    fall = self._fall(before, q, end, moving, inputs, model)
+                    found += [(fall, end)] if fall >= SUFFICIENT * model else []
             if found:
                 q[:] = found[-1][1] if found[-1][0] > (1 + TIE) * found[0][0] else found[0][1]
                 return True
             length /= 2
         return False
 
-    def _moved(
+    def _on_target(
         self, before: Report, q: Array, v: Array, moving: NDArray[np.bool_], inputs: Inputs[Array]
-    ) -> tuple[float, Array] | None:
-        """The fall of H and the configuration after the displacement v, corrected to the residual that q has."""
-        robot, length, J_norm = self._robot, float(np.linalg.norm(v)), float(np.linalg.norm(before.weighted))
+    ) -> Array | None:
+        """The configuration after the displacement v, with the residual of q; None where there is no such allowed one.
+
+        Args:
+            before: the report of q.
+            q: where the displacement begins, (nq,).
+            v: the displacement, (n,).
+            moving: the joints that may move, (n,).
+            inputs: target, parameters, limits and settings.
+        """
+        robot, exact = self._robot, EXACT * float(np.linalg.norm(before.weighted))
         end, correction = np.asarray(robot.integrate(q, v)), np.zeros(len(v))
         for _ in range(CORRECTIONS):
-            after = self._inspector.evaluated(end, inputs)
-            off = after.residual - before.residual
-            if not after.finite or np.linalg.norm(off) <= EXACT * J_norm:
+            here = self._inspector.evaluated(end, inputs)
+            if not here.finite:
+                return None
+            off = here.residual - before.residual
+            if np.linalg.norm(off) <= exact:
                 break
-            correction[moving] = -np.linalg.pinv(after.weighted[:, moving], rcond=after.rank_threshold) @ off
+            correction[moving] = -np.linalg.pinv(here.weighted[:, moving], rcond=here.rank_threshold) @ off
             end = np.asarray(robot.integrate(end, correction))
-            if np.linalg.norm(np.asarray(robot.difference(q, end)) - v) > SHORT * length:
+            if np.linalg.norm(np.asarray(robot.difference(q, end)) - v) > SHORT * np.linalg.norm(v):
                 return None
         else:
             return None
-        allowed = all(inputs.lower[i] <= end[i] <= inputs.upper[i] for i, _ in self._bounded)
-        way = np.asarray(robot.difference(q, end))
-        if not (after.finite and after.reached and allowed and self._clear(q, way, inputs)):
-            return None
-        fall = sum(before.values.values()) - sum(after.values.values())
-        assert before.lowest_curvature is not None
-        if -before.lowest_curvature.value * length**2 < RESOLVED * sum(map(abs, before.values.values())):
-            J = after.weighted[:, moving]
-            along = way[moving] - np.linalg.pinv(J, rcond=after.rank_threshold) @ (J @ way[moving])
-            fall = -float(after.gradient[moving] @ along) / 2
-        return fall, end
+        allowed = here.reached and all(inputs.lower[i] <= end[i] <= inputs.upper[i] for i, _ in self._bounded)
+        return end if allowed and self._clear(q, np.asarray(robot.difference(q, end)), inputs) else None
+
+    def _fall(
+        self, before: Report, q: Array, end: Array, moving: NDArray[np.bool_], inputs: Inputs[Array], model: float
+    ) -> float:
+        """By how much H falls from q to ``end``; ``model`` is the fall of the quadratic model."""
+        after = self._inspector.evaluated(end, inputs)
+        if model > RESOLVED * sum(map(abs, before.values.values())):
+            return sum(before.values.values()) - sum(after.values.values())
+        J, way = after.weighted[:, moving], np.asarray(self._robot.difference(q, end))[moving]
+        along = way - np.linalg.pinv(J, rcond=after.rank_threshold) @ (J @ way)
+        return -float(after.gradient[moving] @ along) / 2
 
 
 class Escapes:

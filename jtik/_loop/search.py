@@ -182,7 +182,6 @@ class Search:
         if recorder is not None:
             recorder.begin()
         calls, view = runner.calls, runner.view
-        replaceable = patience < math.inf  # an attempt that a restart can replace only escapes where it began
         code, escapes, k, at = Code.CONTINUE, 0, 0, 0
         while k < limit:
             if recorder is not None:
@@ -195,8 +194,10 @@ class Search:
             if view[0] == 0.0:
                 continue
             code = _CODES[int(view[0])]
+            if code is Code.DONE:
+                patience = math.inf  # the attempt has reached the target: no restart replaces it
+            replaceable = patience < math.inf  # an attempt that a restart can replace only escapes where it began
             may_escape = escapes < (1 if replaceable else MAX_ESCAPES) and (k == 1 or not replaceable)
-            may_escape = may_escape or (code is Code.DONE and escapes < MAX_ESCAPES)  # it is not replaced
             if may_escape and self._escapes.escape(code, runner.q[at], self._inputs):
                 escapes += 1
                 if recorder is not None:

@@ -13,7 +13,6 @@ from jtik.constraints.limits import AT_LIMIT
 from jtik.result.second_order import FLAT
 from jtik.strategy.curvature import lagrangian_hessian
 from jtik.symbolic import (
-    TINY,
     Expression,
     Function,
     diag,
@@ -21,14 +20,12 @@ from jtik.symbolic import (
     function,
     gram,
     identity,
-    if_else,
     ldl_pivots,
     logic_and,
     logic_not,
     logic_or,
     norm,
     ratio,
-    sumsqr,
     symbol,
     vec,
     vertcat,

@@ -14,6 +14,7 @@ from jtik.result.relaxation import Relaxation
 from jtik.result.second_order import FLAT, LowestCurvature, SecondOrder, lowest_curvature
 from jtik.types import Array
 
+
 @dataclass(frozen=True, eq=False)
 class Report:
     """Task and criteria at one configuration; whatever needs a factorisation is computed when it is first read.

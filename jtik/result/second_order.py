@@ -50,8 +50,8 @@ def lowest_curvature(W: Array, J: Array, free: NDArray[np.bool_], inward: Array,
 
     Joints inside their limits are considered first. Only where their lowest curvature is not negative, joints at a
     limit whose multiplier is zero are considered as well, each in the direction in which it can still move: from each
-    direction of negative curvature, with either sign, those that it would move beyond their limits are fixed until none
-    is left.
+    direction of negative curvature, with either sign, the joint that it moves furthest beyond its limit is fixed, until
+    none is left. That is exact with one such joint, and a heuristic with several.
 
     Args:
         W: Hessian of the Lagrangian, (n, n).
@@ -66,8 +66,8 @@ def lowest_curvature(W: Array, J: Array, free: NDArray[np.bool_], inward: Array,
     for start in _over(W, J, free | (inward != 0), threshold):
         for sign in (1.0, -1.0):
             found, moving = start._replace(direction=sign * start.direction), free | (inward != 0)
-            while found.value < 0 and (wrong := moving & (inward * found.direction < -WRONG_SIGN)).any():
-                moving, before = moving & ~wrong, found.direction
+            while found.value < 0 and (sizes := inward * found.direction).min() < -WRONG_SIGN:
+                moving, before = moving & (np.arange(len(W)) != np.argmin(sizes)), found.direction
                 found = _over(W, J, moving, threshold)[0]
                 found = found._replace(direction=found.direction * (1.0 if before @ found.direction >= 0 else -1.0))
             if found.value < min(best.value, 0.0):

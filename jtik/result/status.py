@@ -24,7 +24,7 @@ class Status(Enum):
 
     CONVERGED = "converged: on target, and the criterion cannot fall further without leaving it"
     REACHED = "reached the target; the criterion could still fall"
-    SADDLE = "on target, at a saddle point or maximum of the criterion: limits or clearances keep it from falling"
+    SADDLE = "on target, at a saddle point or a maximum of the criterion, which could still fall"
     LOCAL_MINIMUM = "out of reach, or a local minimum of the error: this is the closest posture nearby"
     LIMITS = "stopped at joint limits: the error could fall if the joints at their limits could move further"
     BLOCKED = "stopped at clearances: the error could fall if bodies could come closer to the obstacles"
