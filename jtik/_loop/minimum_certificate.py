@@ -23,6 +23,7 @@ class MinimumCertificate:
 
     def __init__(self, problem: SymbolicProblem, *, compiled: bool) -> None:
         self._problem = problem
+        self._last = (b"", False)  # a search and the status of its end ask for the same configuration
         self._built: Future[Function] | None = None
         if compiled and problem.has_criterion:
             compiler = ThreadPoolExecutor(1)
@@ -39,4 +40,7 @@ class MinimumCertificate:
 
     def __call__(self, q: Array, inputs: Inputs[Array]) -> bool:
         """Whether H certainly has a strict minimum at q, on target and stationary."""
-        return bool(self._function(q, *inputs)[0][0, 0])
+        key = b"".join([part.tobytes() for part in (q, *inputs)])
+        if key != self._last[0]:
+            self._last = key, bool(self._function(q, *inputs)[0][0, 0])
+        return self._last[1]
