@@ -18,7 +18,7 @@ import jtik
 from jtik.symbolic import cos, sum1
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
-from ..conftest import dh_arm, planar, planar_points
+from ..conftest import dh_arm, planar, planar_points, slow
 from .conftest import STRATEGIES, solver
 
 CRITERION_STRATEGIES = [name for name in STRATEGIES if name != "weighted_qp"]
@@ -168,7 +168,7 @@ class TestSolve:
         assert solution.converged
         assert solution.second_order == "minimum"
 
-    @pytest.mark.parametrize("strategy", ["hybrid", "newton+qp", "hybrid+second_order", "sns"])
+    @pytest.mark.parametrize("strategy", ["hybrid", *slow("newton+qp", "hybrid+second_order", "sns")])
     @pytest.mark.parametrize("kind", ["position", "pose"])
     def test_from_any_maximum_or_saddle_a_spatial_arm_gets_to_a_minimum(self, strategy, kind, rng):
         robot = dh_arm(7, 3)
