@@ -46,7 +46,8 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
     - ``position_tolerance``: norm of the position error that counts as reached [m].
     - ``orientation_tolerance``: norm of the orientation error that counts as reached [rad].
     - ``optimality_tolerance``: norm of (I - J+ J) dH/dv that counts as stationary, relative to max(1, |dH/dv|).
-    - ``until``: "stationary" continues until the criterion cannot fall further; "reached" stops at the target.
+    - ``until``: "stationary" continues until the criterion cannot fall further, and leaves its saddle points and
+      maxima; "reached" stops at the target.
 
     Args:
         robot: the robot.

@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from jtik._loop.criterion_escape import Escapes
 from jtik._loop.full_turns import FullTurns
 from jtik._loop.runner import Runner
-from jtik._loop.saddle_escape import SaddleEscape
 from jtik._loop.trace_recorder import TraceRecorder
 from jtik._step.inputs import Inputs
 from jtik._step.stopping import OUTCOME, Code
@@ -41,13 +41,13 @@ class Attempts:
 
     Args:
         problem: the problem.
-        escape: escapes from saddle points.
+        escapes: the escapes from saddle points.
         turns: the joints that can turn all the way round.
         inputs: the inputs of a search, in which the limits of these joints are infinite.
     """
 
-    def __init__(self, problem: SymbolicProblem, escape: SaddleEscape, turns: FullTurns, inputs: Inputs[Array]) -> None:
-        self._problem, self._escape, self._turns, self._inputs = problem, escape, turns, inputs
+    def __init__(self, problem: SymbolicProblem, escapes: Escapes, turns: FullTurns, inputs: Inputs[Array]) -> None:
+        self._problem, self._escapes, self._turns, self._inputs = problem, escapes, turns, inputs
 
     @cached_property
     def _criterion(self) -> CompiledFunction:
@@ -56,6 +56,10 @@ class Attempts:
     def criterion(self, q: Array) -> float:
         """H at q."""
         return float(self._criterion(q, self._inputs.parameters)[0][0, 0])
+
+    def at_saddle(self, q: Array, inputs: Inputs[Array]) -> bool:
+        """Whether the criterion has a saddle point or a maximum at q, where an attempt is done."""
+        return self._escapes.criterion.needed(q, inputs) is not None
 
     def run(
         self, runner: Runner, q0: Array, limit: int, recorder: TraceRecorder | None, patience: float = math.inf
@@ -86,7 +90,6 @@ class Attempts:
     ) -> Ended:
         """The rest of an attempt, whose last call was number ``calls`` and returned ``code``."""
         step, view, k, at, escapes = runner.calls, runner.view, calls, runner.at, 0
-        replaceable = patience < math.inf  # an attempt that a restart can replace only escapes where it began
         while True:
             if code is Code.CONTINUE:
                 if k >= limit:
@@ -101,8 +104,11 @@ class Attempts:
                 if view[0] == 0.0:
                     continue
                 code = _CODES[int(view[0])]
+            if code is Code.DONE:
+                patience = math.inf  # the attempt has reached the target: no restart replaces it
+            replaceable = patience < math.inf  # an attempt that a restart can replace only escapes where it began
             may_escape = escapes < (1 if replaceable else MAX_ESCAPES) and (k == 1 or not replaceable)
-            if code is Code.STALLED and may_escape and self._escape.escape(runner.q[at], runner.inputs):
+            if may_escape and self._escapes.escape(code, runner.q[at], runner.inputs):
                 escapes += 1
                 if recorder is not None:
                     recorder.escaped()

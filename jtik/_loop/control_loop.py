@@ -15,7 +15,8 @@ class ControlLoop:
 
         ``step(dt=)`` and `track` have a function of their own, which takes about as long to build as the solver. The
         escape from saddle points is built when a solve first stalls: some milliseconds for an arm, some tenths of a
-        second for a humanoid. A strategy that accepts every step, such as ``Damped(backtracking=False)`` without a
+        second for a humanoid. The same holds, with a criterion, for the test whether a pose at rest is a minimum of it.
+        A strategy that accepts every step, such as ``Damped(backtracking=False)`` without a
         criterion, also has a function of its own for a `step` without a time. Call it once, at any time: it changes no
         result.
         """

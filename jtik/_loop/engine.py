@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 from jtik._loop.arguments import ConfigurationReader
 from jtik._loop.attempts import Attempts
+from jtik._loop.criterion_escape import CriterionEscape, Escapes, StepEscape
 from jtik._loop.exclusive_use import ExclusiveUse
 from jtik._loop.inspection import Inspector
+from jtik._loop.minimum_certificate import MinimumCertificate
 from jtik._loop.native_search import NativeSearch
 from jtik._loop.options import read_rate
 from jtik._loop.runners import Runners
@@ -94,6 +96,7 @@ class Engine:
             raise ArgumentError("solver", solver, accepted)
         self.memory = InputMemory(tasks.target_size, problem.terms.parameters, bounds.lower, bounds.upper)
         inputs = self.memory.inputs
+        certificate = MinimumCertificate(problem, compiled=compiled)  # compiled while the step is
         self.runners = Runners(
             problem,
             strategy,
@@ -106,9 +109,10 @@ class Engine:
         self.configurations = ConfigurationReader(robot, inputs.lower, inputs.upper)
         self._exclusive = ExclusiveUse()
         self._escape = escape = SaddleEscape(problem)
-        self._inspector = inspector = Inspector(problem, escape, self.runners)
+        self._inspector = inspector = Inspector(problem, escape, certificate, self.runners)
+        criterion = CriterionEscape(problem, inspector, escape)
         turns, has_criterion = self.runners.turns, problem.has_criterion
-        attempts = Attempts(problem, escape, turns, self.runners.search_inputs)
+        attempts = Attempts(problem, Escapes(escape, criterion), turns, self.runners.search_inputs)
         self.search = Search(robot, attempts, turns, self.runners.search_inputs, has_criterion=has_criterion)
         runner = self.runners.solve
         if runner.fused.library:
@@ -119,6 +123,7 @@ class Engine:
             self.runners,
             self.configurations,
             escape=escape,
+            criterion_escape=StepEscape(criterion),
             inspector=inspector,
             exclusive=self._exclusive,
         )

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from jtik._loop.minimum_certificate import MinimumCertificate
 from jtik._loop.runners import Runners
 from jtik._loop.saddle_escape import FLAT, NEGATIVE, SaddleEscape
 from jtik._step.inputs import Inputs, Settings
@@ -29,9 +30,11 @@ class Inspector:
     A report may be read in a thread other than the one that solves: the two evaluations then run one after the other.
     """
 
-    def __init__(self, problem: SymbolicProblem, escape: SaddleEscape, runners: Runners) -> None:
+    def __init__(
+        self, problem: SymbolicProblem, escape: SaddleEscape, certificate: MinimumCertificate, runners: Runners
+    ) -> None:
         self._problem, self._runners = problem, runners
-        self._lowest_curvature = escape.lowest_curvature
+        self._lowest_curvature, self._certificate = escape.lowest_curvature, certificate
         self._evaluate = CompiledFunction(problem.report())
         self._error = CompiledFunction(problem.error)
         self._linear = np.array(problem.linear, dtype=bool)
@@ -54,6 +57,9 @@ class Inspector:
         """Build the functions that a `status` needs."""
         if self._problem.clearances:
             _ = self._clearance
+        if self._criteria:
+            self._certificate.warm_up()
+            _ = self._hessian
 
     def snapshot(self, q: Array, target: Any, box: tuple[Array, Array] | None = None) -> Inspection:
         """The inspection of ``q`` for the target and parameters as they are now, whatever is solved next.
@@ -81,7 +87,24 @@ class Inspector:
             numbers: the inputs, one after the other, as in `InputMemory`.
             target: the target as it was given, for the report's ``unused``; None to leave that out.
         """
-        inputs = self._runners.memory.views(numbers)
+        return self.evaluated(q, self._runners.memory.views(numbers), target)
+
+    def saddle(self, q: Array, inputs: Inputs[Array], report: Callable[[], Report] | None = None) -> Report | None:
+        """The report of q where H is stationary, but not minimal, on the self-motion; None elsewhere.
+
+        Args:
+            q: configuration, (nq,), where H is stationary.
+            inputs: target, parameters, limits and settings.
+            report: what computes its report, which is read only where the certificate does not decide.
+        """
+        with self._lock:
+            if self._certificate(q, inputs):
+                return None
+        found = report() if report else self.evaluated(q, inputs)
+        return found if found.second_order == "saddle" else None
+
+    def evaluated(self, q: Array, inputs: Inputs[Array], target: Any = None) -> Report:
+        """The report of ``q`` for these inputs; ``target`` as in `report`."""
         with self._lock:
             evaluated = self._evaluate(q, inputs.target, inputs.parameters)
         error, jacobian, values, gradient, residual, weighted = evaluated
@@ -134,7 +157,10 @@ class Inspector:
         if found.reached:
             # the report does not consider clearances, which may prevent the criterion from falling; the step does
             stationary = code is Code.DONE if self._problem.clearances else found.stationary
-            return Status.CONVERGED if not self._criteria or stationary else Status.REACHED
+            if self._criteria and not stationary:
+                return Status.REACHED
+            saddle = self._criteria and self.saddle(q, self._runners.memory.views(numbers), report)
+            return Status.SADDLE if saddle else Status.CONVERGED
         if code is Code.CONTINUE:
             return Status.ITERATION_LIMIT
         if found.active_clearances:

@@ -143,13 +143,13 @@ class SaddleEscape:
                 moved_q, V = self._moved(q, sign * step, target)
                 allowed = all(lower[i] <= moved_q[i, 0] <= upper[i] for i, _ in self._problem.bounded)
                 falls = allowed and V[0, 0] < (1 - MINIMUM_DECREASE) * before
-                if falls and self._clear(q, sign * step, inputs):
+                if falls and self.clear(q, sign * step, inputs):
                     q[:] = moved_q[:, 0]
                     return True
             step /= 2
         return False
 
-    def _clear(self, q: Array, v: Array, inputs: Inputs[Array]) -> bool:
+    def clear(self, q: Array, v: Array, inputs: Inputs[Array]) -> bool:
         """Whether clearances, if there are any, hold on the way from q to q + v."""
         if not self._problem.clearances:
             return True

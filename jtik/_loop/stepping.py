@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from jtik._loop.arguments import ConfigurationReader
+from jtik._loop.criterion_escape import StepEscape
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
 from jtik._loop.runner import Runner
@@ -33,12 +34,14 @@ class Stepping:
         configurations: ConfigurationReader,
         *,
         escape: SaddleEscape,
+        criterion_escape: StepEscape,
         inspector: Inspector,
         exclusive: ExclusiveUse,
     ) -> None:
         self._robot, self._tasks, self._runners = robot, tasks, runners
         self._read, self._vector = configurations.read, configurations.vector
         self._escape, self._inspector = escape, inspector
+        self._criterion_escape = criterion_escape if criterion_escape.possible else None
         self._enter, self._leave = exclusive.acquire, exclusive.release
         self._target = runners.memory.inputs.target
         # a target of this shape is copied without a check; arguments are checked after a step that is not finite
@@ -72,6 +75,7 @@ class Stepping:
                 memory[:] = q
             else:
                 memory[:] = self._read("q", q)
+            started = memory.tobytes() if self._criterion_escape else b""
             if box is not None and dt is not None:
                 box.narrow(memory, dt)
                 if box.ahead:
@@ -94,6 +98,13 @@ class Stepping:
                 runner.start(after)
                 moved = False
                 position, orientation = self._inspector.errors(after, runner.inputs)
+            if self._criterion_escape:
+                if not done:
+                    self._criterion_escape.moves()
+                elif self._criterion_escape.escape(started, after, runner.inputs):
+                    runner.start(after)
+                    moved, done, escaped = False, False, True
+                    position, orientation = self._inspector.errors(after, runner.inputs)
             if box is not None and not (moved or done or escaped):
                 after[:] = box.braked()
                 position, orientation = self._inspector.errors(after, runner.inputs)

@@ -5,19 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jtik.result.relaxation import Relaxation
+from jtik.result.second_order import FLAT, LowestCurvature, SecondOrder, lowest_curvature
 from jtik.types import Array
-
-SecondOrder = Literal["minimum", "saddle", "flat"]
-"""The kind of a stationary point of H, by the second derivatives."""
-
-FLAT = 1e-6
-"""An eigenvalue of the reduced Hessian below this fraction of the Hessian's norm counts as zero: q is no more exact."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,13 +103,18 @@ class Report:
         """Norm of (I - J+ J) dH/dv over the joints whose limit is not active; NaN where something is not finite."""
         if not self.finite:
             return float("nan")
-        free, reduced, _ = self._lagrangian()
+        free, reduced, _ = self._lagrangian
         return float(np.linalg.norm(reduced[free]))
 
     @property
     def stationary(self) -> bool:
         """Whether the null-space residual is within the optimality tolerance, relative to max(1, |dH/dv|)."""
-        return self.null_space_residual <= self.tolerances[2] * max(1.0, float(np.linalg.norm(self.gradient)))
+        return self.null_space_residual <= self._small
+
+    @property
+    def _small(self) -> float:
+        """The size up to which the gradient of the Lagrangian counts as zero."""
+        return self.tolerances[2] * max(1.0, float(np.linalg.norm(self.gradient)))
 
     @cached_property
     def second_order(self) -> SecondOrder | None:
@@ -122,23 +122,43 @@ class Report:
 
         None without a criterion, off the target, or where H is not stationary.
         """
+        lowest = self.lowest_curvature
+        if lowest is None:
+            return None
+        return "flat" if lowest.kind == "saddle" and self._leaves_target(lowest) else lowest.kind
+
+    @cached_property
+    def lowest_curvature(self) -> LowestCurvature | None:
+        """The direction of most negative curvature, from which `second_order` follows; None where that is None."""
         if self.curvature is None or not (self.finite and self.reached and self.stationary):
             return None
-        free, _, multipliers = self._lagrangian()
-        hessian, J = self.curvature(multipliers), self.weighted[:, free]
+        _, reduced, multipliers = self._lagrangian
+        hessian = self.curvature(multipliers)
         if not np.isfinite(hessian).all():
             return None
-        _, sigma, rows = np.linalg.svd(J)
-        rank = int((sigma > self.rank_threshold * np.linalg.norm(J)).sum())
-        null = rows[rank:]
-        if not len(null):
-            return "minimum"
-        lowest = float(np.linalg.eigvalsh(null @ hessian[np.ix_(free, free)] @ null.T)[0])
-        scale = float(np.linalg.norm(hessian, 2))
-        if abs(lowest) <= FLAT * scale:
-            return "flat"
-        return "minimum" if lowest > 0 else "saddle"
+        inside = np.ones(len(reduced), dtype=bool)
+        inside[[*self.at_upper, *self.at_lower]] = False
+        inward = np.zeros(len(reduced))
+        upper, lower = self._one_sided
+        inward[[j for j in upper if reduced[j] >= -self._small]] = -1.0
+        inward[[j for j in lower if reduced[j] <= self._small]] = 1.0
+        return lowest_curvature(hessian, self.weighted, inside, inward, self.rank_threshold)
 
+    def _leaves_target(self, lowest: LowestCurvature) -> bool:
+        """Whether, at a singular pose, a motion along the direction leaves the target to second order."""
+        if self.curvature is None or not lowest.missing.size:
+            return False
+        z, without = lowest.direction, self.curvature(np.zeros(len(self.weighted)))
+        second = [z @ (self.curvature(combination) - without) @ z for combination in lowest.missing.T]
+        return bool(np.linalg.norm(second) > FLAT * np.linalg.norm(self.weighted))
+
+    @property
+    def _one_sided(self) -> tuple[list[int], list[int]]:
+        """Joints at their upper limit and at their lower limit, without those at both, which cannot move."""
+        upper, lower = set(self.at_upper), set(self.at_lower)
+        return sorted(upper - lower), sorted(lower - upper)
+
+    @cached_property
     def _lagrangian(self) -> tuple[NDArray[np.bool_], Array, Array]:
         """Joints whose limit is not active, the gradient dH/dv + J' lambda, and the multipliers lambda.
 
@@ -148,11 +168,12 @@ class Report:
         free = np.ones(J.shape[1], dtype=bool)
         free[[*self.at_upper, *self.at_lower]] = False
         reduced, multipliers = gradient, np.zeros(len(J))
+        upper, lower = self._one_sided
         for _ in range(len(self.at_upper) + len(self.at_lower) + 1):
             multipliers = -np.linalg.pinv(J[:, free].T, rcond=self.rank_threshold) @ gradient[free]
             reduced = gradient + J.T @ multipliers
-            inward = [j for j in self.at_upper if not free[j] and reduced[j] > 0]
-            inward += [j for j in self.at_lower if not free[j] and reduced[j] < 0]
+            inward = [j for j in upper if not free[j] and reduced[j] > 0]
+            inward += [j for j in lower if not free[j] and reduced[j] < 0]
             if not inward:
                 break
             free[max(inward, key=lambda j: abs(reduced[j]))] = True

@@ -11,7 +11,8 @@ import numpy as np
 
 from jtik.result.deprecated import RenamedAttribute
 from jtik.result.relaxation import Relaxation
-from jtik.result.report import Report, SecondOrder
+from jtik.result.report import Report
+from jtik.result.second_order import SecondOrder
 from jtik.result.status import Status
 from jtik.result.step import Step
 from jtik.result.trace import Trace
@@ -32,7 +33,7 @@ class Solution:
         status: why the solve stopped; ``status.value`` is a sentence.
         converged: whether the solve succeeded; with ``until="reached"`` the criterion need not be stationary.
         iterations: steps tried, accepted or not, in all attempts together.
-        escapes: how many saddle escapes there were.
+        escapes: how many escapes from saddle points there were, of the error or of the criterion.
         restarts: how many other starting configurations were tried.
         seconds: wall time of the solve [s].
         inspect: function that computes `report`.
@@ -141,8 +142,9 @@ class Solution:
         """Kind of the stationary point of H on the task's solutions: "minimum", "saddle" (or maximum) or "flat".
 
         It follows from the eigenvalues of the Hessian of H + lambda' r over the self-motions that active limits leave.
-        "flat" means that the lowest is zero, as along a valley. None without a criterion, off the target, or where H
-        is not stationary.
+        "flat" means that the lowest is zero, as along a valley, or that second derivatives do not decide, as at some
+        singular poses. None without a criterion, off the target, or where H is not stationary. A solve leaves a saddle
+        where limits and clearances let it; otherwise the status is SADDLE.
         """
         return self.report.second_order
 

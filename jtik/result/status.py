@@ -11,6 +11,7 @@ class Status(Enum):
     Attributes:
         CONVERGED: the target is reached, and the criterion, if any, is stationary.
         REACHED: the target is reached, and the criterion is not stationary.
+        SADDLE: the target is reached, and the criterion is stationary and not minimal.
         LOCAL_MINIMUM: the target is not reached, and the error has a local minimum at q.
         LIMITS: the error is stationary only because of active joint limits.
         JUMP_LIMIT: the target is not reached within the largest change of the joints that ``jump_limit`` allows.
@@ -24,6 +25,7 @@ class Status(Enum):
 
     CONVERGED = "converged: on target, and the criterion cannot fall further without leaving it"
     REACHED = "reached the target; the criterion could still fall"
+    SADDLE = "on target, at a saddle point or a maximum of the criterion, which could still fall"
     LOCAL_MINIMUM = "out of reach, or a local minimum of the error: this is the closest posture nearby"
     LIMITS = "stopped at joint limits: the error could fall if the joints at their limits could move further"
     JUMP_LIMIT = "stopped at jump_limit: the target is not reached within this change of the joints from q0"
@@ -37,9 +39,9 @@ class Status(Enum):
     @property
     def on_target(self) -> bool:
         """Whether the errors are within their tolerances."""
-        return self in (Status.CONVERGED, Status.REACHED)
+        return self in (Status.CONVERGED, Status.REACHED, Status.SADDLE)
 
 
 def is_success(status: Status, until: str) -> bool:
-    """Whether a solve with this ``until`` is a success: a stationary criterion is needed only with "stationary"."""
-    return status is Status.CONVERGED or (status is Status.REACHED and until == "reached")
+    """Whether a solve with this ``until`` is a success: "stationary" needs a criterion that cannot fall further."""
+    return status is Status.CONVERGED or (status.on_target and until == "reached")

@@ -17,7 +17,7 @@ class Step(NamedTuple):
         accepted: whether the step was taken; a refused one leaves q, and the next call tries a smaller one. It can be
             False where `done` is True: there is no step to take.
         done: whether nothing is left to do at the default tolerances.
-        escaped: whether the step was a saddle escape.
+        escaped: whether the step was an escape from a saddle point, of the error or of the criterion.
     """
 
     q: Array

@@ -6,7 +6,8 @@ The operations are those that a criterion, a strategy or a task is made of:
 - elementwise: `sin`, `cos`, `atan2`, `sqrt`, `log`, `fabs`, `fmax`, `fmin`
 - conditions: `if_else`, `logic_and`, `logic_or`, `logic_not`, `is_finite`
 - vectors and matrices: `vertcat`, `horzcat`, `stack`, `reshape`, `vec`, `densify`, `diag`, `trace`, `skew`, `dot`,
-  `cross`, `gram`, `sum1`, `sumsqr`, `norm`, `norm_inf`, `mmax`, `mmin`, `ratio`, `solve_ldl`
+  `cross`, `gram`, `sum1`, `sumsqr`, `norm`, `norm_inf`, `mmax`, `mmin`, `ratio`, `solve_ldl`,
+  `ldl_pivots`
 - derivatives: `gradient`, `jacobian`, `hessian`
 - inspection: `symvar`, `substitute`, `is_equal`
 - functions: `Function`, `function`, `either`, `conic`, `has_conic`, `external`, `c_source`, and the codes of a
@@ -53,6 +54,7 @@ from jtik.symbolic.operations import (
     is_finite,
     is_symbolic,
     jacobian,
+    ldl_pivots,
     log,
     logic_and,
     logic_not,
@@ -117,6 +119,7 @@ __all__ = [
     "is_finite",
     "is_symbolic",
     "jacobian",
+    "ldl_pivots",
     "log",
     "logic_and",
     "logic_not",

@@ -10,7 +10,7 @@ from jtik.result.status import is_success
 
 def test_each_sentence_is_different():
     sentences = [status.value for status in Status]
-    assert len(set(sentences)) == len(sentences) == 11
+    assert len(set(sentences)) == len(sentences)
     assert all(len(sentence.split()) > 3 for sentence in sentences)
 
 
@@ -18,6 +18,7 @@ def test_names():
     assert {status.name for status in Status} == {
         "CONVERGED",
         "REACHED",
+        "SADDLE",
         "LOCAL_MINIMUM",
         "LIMITS",
         "SINGULAR",
@@ -33,4 +34,5 @@ def test_names():
 @pytest.mark.parametrize("status", Status)
 def test_only_arrival_is_success(status):
     assert is_success(status, "stationary") == (status is Status.CONVERGED)
-    assert is_success(status, "reached") == (status in (Status.CONVERGED, Status.REACHED)) == status.on_target
+    arrived = status in (Status.CONVERGED, Status.REACHED, Status.SADDLE)
+    assert is_success(status, "reached") == arrived == status.on_target
