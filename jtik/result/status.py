@@ -11,6 +11,8 @@ class Status(Enum):
     Attributes:
         CONVERGED: the target is reached, and the criterion, if any, is stationary.
         REACHED: the target is reached, and the criterion is not stationary.
+        COMPROMISE: the weighted sum of task error and criterion, which a strategy with ``is_soft`` minimises, is
+            stationary, and the criterion's weight keeps the error above the tolerance.
         LOCAL_MINIMUM: the target is not reached, and the error has a local minimum at q.
         LIMITS: the error is stationary only because of active joint limits.
         BLOCKED: the target is not reached, and a clearance is as small as it may become.
@@ -23,6 +25,7 @@ class Status(Enum):
 
     CONVERGED = "converged: on target, and the criterion cannot fall further without leaving it"
     REACHED = "reached the target; the criterion could still fall"
+    COMPROMISE = "stationary point of the weighted sum of task error and criterion: the error is what the weight costs"
     LOCAL_MINIMUM = "out of reach, or a local minimum of the error: this is the closest posture nearby"
     LIMITS = "stopped at joint limits: the error could fall if the joints at their limits could move further"
     BLOCKED = "stopped at clearances: the error could fall if bodies could come closer to the obstacles"
