@@ -140,7 +140,9 @@ def fused_step(
     progress = Progress.of(model, state, stop)
 
     finite = _finite(model, q)
-    stops = logic_or(logic_or(stop.stationary, stop.compromise), progress.slow)
+    stops = logic_or(stop.stationary, progress.slow)
+    if stop.compromise is not None:
+        stops = logic_or(stops, stop.compromise)
     if not timed:  # a timed step follows its target within the tolerances, too
         stops = logic_or(stops, stop.done_before)
     tried = logic_and(finite, logic_not(stops))
@@ -199,7 +201,7 @@ def _first_state(problem: SymbolicProblem, strategy: Strategy, *, evaluated: boo
     if problem.bounded and evaluated:
         state["active"] = np.zeros(len(problem.bounded))
     robot = problem.robot
-    shape = Shape(robot.n, robot.nq, problem.m, problem.has_criterion, bool(problem.clearances))
+    shape = Shape(robot.n, robot.nq, problem.m, problem.has_criterion, bool(problem.clearances), timed)
     return state | {f"{STRATEGY_PREFIX}{name}": value for name, value in first_state(strategy, shape).items()}
 
 

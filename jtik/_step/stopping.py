@@ -80,7 +80,7 @@ class Stop:
         reached_before: 1 if they are within the tolerances.
         done_before: 1 if the solve ends without a step.
         stationary: 1 if the task is stationary off the target.
-        compromise: 1 if the weighted sum is stationary off the target.
+        compromise: 1 if the weighted sum is stationary off the target; None without one.
     """
 
     def __init__(
@@ -102,7 +102,7 @@ class Stop:
         gradient_norm = active.task_gradient_norm if active else model.task_gradient_norm
         vanishes = gradient_norm <= STATIONARY * model.jacobian_norm * model.here.length
         self.stationary = logic_and(vanishes, logic_not(self.reached_before))
-        self.compromise: Expression = 0
+        self.compromise: Expression | None = None
         if problem.has_criterion:
             residual = stationarity_residual
             if residual is None:
@@ -120,7 +120,8 @@ class Stop:
             restored = logic_or(logic_not(restoration.pending), settings.until_stationary == 0)
             self.done_before = logic_and(self.done_before, restored)
             self.stationary = logic_and(self.stationary, logic_not(restoration.pending))
-            self.compromise = logic_and(self.compromise, logic_not(restoration.pending))
+            if self.compromise is not None:
+                self.compromise = logic_and(self.compromise, logic_not(restoration.pending))
 
     def errors(self, point: Evaluation) -> tuple[Expression, Expression]:
         """Norm of the position rows [m] and of the orientation rows [rad] of the error."""

@@ -27,6 +27,7 @@ class Shape:
         m: number of rows of the residual.
         has_criterion: whether there is a criterion.
         has_clearance: whether there is a clearance.
+        timed: whether the step has a duration.
     """
 
     n: int
@@ -34,6 +35,7 @@ class Shape:
     m: int
     has_criterion: bool
     has_clearance: bool = False
+    timed: bool = False
 
 
 @dataclass(frozen=True)

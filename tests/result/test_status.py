@@ -10,7 +10,7 @@ from jtik.result.status import is_success
 
 def test_each_sentence_is_different():
     sentences = [status.value for status in Status]
-    assert len(set(sentences)) == len(sentences) == 10
+    assert len(set(sentences)) == len(sentences) == 11
     assert all(len(sentence.split()) > 3 for sentence in sentences)
 
 
@@ -18,6 +18,7 @@ def test_names():
     assert {status.name for status in Status} == {
         "CONVERGED",
         "REACHED",
+        "COMPROMISE",
         "LOCAL_MINIMUM",
         "LIMITS",
         "SINGULAR",

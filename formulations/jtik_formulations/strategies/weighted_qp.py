@@ -109,8 +109,8 @@ class WeightedQP(Programmed):
         check_step_limit("q_limit", self.q_limit)
 
     def own_state(self, shape: Shape) -> Mapping[str, Array]:
-        """What is known of the second derivatives, with a criterion and backtracking."""
-        return self._secant.initial_state(shape) if shape.has_criterion and self.backtracking else {}
+        """What is known of the second derivatives, where the step uses them."""
+        return self._secant.initial_state(shape) if self._learns(shape) else {}
 
     def propose(self, model: LocalModel, state: State) -> Proposal:
         """The solution of the quadratic program, corrected for the curvature of the task."""
@@ -151,9 +151,8 @@ class WeightedQP(Programmed):
 
     def adapt(self, model: LocalModel, state: State, proposal: Proposal, outcome: Outcome) -> State:
         """What this step shows of the second derivatives."""
-        if self._learns(model):
-            return {**proposal.state, **self._secant.after(model, proposal.dq, outcome.accepted)}
-        return {name: value for name, value in state.items() if name in SecantHessian.NAMES}
+        after = self._secant.after(model, proposal.dq, outcome.accepted) if self._learns(model) else {}
+        return {**proposal.state, **after}
 
     def merit(self) -> WeightedMerit:
         """gain V + weight H."""
@@ -175,9 +174,9 @@ class WeightedQP(Programmed):
     def _secant(self) -> SecantHessian:
         return SecantHessian(self.curvature)
 
-    def _learns(self, model: LocalModel) -> bool:
+    def _learns(self, of: LocalModel | Shape) -> bool:
         """Whether the step uses second derivatives: one with a time remains as quiet as it is without them."""
-        return model.has_criterion and self.backtracking and not model.timed
+        return of.has_criterion and self.backtracking and not of.timed
 
 
 def _corrected(model: LocalModel, dq: Expression, box: tuple[Expression, Expression]) -> Expression:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -46,8 +45,6 @@ class SecantHessian:
     """
 
     first: float
-
-    NAMES: ClassVar[tuple[str, ...]] = (HESSIAN, GRADIENT, JACOBIAN, STEP, ARRIVED)
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
         """``first`` times the identity, and no last step."""
