@@ -98,7 +98,7 @@ class QPCall:
         return [x, *[type(x).zeros(size, 1) for size in self.solution_sizes[1:]], is_finite(x)]
 
     def solver_function(self, backend: FusedBackend, data: Function) -> Function:
-        """(a solution without solver, whether it is valid, arguments of ``data``) -> results, by a fused back end.
+        """(whether a solution without solver is valid, that solution, arguments of ``data``) -> results.
 
         Neither the data is evaluated nor the solver called where the solution without solver is valid.
 
@@ -106,7 +106,7 @@ class QPCall:
             backend: the back end.
             data: arguments -> the QP's data, its penalties, and whether they are valid.
         """
-        x, valid, arguments = MX.sym("x", self.n), MX.sym("valid"), _inputs(data)
+        x, arguments = MX.sym("x", self.n), _inputs(data)
         known = function("fast_path", [x, *arguments], self.known(x))
         *given, is_valid = called(data, arguments)
         inside = [MX.sym(f"d{i}", *part.shape) for i, part in enumerate(given)]
@@ -115,7 +115,7 @@ class QPCall:
         none = [np.nan * MX.ones(size, 1) for size in self.solution_sizes]
         invalid = function("invalid", inside, [*none, MX(0)])
         solver = function("qp_path", [x, *arguments], called(either(solved, invalid), [is_valid, *given]))
-        return function("solved", [x, valid, *arguments], called(either(known, solver), [valid, x, *arguments]))
+        return either(known, solver)
 
     def solution(self, given: Sequence[Expression], backend: FusedBackend) -> list[Expression]:
         """Expressions of x, row multipliers and box multipliers, by a fused back end, for a QP's data."""
@@ -167,17 +167,15 @@ class FunctionCall:
         return [self.function.numel_out(0)]
 
     def solver_function(self, data: Function) -> Function:
-        """(the known result, whether it is known, arguments of ``data``) -> result.
+        """(whether the result is known, the known one, arguments of ``data``) -> result.
 
         Args:
             data: arguments -> the inputs.
         """
-        known, is_known = MX.sym("known", self.function.numel_out(0)), MX.sym("is_known")
-        arguments = _inputs(data)
+        known, arguments = MX.sym("known", self.function.numel_out(0)), _inputs(data)
         skip = function("skip", [known, *arguments], [known])
         evaluate = function("evaluate", [known, *arguments], called(self.function, called(data, arguments)))
-        chosen = called(either(skip, evaluate), [is_known, known, *arguments])
-        return function(self.name, [known, is_known, *arguments], chosen)
+        return either(skip, evaluate)
 
 
 @dataclass(frozen=True)

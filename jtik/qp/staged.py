@@ -47,8 +47,8 @@ class Staged:
     Attributes:
         local: inputs -> local model.
         stages: (inputs, local model, results of the preparations, then for each earlier stage its intermediate values
-            and the results of its call) -> a result of the stage's call that is known without it, whether it is known,
-            and the stage's intermediate values; for a Python computation its arguments and the intermediate values;
+            and the results of its call) -> whether a result of the stage's call is known without it, that result, and
+            the stage's intermediate values; for a Python computation its arguments and the intermediate values;
             the last one -> outputs of the step.
         data: (what the stage of a call takes, its intermediate values) -> the data of the call, evaluated where no
             result is known; of a QP also whether the data is valid.
@@ -253,7 +253,7 @@ def _fast_path(parts: Staged) -> Function:
     first = given = called(parts.stages[0], known)
     valid: Expression = 1
     for stage, call in zip(parts.stages[1:], parts.calls, strict=True):
-        x, valid_here, intermediate = given
+        valid_here, x, intermediate = given
         valid = logic_and(valid, valid_here)
         known += [intermediate, *(call.known(x) if isinstance(call, QPCall) else [x])]
         given = called(stage, known)
@@ -270,8 +270,8 @@ def _call_data(
 ) -> tuple[list[Expression], list[Expression]]:
     """What a stage returns for a call, and the data of the call, which is evaluated where it is needed."""
     if isinstance(recorded, RecordedFunction):
-        return list(recorded.known), recorded.data()
+        return list(reversed(recorded.known)), recorded.data()
     if isinstance(recorded, RecordedComputation):
         return recorded.data(), []
     qp = recorded.qp
-    return list(qp.solution_without_solver()), [*qp.data(), *qp.penalties, qp.valid]
+    return list(reversed(qp.solution_without_solver())), [*qp.data(), *qp.penalties, qp.valid]
