@@ -12,6 +12,7 @@ import numpy as np
 from jtik._loop.minimum_certificate import MinimumCertificate
 from jtik._loop.runners import Runners
 from jtik._loop.saddle_escape import FLAT, NEGATIVE, SaddleEscape
+from jtik._loop.task_alone import TaskAlone
 from jtik._step.inputs import Inputs, Settings
 from jtik._step.stopping import Code
 from jtik._step.symbolic_problem import SymbolicProblem
@@ -22,6 +23,9 @@ from jtik.result.status import Status
 from jtik.symbolic.compile import CompiledFunction
 from jtik.symbolic.factorization import RANK_THRESHOLD
 from jtik.types import Array
+
+FALLS = 1e-2
+"""|J' r| / (|J| |r|) above which the error would fall without the criterion: no minimum of the error is near."""
 
 
 class Inspector:
@@ -37,6 +41,7 @@ class Inspector:
         self._lowest_curvature, self._certificate = escape.lowest_curvature, certificate
         self._evaluate = CompiledFunction(problem.report())
         self._error = CompiledFunction(problem.error)
+        self._task_alone = TaskAlone(problem, self._error_for)
         self._linear = np.array(problem.linear, dtype=bool)
         self._q_index = np.array([i for i, _ in problem.bounded], dtype=int)
         self._v_index = np.array([j for _, j in problem.bounded], dtype=int)
@@ -142,8 +147,11 @@ class Inspector:
 
     def error(self, q: Array, inputs: Inputs[Array]) -> Array:
         """The task error at q, (m,)."""
+        return self._error_for(q, inputs.target)
+
+    def _error_for(self, q: Array, target: Array) -> Array:
         with self._lock:
-            return self._error(q, inputs.target)[0][:, 0]
+            return self._error(q, target)[0][:, 0]
 
     def status(self, q: Array, code: Code, numbers: Array, report: Callable[[], Report]) -> Status:
         """Why a solve ended at ``q`` with the last code of its steps: the first of the statuses below that applies."""
@@ -163,15 +171,31 @@ class Inspector:
             return Status.SADDLE if saddle else Status.CONVERGED
         if code is Code.CONTINUE:
             return Status.ITERATION_LIMIT
-        if found.active_clearances:
-            return Status.BLOCKED
         inputs = self._runners.memory.views(numbers)
         of_all, of_free = found.relative_gradient
-        if of_all > FLAT:
+        if code is Code.COMPROMISE and self._task_alone_reaches(found, q, inputs):
+            return Status.COMPROMISE
+        if found.active_clearances:
+            return Status.BLOCKED
+        if code is Code.COMPROMISE and of_free > FALLS:
+            return Status.COMPROMISE
+        if code is Code.COMPROMISE:  # of task and criterion, but that is not what keeps the task from its target
+            if self._task_alone.reaches(found, q, inputs.target) is not None:
+                return Status.LIMITS
+        elif of_all > FLAT:
             return Status.LIMITS if of_free <= FLAT else Status.STALLED
         lowest = self._lowest_curvature(q, inputs)[0]
         # close to a minimum, an eigenvalue that is zero at the minimum can be as negative as the relative gradient
         return Status.LOCAL_MINIMUM if lowest > -max(NEGATIVE, of_all) else Status.SINGULAR
+
+    def _task_alone_reaches(self, found: Report, q: Array, inputs: Inputs[Array]) -> bool:
+        """Whether a step of the task alone that keeps limits and clearances removes most of the error at q."""
+        end = self._task_alone.reaches(found, q, inputs.target, (inputs.lower, inputs.upper))
+        if end is None or not self._problem.clearances:
+            return end is not None
+        with self._lock:
+            before, after = (self._clearance(at, inputs.parameters) for at in (q, end))
+        return bool((after[0] >= np.minimum(before[0], before[2][:, :1])).all())
 
     def _curvature(self, q: Array, inputs: Inputs[Array], multipliers: Array) -> Array:
         """The Hessian of the Lagrangian, (n, n)."""

@@ -34,6 +34,7 @@ class CheckedUpdate:
         null_space: the part of ``dq`` meant to move only the null space (n, 1).
         figures: scalars for the trace, by name.
         stationarity_residual: stationarity residual of H; None for that of the local model.
+        compromise_residual: stationarity residual of a weighted sum of V and H; None if the strategy minimises none.
         progress: relative decrease of what the strategy minimises; None for that of V.
         relaxed: amount by which each constraint is relaxed, non-negative, by (name, unit).
     """
@@ -46,6 +47,7 @@ class CheckedUpdate:
     null_space: Expression
     figures: Mapping[str, Expression]
     stationarity_residual: Expression | None
+    compromise_residual: Expression | None
     progress: Expression | None
     relaxed: Mapping[tuple[str, str], Expression]
 
@@ -102,6 +104,7 @@ def checked_update(strategy: Strategy, model: LocalModel, state: Mapping[str, Ex
         null_space=zeros(n) if update.null_space is None else call.displacement("null_space", update.null_space, n),
         figures=figures,
         stationarity_residual=call.optional("stationarity_residual", update.stationarity_residual),
+        compromise_residual=call.optional("compromise_residual", update.compromise_residual),
         progress=call.optional("progress", update.progress),
         relaxed=call.relaxed("relaxed", update.relaxed),
     )

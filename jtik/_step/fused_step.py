@@ -135,11 +135,14 @@ def fused_step(
     update = checked_update(strategy, model, own)
     check_symbols(strategy, update, [q, *inputs, memory, *at.at, *(qps.symbols() if qps else ())], qps)
     restoration = model.restoration if model.clearance and model.clearance.restores else None
-    stop = Stop(problem, model, settings, active, update.stationarity_residual, restoration)
+    compromise = None if timed else update.compromise_residual  # a timed step follows its target all the same
+    stop = Stop(problem, model, settings, active, update.stationarity_residual, restoration, compromise)
     progress = Progress.of(model, state, stop)
 
     finite = _finite(model, q)
     stops = logic_or(stop.stationary, progress.slow)
+    if stop.compromise is not None:
+        stops = logic_or(stops, stop.compromise)
     if not timed:  # a timed step follows its target within the tolerances, too
         stops = logic_or(stops, stop.done_before)
     tried = logic_and(finite, logic_not(stops))
@@ -167,7 +170,7 @@ def fused_step(
     if active and evaluated:
         after["active"] = active.after(model, update.wanted, update.candidate.q, accepted)
     after |= {f"{STRATEGY_PREFIX}{name}": value for name, value in update.state.items()}
-    code = progress.code(done, stalled)
+    code = progress.code(done, stalled, stop.compromise)
     if qps:
         code = if_else(qps.solved(), code, Code.UNSOLVED)
     outcome = vertcat(if_else(finite, code, Code.NOT_FINITE), tried, accepted, *errors, V)
@@ -198,7 +201,7 @@ def _first_state(problem: SymbolicProblem, strategy: Strategy, *, evaluated: boo
     if problem.bounded and evaluated:
         state["active"] = np.zeros(len(problem.bounded))
     robot = problem.robot
-    shape = Shape(robot.n, robot.nq, problem.m, problem.has_criterion, bool(problem.clearances))
+    shape = Shape(robot.n, robot.nq, problem.m, problem.has_criterion, bool(problem.clearances), timed)
     return state | {f"{STRATEGY_PREFIX}{name}": value for name, value in first_state(strategy, shape).items()}
 
 

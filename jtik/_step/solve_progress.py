@@ -106,7 +106,9 @@ class Progress:
         stalled = logic_or(stop.stationary, logic_or(refused >= REFUSALS, stagnant >= STAGNATIONS))
         return after | {"refused": refused, "stagnant": stagnant}, stalled
 
-    def code(self, done: Expression, stalled: Expression) -> Expression:
+    def code(self, done: Expression, stalled: Expression, compromise: Expression | None = None) -> Expression:
         """The code of a step whose numbers are finite."""
-        slow = if_else(self.slow, Code.SLOW, Code.CONTINUE)
-        return if_else(done, Code.DONE, if_else(stalled, Code.STALLED, slow))
+        code = if_else(self.slow, Code.SLOW, Code.CONTINUE)
+        if compromise is not None:
+            code = if_else(compromise, Code.COMPROMISE, code)
+        return if_else(done, Code.DONE, if_else(stalled, Code.STALLED, code))

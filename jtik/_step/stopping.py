@@ -27,6 +27,7 @@ class Code(IntEnum):
         NOT_FINITE: task, criterion or a derivative is not finite.
         SLOW: the patience of the attempt is used up.
         UNSOLVED: a quadratic program or a computation has no valid result.
+        COMPROMISE: a weighted sum of V and H is stationary off the target.
     """
 
     CONTINUE = 0
@@ -35,6 +36,7 @@ class Code(IntEnum):
     NOT_FINITE = 3
     SLOW = 4
     UNSOLVED = 5
+    COMPROMISE = 6
 
 
 class StepOutcome(NamedTuple):
@@ -71,12 +73,14 @@ class Stop:
         active: the active set; None without limits.
         stationarity_residual: the strategy's stationarity residual of H; None for that of the model.
         restoration: the feasibility restoration; None if nothing is restored.
+        compromise_residual: the stationarity residual of the strategy's weighted sum of V and H; None without one.
 
     Attributes:
         errors_before: norms of the position rows [m] and of the orientation rows [rad] before the step.
         reached_before: 1 if they are within the tolerances.
         done_before: 1 if the solve ends without a step.
         stationary: 1 if the task is stationary off the target.
+        compromise: 1 if the weighted sum is stationary off the target; None without one.
     """
 
     def __init__(
@@ -87,6 +91,7 @@ class Stop:
         active: ActiveSet | None,
         stationarity_residual: Expression | None,
         restoration: FeasibilityRestoration | None = None,
+        compromise_residual: Expression | None = None,
     ) -> None:
         self._restoration = restoration
         self._problem, self._settings = problem, settings
@@ -97,18 +102,26 @@ class Stop:
         gradient_norm = active.task_gradient_norm if active else model.task_gradient_norm
         vanishes = gradient_norm <= STATIONARY * model.jacobian_norm * model.here.length
         self.stationary = logic_and(vanishes, logic_not(self.reached_before))
+        self.compromise: Expression | None = None
         if problem.has_criterion:
             residual = stationarity_residual
             if residual is None:
                 residual = model.stationarity_residual
                 residual = fmax(residual, active.largest_wrong_multiplier(model)) if active else residual
             size = model.joint_gradient_norm(model.gradient_free, model.gradient_norm)
-            small = residual <= settings.optimality_tolerance * fmax(1, size)
+            largest = settings.optimality_tolerance * fmax(1, size)
+            small = residual <= largest
+            if compromise_residual is not None:
+                balanced = compromise_residual <= largest
+                self.compromise = logic_and(balanced, logic_not(self.reached_before))
+                small = logic_or(small, balanced)
             self.done_before = logic_and(self.reached_before, logic_or(small, settings.until_stationary == 0))
         if restoration:
             restored = logic_or(logic_not(restoration.pending), settings.until_stationary == 0)
             self.done_before = logic_and(self.done_before, restored)
             self.stationary = logic_and(self.stationary, logic_not(restoration.pending))
+            if self.compromise is not None:
+                self.compromise = logic_and(self.compromise, logic_not(restoration.pending))
 
     def errors(self, point: Evaluation) -> tuple[Expression, Expression]:
         """Norm of the position rows [m] and of the orientation rows [rad] of the error."""

@@ -74,6 +74,7 @@ SHOWN = (
     "jacobian",
     "gradient",
     "null_space_residual",
+    "multipliers",
     "second_order",
     "condition",
     "active_limits",

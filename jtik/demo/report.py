@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 from jtik.demo.measure import PathResult, StrategyResult
 from jtik.demo.scene import Scene
+from jtik.result.status import Status
 
 if TYPE_CHECKING:
     from rich.table import Table
 
 
-_STYLE: dict[str, Any] = {"title_justify": "left", "title_style": "bold", "pad_edge": False}
+_STYLE: dict[str, Any] = {"title_justify": "left", "title_style": "bold", "caption_justify": "left", "pad_edge": False}
 
 
 def path_table(result: PathResult) -> Table:
@@ -52,7 +53,7 @@ def strategy_table(results: Sequence[StrategyResult]) -> Table:
         **_STYLE,
     )
     table.add_column("strategy", style="bold", no_wrap=True)
-    table.add_column("status", overflow="fold", min_width=len("converged"))
+    table.add_column("status", overflow="fold", min_width=len("compromise"))
     headings = (
         "steps",
         "residual\n[m]",
@@ -77,6 +78,8 @@ def strategy_table(results: Sequence[StrategyResult]) -> Table:
             f"{result.link_clearance:.3f}",
             f"{1e6 * result.step_seconds:.1f}",
         )
+    if any(result.status is Status.COMPROMISE for result in results):
+        table.caption = f"compromise: {Status.COMPROMISE.value}"
     return table
 
 

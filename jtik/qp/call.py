@@ -13,7 +13,8 @@ from jtik.qp.elastic import SlackExpansion
 from jtik.qp.quadratic_program import QuadraticProgram
 from jtik.qp.recorder import Compute
 from jtik.qp.refinement import refinement
-from jtik.symbolic import MX, Expression, Function, either, function
+from jtik.qp.solution import QPSolution
+from jtik.symbolic import MX, Expression, Function, either, function, is_finite, symbol
 from jtik.symbolic.compile import bind, to_c
 from jtik.types import Array
 
@@ -28,6 +29,7 @@ class QPCall:
         rows: number of rows.
         expansion: how slack variables are added for elastic rows; None without elastic rows.
         refinement: what corrects solutions so that exact rows hold to rounding; None without exact rows.
+        check: (the QP's data, solution) -> whether it is one; None for a QP whose solution is not checked.
     """
 
     name: str
@@ -35,25 +37,33 @@ class QPCall:
     rows: int
     expansion: SlackExpansion | None = None
     refinement: Function = None
+    check: Function = None
 
     @classmethod
-    def of(cls, qp: QuadraticProgram) -> QPCall:
-        """The call for QPs of the size of ``qp``."""
+    def of(cls, qp: QuadraticProgram, accuracy: float | None = None) -> QPCall:
+        """The call for QPs of the size of ``qp``, whose solutions are checked to ``accuracy`` if that is given."""
         exact, start = list[int](), 0
         for group in qp.rows:
             exact += range(start, start + group.count) if group.exact else ()
             start += group.count
         refine = refinement(qp.size, qp.row_count, exact) if exact else None
-        return cls(qp.name, qp.size, qp.row_count, qp.expansion, refine)
+        check = None if accuracy is None else _check(qp, accuracy)
+        return cls(qp.name, qp.size, qp.row_count, qp.expansion, refine, check)
 
     def compiled(self) -> QPCall:
         """The same with generated C."""
-        return replace(self, refinement=to_c(self.refinement)) if self.refinement else self
+        refine, check = (to_c(each) if each else None for each in (self.refinement, self.check))
+        return replace(self, refinement=refine, check=check)
+
+    @property
+    def solution_sizes(self) -> list[int]:
+        """Lengths of x, row multipliers and box multipliers."""
+        return [self.n, self.rows, self.n]
 
     @property
     def sizes(self) -> list[int]:
-        """Lengths of x, row multipliers and box multipliers."""
-        return [self.n, self.rows, self.n]
+        """The same, and the length of whether they are a solution."""
+        return [*self.solution_sizes, 1]
 
     @property
     def expanded_size(self) -> int:
@@ -83,16 +93,29 @@ class QPCall:
         n, (P, q, C, low, high, lower, upper) = self.expanded_size, memory
         return NumericQP(P.reshape(n, n).T, q, C.reshape(n, self.rows).T, low, high, lower, upper)
 
-    def solver_function(self, backend: FusedBackend) -> Function:
-        """(the QP's data, a solution without solver, whether it is valid) -> solution, by a fused back end.
+    def known(self, x: Expression) -> list[Expression]:
+        """The results where x (n, 1) is known without a solver."""
+        return [x, *[type(x).zeros(size, 1) for size in self.solution_sizes[1:]], is_finite(x)]
 
-        The solver is not called where the solution without solver is valid.
+    def solver_function(self, backend: FusedBackend, data: Function) -> Function:
+        """(whether a solution without solver is valid, that solution, arguments of ``data``) -> results.
+
+        Neither the data is evaluated nor the solver called where the solution without solver is valid.
+
+        Args:
+            backend: the back end.
+            data: arguments -> the QP's data, its penalties, and whether they are valid.
         """
-        data = [MX.sym(f"d{i}", *size) for i, size in enumerate(self.data_sizes)]
-        *given, x, valid = data
-        fast = function("fast_path", [*given, x], [x, MX(self.rows, 1), MX(self.n, 1)])
-        solver = function("qp_path", [*given, x], self.solution(given, backend))
-        return function("solved", data, called(either(fast, solver), [valid, *given, x]))
+        x, arguments = MX.sym("x", self.n), _inputs(data)
+        known = function("fast_path", [x, *arguments], self.known(x))
+        *given, is_valid = called(data, arguments)
+        inside = [MX.sym(f"d{i}", *part.shape) for i, part in enumerate(given)]
+        solution = self.solution(inside, backend)
+        solved = function("valid", inside, [*solution, self.check(*inside, *solution)])
+        none = [np.nan * MX.ones(size, 1) for size in self.solution_sizes]
+        invalid = function("invalid", inside, [*none, MX(0)])
+        solver = function("qp_path", [x, *arguments], called(either(solved, invalid), [is_valid, *given]))
+        return either(known, solver)
 
     def solution(self, given: Sequence[Expression], backend: FusedBackend) -> list[Expression]:
         """Expressions of x, row multipliers and box multipliers, by a fused back end, for a QP's data."""
@@ -111,24 +134,19 @@ class QPCall:
         Args:
             backend: the back end.
             data: the QP's data, filled in and without slacks.
-            solution: memory of x, row multipliers and box multipliers.
+            solution: memory of x, row multipliers and box multipliers, and of whether they are a solution where that
+                is checked.
         """
         memory, expand = self.expanded_memory(data)
         calls: list[Callable[[], None]] = [expand] if expand else []
-        if not self.refinement:
-            calls.append(BoundSolver(backend, self.numeric_qp(memory), solution))
-            return in_turn(calls)
-        (x, rows, box), found = solution, np.zeros(self.n)
+        x, rows, box = solution[:3]
+        found = np.zeros(self.n) if self.refinement else x
         calls.append(BoundSolver(backend, self.numeric_qp(memory), [found, rows, box]))
-        calls.append(bind(self.refinement, [*data[2:7], found, box, np.full(1, backend.accuracy)], [x]))
+        if self.refinement:
+            calls.append(bind(self.refinement, [*data[2:7], found, box, np.full(1, backend.accuracy)], [x]))
+        if self.check:
+            calls.append(bind(self.check, [*data[: self.check.n_in() - 3], x, rows, box], [solution[3]]))
         return in_turn(calls)
-
-    @property
-    def data_sizes(self) -> list[tuple[int, int]]:
-        """Shapes of P, q, C, l, u, lb, ub, the penalties of elastic rows, a solution without solver, its validity."""
-        n, k, e = self.n, self.rows, len(self.expansion.elastic) if self.expansion else 0
-        penalties = [(e, 1)] * 3 if self.expansion else []
-        return [(n, n), (n, 1), (k, n), (k, 1), (k, 1), (n, 1), (n, 1), *penalties, (n, 1), (1, 1)]
 
 
 @dataclass(frozen=True)
@@ -148,18 +166,16 @@ class FunctionCall:
         """The length of the result."""
         return [self.function.numel_out(0)]
 
-    def bound(self, data: list[Array], results: list[Array]) -> Callable[[], None]:
-        """The call on this memory."""
-        return bind(self.solver_function(None), data, results)
+    def solver_function(self, data: Function) -> Function:
+        """(whether the result is known, the known one, arguments of ``data``) -> result.
 
-    def solver_function(self, backend: object) -> Function:
-        """(the inputs, the known result, whether it is known) -> result; no back end is used."""
-        given = [MX.sym(f"d{i}", *self.function.size_in(i)) for i in range(self.function.n_in())]
-        known, is_known = MX.sym("known", self.function.numel_out(0)), MX.sym("is_known")
-        skip = function("skip", [*given, known], [known])
-        evaluate = function("evaluate", [*given, known], called(self.function, given))
-        data = [*given, known, is_known]
-        return function(self.name, data, called(either(skip, evaluate), [is_known, *given, known]))
+        Args:
+            data: arguments -> the inputs.
+        """
+        known, arguments = MX.sym("known", self.function.numel_out(0)), _inputs(data)
+        skip = function("skip", [known, *arguments], [known])
+        evaluate = function("evaluate", [known, *arguments], called(self.function, called(data, arguments)))
+        return either(skip, evaluate)
 
 
 @dataclass(frozen=True)
@@ -211,6 +227,19 @@ class BoundComputation:
             if found is not None and np.shape(values) != memory.shape:
                 raise ArgumentError(f"result {i} of a computation", f"{np.size(values)} numbers", f"{len(memory)}")
             memory[:] = values
+
+
+def _inputs(of: Function) -> list[MX]:
+    """Symbols of the inputs of a function."""
+    return [MX.sym(f"a{i}", *of.size_in(i)) for i in range(of.n_in())]
+
+
+def _check(qp: QuadraticProgram, accuracy: float) -> Function:
+    """(the QP's data, its penalties, x, row multipliers, box multipliers) -> whether they are its solution."""
+    data = [symbol(f"d{i}", *part.shape) for i, part in enumerate([*qp.data(), *qp.penalties])]
+    x, rows, box = solution = [symbol(f"s{i}", size) for i, size in enumerate((qp.size, qp.row_count, qp.size))]
+    found = QPSolution(x, rows, box, qp.with_data(data))
+    return function("jtik_check", [*data, *solution], [found.solved(accuracy)])
 
 
 def in_turn(calls: Sequence[Callable[[], None]]) -> Callable[[], None]:

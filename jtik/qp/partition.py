@@ -6,7 +6,7 @@ factorisation, are passed on as numbers instead of being computed twice.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from jtik.symbolic import (
@@ -25,38 +25,51 @@ from jtik.symbolic import (
 
 
 def partitioned(
-    names: Sequence[str], known: Sequence[Sequence[Expression]], wanted: Sequence[Sequence[Expression]]
-) -> list[Function]:
+    names: Sequence[str],
+    known: Sequence[Sequence[Expression]],
+    wanted: Sequence[Sequence[Expression]],
+    deferred: Sequence[Sequence[Expression]] = (),
+) -> tuple[list[Function], list[Function]]:
     """Functions that compute ``wanted[k]`` from the symbols ``known[0]`` to ``known[k]``.
 
     Args:
         names: names of the functions.
         known: symbols whose values become known before each stage.
         wanted: expressions that each stage returns.
+        deferred: expressions that are computed after a stage, where they are needed; for the first stages, or for all
+            but the last.
 
     Returns:
         One function for each stage. Function k takes ``known[0]``, then for each earlier stage j the intermediate
         values of stage j and ``known[j + 1]``. It returns ``wanted[k]`` and, except for the last, one column of
-        intermediate values.
+        intermediate values. Then one function for each of ``deferred``, which takes what that stage takes and its
+        intermediate values. What only such functions need is computed in them.
     """
-    graph = _Graph.of(known, [[densify(each) for each in group] for group in wanted])
+    dense, later = ([[densify(each) for each in group] for group in groups] for groups in (wanted, deferred))
+    graph = _Graph.of(known, dense, later)
     passed_on: list[list[int]] = [[] for _ in names]
     for node in sorted(graph.used_later):
         passed_on[graph.stage[node]].append(node)
     columns = [symbol(f"intermediate{k}", len(nodes)) for k, nodes in enumerate(passed_on)]
-    functions = []
+    stages, after = list[Function](), list[Function]()
+    inputs, passed = list(known[0]), dict[int, Expression]()
     for k, name in enumerate(names):
-        inputs = list(known[0])
-        values: dict[int, Expression] = {}
-        for j in range(k):
-            inputs += [columns[j], *known[j + 1]]
-            values |= {node: columns[j][i] for i, node in enumerate(passed_on[j])}
-        graph.evaluate(k, values)
+        values = dict(passed)
+        graph.evaluate([node for node in graph.computed if graph.stage[node] == k], values)
         outputs = [_filled(like, graph.results[k][i], values) for i, like in enumerate(wanted[k])]
-        if k < len(names) - 1:
-            outputs.append(vertcat(*[values[node] for node in passed_on[k]]) if passed_on[k] else zeros(0))
-        functions.append(function(name, inputs, outputs))
-    return functions
+        if k == len(names) - 1:
+            stages.append(function(name, inputs, outputs))
+            break
+        outputs.append(vertcat(*[values[node] for node in passed_on[k]]) if passed_on[k] else zeros(0))
+        stages.append(function(name, inputs, outputs))
+        passed |= {node: columns[k][i] for i, node in enumerate(passed_on[k])}
+        if k < len(deferred):
+            values = dict(passed)
+            graph.evaluate(graph.only_deferred[k], values)
+            outputs = [_filled(like, graph.deferred[k][i], values) for i, like in enumerate(deferred[k])]
+            after.append(function(f"{name}_data", [*inputs, columns[k]], outputs))
+        inputs = [*inputs, columns[k], *known[k + 1]]
+    return stages, after
 
 
 @dataclass
@@ -67,31 +80,43 @@ class _Graph:
         nodes: (operation, operands) of each node, in an order in which they can be computed.
         given: values of the nodes that are symbols or constants.
         stage: first stage in which each node can be computed; -1 for constants.
-        used_later: nodes that a later stage needs.
         results: nodes of each entry of each wanted expression of each stage.
+        deferred: the same of the deferred expressions.
+        computed: nodes that a stage computes, in order.
+        used_later: nodes that another function than that of their stage needs.
+        only_deferred: for each stage the nodes that its deferred expressions need and no stage computes, in order.
     """
 
     nodes: list[tuple[int, tuple[int, ...]]]
     given: dict[int, Expression]
     stage: list[int]
-    used_later: set[int]
     results: list[list[list[int]]]
+    deferred: list[list[list[int]]]
+    computed: list[int]
+    used_later: set[int]
+    only_deferred: list[list[int]]
 
     @classmethod
-    def of(cls, known: Sequence[Sequence[Expression]], wanted: Sequence[Sequence[Expression]]) -> _Graph:
-        """From the instructions of one function that computes all wanted expressions."""
+    def of(
+        cls,
+        known: Sequence[Sequence[Expression]],
+        wanted: Sequence[Sequence[Expression]],
+        deferred: Sequence[Sequence[Expression]],
+    ) -> _Graph:
+        """From the instructions of one function that computes all expressions."""
         symbols = [(k, each) for k, group in enumerate(known) for each in group]
-        outputs = [(k, i) for k, group in enumerate(wanted) for i in range(len(group))]
-        joined = function("joined", [each for _, each in symbols], [wanted[k][i] for k, i in outputs])
-        graph = cls([], {}, [], set(), [[[0] * each.numel() for each in group] for group in wanted])
+        results, later = ([[[0] * each.numel() for each in group] for group in groups] for groups in (wanted, deferred))
+        outputs = [
+            (nodes, each) for at, of in ((results, wanted), (later, deferred)) for nodes, each in _paired(at, of)
+        ]
+        joined = function("joined", [each for _, each in symbols], [each for _, each in outputs])
+        graph = cls([], {}, [], results, later, [], set(), [])
         memory: dict[int, int] = {}
         for at in range(joined.n_instructions()):
             operation = joined.instruction_id(at)
             if operation == OP_OUTPUT:
-                (k, i), entry = outputs[joined.instruction_output(at)[0]], joined.instruction_output(at)[1]
-                node = memory[joined.instruction_input(at)[0]]
-                graph.results[k][i][entry] = node
-                graph._use(node, k)
+                index, entry = joined.instruction_output(at)
+                outputs[index][0][entry] = memory[joined.instruction_input(at)[0]]
                 continue
             node = len(graph.nodes)
             operands: tuple[int, ...] = ()
@@ -107,26 +132,55 @@ class _Graph:
                 stage = max(graph.stage[operand] for operand in operands)
             graph.nodes.append((operation, operands))
             graph.stage.append(stage)
-            for operand in operands:
-                graph._use(operand, stage)
             memory[joined.instruction_output(at)[0]] = node
+        graph._divide()
         return graph
+
+    def _divide(self) -> None:
+        """Find which nodes are passed on, and which ones only deferred expressions need."""
+        computed = set[int]()
+        for k, group in enumerate(self.results):
+            for node in (node for nodes in group for node in nodes):
+                computed.add(node)
+                self._use(node, k)
+        for node in reversed(range(len(self.nodes))):
+            if node in computed:
+                for operand in self.nodes[node][1]:
+                    computed.add(operand)
+                    self._use(operand, self.stage[node])
+        self.computed = sorted(computed)
+        for group in self.deferred:
+            wanted = {node for nodes in group for node in nodes}
+            for node in reversed(range(len(self.nodes))):
+                if node in wanted and node not in computed:
+                    wanted.update(self.nodes[node][1])
+            self.used_later |= {node for node in wanted if node in computed and node not in self.given}
+            self.only_deferred.append(sorted(wanted - computed))
 
     def _use(self, node: int, stage: int) -> None:
         """Note that a stage needs a node; symbols and constants are available in every stage."""
         if node not in self.given and self.stage[node] < stage:
             self.used_later.add(node)
 
-    def evaluate(self, stage: int, values: dict[int, Expression]) -> None:
-        """Add the values of all nodes of a stage to the values that it is given."""
+    def evaluate(self, nodes: Sequence[int], values: dict[int, Expression]) -> None:
+        """Add the values of these nodes to the values that are given."""
         values |= self.given
-        for node, (operation, operands) in enumerate(self.nodes):
-            if self.stage[node] != stage or node in values:
+        for node in nodes:
+            operation, operands = self.nodes[node]
+            if node in values:
                 continue
             if len(operands) == 1:
                 values[node] = SX.unary(operation, values[operands[0]])
             else:
                 values[node] = SX.binary(operation, values[operands[0]], values[operands[1]])
+
+
+def _paired(
+    nodes: Sequence[Sequence[list[int]]], expressions: Sequence[Sequence[Expression]]
+) -> Iterator[tuple[list[int], Expression]]:
+    """The nodes of each expression with the expression."""
+    for group, own in zip(nodes, expressions, strict=True):
+        yield from zip(group, own, strict=True)
 
 
 def _filled(like: Expression, nodes: Sequence[int], values: dict[int, Expression]) -> Expression:

@@ -66,7 +66,7 @@ class PreparationCall:
         if isinstance(backend, FusedBackend):
             return bind(self.solver_function(backend), known, results)
         data, needed = output_memory(self.data), np.zeros(1)
-        solution = [np.zeros(size) for size in self.call.sizes]
+        solution = [np.zeros(size) for size in self.call.solution_sizes]
         calls = [bind(self.data, known, data), self.call.bound_solver(backend, data, solution)]
         calls.append(bind(self.finish, [*known, *solution], results))
         evaluate_needed = bind(self.needed, known, [needed])

@@ -16,7 +16,7 @@ from functools import cached_property
 
 from jtik.errors import ArgumentError
 from jtik.qp.convexity import ZERO_PIVOT, is_convex, smallest_eigenvalue
-from jtik.qp.elastic import SlackExpansion
+from jtik.qp.elastic import Elastic, SlackExpansion
 from jtik.qp.rows import Rows
 from jtik.qp.solution import QPSolution
 from jtik.symbolic import (
@@ -103,8 +103,13 @@ class QuadraticProgram:
     @cached_property
     def valid(self) -> Expression:
         """1 where numbers are finite, or infinite bounds, and no bounds cross; else 0, and no solver is called."""
-        P, q, C, low, high, lower, upper = self.data()
-        good = logic_and(is_finite(P), logic_and(is_finite(q), is_finite(C)))
+        return logic_and(is_finite(self.P), self._bounds_valid)
+
+    @cached_property
+    def _bounds_valid(self) -> Expression:
+        """The same for all numbers but those of P."""
+        _, q, C, low, high, lower, upper = self.data()
+        good = logic_and(is_finite(q), is_finite(C))
         for below, above in ((low, high), (lower, upper)):
             for i in range(below.shape[0]):
                 good = logic_and(good, below[i] <= above[i] + CROSSING_TOLERANCE)
@@ -161,11 +166,25 @@ class QuadraticProgram:
         not finite, and no solution.
 
         Returns:
-            x (n, 1), NaN for an invalid QP, because some solvers loop on NaN; 1 where no solver has to be called,
-            else 0.
+            x (n, 1), NaN for invalid bounds, rows or linear cost; 1 where no solver has to be called, else 0.
         """
         x, solves = self.closed_form or self._unconstrained_minimiser()
-        return if_else(self.valid, x, math.nan), logic_or(solves, logic_not(self.valid))
+        return if_else(self._bounds_valid, x, math.nan), logic_or(solves, logic_not(self._bounds_valid))
+
+    def with_data(self, data: Sequence[Expression]) -> QuadraticProgram:
+        """The same QP for other data: what `data` returns, then the `penalties`."""
+        (P, q, C, low, high, lower, upper), penalties = data[:7], data[7:]
+        rows, start, elastic_start = list[Rows](), 0, 0
+        for group in self.rows:
+            own, elastic = slice(start, start + group.count), group.elastic
+            if elastic:
+                of = slice(elastic_start, elastic_start + group.count)
+                penalty, curvature, max_slack = (column[of] for column in penalties)
+                elastic, elastic_start = Elastic(penalty, max_slack, curvature), of.stop
+            rows.append(Rows(group.name, C[own, :], low[own], high[own], elastic, group.exact))
+            start = own.stop
+        known = (zeros(self.size), zeros(1)) if self.closed_form else None
+        return QuadraticProgram(P, q, lower, upper, rows, self.name, known)
 
     def _unconstrained_minimiser(self) -> tuple[Expression, Expression]:
         """-P^-1 q, and 1 where it satisfies rows and box, else 0."""

@@ -23,10 +23,13 @@ class RecordedQP:
     Attributes:
         qp: the QP.
         solution: its solution, as symbols.
+        good: 1 where the solution satisfies the optimality conditions, as a symbol. What solves the QP checks it: a
+            solution that is known without a solver only has to be finite.
     """
 
     qp: QuadraticProgram
     solution: QPSolution
+    good: Expression
     program = RenamedAttribute("qp")
     answers = RenamedAttribute("result_symbols")
 
@@ -41,12 +44,12 @@ class RecordedQP:
 
     @property
     def result_symbols(self) -> list[Expression]:
-        """Symbols of x, row multipliers and box multipliers."""
-        return [self.solution.x, self.solution.row_multipliers, self.solution.box_multipliers]
+        """Symbols of x, row multipliers and box multipliers, and of whether they are a solution."""
+        return [self.solution.x, self.solution.row_multipliers, self.solution.box_multipliers, self.good]
 
-    def solved(self, accuracy: float) -> Expression:
-        """1 where the solution satisfies the optimality conditions to ``accuracy``, else 0."""
-        return self.solution.solved(accuracy)
+    def solved(self) -> Expression:
+        """1 where the QP is solved, else 0."""
+        return self.good
 
 
 @dataclass(frozen=True)
@@ -70,7 +73,7 @@ class RecordedComputation:
         """Expressions of the arguments."""
         return self.inputs
 
-    def solved(self, accuracy: float) -> Expression:
+    def solved(self) -> Expression:
         """1 where no result is NaN, else 0."""
         good: Expression = 1
         for result in self.result_symbols:
@@ -102,7 +105,7 @@ class RecordedFunction:
         """Expressions of the arguments."""
         return self.inputs
 
-    def solved(self, accuracy: float) -> Expression:
+    def solved(self) -> Expression:
         """1: the function itself answers for its result."""
         return 1
 
@@ -180,8 +183,9 @@ class QPRecorder:
 
     def solve(self, qp: QuadraticProgram) -> QPSolution:
         """Record a QP and return its solution, as symbols."""
-        solution = _symbols(qp, str(len(self.calls)))
-        self.calls.append(RecordedQP(qp, solution))
+        k = len(self.calls)
+        solution = _symbols(qp, str(k))
+        self.calls.append(RecordedQP(qp, solution, symbol(f"good{k}", 1)))
         return solution
 
     def solutions(self) -> list[tuple[QuadraticProgram, QPSolution]]:
@@ -222,7 +226,7 @@ class QPRecorder:
         """1 where all QPs and computations so far have valid results, else 0."""
         good: Expression = 1
         for recorded in self.calls:
-            good = logic_and(good, recorded.solved(self.accuracy))
+            good = logic_and(good, recorded.solved())
         return good
 
 

@@ -4,6 +4,7 @@ The stages are SX functions, fast and available as generated C. A fused back end
 function; any other back end is called between the stages. Most steps need no solver, because each QP has a closed-form
 solution or an unconstrained minimiser that is feasible. With a fused back end such a step is one function, the fast
 path, which also reports whether it was valid; where it was not, the QP path continues from the values of the fast path.
+The data of a QP, and the check of its solution, are evaluated only where the solver is called.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from jtik.qp.conic import Conic
 from jtik.qp.partition import partitioned
 from jtik.qp.preparation import PreparationCall
 from jtik.qp.recorder import QPRecorder, RecordedComputation, RecordedFunction, RecordedQP
-from jtik.symbolic import MX, Expression, Function, either, function, logic_and, symbol, zeros
+from jtik.symbolic import MX, Expression, Function, either, function, logic_and, symbol
 from jtik.symbolic.compile import bind, to_c
 from jtik.types import Array
 
@@ -46,8 +47,11 @@ class Staged:
     Attributes:
         local: inputs -> local model.
         stages: (inputs, local model, results of the preparations, then for each earlier stage its intermediate values
-            and the results of its call) -> the data of a call and the stage's intermediate values; the last one ->
-            outputs of the step.
+            and the results of its call) -> whether a result of the stage's call is known without it, that result, and
+            the stage's intermediate values; for a Python computation its arguments and the intermediate values;
+            the last one -> outputs of the step.
+        data: (what the stage of a call takes, its intermediate values) -> the data of the call, evaluated where no
+            result is known; of a QP also whether the data is valid.
         calls: the calls between the stages.
         backend: what solves the QPs.
         preparations: QPs that are solved before the step, where they are needed.
@@ -58,6 +62,7 @@ class Staged:
 
     local: Function
     stages: tuple[Function, ...]
+    data: tuple[Function, ...]
     calls: tuple[StageCall, ...]
     backend: Backend
     preparations: tuple[PreparationCall, ...] = ()
@@ -72,11 +77,13 @@ class Staged:
         """The same as generated C, all but the solver."""
         fast = [self.fast_path] if self.fast_path else []
         with ThreadPoolExecutor() as compilers:
-            local, *rest = compilers.map(to_c, [self.local, *fast, *self.stages])
+            local, *rest = compilers.map(to_c, [self.local, *fast, *self.stages, *self.data])
+        stages = rest[len(fast) :]
         return replace(
             self,
             local=local,
-            stages=tuple(rest[len(fast) :]),
+            stages=tuple(stages[: len(self.stages)]),
+            data=tuple(stages[len(self.stages) :]),
             calls=tuple(call.compiled() if isinstance(call, QPCall) else call for call in self.calls),
             preparations=tuple(each.compiled() for each in self.preparations),
             fast_path=rest[0] if fast else None,
@@ -112,9 +119,19 @@ class Staged:
         assert isinstance(self.backend, FusedBackend)
         for k, call in enumerate(self.calls):
             assert not isinstance(call, PythonCall)
-            *data, intermediate = called(self.stages[k], known) if k or given is None else given
-            known = [*known, intermediate, *called(call.solver_function(self.backend), data)]
+            *without, intermediate = called(self.stages[k], known) if k or given is None else given
+            results = called(self._solver_function(k), [*without, *known, intermediate])
+            known = [*known, intermediate, *results]
         return called(self.stages[-1], known)
+
+    def _solver_function(self, k: int, backend: FusedBackend | None = None) -> Function:
+        """(what stage k returns but its intermediate values, arguments of ``data[k]``) -> results of call k."""
+        call, solver = self.calls[k], backend or self.backend
+        if isinstance(call, FunctionCall):
+            return call.solver_function(self.data[k])
+        assert isinstance(call, QPCall)
+        assert isinstance(solver, FusedBackend)
+        return call.solver_function(solver, self.data[k])
 
     def numeric_qp(self, name: str | None, arguments: list[Array]) -> NumericQP:
         """The numeric QP called ``name``, or the first one; the QPs before it are solved by DAQP.
@@ -136,15 +153,15 @@ class Staged:
             if each.call.name == wanted:
                 return each.call.expanded_qp(evaluated(each.data, at))
         known = [*at, *[part for each in self.preparations for part in evaluated(each.solver_function(Conic()), at)]]
-        for stage, call in zip(self.stages, self.calls, strict=False):
-            *data, intermediate = evaluated(stage, known)
+        for k, call in enumerate(self.calls):
+            *without, intermediate = evaluated(self.stages[k], known)
             if isinstance(call, PythonCall):
                 call_results = [np.zeros(size) for size in call.sizes]
-                BoundComputation(call.compute, data, call_results)()
+                BoundComputation(call.compute, without, call_results)()
             elif isinstance(call, QPCall) and call.name == wanted:
-                return call.expanded_qp(data)
+                return call.expanded_qp(evaluated(self.data[k], [*known, intermediate]))
             else:
-                call_results = evaluated(call.solver_function(Conic()), data)
+                call_results = evaluated(self._solver_function(k, Conic()), [*without, *known, intermediate])
             known += [intermediate, *call_results]
         raise AssertionError(wanted)
 
@@ -162,17 +179,17 @@ class Staged:
             call_results = [np.zeros(size) for size in each.sizes]
             calls.append(each.bind(self.backend, at, call_results))
             known = [*known, *call_results]
-        for stage, call in zip(self.stages, self.calls, strict=False):
-            *data, intermediate = outputs = output_memory(stage)
+        for k, (stage, call) in enumerate(zip(self.stages, self.calls, strict=False)):
+            *without, intermediate = outputs = output_memory(stage)
             calls.append(bind(stage, known, outputs))
             call_results = [np.zeros(size) for size in call.sizes]
             if isinstance(call, PythonCall):
-                calls.append(BoundComputation(call.compute, data, call_results))
-            elif isinstance(call, FunctionCall):
-                calls.append(call.bound(data, call_results))
-            elif isinstance(self.backend, FusedBackend):
-                calls.append(bind(call.solver_function(self.backend), data, call_results))
+                calls.append(BoundComputation(call.compute, without, call_results))
+            elif isinstance(call, FunctionCall) or isinstance(self.backend, FusedBackend):
+                calls.append(bind(self._solver_function(k), [*without, *known, intermediate], call_results))
             else:
+                data = output_memory(self.data[k])
+                calls.append(bind(self.data[k], [*known, intermediate], data))
                 calls.append(call.bound_solver(self.backend, data, call_results))
             known = [*known, intermediate, *call_results]
         calls.append(bind(self.stages[-1], known, results))
@@ -218,12 +235,13 @@ def staged(
         elif isinstance(recorded, RecordedFunction):
             calls.append(FunctionCall(recorded.name, recorded.function))
         else:
-            calls.append(QPCall.of(recorded.qp))
+            calls.append(QPCall.of(recorded.qp, recorder.accuracy))
         known.append(recorded.result_symbols)
     names = [*[f"jtik_stage{k}" for k in range(len(calls))], "jtik_end"]
-    stages = partitioned(names, known, [*[_call_data(each) for each in recorder.calls], outputs])
+    wanted, deferred = zip(*[_call_data(each) for each in recorder.calls], strict=True) if calls else ((), ())
+    stages, data = partitioned(names, known, [*wanted, outputs], deferred)
     prepared = tuple(PreparationCall.of(each, at) for each in recorder.preparations)
-    parts = Staged(model, tuple(stages), tuple(calls), backend, prepared)
+    parts = Staged(model, tuple(stages), tuple(data), tuple(calls), backend, prepared)
     return replace(parts, fast_path=_fast_path(parts)) if fast_path and parts.fusible and not prepared else parts
 
 
@@ -235,9 +253,9 @@ def _fast_path(parts: Staged) -> Function:
     first = given = called(parts.stages[0], known)
     valid: Expression = 1
     for stage, call in zip(parts.stages[1:], parts.calls, strict=True):
-        *_, x, valid_here, intermediate = given
+        valid_here, x, intermediate = given
         valid = logic_and(valid, valid_here)
-        known += [intermediate, x, *[zeros(size) for size in call.sizes[1:]]]
+        known += [intermediate, *(call.known(x) if isinstance(call, QPCall) else [x])]
         given = called(stage, known)
     return function("jtik_fast_path", inputs, [*given, valid, *local, *first])
 
@@ -247,10 +265,13 @@ def _columns(of: Function, count: int) -> list[MX]:
     return [MX.sym(f"i{k}", *of.size_in(k)) for k in range(count)]
 
 
-def _call_data(recorded: RecordedQP | RecordedComputation | RecordedFunction) -> list[Expression]:
-    """The data of a call."""
+def _call_data(
+    recorded: RecordedQP | RecordedComputation | RecordedFunction,
+) -> tuple[list[Expression], list[Expression]]:
+    """What a stage returns for a call, and the data of the call, which is evaluated where it is needed."""
     if isinstance(recorded, RecordedFunction):
-        return [*recorded.data(), *recorded.known]
+        return list(reversed(recorded.known)), recorded.data()
     if isinstance(recorded, RecordedComputation):
-        return recorded.data()
-    return [*recorded.data(), *recorded.qp.penalties, *recorded.qp.solution_without_solver()]
+        return recorded.data(), []
+    qp = recorded.qp
+    return list(reversed(qp.solution_without_solver())), [*qp.data(), *qp.penalties, qp.valid]

@@ -182,8 +182,20 @@ class Report:
     @property
     def relative_gradient(self) -> tuple[float, float]:
         """|J' r| / (|J| |r|) over all joints, and over those that no limit keeps from following -J' r."""
+        gradient, free = self.weighted.T @ self.residual, self.unblocked
+        scale = float(np.linalg.norm(self.weighted) * np.linalg.norm(self.residual)) or 1.0
+        return float(np.linalg.norm(gradient)) / scale, float(np.linalg.norm(gradient[free])) / scale
+
+    @property
+    def unblocked(self) -> NDArray[np.bool_]:
+        """Joints that no limit keeps from following -J' r, (n,)."""
         gradient = self.weighted.T @ self.residual
         free = np.ones(len(gradient), dtype=bool)
         free[[j for j in self.at_upper if gradient[j] < 0] + [j for j in self.at_lower if gradient[j] > 0]] = False
-        scale = float(np.linalg.norm(self.weighted) * np.linalg.norm(self.residual)) or 1.0
-        return float(np.linalg.norm(gradient)) / scale, float(np.linalg.norm(gradient[free])) / scale
+        return free
+
+    @property
+    def multipliers(self) -> Array:
+        """Multipliers lambda (m,) of the task in H: dH/dv + J' lambda is zero but for what limits take; unit of H per
+        unit of the residual. NaN where something is not finite."""
+        return self._lagrangian[2] if self.finite else np.full(len(self.residual), np.nan)

@@ -138,6 +138,14 @@ class Solution:
         return self.report.null_space_residual
 
     @property
+    def multipliers(self) -> Array:
+        """Multipliers lambda of the task in H, (m,): dH/dv + J' lambda = 0 but for what limits take.
+
+        With the status COMPROMISE the error is them times the criterion's weight: by them it shrinks with the weight.
+        """
+        return self.report.multipliers
+
+    @property
     def second_order(self) -> SecondOrder | None:
         """Kind of the stationary point of H on the task's solutions: "minimum", "saddle" (or maximum) or "flat".
 
@@ -201,6 +209,11 @@ class Solution:
         if self.criteria:
             terms = ", ".join(f"{name} {value:.4g}" for name, value in self.criteria.items())
             lines.append(f"  H           {self.cost:.6g} ({terms}); null-space residual {self.null_space_residual:.2g}")
+        if self.status is Status.COMPROMISE:
+            multiplier, error = np.linalg.norm(self.multipliers), np.linalg.norm(self.report.residual)
+            lines.append(
+                f"  multiplier  {multiplier:.3g} of the task in H; error / multiplier {error / multiplier:.3g}"
+            )
         if self.active_limits:
             lines.append(f"  at limit    {', '.join(self.active_limits)}")
         if self.active_clearances:

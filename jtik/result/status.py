@@ -12,6 +12,8 @@ class Status(Enum):
         CONVERGED: the target is reached, and the criterion, if any, is stationary.
         REACHED: the target is reached, and the criterion is not stationary.
         SADDLE: the target is reached, and the criterion is stationary and not minimal.
+        COMPROMISE: the weighted sum of task error and criterion, which a strategy with ``is_soft`` minimises, is
+            stationary, and the criterion's weight keeps the error above the tolerance.
         LOCAL_MINIMUM: the target is not reached, and the error has a local minimum at q.
         LIMITS: the error is stationary only because of active joint limits.
         JUMP_LIMIT: the target is not reached within the largest change of the joints that ``jump_limit`` allows.
@@ -26,6 +28,7 @@ class Status(Enum):
     CONVERGED = "converged: on target, and the criterion cannot fall further without leaving it"
     REACHED = "reached the target; the criterion could still fall"
     SADDLE = "on target, at a saddle point or a maximum of the criterion, which could still fall"
+    COMPROMISE = "stationary point of the weighted sum of task error and criterion: the error is what the weight costs"
     LOCAL_MINIMUM = "out of reach, or a local minimum of the error: this is the closest posture nearby"
     LIMITS = "stopped at joint limits: the error could fall if the joints at their limits could move further"
     JUMP_LIMIT = "stopped at jump_limit: the target is not reached within this change of the joints from q0"

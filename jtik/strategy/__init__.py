@@ -25,7 +25,7 @@ from jtik.strategy.option_checks import (
     check_step_limit,
 )
 from jtik.strategy.programmed import Programmed, Proposal
-from jtik.strategy.step_limits import limited_box, within_step_limit
+from jtik.strategy.step_limits import limited_box, not_outward, within_step_limit
 from jtik.strategy.weighted_merit import WeightedMerit
 
 __all__ = [
@@ -60,6 +60,7 @@ __all__ = [
     "check_positive",
     "check_step_limit",
     "limited_box",
+    "not_outward",
     "within_step_limit",
 ]
 

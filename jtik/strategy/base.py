@@ -27,6 +27,7 @@ class Shape:
         m: number of rows of the residual.
         has_criterion: whether there is a criterion.
         has_clearance: whether there is a clearance.
+        timed: whether the step has a duration.
     """
 
     n: int
@@ -34,6 +35,7 @@ class Shape:
     m: int
     has_criterion: bool
     has_clearance: bool = False
+    timed: bool = False
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,8 @@ class Update:
         figures: scalars for the trace, by name, such as the gains alpha and beta.
         stationarity_residual: stationarity residual of H, by the joints themselves; ``model.stationarity_residual`` by
             default.
+        compromise_residual: norm of the projected gradient of what a strategy with ``is_soft`` minimises, by the joints
+            themselves and in the unit of H's gradient; where it is within the optimality tolerance the solve ends.
         progress: relative decrease of what the strategy minimises, if that is not V.
         relaxed: amount by which each constraint is relaxed, non-negative, by (name, unit).
     """
@@ -62,6 +66,7 @@ class Update:
     null_space: Expression = None
     figures: Mapping[str, Expression] = field(default_factory=dict)
     stationarity_residual: Expression | None = None
+    compromise_residual: Expression | None = None
     progress: Expression | None = None
     relaxed: Mapping[tuple[str, str], Expression] = field(default_factory=dict)
 
@@ -77,7 +82,8 @@ class Strategy(ABC):
         name: the registry name.
         summary: one line for listings.
         source: author and year of the paper.
-        is_soft: whether a criterion keeps the task from being met exactly.
+        is_soft: whether a criterion keeps the task from being met exactly: the strategy minimises a weighted sum of
+            both, and a solve ends at its stationary point with `jtik.Status.COMPROMISE`.
     """
 
     name: ClassVar[str] = ""

@@ -52,6 +52,15 @@ class Merit(ABC):
         """State carried from step to step, such as a penalty weight."""
         return {}
 
+    def compromise_residual(self, model: LocalModel, taken: Expression = 0) -> Expression | None:
+        """The stationarity residual of a weighted sum of task and criterion; None if the merit function is none.
+
+        Args:
+            model: the local model.
+            taken: what clearances take of the gradient of the sum (n, 1).
+        """
+        return None
+
     @abstractmethod
     def verdict(self, model: LocalModel, state: State, proposal: Proposal, candidate: Evaluation) -> Verdict:
         """Whether the step to ``candidate`` decreases the merit function sufficiently.

@@ -40,6 +40,8 @@ class Proposal:
         state: entries of the strategy's own state after the step.
         figures: further scalars for the trace, by name.
         stationarity_residual: stationarity residual of H; that of the null-space part or of the engine by default.
+        compromise_residual: norm of the projected gradient of what a soft strategy minimises, as in `Update`; that of
+            the merit function by default.
         relaxed: amount by which each constraint is relaxed, non-negative, by (name, unit).
     """
 
@@ -54,6 +56,7 @@ class Proposal:
     state: State = field(default_factory=dict)
     figures: Mapping[str, Expression] = field(default_factory=dict)
     stationarity_residual: Expression | None = None
+    compromise_residual: Expression | None = None
     relaxed: Mapping[tuple[str, str], Expression] = field(default_factory=dict)
 
     def scaled(self, share: Expression) -> Proposal:
@@ -168,6 +171,7 @@ class Programmed(Strategy):
                 **proposal.figures,
             },
             stationarity_residual=proposal.stationarity_residual,
+            compromise_residual=proposal.compromise_residual,
             progress=verdict.progress,
             relaxed={**null.relaxed, **proposal.relaxed},
         )
@@ -201,8 +205,17 @@ class Programmed(Strategy):
             state=call.instance("state", given.state, Mapping),  # type: ignore[type-abstract]
             figures=call.figures("figures", given.figures),
             stationarity_residual=null.stationarity_residual if residual is None else residual,
+            compromise_residual=self._compromise_residual(call, given, model),
             relaxed=call.relaxed("relaxed", given.relaxed),
         )
+
+    def _compromise_residual(self, call: CheckedCall, given: Proposal, model: LocalModel) -> Expression | None:
+        """That of the proposal or else of the merit function, checked."""
+        merit = self._checked_parts()[0]
+        if given.compromise_residual is not None or merit is None:
+            return call.optional("compromise_residual", given.compromise_residual)
+        call = CheckedCall(self, merit, "compromise_residual")
+        return call.optional("residual", merit.compromise_residual(model))
 
     def _checked_null_space(
         self, call: CheckedCall, what: str, given: object, model: LocalModel

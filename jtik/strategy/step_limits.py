@@ -1,11 +1,12 @@
-"""Limits on the rotation of a step: of each joint by a box, or of the norm by scaling the step."""
+"""Limits of a step: on its rotation, of each joint by a box or of the norm by scaling; joints pushed outward."""
 
 from __future__ import annotations
 
 import math
 
+from jtik.constraints.limits import AT_LIMIT
 from jtik.strategy.model import LocalModel
-from jtik.symbolic import Expression, fmax, fmin, ratio, vertcat
+from jtik.symbolic import Expression, fmax, fmin, logic_and, logic_not, logic_or, ratio, vertcat
 
 
 def limited_box(model: LocalModel, limit: float) -> tuple[Expression, Expression]:
@@ -30,3 +31,13 @@ def within_step_limit(
     if not math.isfinite(limit):
         return 1
     return fmin(1, ratio(limit, model.rotation_norm(dq, squared_length)))
+
+
+def not_outward(model: LocalModel, gradient: Expression) -> Expression:
+    """0 for joints at a limit that the negative ``gradient`` (n, 1) pushes outward, else 1, (n, 1)."""
+    low, high = model.box
+    outward = [
+        logic_or(logic_and(high[j] < AT_LIMIT, gradient[j] < 0), logic_and(low[j] > -AT_LIMIT, gradient[j] > 0))
+        for j in range(model.robot.n)
+    ]
+    return vertcat(*[logic_not(out) for out in outward])

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from jtik.strategy.evaluation import Evaluation
 from jtik.strategy.merit import ROUNDING, SUFFICIENT, Merit, Verdict
 from jtik.strategy.model import LocalModel
+from jtik.strategy.step_limits import not_outward
 from jtik.symbolic import Expression, fabs, logic_and, ratio
 
 if TYPE_CHECKING:
@@ -41,3 +42,10 @@ class WeightedMerit(Merit):
         predicted = proposal.predicted_decrease
         accepted = logic_and(predicted > 0, actual >= SUFFICIENT * predicted - noise)
         return Verdict(accepted, progress=progress, predicted_decrease=predicted)
+
+    def compromise_residual(self, model: LocalModel, taken: Expression = 0) -> Expression | None:
+        """Norm of the gradient of gain V / weight + H that limits and clearances leave, by the joints themselves."""
+        if not model.has_criterion:
+            return None
+        gradient = self.gain * (model.J.T @ model.here.residual) + self.weight * model.gradient + taken
+        return ratio(model.joint_gradient_norm(not_outward(model, gradient) * gradient), self.weight)

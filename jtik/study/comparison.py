@@ -94,9 +94,10 @@ class Comparison:
     def table(self, by: str | Sequence[str] | None = None) -> pandas.DataFrame:
         """Summary table with one row for each contender: success, and medians of iterations, time, H and so on.
 
-        Success, errors, time per iteration, monotone and leakage include all cases; the other columns include solved
-        cases only. Clearance and limit margin are minima, leakage and drift maxima. Columns without values are left
-        out.
+        Success, compromise, errors, time per iteration, monotone and leakage include all cases; the other columns
+        include solved cases only. "compromise" is the share of cases in which a strategy that is soft ended off target,
+        at a stationary point of its weighted sum of task error and criterion: no success, but what it minimises.
+        Clearance and limit margin are minima, leakage and drift maxima. Columns without values are left out.
 
         Args:
             by: other columns to group by: "contender", "criteria", "kind", "case", "status", or several of them.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.result.solution import Trace
+from jtik.result.solution import Status, Trace
 from jtik.study import path_metrics
 from jtik.study.independent_check import SLACK
 from jtik.study.metrics import ConfigurationMetrics
@@ -138,7 +138,7 @@ def measured(key: tuple[str, str, str], runner: UnitRunner, run: CaseRun, postur
         kind=case.kind,
         success=bool(solved.all()),
         status=run.answers[int(np.argmin(solved)) if not solved.all() else -1].status,
-        note=_note(errors, on_target, within, claimed),
+        note=_note(errors, on_target, within, claimed) or _compromise(run, solved),
         iterations=iterations,
         seconds=seconds,
         seconds_low=min(run.seconds),
@@ -193,3 +193,10 @@ def _note(errors: Array, on_target: Flags, within: Flags, claimed: Flags) -> str
         position, orientation = errors[claimed & ~on_target].max(axis=0)
         return f"{FALSE_SUCCESS}, but the error is {position:.3g} m and {orientation:.3g} rad"
     return "" if within.all() else "outside the joint limits"
+
+
+def _compromise(run: CaseRun, solved: Flags) -> str:
+    """The sentence of the status COMPROMISE where an answer that is no success has it; else nothing."""
+    pairs = zip(run.answers, solved, strict=True)
+    ended = any(answer.status == Status.COMPROMISE.name and not good for answer, good in pairs)
+    return Status.COMPROMISE.value if ended else ""

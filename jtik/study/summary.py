@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.errors import ArgumentError
+from jtik.result.status import Status
 from jtik.types import Array
 
 Columns = Mapping[str, NDArray[Any]]
@@ -43,6 +44,7 @@ def _percentile(share: float) -> Callable[[Array], Any]:
 
 SUMMARY_COLUMNS = (
     SummaryColumn("success [%]", "success", np.mean, False, 100.0),
+    SummaryColumn("compromise [%]", "compromise", np.mean, False, 100.0),
     SummaryColumn("iterations", "iterations", np.median),
     SummaryColumn("time [ms]", "seconds", np.median, True, 1e3),
     SummaryColumn("time 10 % [ms]", "seconds", _percentile(10), True, 1e3),
@@ -61,7 +63,7 @@ SUMMARY_COLUMNS = (
     SummaryColumn("drift [rad]", "drift", np.max),
     SummaryColumn("condition", "condition", np.median),
 )
-"""Success, errors, time per iteration, monotone and leakage include all cases; the others solved cases only."""
+"""Success, compromise, errors, time per iteration, monotone and leakage include all cases; the others solved ones."""
 
 
 def summary(columns: Columns, by: Sequence[str]) -> dict[str, list[Any]]:
@@ -77,6 +79,7 @@ def summary(columns: Columns, by: Sequence[str]) -> dict[str, list[Any]]:
     names = (by,) if isinstance(by, str) else tuple(by)
     if not names or not set(names) <= set(GROUPS):
         raise ArgumentError("by", by, f"some of {', '.join(GROUPS)}")
+    columns = {**columns, "compromise": _compromises(columns)}
     keys = list(zip(*[columns[name].tolist() for name in names], strict=True))
     groups = {key: np.array([each == key for each in keys]) for key in dict.fromkeys(keys)}
     table: dict[str, list[Any]] = {name: [key[i] for key in groups] for i, name in enumerate(names)}
@@ -94,3 +97,9 @@ def _summarised(columns: Columns, rows: NDArray[np.bool_], figure: SummaryColumn
     values = columns[figure.of][rows].astype(float)
     values = values[~np.isnan(values)]
     return figure.scale * float(figure.by(values)) if len(values) else float("nan")
+
+
+def _compromises(columns: Columns) -> Array:
+    """1 for each row that ended at a compromise of task and criterion, else 0; all NaN where no row did."""
+    found: Array = (columns["status"] == Status.COMPROMISE.name) & ~columns["success"]
+    return np.where(found.any(), found, np.nan)

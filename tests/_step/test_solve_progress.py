@@ -128,3 +128,9 @@ def test_an_end_takes_precedence_over_a_stall_and_a_stall_over_slowness():
         Code.STALLED,
         Code.SLOW,
     ]
+
+
+def test_a_compromise_takes_precedence_over_slowness():
+    at = Progress(falls=0, without_progress=9, slow=1)
+    ends = ((1, 0, 1), (0, 1, 1), (0, 0, 1), (0, 0, 0))
+    assert [numbers(at.code(*end)) for end in ends] == [Code.DONE, Code.STALLED, Code.COMPROMISE, Code.SLOW]

@@ -132,6 +132,16 @@ def test_the_paper_s_strategies_reach_the_last_target_clear_of_the_field(result:
         assert tried[name].step_seconds > 0
 
 
+def test_a_compromise_is_shown_as_one(result: demo.DemoResult, output: io.StringIO) -> None:
+    """weighted_qp weighs the criterion against the task: it ends off target, and that is no failure."""
+    (tried,) = (one for one in result.strategies if one.strategy == "weighted_qp")
+    assert tried.status is jtik.Status.COMPROMISE
+    assert tried.iterations < 100
+    assert "compromise:" in output.getvalue()
+    others = [one for one in result.strategies if one is not tried]
+    assert strategy_table(others).caption is None
+
+
 def test_results_json_contains_the_measurements(result: demo.DemoResult) -> None:
     document = json.loads(file_named(result, "results.json").read_text())
     assert document["path"]["q"] == result.path.q.tolist()

@@ -19,6 +19,7 @@ from jtik.qp import (
     available,
     backend_of,
 )
+from jtik.qp.call import QPCall
 from jtik.qp.staged import staged
 from jtik.strategy import Strategy, Update
 from jtik.symbolic.compile import bind
@@ -213,11 +214,11 @@ def test_multipliers_are_checked_against_the_penalty():
     qp = quadratic_program(
         (np.eye(1), np.zeros(1), np.ones((1, 1)), [3.0], [np.inf], [-9.0], [9.0]), Elastic(1.0, curvature=1e-6)
     )
-    recorder = QPRecorder(1e-6)
-    solution = recorder.solve(qp)
-    check = casadi.Function(
-        "check", [solution.x, solution.row_multipliers, solution.box_multipliers], [recorder.solved()]
-    )
+    data = [*qp.data(), *qp.penalties]
+
+    def check(*solution):
+        return QPCall.of(qp, 1e-6).check(*data, *solution)
+
     assert float(check(1.0, -1.0 - 2e-6, 2e-6)) == 1
     assert float(check(1.5, -1.5, 0)) == 0  # a larger slack costs less
     assert float(check(0.5, -0.5, 0)) == 0  # a smaller slack costs less

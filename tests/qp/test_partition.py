@@ -39,7 +39,7 @@ def example():
 
 def test_the_same_numbers(rng):
     known, wanted = example()
-    stages = partitioned(["one", "two", "three"], known, wanted)
+    stages, _ = partitioned(["one", "two", "three"], known, wanted)
     numbers = [[rng.uniform(-1, 1, s.shape[0]) for s in group] for group in known]
     symbols = [s for group in known for s in group]
     flat = [n for group in numbers for n in group]
@@ -50,7 +50,7 @@ def test_the_same_numbers(rng):
 
 def test_nothing_is_computed_twice():
     known, wanted = example()
-    stages = partitioned(["one", "two", "three"], known, wanted)
+    stages, _ = partitioned(["one", "two", "three"], known, wanted)
     transcendental = {casadi.OP_EXP, casadi.OP_SIN, casadi.OP_SQRT}
     counts = [sum(stage.instruction_id(i) in transcendental for i in range(stage.n_instructions())) for stage in stages]
     assert counts == [3, 0, 0]
@@ -58,6 +58,31 @@ def test_nothing_is_computed_twice():
 
 def test_a_stage_without_intermediate_values():
     a, b = symbol("a", 1), symbol("b", 1)
-    first, last = partitioned(["one", "two"], [[a], [b]], [[a + 1], [b * a]])
+    (first, last), _ = partitioned(["one", "two"], [[a], [b]], [[a + 1], [b * a]])
     assert first.numel_out(1) == 0
     assert run([first, last], [[2.0], [3.0]])[1][0] == pytest.approx(6.0)
+
+
+def test_deferred_expressions_are_computed_after_their_stage(rng):
+    """What only they need is computed with them, what a stage needs as well is passed on."""
+    known, wanted = example()
+    (a,), (b,) = known[0], known[1]
+    shared, own = casadi.exp(casadi.sin(a[0]) * a[1]), casadi.sqrt(1 + casadi.cos(a[2]) ** 2)
+    deferred = [[shared * own, casadi.SX(2.0)], [b * own + shared]]
+    stages, after = partitioned(["one", "two", "three"], known, wanted, deferred)
+    numbers = [[rng.uniform(-1, 1, s.shape[0]) for s in group] for group in known]
+    arguments = list(numbers[0])
+    for k, (data, expected) in enumerate(zip(after, deferred, strict=True)):
+        *_, intermediate = CompiledFunction(stages[k])(*arguments)
+        found = CompiledFunction(data)(*arguments, intermediate)
+        flat = [n for group in numbers[: k + 1] for n in group]
+        symbols = [s for group in known[: k + 1] for s in group]
+        for mine, expression in zip(found, expected, strict=True):
+            assert mine == pytest.approx(casadi.Function("f", symbols, [expression])(*flat).full(), abs=EXACT)
+        arguments += [intermediate, *numbers[k + 1]]
+
+    def count(of, operation):
+        return sum(of.instruction_id(i) == operation for i in range(of.n_instructions()))
+
+    assert [count(each, casadi.OP_COS) for each in (*stages, *after)] == [0, 0, 0, 1, 1]
+    assert [count(each, casadi.OP_EXP) for each in (*stages, *after)] == [1, 0, 0, 0, 0]

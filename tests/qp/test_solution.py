@@ -18,12 +18,11 @@ DATA = {
 
 
 def test_violation_and_stationarity_and_nan():
-    recorder = QPRecorder(accuracy=1e-6)
-    solution = recorder.solve(QuadraticProgram(**DATA))
+    solution = QPRecorder(accuracy=1e-6).solve(QuadraticProgram(**DATA))
     check = casadi.Function(
         "check",
         [solution.x, solution.row_multipliers, solution.box_multipliers],
-        [solution.violation, solution.stationarity, recorder.solved()],
+        [solution.violation, solution.stationarity, solution.solved(1e-6)],
     )
     # x = -q - y where the box is open: y from the sum, -1 + 2 - 0.5 - 3 y = 0.5 with the second at its bound
     x, y, z = np.array([-0.5, 1.0, 0.0]), np.array([-0.5]), np.array([0.0, 1.5, 0.0])

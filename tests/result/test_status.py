@@ -19,6 +19,7 @@ def test_names():
         "CONVERGED",
         "REACHED",
         "SADDLE",
+        "COMPROMISE",
         "LOCAL_MINIMUM",
         "LIMITS",
         "SINGULAR",

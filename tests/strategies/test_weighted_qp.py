@@ -6,10 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from scipy.optimize import lsq_linear
+from scipy.optimize import lsq_linear, minimize
 
 import jtik
-from jtik_formulations import JointCentering, WeightedQP
+from jtik.constraints.limits import AT_LIMIT
+from jtik.demo.scene import Scene
+from jtik_formulations import JointCentering, ObstacleAvoidance, WeightedQP
 
 from ..conftest import ball_arm, dh_arm, planar, report_at
 
@@ -17,6 +19,14 @@ BARE = {"backtracking": False, "q_limit": math.inf}
 
 SOLVED = 1e-9
 """Accuracy of DAQP divided by the smallest curvature of these quadratic programs."""
+
+OPTIMALITY = 1.01e-6
+"""The default optimality tolerance of a solve, and rounding."""
+
+ROUNDING = 1e-11
+"""Error of the sum relative to its value: V is divided by weights down to 1e-5."""
+
+FIELD = [jtik.Circle((4.0, 2.0), 0.6), jtik.Circle((5.5, -1.0), 0.8)]
 
 
 def solver(robot, strategy, kind="position", criteria=None, **options):
@@ -84,18 +94,105 @@ def test_limits_are_its_box(pose, rng):
     assert active  # the box mattered
 
 
-@pytest.mark.parametrize("weight", [1e-2, 1e-3, 1e-4])
+@pytest.mark.parametrize("weight", [1.0, 1e-2, 1e-4, 1e-6])
 def test_it_ends_where_task_and_criterion_pull_equally(weight):
-    """J' r + weight grad H = 0: the error is weight times the multiplier of the task, and the solve fails."""
+    """J' r + weight grad H = 0: the error is weight times the multiplier of the task, and the solve says so."""
     strategy = WeightedQP(weight=weight)
     ik = solver(planar(5), strategy, criteria=JointCentering())
-    solution = ik.solve([2.0, 1.5], q0=[0.3] * 5)
+    solution = ik.solve([2.0, 1.5], q0=[0.3] * 5, position_tolerance=1e-9)
     balance = solution.jacobian.T @ solution.error + weight * solution.gradient
-    assert np.linalg.norm(balance) <= 1e-4 * weight * np.linalg.norm(solution.gradient)
+    assert np.linalg.norm(balance) <= OPTIMALITY * weight * max(1, np.linalg.norm(solution.gradient))
     multiplier = np.linalg.lstsq(solution.jacobian.T, solution.gradient, rcond=None)[0]
     assert solution.error == pytest.approx(-weight * multiplier, rel=1e-3)
-    assert solution.status is jtik.Status.STALLED
+    assert solution.multipliers == pytest.approx(-multiplier, rel=1e-3)
+    assert solution.status is jtik.Status.COMPROMISE
     assert not solution.converged
+    assert f"error / multiplier {weight:.3g}" in repr(solution)
+
+
+def test_within_the_tolerance_the_compromise_has_converged():
+    ik = solver(planar(5), WeightedQP(weight=1e-5), criteria=JointCentering())
+    for tolerance, status in ((1e-4, jtik.Status.CONVERGED), (1e-6, jtik.Status.COMPROMISE)):
+        solution = ik.solve([2.0, 1.5], q0=[0.3] * 5, position_tolerance=tolerance)
+        assert solution.status is status
+        assert solution.converged == (status is jtik.Status.CONVERGED)
+        assert ik.solve_batch([[2.0, 1.5]], q0=[0.3] * 5, position_tolerance=tolerance).status == (status,)
+
+
+@pytest.mark.parametrize("weight", [1e-1, 1e-3, 1e-5])
+@pytest.mark.parametrize("case", ["free", "limits", "obstacles", "pose"])
+def test_the_compromise_is_a_minimum_of_the_weighted_sum(weight, case, rng):
+    """SciPy, from there and within the limits, finds no smaller sum, and its multipliers have the right sign."""
+    robot, kind, criteria = {
+        "free": lambda: (planar(6), "position", JointCentering()),
+        "limits": lambda: (planar(6, lower=-0.8, upper=0.8), "position", JointCentering(preferred=[0.9, -0.9] * 3)),
+        "obstacles": lambda: (planar(8), "position", JointCentering() + 0.3 * ObstacleAvoidance(FIELD)),
+        "pose": lambda: (dh_arm(7, 2), "pose", JointCentering()),
+    }[case]()
+    ik = solver(robot, WeightedQP(weight=weight), kind, criteria=criteria)
+    bounds, active = list(zip(robot.lower, robot.upper, strict=True)), 0
+    for _ in range(4):
+        near = rng.uniform(-0.7, 0.7, robot.n)
+        target = robot.pose(near)
+        solution = ik.solve(target, q0=near + rng.uniform(-0.1, 0.1, robot.n), position_tolerance=1e-12)
+
+        def total(q, target=target):
+            seen = report_at(ik, q, target)
+            slope = seen.jacobian.T @ seen.error / weight + seen.gradient
+            return seen.error @ seen.error / 2 / weight + seen.cost, slope
+
+        value, slope = total(solution.q)
+        at_lower, at_upper = solution.q <= robot.lower + AT_LIMIT, solution.q >= robot.upper - AT_LIMIT
+        slope[(at_lower & (slope > 0)) | (at_upper & (slope < 0))] = 0
+        assert np.linalg.norm(slope) <= OPTIMALITY * max(1, np.linalg.norm(solution.gradient))
+        found = minimize(total, solution.q, jac=True, bounds=bounds, options={"maxiter": 200, "ftol": 0, "gtol": 1e-10})
+        assert found.fun >= value - ROUNDING * (1 + abs(value))
+        assert found.x == pytest.approx(solution.q, abs=1e-3)
+        active += int((at_lower | at_upper).sum())
+    assert bool(active) == (case == "limits")
+
+
+def test_a_long_way_to_the_compromise_takes_few_steps():
+    """Steps near the target that ignore the second derivatives are of the order weight^(1/3), and took 150 to 2000."""
+    scene = Scene()
+    ik = scene.solver("weighted_qp")
+    for target in scene.path(4):
+        solution = ik.solve(target, q0=scene.start)
+        assert solution.status is jtik.Status.COMPROMISE
+        assert solution.iterations <= 60
+
+
+def test_steps_without_a_time_know_when_they_do_not_follow_each_other():
+    """A configuration that the last step did not lead to says nothing about the second derivatives."""
+    ik = solver(planar(5), WeightedQP(weight=1e-2), criteria=JointCentering())
+    q, target, elsewhere = np.full(5, 0.3), [2.0, 1.5], np.full(5, -0.4)
+    ik.reset()
+    fresh = ik.step(q, target).q
+    ik.reset()
+    ik.step(elsewhere, target)
+    assert ik.step(q, target).q == pytest.approx(fresh, abs=SOLVED)
+
+
+@pytest.mark.parametrize(
+    ("weight", "beyond", "status"),
+    [
+        (1e-5, 1.5, jtik.Status.LOCAL_MINIMUM),
+        (1e-5, 1.01, jtik.Status.LOCAL_MINIMUM),
+        (1e-5, 0.99, jtik.Status.COMPROMISE),
+        (1e-2, 0.99, jtik.Status.COMPROMISE),
+        (1.0, 0.5, jtik.Status.COMPROMISE),
+    ],
+)
+def test_a_target_out_of_reach_is_no_compromise(weight, beyond, status):
+    ik = solver(planar(5), WeightedQP(weight=weight), criteria=JointCentering(preferred=[0.5] * 5))
+    assert ik.solve([3.0 * beyond, 4.0 * beyond], q0=[0.3] * 5).status is status
+
+
+def test_limits_in_the_way_are_no_compromise():
+    arm = planar(4, lower=-0.2, upper=0.2)
+    ik = solver(arm, WeightedQP(weight=1e-5), criteria=JointCentering())
+    solution = ik.solve(planar(4).pose([0.2, 0.2, 0.4, 0.2]), q0=[0.1] * 4)
+    assert solution.status is jtik.Status.LIMITS
 
 
 def test_the_weighted_sum_falls_at_every_step_taken(rng):

@@ -125,6 +125,23 @@ class TestContenders:
             0
         ]
 
+    def test_a_compromise_is_named_and_no_success(self, arm, task):
+        found = jtik.compare(
+            arm,
+            task,
+            strategies=["hybrid", "weighted_qp"],
+            criteria=JointCentering(),
+            count=4,
+            repeats=1,
+            until="stationary",
+        )
+        soft = found.rows(contender="weighted_qp")
+        assert set(found.columns["status"][soft]) == {"COMPROMISE"}
+        assert not found.columns["success"][soft].any()
+        assert found.summary()["compromise [%]"] == [0, 100]
+        assert found.notes == {f"weighted_qp: {jtik.Status.COMPROMISE.value}": 4}
+        assert "compromise" in repr(found)
+
     def test_an_answer_outside_the_limits_is_no_success(self, task, fixed):
         arm = jtik.Robot.planar(4, lower=-1.0, upper=0.45)
         here = case("here", arm.position(START))

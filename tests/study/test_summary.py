@@ -38,7 +38,15 @@ def test_success_and_errors_include_all_cases_and_times_solved_ones_only(columns
 
 def test_columns_without_values_are_left_out(columns):
     assert "H" not in summary(columns, ("contender",))
-    assert {each.of for each in SUMMARY_COLUMNS} <= set(COLUMNS)
+    assert "compromise [%]" not in summary(columns, ("contender",))
+    assert {each.of for each in SUMMARY_COLUMNS} - {"compromise"} <= set(COLUMNS)
+
+
+def test_a_compromise_is_no_success_and_has_a_column_of_its_own(columns):
+    columns["status"] = np.array(["CONVERGED", "COMPROMISE", "COMPROMISE", "CONVERGED"])  # the second on target
+    table = summary(columns, ("contender",))
+    assert table["success [%]"] == pytest.approx([200 / 3, 100])
+    assert table["compromise [%]"] == pytest.approx([100 / 3, 0])
 
 
 @pytest.mark.parametrize("by", [(), ("colour",), ("contender", "seconds")])

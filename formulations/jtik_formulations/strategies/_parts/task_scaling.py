@@ -6,7 +6,6 @@ from abc import abstractmethod
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from jtik.constraints.limits import AT_LIMIT
 from jtik.errors import ArgumentError
 from jtik.strategy import (
     Acceptance,
@@ -22,6 +21,7 @@ from jtik.strategy import (
     check_non_negative,
     check_step_limit,
     limited_box,
+    not_outward,
 )
 from jtik.symbolic import (
     Expression,
@@ -29,13 +29,9 @@ from jtik.symbolic import (
     dot,
     fmin,
     if_else,
-    logic_and,
-    logic_not,
-    logic_or,
     norm,
     ratio,
     sumsqr,
-    vertcat,
     zeros,
 )
 from jtik.symbolic.factorization import RowSpace, damped_multipliers
@@ -144,7 +140,8 @@ class TaskScaling(Programmed):
             rows = list(level)
             J, r = model.J[rows, :], model.here.residual[rows]
             error = self.gain * r + J @ here.x
-            free = _not_outward(model, J.T @ error) if len(model.levels) > 1 else None
+            # a single level uses the engine's active set, which considers all levels together
+            free = not_outward(model, J.T @ error) if len(model.levels) > 1 else None
             own = model.J_free[rows, :] if free is None else J @ diag(free)
             if above:
                 basis = RowSpace(model.J[above, :] @ diag(free)).unit_basis
@@ -179,16 +176,3 @@ class TaskScaling(Programmed):
             stationarity_residual=ratio(model.joint_gradient_norm(dq, moved), beta) if releases else None,
         )
         return null, wanted_null
-
-
-def _not_outward(model: LocalModel, gradient: Expression) -> Expression:
-    """0 for joints at a limit that the negative ``gradient`` (n, 1) pushes outward, else 1, (n, 1).
-
-    For one level; the engine's active set, which a single level uses, considers all levels together.
-    """
-    low, high = model.box
-    outward = [
-        logic_or(logic_and(high[j] < AT_LIMIT, gradient[j] < 0), logic_and(low[j] > -AT_LIMIT, gradient[j] > 0))
-        for j in range(model.robot.n)
-    ]
-    return vertcat(*[logic_not(out) for out in outward])
