@@ -168,9 +168,13 @@ def positive_number(argument: str, value: float) -> float:
     """
     if type(value) is float and 0.0 < value < math.inf:
         return value
-    number = float(finite_array(argument, value, ()))
+    accepted = "a positive number"
+    try:
+        number = float(finite_array(argument, value, ()))
+    except ArgumentError as error:
+        raise ArgumentError(argument, error.given, accepted) from None
     if isinstance(value, bool) or not number > 0:
-        raise ArgumentError(argument, value, "a positive number")
+        raise ArgumentError(argument, value, accepted)
     return number
 
 

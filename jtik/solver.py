@@ -124,6 +124,8 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         q0: ArrayLike | None = None,
         restarts: int = 0,
         seed: int | None = None,
+        best_of: int = 1,
+        jump_limit: float | None = None,
         max_iterations: int = 1000,
         position_tolerance: float = 1e-6,
         orientation_tolerance: float = 1e-6,
@@ -140,6 +142,10 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
                 the target. Each attempt without progress then ends early. If none reaches the target, the
                 one with the smallest error is returned.
             seed: seed of the restarts; None is 0. The same seed gives the same solution.
+            best_of: go on until so many configurations are found that differ by more than 0.01 rad or m in a joint, or
+                all restarts are used. The result is the one with the smallest criterion, or without a criterion the
+                one nearest to q0; the others are in ``solution.alternatives``, the best first.
+            jump_limit: largest change of any joint from q0 [rad] or [m]; None for none.
             max_iterations: most steps to try in an attempt.
             position_tolerance, orientation_tolerance, optimality_tolerance, until: see the class.
             trace: keep every iteration in ``solution.trace``.
@@ -148,7 +154,8 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
             ArgumentError: for an argument of wrong shape, NaN or infinity, naming it.
         """
         tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
-        return self._solving.solve(target, q0, (restarts, seed, max_iterations, tolerances, until), trace)
+        options = (restarts, seed, max_iterations, best_of, jump_limit, tolerances, until)
+        return self._solving.solve(target, q0, options, trace)
 
     def solve_batch(
         self,
@@ -178,7 +185,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
             MissingExtraError: for a bar without rich.
         """
         tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
-        options = (restarts, seed, max_iterations, tolerances, until)
+        options = (restarts, seed, max_iterations, 1, None, tolerances, until)
         return self._solving.solve_batch(targets, q0, options, progress)
 
     def step(self, q: ArrayLike, target: Any, *, dt: float | None = None) -> Step:
@@ -252,4 +259,4 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
             ArgumentError: for an argument of wrong shape, NaN or infinity, naming it.
         """
         tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
-        return self._solving.track(targets, q0, dt, (0, None, max_iterations, tolerances, until))
+        return self._solving.track(targets, q0, dt, (0, None, max_iterations, 1, None, tolerances, until))

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from jtik.constraints.limits import AT_LIMIT
 from jtik.errors import ArgumentError
 from jtik.robot import Robot
 from jtik.task import TaskStack
@@ -68,12 +69,23 @@ class ConfigurationReader:
             raise ArgumentError("q0", f"{len(q0)} configurations", accepted)
         return [self.read(f"q0[{i}]", row) for i, row in enumerate(q0)]
 
-    def clamped(self, q: Array) -> Array:
-        """A copy of the configuration, clamped to the limits."""
+    def clamped(self, q: Array, lower: Array | None = None, upper: Array | None = None) -> Array:
+        """A copy of the configuration, clamped to the limits, or to others."""
         scalar = self._robot.scalar_q
+        lower, upper = self._lower if lower is None else lower, self._upper if upper is None else upper
         q = q.copy()
-        q[scalar] = np.clip(q[scalar], self._lower[scalar], self._upper[scalar])
+        q[scalar] = np.clip(q[scalar], lower[scalar], upper[scalar])
         return q
+
+    def check_within_limits(self, q: Array, argument: str) -> None:
+        """Raise ArgumentError unless the configuration is within the limits."""
+        scalar = self._robot.scalar_q
+        outside = (q[scalar] < self._lower[scalar] - AT_LIMIT) | (q[scalar] > self._upper[scalar] + AT_LIMIT)
+        if outside.any():
+            i = scalar[np.flatnonzero(outside)[0]]
+            name = next(joint for joint in self._robot.joint_names if self._robot.q_slice(joint).start == i)
+            accepted = f"a configuration within the limits, {self._lower[i]:g} to {self._upper[i]:g} for this joint"
+            raise ArgumentError(argument, f"{q[i]:g} for joint {name!r}", f"{accepted}, where jump_limit is given")
 
 
 def _several(q: Any) -> bool:

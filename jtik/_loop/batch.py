@@ -19,14 +19,14 @@ class BatchEntry(NamedTuple):
 
     Attributes:
         found: where it ended.
-        status: why.
+        diagnose: computes why.
         converged: whether the solve succeeded.
         errors: norms of position [m] and orientation [rad] rows of the error.
         seconds: wall time [s].
     """
 
     found: SearchResult
-    status: Status
+    diagnose: Callable[[], Status]
     converged: bool
     errors: tuple[float, float]
     seconds: float
@@ -49,9 +49,9 @@ def collect(
     """
     count = len(entries)
     errors = np.array([entry.errors for entry in entries], dtype=np.float64).reshape(count, 2)
-    return SolutionBatch(
+    return SolutionBatch.of(
+        diagnose=lambda: tuple(entry.diagnose() for entry in entries),
         q=np.array([entry.found.q for entry in entries]).reshape(count, nq),
-        status=tuple(entry.status for entry in entries),
         converged=np.array([entry.converged for entry in entries], dtype=bool),
         position_error=errors[:, 0],
         orientation_error=errors[:, 1],

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jtik._loop.arguments import ConfigurationReader
+from jtik._loop.attempts import Attempts
 from jtik._loop.criterion_escape import CriterionEscape, Escapes, StepEscape
 from jtik._loop.exclusive_use import ExclusiveUse
 from jtik._loop.inspection import Inspector
@@ -110,10 +111,12 @@ class Engine:
         self._escape = escape = SaddleEscape(problem)
         self._inspector = inspector = Inspector(problem, escape, certificate, self.runners)
         criterion = CriterionEscape(problem, inspector, escape)
-        self.search = Search(robot, Escapes(escape, criterion), inputs)
+        turns, has_criterion = self.runners.turns, problem.has_criterion
+        attempts = Attempts(problem, Escapes(escape, criterion), turns, self.runners.search_inputs)
+        self.search = Search(robot, attempts, turns, self.runners.search_inputs, has_criterion=has_criterion)
         runner = self.runners.solve
         if runner.fused.library:
-            self.search.native = NativeSearch(runner.fused.library, runner, inputs)
+            self.search.native = NativeSearch(runner.fused.library, runner, turns, has_criterion=has_criterion)
         self.stepping = Stepping(
             robot,
             tasks,

@@ -61,9 +61,19 @@ class Inspector:
             self._certificate.warm_up()
             _ = self._hessian
 
-    def snapshot(self, q: Array, target: Any) -> Inspection:
-        """The inspection of ``q`` for the target and parameters as they are now, whatever is solved next."""
-        return Inspection(self, q, self._runners.memory.numbers.copy(), target)
+    def snapshot(self, q: Array, target: Any, box: tuple[Array, Array] | None = None) -> Inspection:
+        """The inspection of ``q`` for the target and parameters as they are now, whatever is solved next.
+
+        Args:
+            q: configuration, (nq,).
+            target: the target as it was given.
+            box: limits (nq,) and (nq,) in force instead of those in memory.
+        """
+        numbers = self._runners.memory.numbers.copy()
+        if box is not None:
+            inputs = self._runners.memory.views(numbers)
+            inputs.lower[:], inputs.upper[:] = box
+        return Inspection(self, q, numbers, target)
 
     def current(self, q: Array) -> Inspection:
         """The inspection of ``q``, to be used before the inputs change."""

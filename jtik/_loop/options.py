@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import warnings
 from typing import Literal
@@ -65,22 +66,30 @@ def _callers_level() -> int:
     return level
 
 
-def read_search_options(restarts: int, seed: int | None, max_iterations: int) -> SearchOptions:
+def read_search_options(
+    restarts: int, seed: int | None, max_iterations: int, best_of: int = 1, jump_limit: float | None = None
+) -> SearchOptions:
     """What a search may use.
 
     Raises:
-        ArgumentError: for a value that is not a count, naming it.
+        ArgumentError: for a value that cannot be used, naming it.
     """
-    return SearchOptions(
+    options = SearchOptions(
         limit=_count("max_iterations", max_iterations),
         restarts=_count("restarts", restarts),
         seed=0 if seed is None else _count("seed", seed),
+        best_of=_count("best_of", best_of, least=1),
+        jump_limit=math.inf if jump_limit is None else positive_number("jump_limit", jump_limit),
     )
+    if options.best_of > 1 and not options.restarts:
+        accepted = "1 without restarts; with restarts=100, for instance, any number of distinct configurations"
+        raise ArgumentError("best_of", best_of, accepted)
+    return options
 
 
-def _count(argument: str, value: int) -> int:
-    if type(value) is int and value >= 0:
+def _count(argument: str, value: int, least: int = 0) -> int:
+    if type(value) is int and value >= least:
         return value
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 0:
-        raise ArgumentError(argument, value, "a non-negative integer")
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
+        raise ArgumentError(argument, value, "a positive integer" if least else "a non-negative integer")
     return int(value)

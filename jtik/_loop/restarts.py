@@ -6,42 +6,101 @@ import math
 
 import numpy as np
 
-from jtik.robot import Robot
+from jtik.robot import JointType, Robot
 from jtik.types import Array
+
+BLOCK = 32
+"""Number of restarts that are drawn at once. Only the first block of the latest seed is kept."""
+
+REACH = 1.0
+"""A length without limits is drawn within this distance of where the search began [m]."""
 
 
 class RestartConfigurations:
-    """Restart configurations: uniform within the limits, the same for the same seed.
+    """Restart configurations: uniform within the limits, the same for the same seed, drawn when they are needed.
 
-    A length without limits, such as the position of a free base, is drawn within 1 m of where the search began.
+    A length without one of its limits, such as the position of a free base, is drawn within `REACH` of where the
+    search began, and within the limit that it has.
     """
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        scalar = [joint for joint in robot.independent_joints if joint.type.is_scalar]
         unlimited = np.zeros(robot.nq, dtype=bool)
         for joint in robot.independent_joints:
             where = robot.q_slice(joint.name)
-            if joint in scalar:
-                unbounded = not (math.isfinite(joint.lower) and math.isfinite(joint.upper))
-                unlimited[where] = unbounded and not joint.type.rotational[0]
-            else:
+            if joint.type is JointType.PRISMATIC:
+                i = where.start
+                unlimited[i] = not (math.isfinite(robot.lower[i]) and math.isfinite(robot.upper[i]))
+            elif not joint.type.is_scalar:
                 unlimited[where.start : where.start + joint.type.nq - 4] = True
         self._unlimited = unlimited if unlimited.any() else None
-        self._drawn: dict[int, Array] = {}
+        self._first: tuple[int, Array] = (-1, np.zeros((0, robot.nq)))
+        self._drawing: tuple[int, int, np.random.Generator] | None = None
 
     @property
     def depend_on_start(self) -> bool:
         """Whether they depend on where a search began."""
         return self._unlimited is not None
 
-    def table(self, seed: int, count: int, start: Array) -> Array:
-        """The first ``count`` restarts of a search that began at ``start`` (nq,); (count, nq), contiguous."""
-        drawn = self._drawn.get(seed)
-        if drawn is None or len(drawn) < count:
-            generator = np.random.default_rng(seed)
-            rows = [self._robot.random_configuration(generator) for _ in range(count)]
-            drawn = self._drawn[seed] = np.array(rows).reshape(count, self._robot.nq)
-        if self._unlimited is None:
-            return drawn if len(drawn) == count else drawn[:count]
-        return np.where(self._unlimited, drawn[:count] + start, drawn[:count])
+    def block(
+        self, seed: int, number: int, start: Array, box: tuple[Array, Array] | None = None
+    ) -> tuple[Array, int, int]:
+        """The block that contains restart ``number``, 1 for the first.
+
+        Args:
+            seed: the seed.
+            number: the restart.
+            start: where the search began, (nq,).
+            box: limits (nq,) and (nq,) within which to draw instead of those of the robot; None for those.
+
+        Returns:
+            The configurations, (BLOCK, nq), contiguous; and the numbers of the first and the last.
+        """
+        index = (number - 1) // BLOCK
+        first = 1 + index * BLOCK
+        drawn = self._block(seed, index)
+        if box is not None:
+            drawn = self._within(*box, drawn, np.random.default_rng([seed, index]))
+        elif self._unlimited is not None:
+            drawn = self._about(start, drawn)
+        return drawn, first, first + BLOCK - 1
+
+    def _block(self, seed: int, index: int) -> Array:
+        """A block of configurations within the limits of the robot."""
+        if index == 0:
+            if self._first[0] != seed:
+                generator = np.random.default_rng(seed)
+                self._first = seed, self._draw(generator)
+                self._drawing = seed, 1, generator
+            return self._first[1]
+        if self._drawing is None or self._drawing[0] != seed or self._drawing[1] > index:
+            self._drawing = seed, 0, np.random.default_rng(seed)
+        _, following, generator = self._drawing
+        for _ in range(following, index + 1):
+            drawn = self._draw(generator)
+        self._drawing = seed, index + 1, generator
+        return drawn
+
+    def _draw(self, generator: np.random.Generator) -> Array:
+        rows = [self._robot.random_configuration(generator) for _ in range(BLOCK)]
+        return np.array(rows).reshape(BLOCK, self._robot.nq)
+
+    def _about(self, start: Array, drawn: Array) -> Array:
+        """Configurations whose lengths without limits are about ``start``; beyond their one limit, mirrored at it."""
+        lower, upper = self._robot.lower, self._robot.upper
+        rows = drawn.copy()
+        for i in np.flatnonzero(self._unlimited if self._unlimited is not None else []):
+            if math.isfinite(lower[i]):
+                rows[:, i] = lower[i] + np.abs(start[i] + drawn[:, i] - (lower[i] + REACH) - lower[i])
+            elif math.isfinite(upper[i]):
+                rows[:, i] = upper[i] - np.abs(upper[i] - (start[i] + drawn[:, i] - (upper[i] - REACH)))
+            else:
+                rows[:, i] = start[i] + drawn[:, i]
+        return rows
+
+    def _within(self, lower: Array, upper: Array, drawn: Array, generator: np.random.Generator) -> Array:
+        """Configurations whose entries with two limits are uniform within a box; the others are those of ``drawn``."""
+        bounded = np.isfinite(lower) & np.isfinite(upper)
+        rows = drawn.copy()
+        rows[:, bounded] = generator.uniform(lower[bounded], upper[bounded], (len(rows), int(bounded.sum())))
+        return rows

@@ -27,12 +27,14 @@ class Runner:
         record: figures of the last call; empty where the fused step gives none.
         calls: the two calls; ``calls[0]`` reads memory 0 and writes memory 1.
         at: which memory holds q.
+        evaluated: whether the outcome of a call has the errors where its step ends, not where it starts.
         violation: where the state has the smallest violation of the clearances so far; None without any to restore.
     """
 
     def __init__(self, fused: FusedStep, inputs: Inputs[Array], nq: int) -> None:
         self.fused, self.inputs = fused, inputs
         self.first_state = fused.first_state
+        self.evaluated = "V" not in fused.state.slices
         self._patience = fused.state.slices["patience"].start
         self.violation = fused.state.slices["violation"].start if "violation" in fused.state.slices else None
         self.q = (np.zeros(nq), np.zeros(nq))

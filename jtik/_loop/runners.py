@@ -8,7 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
-from jtik._loop import native_search
+from jtik._loop import native_source
+from jtik._loop.full_turns import FullTurns
 from jtik._loop.runner import Runner
 from jtik._step.fused_step import FusedStep, fused_step
 from jtik._step.inputs import SETTING, InputMemory, Inputs, Settings
@@ -35,9 +36,11 @@ class Runners:
         null_space_rate: rate of the motion in the null space in timed steps [1/s].
 
     Attributes:
-        memory: the inputs of `solve`.
+        memory: the inputs of a solver.
+        turns: the joints that can turn all the way round.
+        search_inputs: the inputs of `solve`: those of the solver, without the limits of these joints.
         solve: the runner of `InverseKinematics.solve`.
-        step_inputs: the inputs of `step`: those of `solve`, with settings of their own.
+        step_inputs: the inputs of `step`: those of the solver, with settings of their own.
         step_is_built: whether `step` uses the function that `solve` has built.
     """
 
@@ -55,10 +58,13 @@ class Runners:
         self._problem, self._strategy, self._backend = problem, strategy, backend
         self._bounds, self._compiled, self._null_space_rate = bounds, compiled, null_space_rate
         self.memory = memory
+        self.turns = FullTurns(problem, bounds.lower, bounds.upper)
+        lower, upper = self.turns.free
+        self.search_inputs = memory.inputs._replace(lower=lower, upper=upper)
         box = box_function(bounds)
         with ThreadPoolExecutor(1) as compiler:
             compiled_box = compiler.submit(to_c, box) if compiled else None  # while the step is compiled
-            self.solve = self._runner(self._fused(), memory.inputs)
+            self.solve = self._runner(self._fused(), self.search_inputs)
         self._box_function = compiled_box.result() if compiled_box else box
         self.step_is_built = strategy.evaluates_candidate(problem.has_criterion) or bool(problem.clearances)
         self.step_inputs = memory.inputs._replace(settings=np.array(Settings()))
@@ -89,7 +95,7 @@ class Runners:
     def traced_solve(self) -> Runner:
         """The runner of ``solve(trace=True)``: it gives the figures of a trace."""
         fused = fused_step(self._problem, self._strategy, backend=self._backend, recorded=True)
-        return self._runner(fused, self.memory.inputs)
+        return self._runner(fused, self.search_inputs)
 
     @cached_property
     def inspection(self) -> Runner:
@@ -126,7 +132,7 @@ class Runners:
 
     def _fused(self, *, evaluated: bool = False) -> FusedStep:
         fused = fused_step(self._problem, self._strategy, backend=self._backend, evaluated=evaluated)
-        return fused.compiled(native_search.source(fused.state)) if self._compiled else fused
+        return fused.compiled(native_source.source(fused.state)) if self._compiled else fused
 
     @cached_property
     def _evaluated(self) -> FusedStep:

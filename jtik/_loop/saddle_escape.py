@@ -7,6 +7,7 @@ noise is added. It keeps limits and clearances, as any step does. See formulatio
 
 from __future__ import annotations
 
+import threading
 from functools import cached_property
 
 import numpy as np
@@ -44,6 +45,7 @@ class SaddleEscape:
 
     def __init__(self, problem: SymbolicProblem) -> None:
         self._problem = problem
+        self._lock = threading.Lock()  # a status is computed when it is read, perhaps while another thread solves
 
     @cached_property
     def _curvature(self) -> CompiledFunction:
@@ -79,14 +81,16 @@ class SaddleEscape:
         """The direction of most negative curvature of V that the limits allow.
 
         Joints inside their limits are considered first. Only where their lowest eigenvalue is not negative are joints
-        at a limit considered as well, each in the direction in which it can still move. Where V can fall to first
-        order, the curvature returned is 0, because no escape is needed.
+        at a limit considered as well that V does not push outward, each in the direction in which it can still move; a
+        joint that V pushes outward would raise V to first order. Where V can fall to first order, the curvature
+        returned is 0, because no escape is needed.
 
         Returns:
             v' (d2V/dv2) v relative to the largest eigenvalue; the unit direction v, (n,); and dH/dv, (n,).
         """
         lower, upper = inputs.lower, inputs.upper
-        scale, gradient, hessian, criterion = self._curvature(q, inputs.target, inputs.parameters)
+        with self._lock:
+            scale, gradient, hessian, criterion = self._curvature(q, inputs.target, inputs.parameters)
         n = self._problem.robot.n
         down, up = np.ones(n, dtype=bool), np.ones(n, dtype=bool)
         for i, j in self._problem.bounded:
@@ -102,11 +106,13 @@ class SaddleEscape:
         if inside.any():
             inner_values, inner_vectors = np.linalg.eigh(hessian[np.ix_(inside, inside)])
             lowest, best[inside] = float(inner_values[0]), inner_vectors[:, 0]
-        if lowest <= -NEGATIVE or inside.all():
+        flat = ~inside & (np.abs(gradient[:, 0]) <= FLAT * scale[0, 0])
+        if lowest <= -NEGATIVE or not flat.any():
             return lowest, best, criterion[:, 0]
+        fixed = ~inside & ~flat
         for start in vectors[:, values < 0].T:
             for sign in (1.0, -1.0):
-                v = _descend(hessian, sign * start, down, up)
+                v = _descend(hessian, sign * start, down & ~fixed, up & ~fixed)
                 if v @ hessian @ v < lowest:
                     lowest, best = float(v @ hessian @ v), v
         return lowest, best, criterion[:, 0]

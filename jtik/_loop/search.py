@@ -1,16 +1,23 @@
-"""The search: attempts from one configuration or from several until one reaches the target.
+"""The search: attempts from one configuration or from several until enough of them reach the target.
 
 An attempt calls the fused step until its code ends the attempt. With restarts, an attempt also ends as soon as it has
 not reduced the error for a few calls, and the next one starts from another configuration. When none reaches the target,
-the attempt with the smallest error and the first one are continued until they end (formulations/restarts.md).
+the attempt with the smallest error and the first one are continued until they end (formulations/restarts.md). Joints
+that can turn all the way round move without limits and are brought back at the end (formulations/full_turns.md).
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import NamedTuple
 
-from jtik._loop.criterion_escape import Escapes
+import numpy as np
+
+from jtik._loop.attempts import Attempts, Ended
+from jtik._loop.ends import Ends
+from jtik._loop.full_turns import FullTurns
 from jtik._loop.native_search import NativeSearch
 from jtik._loop.restarts import RestartConfigurations
 from jtik._loop.runner import Runner
@@ -20,11 +27,11 @@ from jtik._step.stopping import OUTCOME, Code
 from jtik.robot import Robot
 from jtik.types import Array
 
-MAX_ESCAPES = 20
-"""Largest number of saddle escapes of an attempt."""
-
 PATIENCE = 4.0
 """Calls without progress after which an attempt that a restart can replace ends."""
+
+DISTINCT = 1e-2
+"""Two configurations are distinct where a joint differs by more than this [rad] or [m]."""
 
 
 class SearchOptions(NamedTuple):
@@ -34,11 +41,15 @@ class SearchOptions(NamedTuple):
         limit: largest number of calls of an attempt.
         restarts: largest number of restarts.
         seed: seed of the restart configurations.
+        best_of: number of distinct arrivals at the target after which the search ends.
+        jump_limit: largest change of a joint from where the search began [rad] or [m].
     """
 
     limit: int
     restarts: int
     seed: int
+    best_of: int = 1
+    jump_limit: float = math.inf
 
 
 class SearchResult(NamedTuple):
@@ -51,6 +62,7 @@ class SearchResult(NamedTuple):
         escapes: saddle escapes.
         restarts: restarts used.
         errors: norms of position [m] and orientation [rad] rows at q; None where the last call did not give them.
+        alternatives: the other arrivals of a search for several, the best first.
     """
 
     q: Array
@@ -59,73 +71,202 @@ class SearchResult(NamedTuple):
     escapes: int
     restarts: int
     errors: tuple[float, float] | None = None
+    alternatives: tuple[SearchResult, ...] = ()
 
 
 class Search:
     """Attempts with a runner's memory; the inputs, such as the target, are read from the memory that the steps use.
 
+    Args:
+        robot: the robot.
+        attempts: runs attempts.
+        turns: the joints that can turn all the way round.
+        inputs: the inputs of the search, in which the limits of these joints are infinite.
+        has_criterion: whether there is a criterion.
+
     Attributes:
         native: the search in C, where the step runs as generated C.
     """
 
-    def __init__(self, robot: Robot, escapes: Escapes, inputs: Inputs[Array]) -> None:
-        self._escapes, self._inputs = escapes, inputs
+    def __init__(
+        self, robot: Robot, attempts: Attempts, turns: FullTurns, inputs: Inputs[Array], *, has_criterion: bool
+    ) -> None:
+        self._robot, self._attempts, self._turns, self._inputs = robot, attempts, turns, inputs
+        self._has_criterion = has_criterion
         self._restarts = RestartConfigurations(robot)
         self.native: NativeSearch | None = None
-        self._addressed: tuple[Array | None, int] = (None, 0)
 
     def find(
-        self, runner: Runner, q0: Array, options: SearchOptions, recorder: TraceRecorder | None = None
+        self,
+        runner: Runner,
+        q0: Array,
+        options: SearchOptions,
+        recorder: TraceRecorder | None = None,
+        *,
+        begun: int | None = None,
     ) -> SearchResult:
-        """Search from ``q0`` (nq,), then from the restart configurations."""
-        limit, restarts, seed = options
-        starts = self._restarts.table(seed, restarts, q0) if restarts else None
-        if self.native and runner is self.native.runner and recorder is None:
-            found = self._native_find(self.native, q0, starts, options)
-            if found:
-                return found
-        if starts is None:
-            code, calls, escapes = self._attempt(runner, q0, limit, recorder)
-            return SearchResult(runner.q[runner.at].copy(), code, calls, escapes, 0, _errors_when_done(runner, code))
-        return self._restarted(runner, q0, starts, limit, recorder)
+        """Search from ``q0`` (nq,), then from the restart configurations.
 
-    def _restarted(
-        self, runner: Runner, q0: Array, starts: Array, limit: int, recorder: TraceRecorder | None
+        Args:
+            runner: the runner; the limits of the joints that can turn hold where it has inputs other than a search's.
+            q0: where to begin, (nq,).
+            options: the options.
+            recorder: records the calls; None for none.
+            begun: what ``native.run_prepared()`` returned, where it has run the first attempts with these options.
+        """
+        if runner.inputs.lower is not self._inputs.lower:
+            ended = self._attempts.run(runner, q0, options.limit, recorder)
+            return _result(runner, ended, ended.calls, ended.escapes, 0)
+        if options.jump_limit == math.inf:
+            return self._find(runner, q0, options, recorder, begun)
+        box = self.box(q0, options.jump_limit)
+        with self._within(box):
+            return self._find(runner, q0, options, recorder, begun, box)
+
+    def box(self, q0: Array, jump_limit: float) -> tuple[Array, Array]:
+        """Lower and upper limits (nq,) of a search in which no revolute or prismatic joint goes further from ``q0``."""
+        lower, upper = self._inputs.lower.copy(), self._inputs.upper.copy()
+        lower[self._turns.indices], upper[self._turns.indices] = self._turns.lower, self._turns.upper
+        scalar = self._robot.scalar_q
+        lower[scalar] = np.maximum(lower[scalar], q0[scalar] - jump_limit)
+        upper[scalar] = np.minimum(upper[scalar], q0[scalar] + jump_limit)
+        return lower, upper
+
+    def _find(
+        self,
+        runner: Runner,
+        q0: Array,
+        options: SearchOptions,
+        recorder: TraceRecorder | None,
+        begun: int | None,
+        box: tuple[Array, Array] | None = None,
     ) -> SearchResult:
-        """Attempts from q0 and from the rows of ``starts`` until one reaches the target; else the best of them."""
-        restarts = len(starts)
-        settings, view = Settings(*self._inputs.settings.tolist()), runner.view
-        ends: list[tuple[float, Array]] = []
-        iterations, escapes = 0, 0
-        for number in range(restarts + 1):
-            start = q0 if number == 0 else starts[number - 1]
-            code, calls, made = self._attempt(runner, start, limit, recorder, PATIENCE)
-            iterations, escapes = iterations + calls, escapes + made
-            reached = (
-                view[OUTCOME.position_error] <= settings.position_tolerance
-                and view[OUTCOME.orientation_error] <= settings.orientation_tolerance
-            )
-            if code is Code.DONE or reached:
-                q, errors = runner.q[runner.at].copy(), _errors_when_done(runner, code)
-                return SearchResult(q, code, iterations, escapes, number, errors)
-            ends.append((view[OUTCOME.V], runner.q[runner.at].copy()))
-        finals: list[tuple[float, Array, Code]] = []
-        best = min(range(len(ends)), key=lambda number: ends[number][0])
-        for number in {best: None, 0: None}:  # the attempt from the caller's q0 too: it may still reach the target
-            code, calls, made = self._attempt(runner, ends[number][1], limit, recorder)
-            iterations, escapes = iterations + calls, escapes + made
-            finals.append((view[OUTCOME.V], runner.q[runner.at].copy(), code))
-            if code is Code.DONE:
+        """`find` for a runner of the search; ``box`` are limits that replace those of the robot."""
+        limit, restarts = options.limit, options.restarts
+        patience = PATIENCE if restarts else math.inf
+        native = self.native if self.native and runner is self.native.runner and recorder is None else None
+        ends, arrivals = Ends(), list[SearchResult]()
+        iterations, escapes, number = 0, 0, 0
+        while number <= restarts:
+            starts, first, last = self._starts(number, options, q0, box)
+            finished = False  # whether the search in C has brought the joints back
+            if native:
+                last = min(last, restarts)
+                if begun is None:
+                    begun = native.find(q0, starts, first, (number, last), ends, limit, patience)
+                end, begun = native.end(begun, ends), None
+                iterations, number = iterations + end.iterations, end.number
+                if end.code is None:
+                    number = last + 1
+                    continue
+                finished, ended = end.finished, Ended(end.code, end.calls, 0)
+                if finished and end.code is Code.DONE and self._attempts.can_go_on(runner.q[runner.at]):
+                    finished, untried = False, int(not runner.view[OUTCOME.tried])
+                    ended = Ended(end.code, end.calls + untried, 0)
+                if not finished:
+                    ended = self._attempts.go_on(runner, limit, None, patience, code=ended.code, calls=ended.calls)
+            else:
+                start = q0 if starts is None or number == 0 else starts[number - first]
+                ended = self._attempts.run(runner, start, limit, recorder, patience)
+            reached = self._reached(runner, ended)
+            if (reached or not restarts) and not finished:
+                ended = self._bring_back(runner, ended, q0, limit, recorder, box)
+                reached = self._reached(runner, ended)
+            iterations, escapes = iterations + ended.calls, escapes + ended.escapes
+            if reached or not restarts:
+                arrivals = self._with_arrival(arrivals, _result(runner, ended, iterations, escapes, number))
+                if len(arrivals) >= options.best_of or not restarts:
+                    break
+            else:
+                ends.add(number, runner.view[OUTCOME.V], runner.q[runner.at])
+            number += 1
+        if arrivals:
+            return self._best(arrivals, q0, iterations, escapes, min(number, restarts))
+        finals: list[tuple[float, SearchResult]] = []
+        for q in ends.to_continue():  # the attempt from the caller's q0 too: it may still reach the target
+            ended = self._attempts.run(runner, q, limit, recorder)
+            ended = self._bring_back(runner, ended, q0, limit, recorder, box)
+            iterations, escapes = iterations + ended.calls, escapes + ended.escapes
+            finals.append((runner.view[OUTCOME.V], _result(runner, ended, iterations, escapes, restarts)))
+            if ended.code is Code.DONE:
                 break
-        _, q, code = min(finals, key=lambda final: final[0])
-        return SearchResult(q, code, iterations, escapes, restarts)
+        _, result = min(finals, key=lambda final: final[0])
+        return result._replace(iterations=iterations, escapes=escapes)
+
+    def _starts(
+        self, number: int, options: SearchOptions, q0: Array, box: tuple[Array, Array] | None
+    ) -> tuple[Array | None, int, int]:
+        """The restarts around attempt ``number``: their configurations, and the numbers of the first and the last."""
+        if not options.restarts:
+            return None, 1, 0
+        return self._restarts.block(options.seed, max(number, 1), q0, box)
+
+    def _bring_back(
+        self,
+        runner: Runner,
+        ended: Ended,
+        q0: Array,
+        limit: int,
+        recorder: TraceRecorder | None,
+        box: tuple[Array, Array] | None,
+    ) -> Ended:
+        """The end of an attempt with every joint within its limits."""
+        if box is not None or not self._turns.indices.size:
+            return ended
+        return self._attempts.bring_back(runner, ended, q0, limit, recorder)
+
+    def _reached(self, runner: Runner, ended: Ended) -> bool:
+        """Whether the attempt has reached the target, according to its last call."""
+        settings, view = Settings(*self._inputs.settings.tolist()), runner.view
+        on_target = (
+            view[OUTCOME.position_error] <= settings.position_tolerance
+            and view[OUTCOME.orientation_error] <= settings.orientation_tolerance
+        )
+        return ended.code is Code.DONE or (ended.calls > 0 and on_target)
+
+    def _with_arrival(self, arrivals: list[SearchResult], arrival: SearchResult) -> list[SearchResult]:
+        """The arrivals with another one, where it is distinct from them."""
+        differences = (self._robot.difference(known.q, arrival.q) for known in arrivals)
+        return arrivals if any(np.abs(d).max() <= DISTINCT for d in differences) else [*arrivals, arrival]
+
+    def _best(
+        self, arrivals: list[SearchResult], q0: Array, iterations: int, escapes: int, restarts: int
+    ) -> SearchResult:
+        """The arrival with the smallest criterion, or without one that nearest to ``q0``, with the others."""
+        if len(arrivals) == 1:
+            return arrivals[0]._replace(iterations=iterations, escapes=escapes)
+
+        def cost(arrival: SearchResult) -> float:
+            if self._has_criterion:
+                return self._attempts.criterion(arrival.q)
+            return float(np.linalg.norm(self._robot.difference(q0, arrival.q)))
+
+        best, *others = sorted(arrivals, key=cost)
+        return best._replace(iterations=iterations, escapes=escapes, restarts=restarts, alternatives=tuple(others))
+
+    @contextmanager
+    def _within(self, box: tuple[Array, Array]) -> Iterator[None]:
+        """Other limits, in force for all joints while a search runs."""
+        lower, upper = self._inputs.lower, self._inputs.upper
+        free = lower.copy(), upper.copy()
+        lower[:], upper[:] = box
+        if self.native:
+            self.native.turning = False
+        try:
+            yield
+        finally:
+            lower[:], upper[:] = free
+            if self.native:
+                self.native.turning = True
 
     def prepare(self, options: SearchOptions) -> bool:
         """Set ``native.run_prepared()`` to search with these options; False where it cannot."""
-        if self.native is None or self._restarts.depend_on_start or options.limit == 0:
+        plain = options.best_of == 1 and options.jump_limit == math.inf
+        if self.native is None or not plain or self._restarts.depend_on_start or options.limit == 0:
             return False
-        starts = self._restarts.table(options.seed, options.restarts, self.native.q0) if options.restarts else None
-        self.native.prepare(starts, options.restarts, options.limit, PATIENCE)
+        starts, first, last = self._starts(0, options, self.native.q0, None)
+        patience = PATIENCE if options.restarts else math.inf
+        self.native.prepare(starts, first, min(last, options.restarts), options.limit, patience)
         return True
 
     def find_all(
@@ -137,87 +278,26 @@ class Search:
         """
         if self.native is None or (len(q0) > 1 and self._restarts.depend_on_start):
             return None
-        starts = self._restarts.table(options.seed, options.restarts, q0[0]) if options.restarts else None
-        batch = self.native.batch(targets, q0, self._address(starts), options.restarts, options.limit, PATIENCE)
+        starts, first, last = self._starts(0, options, q0[0], None)
+        patience = PATIENCE if options.restarts else math.inf
+        batch = self.native.batch(targets, q0, starts, first, min(last, options.restarts), options.limit, patience)
         found: list[tuple[SearchResult | None, float]] = []
         rows = zip(batch.q, batch.errors.tolist(), batch.seconds.tolist(), batch.tallies.tolist(), strict=True)
-        for q, errors, seconds, (code, iterations, number) in rows:
-            last = _CODES[code] if code >= 0 else Code.STALLED
-            inputs = self._inputs._replace(target=targets[len(found)])
-            if last is Code.DONE and self._escapes.criterion.needed(q, inputs):
-                code = -1
-            known = (errors[0], errors[1]) if last is Code.DONE else None
-            found.append((None if code < 0 else SearchResult(q, last, iterations, 0, number, known), seconds))
+        for target, (q, errors, seconds, (code, iterations, number)) in zip(targets, rows, strict=True):
+            if code == Code.DONE and self._attempts.can_go_on(q, target):
+                code = -1  # the search in Python leaves it
+            last_code = _CODES[code] if code >= 0 else Code.STALLED
+            known = (errors[0], errors[1]) if last_code is Code.DONE else None
+            found.append((None if code < 0 else SearchResult(q, last_code, iterations, 0, number, known), seconds))
         return found
 
-    def _native_find(
-        self, native: NativeSearch, q0: Array, starts: Array | None, options: SearchOptions
-    ) -> SearchResult | None:
-        """The search in C; None where the search in Python has to begin again."""
-        code = native.find(q0, self._address(starts), options.restarts, options.limit, PATIENCE)
-        if code < 0:
-            return None
-        iterations, number, at = native.tally.tolist()
-        last, q = _CODES[code], native.runner.q[at].copy()
-        if last is Code.DONE and self._escapes.criterion.needed(q, self._inputs):
-            return None
-        return SearchResult(q, last, iterations, 0, number, _errors_when_done(native.runner, last))
 
-    def _address(self, starts: Array | None) -> int | None:
-        """The address of a table of configurations."""
-        if starts is None:
-            return None
-        if starts is not self._addressed[0]:
-            self._addressed = starts, starts.ctypes.data
-        return self._addressed[1]
-
-    def _attempt(
-        self, runner: Runner, q0: Array, limit: int, recorder: TraceRecorder | None, patience: float = math.inf
-    ) -> tuple[Code, int, int]:
-        """Call the step until its code ends the attempt, or ``patience`` calls have made no progress.
-
-        Returns the last code, the number of calls that tried a step, and the number of saddle escapes.
-        """
-        runner.start(q0, patience)
-        if recorder is not None:
-            recorder.begin()
-        calls, view = runner.calls, runner.view
-        code, escapes, k, at = Code.CONTINUE, 0, 0, 0
-        while k < limit:
-            if recorder is not None:
-                recorder.before(runner.q[at])
-            calls[at]()
-            at = 1 - at
-            k += 1
-            if recorder is not None:
-                recorder.after()
-            if view[0] == 0.0:
-                continue
-            code = _CODES[int(view[0])]
-            if code is Code.DONE:
-                patience = math.inf  # the attempt has reached the target: no restart replaces it
-            replaceable = patience < math.inf  # an attempt that a restart can replace only escapes where it began
-            may_escape = escapes < (1 if replaceable else MAX_ESCAPES) and (k == 1 or not replaceable)
-            if may_escape and self._escapes.escape(code, runner.q[at], self._inputs):
-                escapes += 1
-                if recorder is not None:
-                    recorder.escaped()
-                runner.start(runner.q[at].copy(), patience)
-                code, at = Code.CONTINUE, 0
-                continue
-            if not view[OUTCOME.tried]:  # the call stopped before it tried a step: not an iteration
-                k -= 1
-                if recorder is not None:
-                    recorder.discard()
-            break
-        runner.at = at
-        return code, k, escapes
-
-
-def _errors_when_done(runner: Runner, code: Code) -> tuple[float, float] | None:
-    """The errors that the last call returned, which belong to its q where the search is done."""
-    view = runner.view
-    return (view[OUTCOME.position_error], view[OUTCOME.orientation_error]) if code is Code.DONE else None
+def _result(runner: Runner, ended: Ended, iterations: int, escapes: int, restarts: int) -> SearchResult:
+    """The end of the last attempt, whose q the runner's memory holds."""
+    errors = None
+    if ended.code is Code.DONE or (runner.evaluated and ended.calls > 0 and not ended.escapes):
+        errors = runner.view[OUTCOME.position_error], runner.view[OUTCOME.orientation_error]
+    return SearchResult(runner.q[runner.at].copy(), ended.code, iterations, escapes, restarts, errors)
 
 
 _CODES = tuple(Code)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -13,7 +14,9 @@ import numpy as np
 from jtik._loop.arguments import ConfigurationReader, read_targets
 from jtik._loop.batch import BatchEntry, collect
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
-from jtik._loop.inspection import Inspection, Inspector
+from jtik._loop.inspection import Inspector
+from jtik._loop.jump import Jump
+from jtik._loop.native_source import UNREADABLE
 from jtik._loop.options import read_search_options, read_settings
 from jtik._loop.runner import Runner
 from jtik._loop.runners import Runners
@@ -29,12 +32,11 @@ from jtik.result.batch import SolutionBatch
 from jtik.result.report import Report
 from jtik.result.solution import Solution
 from jtik.result.status import Status, is_success
-from jtik.result.trace import Trace
 from jtik.result.trajectory import Trajectory
 from jtik.types import Array
 
-Options = tuple[int, int | None, int, tuple[float, float, float], str]
-"""restarts, seed, max_iterations, tolerances of position, orientation and optimality, until."""
+Options = tuple[int, int | None, int, int, float | None, tuple[float, float, float], str]
+"""restarts, seed, max_iterations, best_of, jump_limit, tolerances of position, orientation and optimality, until."""
 
 _FLOAT = np.dtype(np.float64)
 
@@ -69,41 +71,56 @@ class Solving:
         if not self._enter(False):
             raise in_use()
         try:
+            begun = None
             if options == self._prepared and not trace:
-                solution = self._solve_native(target, q0, begin)
-                if solution is not None:
-                    return solution
+                ended = self._solve_native(target, q0, begin)
+                if isinstance(ended, Solution):
+                    return ended
+                begun = ended
             self._target[:] = self._tasks.read_target(target)
             start = self._configurations.start(q0)
             search_options = self._read_options(options)
+            jump = None
+            if search_options.jump_limit < math.inf:
+                self._configurations.check_within_limits(start, "q0")
+                jump = Jump(self._robot, start, search_options.jump_limit, self._search.box)
             recorder = TraceRecorder(self._runners.traced_solve) if trace else None
             runner = recorder.runner if recorder else self._runners.solve
-            found, status, inspection = self._search_in_memory(start, search_options, target, runner, recorder)
-            recorded = recorder.trace(found.q, self._error) if recorder else None
-            return self._solution(found, status, options, begin, inspection, recorded)
+            found = self._search_in_memory(start, search_options, runner, recorder, begun)
+            solution = self._solution(found, target, options, begin, jump)
+            if recorder:
+                solution.__dict__["trace"] = recorder.trace(found.q, self._error)
+            if found.alternatives:
+                others = tuple(self._solution(other, target, options, begin, jump) for other in found.alternatives)
+                solution.__dict__["alternatives"] = others
+            return solution
         finally:
             self._leave()
 
     def _solution(
-        self,
-        found: SearchResult,
-        status: Status,
-        options: Options,
-        begin: float,
-        inspection: Inspection,
-        trace: Trace | None = None,
+        self, found: SearchResult, target: Any, options: Options, begin: float, jump: Jump | None = None
     ) -> Solution:
-        """The end of a search that began at the time ``begin`` as a Solution."""
+        """The end of a search for the target in memory, which began at the time ``begin``, as a Solution."""
+        inspection = self._inspector.snapshot(found.q, target, jump.box if jump else None)
+
+        def diagnose() -> Status:
+            status = inspection.status(found.code)
+            return jump.status(status, found.q, inspection) if jump else status
+
+        fields: dict[str, Any] = {"converged": False, "diagnose": diagnose}
+        if not _missed(found, options):
+            status = diagnose()
+            fields = {"status": status, "converged": is_success(status, options[-1])}
         return Solution.of(
             q=found.q,
-            status=status,
-            converged=is_success(status, options[-1]),
+            **fields,
             iterations=found.iterations,
             escapes=found.escapes,
             restarts=found.restarts,
             seconds=time.perf_counter() - begin,
             inspect=inspection,
-            trace=trace,
+            trace=None,
+            alternatives=(),
         )
 
     def solve_batch(self, targets: Iterable[Any], q0: Any, options: Options, progress: Progress) -> SolutionBatch:
@@ -120,13 +137,16 @@ class Solving:
                 self._target[:] = numbers[i]
                 found, seconds = native[i] if native else (None, 0.0)
                 if found is None:
-                    start = starts[i % len(starts)]
-                    found, status, _ = self._search_in_memory(start, search_options, given[i], self._runners.solve)
+                    found = self._search_in_memory(starts[i % len(starts)], search_options, self._runners.solve)
+                errors = found.errors or self._inspector.errors(found.q, self._memory.inputs)
+                diagnose: Callable[[], Status]
+                if _missed(found._replace(errors=errors), options):
+                    converged = False
+                    diagnose = partial(self._inspector.snapshot(found.q, given[i]).status, found.code)
                 else:
                     status = self._inspector.current(found.q).status(found.code)
-                seconds += time.perf_counter() - begin
-                errors = found.errors or self._inspector.errors(found.q, self._memory.inputs)
-                return BatchEntry(found, status, is_success(status, options[-1]), errors, seconds)
+                    converged, diagnose = is_success(status, options[-1]), partial(Status, status)
+                return BatchEntry(found, diagnose, converged, errors, seconds + time.perf_counter() - begin)
 
             entries = [solve(i) for i in watched(range(len(numbers)), progress, "targets")]
             memory = self._memory.numbers.copy()
@@ -156,8 +176,8 @@ class Solving:
             def solve(target: Any, q: Array) -> Solution:
                 begin = time.perf_counter()
                 self._target[:] = self._tasks.read_target(target)
-                found, status, inspection = self._search_in_memory(q, search_options, target, runner)
-                return self._solution(found, status, options, begin, inspection)
+                found = self._search_in_memory(q, search_options, runner)
+                return self._solution(found, target, options, begin)
 
             try:
                 return follow(self._robot, given, start, dt, box, solve, self._at_another_q)
@@ -168,17 +188,19 @@ class Solving:
         """The options of a search; the tolerances are written to the step's memory. Both only when they change."""
         if self._options != options:
             self._options = self._prepared = ()
-            self._search_options = read_search_options(*options[:3])
-            self._memory.inputs.settings[:] = read_settings(*options[3], options[4])
+            self._search_options = read_search_options(*options[:-2])
+            self._memory.inputs.settings[:] = read_settings(*options[-2], options[-1])
             self._options = options
             if not self._has_criterion and self._search.prepare(self._search_options):
                 self._prepared = options
         return self._search_options
 
-    def _solve_native(self, target: Any, q0: Any, begin: float) -> Solution | None:
+    def _solve_native(self, target: Any, q0: Any, begin: float) -> Solution | int | None:
         """Solve by the native search alone, with as little work in Python as possible.
 
-        None where that is impossible: there is no native search, q0 is not an array, or the search did not converge.
+        Returns:
+            The Solution where the search has converged, else what it returned, for `Search.find` to go on; None where
+            there is no native search, or q0 is not an array.
         """
         native, start = self._search.native, self._robot.neutral if q0 is None else q0
         if native is None or type(start) is not np.ndarray or start.shape != native.q0.shape:
@@ -188,9 +210,10 @@ class Solving:
         else:
             self._target[:] = self._tasks.read_target(target)
         native.q0[:] = start
-        if native.run_prepared() != Code.DONE:
-            return None
-        iterations, restarts, at = native.tally.tolist()
+        returned = native.run_prepared()
+        if returned != Code.DONE:
+            return returned if returned != UNREADABLE else None
+        iterations, restarts, at, *_ = native.tally.tolist()
         q = native.runner.q[at].copy()
         return Solution.of(
             q=q,
@@ -208,16 +231,14 @@ class Solving:
         self,
         start: Array,
         search_options: SearchOptions,
-        target: Any,
         runner: Runner,
         recorder: TraceRecorder | None = None,
-    ) -> tuple[SearchResult, Status, Inspection]:
-        """Search for the target that is in memory: the result, its status, and its inspection."""
-        if recorder or search_options.limit == 0:
-            start = self._configurations.clamped(start)  # otherwise the first step clamps it
-        found = self._search.find(runner, start, search_options, recorder)
-        inspection = self._inspector.snapshot(found.q, target)
-        return found, inspection.status(found.code), inspection
+        begun: int | None = None,
+    ) -> SearchResult:
+        """Search for the target that is in memory."""
+        if recorder or search_options.limit == 0:  # otherwise the first step clamps it
+            start = self._configurations.clamped(start, runner.inputs.lower, runner.inputs.upper)
+        return self._search.find(runner, start, search_options, recorder, begun=begun)
 
     def _error(self, q: Array) -> Array:
         """The task error at q for the target that is in memory, (m,)."""
@@ -227,3 +248,9 @@ class Solving:
         """The solution with another configuration for the same target."""
         inspection = self._inspector.snapshot(q, None)
         return replace(solution, q=q, inspect=inspection, status=inspection.status(Code.CONTINUE))
+
+
+def _missed(found: SearchResult, options: Options) -> bool:
+    """Whether the errors alone show that the target is not reached, so that the status need not be computed."""
+    position, orientation, _ = options[-2]
+    return found.errors is not None and (found.errors[0] > position or found.errors[1] > orientation)

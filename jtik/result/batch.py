@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +51,22 @@ class SolutionBatch:
     inspect: Callable[[int], Report]
 
     statuses = RenamedAttribute("status")
+
+    @classmethod
+    def of(cls, diagnose: Callable[[], tuple[Status, ...]], **columns: Any) -> SolutionBatch:
+        """As the constructor, with a function that computes ``status`` when it is first read."""
+        batch = object.__new__(cls)
+        batch.__dict__.update(columns, diagnose=diagnose)
+        return batch
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            diagnose = self.__dict__.get("diagnose") if name == "status" else None
+            if diagnose is None:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            status = self.__dict__["status"] = diagnose()
+            return status
 
     def __len__(self) -> int:
         return len(self.q)

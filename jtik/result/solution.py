@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,7 +25,8 @@ __all__ = ["Solution", "Status", "Step", "Trace"]
 class Solution:
     """Where a solve ended and why. ``bool(solution)`` is `converged`.
 
-    It can be pickled and read in any thread; `report` and what depends on it are computed when first read.
+    It can be pickled and read in any thread. `report`, what depends on it, and the status of a failed solve are
+    computed when first read.
 
     Attributes:
         q: configuration, (nq,) [rad] and [m].
@@ -37,6 +38,7 @@ class Solution:
         seconds: wall time of the solve [s].
         inspect: function that computes `report`.
         trace: the iterations, with ``trace=True``; else None.
+        alternatives: with ``best_of``, the other Solutions that were found, the best first.
     """
 
     q: Array
@@ -48,16 +50,29 @@ class Solution:
     seconds: float
     inspect: Callable[[], Report]
     trace: Trace | None = None
+    alternatives: tuple[Solution, ...] = ()
 
     look = RenamedAttribute("inspect")
     gave_way = RenamedAttribute("relaxed")
 
     @classmethod
     def of(cls, **fields: Any) -> Solution:
-        """As the constructor, for all fields as keywords, in a quarter of the time."""
+        """As the constructor, for all fields as keywords, in a quarter of the time.
+
+        Instead of ``status`` it accepts ``diagnose``, a function that computes it when it is first read.
+        """
         solution = object.__new__(cls)
         solution.__dict__.update(fields)
         return solution
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            diagnose = self.__dict__.get("diagnose") if name == "status" else None
+            if diagnose is None:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            status = self.__dict__["status"] = diagnose()
+            return status
 
     def __bool__(self) -> bool:
         return self.converged
@@ -79,6 +94,7 @@ class Solution:
             self.seconds,
             ComputedReport(self.report),
             self.trace,
+            self.alternatives,
         )
 
     @property
@@ -180,6 +196,8 @@ class Solution:
             lines.append(f"  escapes     {self.escapes} from a saddle point, along negative curvature")
         if self.restarts:
             lines.append(f"  restarts    {self.restarts} from other configurations")
+        if self.alternatives:
+            lines.append(f"  alternatives {len(self.alternatives)} more, the best first")
         if self.criteria:
             terms = ", ".join(f"{name} {value:.4g}" for name, value in self.criteria.items())
             lines.append(f"  H           {self.cost:.6g} ({terms}); null-space residual {self.null_space_residual:.2g}")

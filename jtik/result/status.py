@@ -14,6 +14,7 @@ class Status(Enum):
         SADDLE: the target is reached, and the criterion is stationary and not minimal.
         LOCAL_MINIMUM: the target is not reached, and the error has a local minimum at q.
         LIMITS: the error is stationary only because of active joint limits.
+        JUMP_LIMIT: the target is not reached within the largest change of the joints that ``jump_limit`` allows.
         BLOCKED: the target is not reached, and a clearance is as small as it may become.
         SINGULAR: the error is stationary and not minimal, at a singularity of the Jacobian.
         STALLED: the error is not stationary, and no step of the strategy was accepted.
@@ -27,6 +28,7 @@ class Status(Enum):
     SADDLE = "on target, at a saddle point or a maximum of the criterion, which could still fall"
     LOCAL_MINIMUM = "out of reach, or a local minimum of the error: this is the closest posture nearby"
     LIMITS = "stopped at joint limits: the error could fall if the joints at their limits could move further"
+    JUMP_LIMIT = "stopped at jump_limit: the target is not reached within this change of the joints from q0"
     BLOCKED = "stopped at clearances: the error could fall if bodies could come closer to the obstacles"
     SINGULAR = "stopped at a singularity: no direction in which the robot can move reduces the error"
     STALLED = "stalled: no step that the strategy tried reduced the error"

@@ -21,6 +21,7 @@ def test_names():
         "SADDLE",
         "LOCAL_MINIMUM",
         "LIMITS",
+        "JUMP_LIMIT",
         "SINGULAR",
         "STALLED",
         "ITERATION_LIMIT",

@@ -1,0 +1,160 @@
+"""An attempt of a search in Python: the calls of the fused step from one configuration until their code ends it."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from jtik._loop.criterion_escape import Escapes
+from jtik._loop.full_turns import FullTurns
+from jtik._loop.runner import Runner
+from jtik._loop.trace_recorder import TraceRecorder
+from jtik._step.inputs import Inputs
+from jtik._step.stopping import OUTCOME, Code
+from jtik._step.symbolic_problem import SymbolicProblem
+from jtik.symbolic.compile import CompiledFunction
+from jtik.types import Array
+
+MAX_ESCAPES = 20
+"""Largest number of escapes of an attempt."""
+
+
+class Ended(NamedTuple):
+    """How an attempt ended.
+
+    Attributes:
+        code: code of the last call.
+        calls: calls that tried a step.
+        escapes: escapes from saddle points.
+    """
+
+    code: Code
+    calls: int
+    escapes: int
+
+
+class Attempts:
+    """Runs attempts on the memory of a runner.
+
+    Args:
+        problem: the problem.
+        escapes: from saddle points of the error and of the criterion.
+        turns: the joints that can turn all the way round.
+        inputs: the inputs of a search, in which the limits of these joints are infinite.
+    """
+
+    def __init__(self, problem: SymbolicProblem, escapes: Escapes, turns: FullTurns, inputs: Inputs[Array]) -> None:
+        self._problem, self._escapes, self._turns, self._inputs = problem, escapes, turns, inputs
+
+    @cached_property
+    def _criterion(self) -> CompiledFunction:
+        return CompiledFunction(self._problem.criterion)
+
+    def criterion(self, q: Array) -> float:
+        """H at q."""
+        return float(self._criterion(q, self._inputs.parameters)[0][0, 0])
+
+    def run(
+        self, runner: Runner, q0: Array, limit: int, recorder: TraceRecorder | None, patience: float = math.inf
+    ) -> Ended:
+        """An attempt from ``q0``.
+
+        Args:
+            runner: the runner, which then holds where the attempt ended.
+            q0: where it begins, (nq,).
+            limit: largest number of calls.
+            recorder: records the calls; None for none.
+            patience: calls without progress after which it ends.
+        """
+        runner.start(q0, patience)
+        if recorder is not None:
+            recorder.begin()
+        return self.go_on(runner, limit, recorder, patience)
+
+    def go_on(
+        self,
+        runner: Runner,
+        limit: int,
+        recorder: TraceRecorder | None = None,
+        patience: float = math.inf,
+        *,
+        code: Code = Code.CONTINUE,
+        calls: int = 0,
+    ) -> Ended:
+        """The rest of an attempt, whose last call was number ``calls`` and returned ``code``."""
+        step, view, k, at, escapes = runner.calls, runner.view, calls, runner.at, 0
+        while True:
+            if code is Code.CONTINUE:
+                if k >= limit:
+                    break
+                if recorder is not None:
+                    recorder.before(runner.q[at])
+                step[at]()
+                at = 1 - at
+                k += 1
+                if recorder is not None:
+                    recorder.after()
+                if view[0] == 0.0:
+                    continue
+                code = _CODES[int(view[0])]
+            if code is Code.DONE:
+                patience = math.inf  # the attempt has reached the target: no restart replaces it
+            replaceable = patience < math.inf  # an attempt that a restart can replace only escapes where it began
+            may_escape = escapes < (1 if replaceable else MAX_ESCAPES) and (k == 1 or not replaceable)
+            if may_escape and self._escapes.escape(code, runner.q[at], runner.inputs):
+                escapes += 1
+                if recorder is not None:
+                    recorder.escaped()
+                runner.start(runner.q[at].copy(), patience)
+                code, at = Code.CONTINUE, 0
+                continue
+            if not view[OUTCOME.tried]:  # the call stopped before it tried a step: not an iteration
+                k -= 1
+                if recorder is not None:
+                    recorder.discard()
+            break
+        runner.at = at
+        return Ended(code, k, escapes)
+
+    def can_go_on(self, q: Array, target: Array | None = None) -> bool:
+        """Whether q, on target and stationary, is a saddle point or a maximum of the criterion.
+
+        Args:
+            q: where an attempt has ended, (nq,).
+            target: its target, as numbers; that in memory by default.
+        """
+        inputs = self._inputs if target is None else self._inputs._replace(target=target)
+        return self._escapes.criterion.needed(q, inputs) is not None
+
+    def bring_back(
+        self, runner: Runner, ended: Ended, reference: Array, limit: int, recorder: TraceRecorder | None
+    ) -> Ended:
+        """Bring the joints that moved without limits to the turn nearest to ``reference``, within their limits.
+
+        Where no turn lies within the limits, or where another turn changes the criterion, the attempt goes on from
+        there with all limits in force.
+        """
+        turns, q = self._turns, runner.q[runner.at]
+        turned, fits = turns.nearest(q, reference)
+        moved = bool((turned[turns.indices] != q[turns.indices]).any())
+        if fits and moved and self._problem.has_criterion:
+            if not self.criterion(turned) <= self.criterion(q):
+                turned, _ = turns.nearest(q, q)  # only as far as the limits require
+                moved = bool((turned[turns.indices] != q[turns.indices]).any())
+            fits = not moved
+        q[:] = turned
+        if fits or ended.code is Code.NOT_FINITE:
+            return ended
+        lower, upper, where = self._inputs.lower, self._inputs.upper, turns.indices
+        lower[where], upper[where] = turns.lower, turns.upper
+        try:
+            again = self.run(runner, turned, limit, recorder)
+        finally:
+            lower[where], upper[where] = -np.inf, np.inf
+        return Ended(again.code, ended.calls + again.calls, ended.escapes + again.escapes)
+
+
+_CODES = tuple(Code)

@@ -1,0 +1,161 @@
+"""The C code of the native search; every index in it comes from the named structures."""
+
+from __future__ import annotations
+
+from jtik._loop.full_turns import ROUNDING, TURN
+from jtik._step.inputs import SETTING, Inputs
+from jtik._step.stopping import OUTCOME, Code
+from jtik._step.vector_layout import VectorLayout
+
+LOOK, EXHAUSTED, UNREADABLE = -1, -2, -3
+"""What the search in C returns besides the code of a call."""
+
+
+_SOURCE = r"""
+#include <math.h>
+#include <string.h>
+#include <time.h>
+
+/* Joints that move without limits: each to the turn within its limits nearest to q0. Returns 1 where none fits, or
+   where another turn may change the criterion; q is then as it was. */
+static int JTIK_NAME_turned(void** at, double* q) {
+  const double* q0 = (const double*)at[12];
+  const long long count = (long long)at[15], criterion = (long long)at[16];
+  const long long* index = (const long long*)at[17];
+  const double *lower = (const double*)at[18], *upper = (const double*)at[19];
+  for (int write = 0; write < 2; ++write) {
+    for (long long i = 0; i < count; ++i) {
+      const double own = q[index[i]];
+      const double least = ceil((lower[i] - own - JTIK_ROUNDING) / JTIK_TURN);
+      const double most = floor((upper[i] - own + JTIK_ROUNDING) / JTIK_TURN);
+      double turns = rint((q0[index[i]] - own) / JTIK_TURN);
+      if (turns < least) turns = least;
+      if (turns > most) turns = most;
+      if (least > most || (criterion && turns != 0)) return 1;
+      if (write) {
+        double moved = own + turns * JTIK_TURN;
+        if (moved < lower[i]) moved = lower[i];
+        if (moved > upper[i]) moved = upper[i];
+        q[index[i]] = moved;
+      }
+    }
+  }
+  return 0;
+}
+
+/* Attempts number from to last of a search, until one reaches the target; row 0 of starts is attempt number first.
+   Returns its code; or JTIK_LOOK: the search in Python takes over this attempt; or JTIK_EXHAUSTED: none reached it;
+   or JTIK_UNREADABLE: q0 is not finite. */
+CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const double* starts, long long first, long long from,
+                                                long long last, long long limit, double patience) {
+  const double** arg = (const double**)at[0];
+  double** res = (double**)at[1];
+  long long* iw = (long long*)at[2];
+  double* w = (double*)at[3];
+  double* q[2] = {(double*)at[4], (double*)at[5]};
+  double* state[2] = {(double*)at[6], (double*)at[7]};
+  double* outcome = (double*)at[8];
+  const double* initial = (const double*)at[9];
+  double* settings = (double*)at[10];
+  long long* tally = (long long*)at[11]; /* in the order of Tally */
+  const double* q0 = (const double*)at[12];
+  const size_t nq = ((size_t)at[13]) * sizeof(double), ns = ((size_t)at[14]) * sizeof(double);
+  double* best = (double*)at[20]; /* smallest V of an attempt that did not reach the target */
+  tally[0] = 0;
+  tally[4] = -1;
+  for (long long j = 0; j < (long long)at[13]; ++j) {
+    if (!(q0[j] - q0[j] == 0)) return JTIK_UNREADABLE;
+  }
+  const int several = patience < INFINITY;
+  for (long long number = from; number <= last; ++number) {
+    long long k = 0, here = 0, code = 0;
+    memcpy(q[0], number ? starts + (number - first) * (long long)at[13] : q0, nq);
+    memcpy(state[0], initial, ns);
+    if (several) state[0][JTIK_PATIENCE] = patience;
+    while (k < limit && code == 0) {
+      arg[0] = q[here];
+      arg[JTIK_STATE] = state[here];
+      res[0] = q[1 - here];
+      res[1] = state[1 - here];
+      res[2] = outcome;
+      JTIK_NAME(arg, res, iw, w, 0);
+      here = 1 - here;
+      ++k;
+      code = (long long)outcome[JTIK_CODE];
+    }
+    tally[1] = number;
+    tally[2] = here;
+    tally[3] = k;
+    tally[5] = code;
+    if (code == JTIK_STALLED && (k == 1 || !several)) return JTIK_LOOK;
+    if (code != 0 && !outcome[JTIK_TRIED]) --k; /* the call stopped before it tried a step: not an iteration */
+    if (!several || code == JTIK_DONE ||
+        (k && outcome[JTIK_POSITION_ERROR] <= settings[JTIK_POSITION_TOLERANCE] &&
+         outcome[JTIK_ORIENTATION_ERROR] <= settings[JTIK_ORIENTATION_TOLERANCE])) {
+      if (JTIK_NAME_turned(at, q[here])) return JTIK_LOOK;
+      tally[0] += k;
+      tally[3] = k;
+      return code;
+    }
+    tally[0] += k;
+    if (number == 0) memcpy((double*)at[22], q[here], nq);
+    if (outcome[JTIK_V] < best[0]) {
+      best[0] = outcome[JTIK_V];
+      tally[4] = number;
+      memcpy((double*)at[21], q[here], nq);
+    }
+  }
+  return JTIK_EXHAUSTED;
+}
+
+/* The same for a table of targets, one after the other, each from its row of starts (stride 0: the same for all). */
+CASADI_SYMBOL_EXPORT void JTIK_NAME_batch(void** at, const double* starts, long long first, long long last,
+                                          long long limit, double patience, void** table) {
+  const double* targets = (const double*)table[0];
+  const double* from = (const double*)table[1];
+  double* ends = (double*)table[2];
+  double* errors = (double*)table[3];
+  double* seconds = (double*)table[4];
+  long long* tallies = (long long*)table[5]; /* code, iterations, restarts */
+  const size_t count = (size_t)table[6], size = (size_t)table[7], stride = (size_t)table[8], nq = (size_t)at[13];
+  double* target = (double*)((const double**)at[0])[JTIK_TARGET];
+  double* outcome = (double*)at[8];
+  long long* tally = (long long*)at[11];
+  struct timespec begin, end;
+  for (size_t i = 0; i < count; ++i) {
+    clock_gettime(CLOCK_MONOTONIC, &begin);
+    memcpy(target, targets + i * size, size * sizeof(double));
+    memcpy((double*)at[12], from + i * stride, nq * sizeof(double));
+    tallies[3 * i] = JTIK_NAME_search(at, starts, first, 0, last, limit, patience);
+    tallies[3 * i + 1] = tally[0];
+    tallies[3 * i + 2] = tally[1];
+    memcpy(ends + i * nq, (double*)at[4 + tally[2]], nq * sizeof(double));
+    errors[2 * i] = outcome[JTIK_POSITION_ERROR];
+    errors[2 * i + 1] = outcome[JTIK_ORIENTATION_ERROR];
+    clock_gettime(CLOCK_MONOTONIC, &end);
+    seconds[i] = (double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec);
+  }
+}
+"""
+
+
+def source(state: VectorLayout) -> str:
+    """The C code for a step whose state has this layout; every index in it comes from the named structures."""
+    first = 1  # q is argument 0
+    constants = {
+        "LOOK": LOOK,
+        "EXHAUSTED": EXHAUSTED,
+        "UNREADABLE": UNREADABLE,
+        "STALLED": Code.STALLED,
+        "DONE": Code.DONE,
+        "PATIENCE": state.slices["patience"].start,
+        "STATE": first + len(Inputs._fields),
+        "TARGET": first + Inputs._fields.index("target"),
+        "POSITION_TOLERANCE": SETTING.position_tolerance,
+        "ORIENTATION_TOLERANCE": SETTING.orientation_tolerance,
+        **{name.upper(): index for name, index in OUTCOME._asdict().items()},
+    }
+    numbers = {"TURN": TURN, "ROUNDING": ROUNDING}
+    exact = "".join(f"\n#define JTIK_{name} {value!r}" for name, value in numbers.items())
+    defined = exact + "\n" + "\n".join(f"#define JTIK_{name} {int(value)}" for name, value in constants.items())
+    return f"\n{defined}\n{_SOURCE}"
