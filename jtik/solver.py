@@ -137,7 +137,8 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
 
         Args:
             target: what the task accepts, such as (x, y); for several tasks a dict of targets by task name.
-            q0: where to start, (nq,); the robot's neutral configuration by default. It is clamped to the limits.
+            q0: where to start, (nq,); `Robot.home` by default: the keyframe "home" or, without one, the neutral
+                configuration off its limits. It is clamped to the limits.
             restarts: how many other starting configurations to try, drawn within the limits, when q0 does not lead to
                 the target. Each attempt without progress then ends early. If none reaches the target, the
                 one with the smallest error is returned.
@@ -175,7 +176,8 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
 
         Args:
             targets: the targets, each as in `solve`; an array (k, 4, 4) is k poses.
-            q0: where to start, one configuration for all, (nq,), or one for each target, (k, nq).
+            q0: where to start, one configuration for all, (nq,), or one for each target, (k, nq); `Robot.home` by
+                default.
             restarts, seed, max_iterations: of each solve, as in `solve`.
             position_tolerance, orientation_tolerance, optimality_tolerance, until: see the class.
             progress: True for a bar on the terminal, or a function called with (done, total).
@@ -250,7 +252,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
 
         Args:
             targets: the targets, each as in `solve`.
-            q0: where the robot stands at time 0, (nq,); its neutral configuration by default.
+            q0: where the robot stands at time 0, (nq,); `Robot.home` by default.
             dt: time from one target to the next [s].
             max_iterations: most steps to try for each target.
             position_tolerance, orientation_tolerance, optimality_tolerance, until: see the class.

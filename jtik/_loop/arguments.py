@@ -49,12 +49,12 @@ class ConfigurationReader:
         return self._robot.configuration(q, argument=argument)
 
     def start(self, q0: Any) -> Array:
-        """Where a solve starts: the configuration ``q0``, or the neutral one for None, (nq,).
+        """Where a solve starts: the configuration ``q0``, or the robot's home for None, (nq,).
 
         Raises:
             ArgumentError: for a configuration that `read` refuses.
         """
-        return self._robot.neutral if q0 is None else self.read("q0", q0)
+        return self._robot.home if q0 is None else self.read("q0", q0)
 
     def starts(self, q0: Any, count: int) -> list[Array]:
         """Where ``count`` solves start: one configuration for all, or one for each.

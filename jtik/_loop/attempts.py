@@ -135,7 +135,7 @@ class Attempts:
         """Bring the joints that moved without limits to the turn nearest to ``reference``, within their limits.
 
         Where no turn lies within the limits, or where another turn changes the criterion, the attempt goes on from
-        there with all limits in force.
+        there with all limits in force, as far as ``limit`` calls in all allow.
         """
         turns, q = self._turns, runner.q[runner.at]
         turned, fits = turns.nearest(q, reference)
@@ -151,7 +151,7 @@ class Attempts:
         lower, upper, where = self._inputs.lower, self._inputs.upper, turns.indices
         lower[where], upper[where] = turns.lower, turns.upper
         try:
-            again = self.run(runner, turned, limit, recorder)
+            again = self.run(runner, turned, max(limit - ended.calls, 0), recorder)
         finally:
             lower[where], upper[where] = -np.inf, np.inf
         return Ended(again.code, ended.calls + again.calls, ended.escapes + again.escapes)

@@ -202,7 +202,7 @@ class Solving:
             The Solution where the search has converged, else what it returned, for `Search.find` to go on; None where
             there is no native search, or q0 is not an array.
         """
-        native, start = self._search.native, self._robot.neutral if q0 is None else q0
+        native, start = self._search.native, self._robot.home if q0 is None else q0
         if native is None or type(start) is not np.ndarray or start.shape != native.q0.shape:
             return None
         if type(target) is np.ndarray and target.dtype is _FLOAT and target.shape == self._vector_shape:

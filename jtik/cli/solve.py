@@ -29,7 +29,7 @@ def add_arguments(commands: Any) -> None:
     )
     add_problem_options(command, kind="position")
     command.add_argument("--target", nargs="+", type=float, metavar="NUMBER", help="such as X Y, or X Y Z")
-    command.add_argument("--q0", nargs="+", type=float, metavar="NUMBER", help="configuration to start from")
+    command.add_argument("--q0", nargs="+", type=float, metavar="NUMBER", help="where to start (default: home)")
     command.add_argument(
         "--strategy",
         metavar="NAME",
@@ -68,6 +68,7 @@ SHOWN = (
     "iterations",
     "escapes",
     "restarts",
+    "alternatives",
     "cost",
     "criteria",
     "jacobian",
@@ -105,6 +106,8 @@ def _json_value(value: Any) -> Any:
         return _json_value(value.item())
     if isinstance(value, (list, tuple)):
         return [_json_value(item) for item in value]
+    if isinstance(value, Solution):
+        return {"q": _json_value(value.q), "status": value.status.name, "cost": _json_value(value.cost)}
     if isinstance(value, Enum):
         return value.name
     if isinstance(value, float):

@@ -39,8 +39,7 @@ def path(
         task: a Task, or several.
         targets: at least one target, in any form that the task accepts.
         q0: start, (nq,) of the reduced robot. When None, a solver looks for a configuration that meets the first
-            target, from the neutral configuration and up to 20 others. The neutral configuration is used if it finds
-            none.
+            target, from `Robot.home` and up to 20 others. `Robot.home` is used if it finds none.
         dt: time between consecutive targets [s].
         name: name of the case and of the set.
         joints: joints that move, as in `InverseKinematics`.
@@ -54,7 +53,7 @@ def path(
     setup = ProblemSetup(robot, task, joints, at)
     arm = setup.robot
     given = tuple(targets)
-    start = arm.neutral if q0 is None else arm.configuration(q0, argument="q0")
+    start = arm.home if q0 is None else arm.configuration(q0, argument="q0")
 
     def made(start: Any) -> ProblemSet:
         case = Case(

@@ -164,9 +164,9 @@ class Builders:
         Frames are the bodies and the sites, with their names, and "world" is the base. A site with the name of a body
         becomes "NAME (site)". Several joints on a body become a chain whose inner frames have the names of the joints.
         q is MuJoCo's ``qpos`` without the joints that follow others: a linear equality of joints makes one of them a
-        mimic joint. Limits of ball joints, and closed loops, are left out. Masses and keyframes are kept. Geoms become
-        shapes: those that collide, or all of them where none does. Mesh files are optional; the mass of a mesh is that
-        of the file, or zero.
+        mimic joint. `neutral` is ``qpos0``, where the file has each joint and each free object. Limits of ball joints,
+        and closed loops, are left out. Masses and keyframes are kept. Geoms become shapes: those that collide, or all
+        of them where none does. Mesh files are optional; the mass of a mesh is that of the file, or zero.
 
         Args:
             path_or_xml: the path of a file, or text that starts with "<".

@@ -60,7 +60,10 @@ class ConfigurationSpace:
 
     @property
     def neutral(self) -> Array:
-        """Zero clamped to the limits, and identity quaternions, (nq,). Read-only."""
+        """Where joints are that nothing else is said of, such as locked ones, (nq,). Read-only.
+
+        Zero and identity quaternions; of a MuJoCo model its ``qpos0``. It is clamped to the limits.
+        """
         return self._layout.neutral
 
     @property

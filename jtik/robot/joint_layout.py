@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,7 @@ class JointLayout:
         lower: lower limits (nq,) [rad] or [m].
         upper: upper limits (nq,) [rad] or [m].
         velocity_limit: maximum speeds (nv,) [rad/s] or [m/s].
-        neutral: zero clamped to the limits, and identity quaternions, (nq,).
+        neutral: zero clamped to the limits, and identity quaternions, or what `with_neutral` put in their place, (nq,).
         rotational: True for velocity entries that are rotations, (nv,).
         scalar_q: indices in q of the revolute and prismatic joints.
         scalar_v: their indices in v, in the same order.
@@ -103,6 +103,10 @@ class JointLayout:
             scalar_v,
             quaternions,
         )
+
+    def with_neutral(self, q: Array) -> JointLayout:
+        """The same layout with the neutral configuration ``q`` (nq,), clamped to the limits."""
+        return replace(self, neutral=frozen(np.clip(q, self.lower, self.upper)))
 
     def random(self, generator: np.random.Generator) -> Array:
         """A configuration drawn uniformly within the limits, shape (nq,).

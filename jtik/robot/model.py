@@ -13,6 +13,7 @@ from jtik.robot import skeleton
 from jtik.robot.builders import Builders
 from jtik.robot.configuration_space import ConfigurationSpace
 from jtik.robot.evaluator import Evaluator
+from jtik.robot.home import home_of
 from jtik.robot.joint_layout import JointLayout
 from jtik.robot.kinematics import JacobianRows, Kinematics, jacobian_rows
 from jtik.robot.masses_and_shapes import Mass, masses_on, shapes_on
@@ -39,6 +40,8 @@ class Robot(ConfigurationSpace, Builders):
         masses: the mass on each frame that has one, for the centre of mass.
         shapes: solids on the frames, in the coordinates of the frames, for clearances.
         keyframes: named configurations, in any form that `configuration` accepts.
+        neutral: the neutral configuration, in any form that `configuration` accepts; it is clamped to the limits. Zero
+            and identity quaternions when None.
 
     Raises:
         ArgumentError: when the joints do not form a tree, or leave the plane of a planar robot.
@@ -58,6 +61,7 @@ class Robot(ConfigurationSpace, Builders):
         masses: Mapping[str, Mass] | None = None,
         shapes: Mapping[str, Sequence[Solid]] | None = None,
         keyframes: Mapping[str, object] | None = None,
+        neutral: object = None,
     ) -> None:
         self._joints = tuple(joints)
         check_tree(self._joints, base)
@@ -65,6 +69,8 @@ class Robot(ConfigurationSpace, Builders):
             check_planar(self._joints)
         self._name, self._planar, self._base = name, bool(planar), base
         self._layout = JointLayout.of(self._joints)
+        if neutral is not None:
+            self._layout = self._layout.with_neutral(self.configuration(neutral, argument="neutral"))
         self._carrier = {joint.child: joint for joint in self._joints}
         self._paths: dict[str, tuple[Joint, ...]] = {base: ()}
         self._tip = self.frame_names[-1] if tip is None else tip
@@ -96,6 +102,7 @@ class Robot(ConfigurationSpace, Builders):
             "masses": self._masses,
             "shapes": self._shapes,
             "keyframes": self._keyframes,
+            "neutral": self.neutral,
         }
         build = partial(type(self), self._joints, **options)
         if self._reduction is None:
@@ -132,6 +139,7 @@ class Robot(ConfigurationSpace, Builders):
                 tip=self.tip,
                 masses=self._masses,
                 shapes=self._shapes,
+                neutral={joint.name: self.neutral[self.q_slice(joint.name)] for joint in kept if joint.is_independent},
             ),
             self,
             q,
@@ -183,6 +191,15 @@ class Robot(ConfigurationSpace, Builders):
     def keyframes(self) -> Mapping[str, Array]:
         """Named configurations (nq,), read-only; on a robot made by `subset`, of its free joints."""
         return MappingProxyType(self._keyframes)
+
+    @cached_property
+    def home(self) -> Array:
+        """Where a solve starts by default, (nq,): the keyframe "home" or, without one, `neutral` off its limits.
+
+        A revolute or prismatic joint within a fifth of its range of a limit is moved to the middle of the range.
+        A joint with one limit, or a longer range, counts as one with a range of 2 pi or 2 m from that limit. Read-only.
+        """
+        return home_of(self)
 
     @cached_property
     def moving_frames(self) -> tuple[str, ...]:

@@ -61,6 +61,7 @@ def as_data(value: Any) -> Any:
         return {"dict": [[str(key), as_data(each)] for key, each in value.items()]}
     if isinstance(value, Robot):
         options = {name: as_data(dict(getattr(value, name))) for name in _OPTIONS}
+        options["neutral"] = as_data(value.neutral)
         own = {"name": value.name, "planar": value.dimension == 2, "base": value.base, "tip": value.tip, **options}
         return {"robot": own, "joints": [as_data(joint) for joint in value.joints]}
     if _CLASSES.get(type(value).__name__) is type(value) and not isinstance(value, Enum):

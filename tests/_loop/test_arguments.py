@@ -26,7 +26,7 @@ class TestInvalidInput:
             assert caught.value.argument == name
 
     def test_a_step_needs_a_configuration(self):
-        """A solve starts from the neutral configuration by default, a controller from where the robot is."""
+        """A solve starts from the robot's home by default, a controller from where the robot is."""
         ik = solver(planar(2), strategy="newton+qp", criteria=JointCentering())
         for call in (lambda: ik.step(None, [1.0, 1.0]), lambda: ik.build(None, [1.0, 1.0])):
             with pytest.raises(jtik.ArgumentError, match=r"q: .*NoneType.*shape \(2,\)"):

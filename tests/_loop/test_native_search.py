@@ -117,6 +117,14 @@ def test_a_batch_in_one_call_is_the_same_as_solving_one_by_one(each, rng):
     assert np.array_equal(watched.q, batch.q)
 
 
+def test_it_starts_from_home_by_default():
+    robot = planar(3, lower=0.0, upper=2.0)
+    native, plain = pair(robot, kind="position")
+    for _ in range(2):  # from the second solve on, options are not read again
+        same(native.solve([0.5, 1.5]), plain.solve([0.5, 1.5], q0=[1.0, 1.0, 1.0]))
+    same(native.solve_batch([[0.5, 1.5]])[0], plain.solve([0.5, 1.5], q0=[1.0, 1.0, 1.0]))
+
+
 def test_a_second_solve_with_the_same_options_is_the_same(rng):
     """From the second solve with the same options on, arguments that cannot have changed are not checked again."""
     native, plain = pair(strategy=Damped(backtracking=False))

@@ -68,10 +68,16 @@ class TestSolve:
             assert np.linalg.norm(h) <= tolerance * max(1, np.linalg.norm(g))
             assert solution.null_space_residual == pytest.approx(np.linalg.norm(h), abs=1e-10)
 
-    def test_from_the_neutral_configuration_by_default(self):
+    def test_from_home_by_default(self):
         robot = jtik.Robot.planar(3, lower=[0.2, -1, -1], upper=[2, 1, 1])
         ik = solver(robot)
-        assert ik.solve([2.0, 1.5]).q.tolist() == ik.solve([2.0, 1.5], q0=robot.neutral).q.tolist()
+        targets = [[2.0, 1.5], [1.5, 2.0]]
+        from_home = [ik.solve(target, q0=[1.1, 0.0, 0.0]).q.tolist() for target in targets]
+        assert [ik.solve(target).q.tolist() for target in targets] == from_home
+        assert ik.solve_batch(targets).q.tolist() == from_home
+        assert ik.solve(targets[0], max_iterations=0).q.tolist() == robot.home.tolist() == [1.1, 0.0, 0.0]
+        path = ik.track([targets[0]]), ik.track([targets[0]], q0=robot.home)
+        assert path[0].q.tolist() == path[1].q.tolist()
 
     def test_arguments_are_not_changed_and_results_are_copies(self):
         q0 = np.array([0.3, 0.4, 0.5])

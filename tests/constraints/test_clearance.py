@@ -106,7 +106,8 @@ class TenLinks:
 
     def ways(self, trace):
         """Gaps along the straight joint-space ways of the accepted steps, (steps, places, bodies, circles)."""
-        start, end = trace.q[:-1, None], trace.q[1:, None]
+        q = np.unwrap(trace.q, axis=0)  # at its end a solve turns joints back by whole turns
+        start, end = q[:-1, None], q[1:, None]
         moved = (start != end).any(axis=(1, 2))
         return self.gaps((start + np.linspace(0, 1, 9)[:, None] * (end - start))[moved])
 

@@ -215,13 +215,25 @@ def solved(case: Setup, given: Problem) -> tuple[str, list[tuple[str, str]]]:
         wrong.append(("NaN", "the status NOT_FINITE"))
     if solution.status.on_target or solution.converged:
         wrong += off_target(case, given, solution.q)
-    if case.limited and case.tree.outside(q) > ROUNDING:
+    if case.limited and case.tree.outside(_turned(case.ik.robot, q)) > ROUNDING:
         wrong.append(("limit", f"outside its limits by {case.tree.outside(q):.3g}"))
     if case.clear:
         wrong += too_near(case, given, q)
     if case.ik._engine.problem.has_criterion:
         wrong += leaking(case)
     return solution.status.name, wrong
+
+
+def _turned(robot: jtik.Robot, q: np.ndarray) -> np.ndarray:
+    """The configurations of a solve without joints that can turn all the way round: their limits hold at its end."""
+    turning = np.zeros(robot.nq, dtype=bool)
+    for joint in robot.independent_joints:
+        where = robot.q_slice(joint.name)
+        revolute = joint.type is jtik.JointType.REVOLUTE
+        turning[where] = revolute and (robot.upper[where] - robot.lower[where] > 2 * np.pi - 0.1).all()
+    rows = q.copy()
+    rows[:-1, turning] = q[-1, turning]
+    return rows
 
 
 def off_target(case: Setup, given: Problem, q: np.ndarray) -> list[tuple[str, str]]:

@@ -27,6 +27,7 @@ def test_names():
         "ITERATION_LIMIT",
         "UNSOLVED",
         "BLOCKED",
+        "JUMP_LIMIT",
         "NOT_FINITE",
     }
 

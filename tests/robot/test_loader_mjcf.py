@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -67,6 +69,10 @@ EVERYTHING = """
 @pytest.fixture(scope="module")
 def everything():
     return Robot.from_mjcf(EVERYTHING), mujoco.MjModel.from_xml_string(EVERYTHING)
+
+
+FOLLOWED = np.array([0.0] * 15 + [0.1, 0.2 + 0.5 * 0.1])
+"""How far the equalities move the followers, thumb and nail, from qpos0."""
 
 
 def full_position(robot, model, q):
@@ -150,6 +156,72 @@ def test_keyframes_become_configurations(everything):
     robot, _ = everything
     assert set(robot.keyframes) == {"home", "key1"}
     assert robot.keyframes["home"] == pytest.approx([1, 2, 3, 1, 0, 0, 0, 0.1, 0.2, 0.3, 1, 0, 0, 0, 0.01])
+
+
+def test_the_neutral_configuration_is_qpos0(everything):
+    described, model = everything
+    for robot in (described, Robot.from_mujoco(model), pickle.loads(pickle.dumps(described))):
+        assert full_position(robot, model, robot.neutral)[0] == pytest.approx(model.qpos0 + FOLLOWED, abs=EXACT)
+        assert_like_mujoco(robot, model, robot.neutral)
+
+
+def test_the_neutral_configuration_is_within_the_limits():
+    text = '<mujoco><worldbody><body><joint ref="3" range="-1 1"/><geom size="1"/></body></worldbody></mujoco>'
+    robot = Robot.from_mjcf(text.replace("<worldbody>", '<compiler angle="radian"/><worldbody>'))
+    assert robot.neutral.tolist() == [1.0]
+
+
+class TestAScene:
+    """An arm on a column beside two free objects; only the arm moves."""
+
+    XML = """
+    <mujoco model="scene">
+      <worldbody>
+        <body name="cup" pos="0.5 0.2 0.7" quat="1 2 -1 0"><freejoint/><geom size="0.02"/></body>
+        <body name="column" pos="0 0 0.5">
+          <joint name="lift" type="slide" axis="0 0 1" ref="0.2" range="0.15 0.75"/>
+          <geom size="0.1"/>
+          <body name="upper" pos="0 0 0.1">
+            <joint name="shoulder" axis="0 1 0" ref="30" range="-10 90"/>
+            <geom size="0.1"/>
+            <body name="fore" pos="0.4 0 0" euler="0 20 0">
+              <joint name="elbow" axis="0 1 0" ref="-40"/>
+              <geom size="0.1"/>
+              <body name="hand" pos="0.4 0 0"><joint name="wrist" type="ball"/><geom size="0.05"/></body>
+            </body>
+          </body>
+        </body>
+        <body name="box" pos="-1 0 0.3"><freejoint name="box"/><geom size="0.1"/></body>
+      </worldbody>
+    </mujoco>"""
+
+    @pytest.mark.parametrize("copy", [lambda ik: ik, lambda ik: pickle.loads(pickle.dumps(ik))])
+    def test_objects_and_locked_joints_stay_where_the_scene_has_them(self, copy):
+        model = mujoco.MjModel.from_xml_string(self.XML)
+        robot = Robot.from_mujoco(model)
+        ik = copy(jtik.InverseKinematics(robot, jtik.FrameTask("hand", "position"), joints=["shoulder", "elbow"]))
+        target = [0.3, 0.0, 0.9]
+        solution = ik.solve(target)
+        assert solution.converged
+        full = ik.full_configuration(solution.q)
+        expected = model.qpos0.copy()
+        for name, angle in zip(("shoulder", "elbow"), solution.q, strict=True):
+            expected[model.joint(name).qposadr[0]] = angle
+        assert full == pytest.approx(expected, abs=EXACT)
+        data = mujoco.MjData(model)
+        data.qpos[:] = full
+        mujoco.mj_kinematics(model, data)
+        assert data.body("hand").xpos == pytest.approx(target, abs=2e-6)
+        for name in ("cup", "box", "column"):
+            assert data.body(name).xpos == pytest.approx(model.body(name).pos, abs=EXACT)
+
+    def test_a_solve_starts_at_qpos0_off_the_limits(self):
+        model = mujoco.MjModel.from_xml_string(self.XML)
+        ik = jtik.InverseKinematics(Robot.from_mjcf(self.XML), jtik.FrameTask("hand", "position"))
+        assert ik.robot.joint_names == ("lift", "shoulder", "elbow", "wrist")
+        start = ik.solve([0.3, 0.0, 0.9], max_iterations=0).q
+        shoulder, elbow = (model.qpos0[model.joint(name).qposadr[0]] for name in ("shoulder", "elbow"))
+        assert start == pytest.approx([0.45, shoulder, elbow, 1, 0, 0, 0], abs=EXACT)  # the lift was near its limit
 
 
 def test_the_center_of_mass_is_mujocos(everything):

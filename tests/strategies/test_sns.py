@@ -138,7 +138,9 @@ class TestTheExample:
         target = planar_points(EXAMPLE_Q)[-1] + times * EXAMPLE_XDOT
         expected, scale = EXAMPLE[times]
         assert ik.step(EXAMPLE_Q, target).q - EXAMPLE_Q == pytest.approx(expected, abs=AGREE)
-        trace = ik.solve(target, q0=EXAMPLE_Q, max_iterations=1, trace=True).trace
+        trace = ik.solve(
+            target, q0=EXAMPLE_Q, max_iterations=1, trace=True, jump_limit=9.0
+        ).trace  # the limits as they are
         assert trace.scale_0 == pytest.approx([scale], abs=AGREE)
 
 

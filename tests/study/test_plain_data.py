@@ -23,6 +23,7 @@ class TestDescriptions:
             jtik.Robot.planar([1.0, 0.1 + 0.2], lower=-1.0, upper=2.0),
             jtik.Robot.builtin("panda"),
             jtik.Robot([jtik.Joint("float", jtik.JointType.FREE, "base", "body")], masses={"body": Mass(2.0)}),
+            jtik.Robot(jtik.Robot.planar(2).joints, planar=True, neutral=[0.1, 0.2]),
             jtik.FrameTask("tip", "pose", axes=("x", "rz"), stiffness=[1.0, 2.0], priority=1, name="hand"),
             (jtik.AxisTask("tip", axis=(0, 1, 1)), jtik.LookAtTask("tip"), jtik.RelativeFrameTask("a", "b")),
             jtik.CenterOfMassTask(),

@@ -28,7 +28,7 @@ class JointCentering(Criterion):
         stiffness: non-negative diagonal of K, in any form of `Robot.joint_values`; joints that a dict does not name
             keep 1.0, the default.
         preferred: preferred joint positions [rad] or [m], as ``robot.configuration`` accepts a configuration; by
-            default the robot's neutral configuration (zeros within the limits).
+            default the robot's neutral configuration (zeros within the limits, ``qpos0`` of a MuJoCo model).
         name: the first part of the names of its parameters.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Reads a compiled MuJoCo model: frames, joints, masses, shapes and keyframes."""
+"""Reads a compiled MuJoCo model: frames, joints, masses, shapes, keyframes and the neutral configuration."""
 
 from __future__ import annotations
 
@@ -92,6 +92,7 @@ class ModelReader:
             masses=self._masses(),
             shapes={self._bodies[body]: found for body, found in solids(self._model, self._meshes).items()},
             keyframes=self._keyframes(),
+            neutral=self._positions(self._model.qpos0),
             notes=tuple(self._notes),
         )
 
@@ -181,15 +182,16 @@ class ModelReader:
         found = {}
         for key in range(model.nkey):
             name = names.unique(self._given(mujoco.mjtObj.mjOBJ_KEY, key) or f"key{key}")
-            found[name] = {
-                self._joint_names[joint]: self._position(np.array(model.key_qpos[key]), joint)
-                for joint in range(model.njnt)
-            }
+            found[name] = self._positions(model.key_qpos[key])
         return found
 
-    def _position(self, q: Array, joint: int) -> Array:
-        first = self._model.jnt_qposadr[joint]
-        return q[first : first + TYPES[mujoco.mjtJoint(self._model.jnt_type[joint])].nq]
+    def _positions(self, qpos: Array) -> dict[str, Array]:
+        """The position of each joint in ``qpos`` (model.nq,), by its name."""
+        types = [TYPES[mujoco.mjtJoint(kind)] for kind in self._model.jnt_type]
+        return {
+            name: np.array(qpos[first : first + joint_type.nq])
+            for name, joint_type, first in zip(self._joint_names, types, self._model.jnt_qposadr, strict=True)
+        }
 
     def _given(self, kind: Any, number: int) -> str:
         return str(mujoco.mj_id2name(self._model, int(kind), int(number)) or "")

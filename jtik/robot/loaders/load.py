@@ -35,7 +35,14 @@ def load_urdf(path_or_xml: PathOrText, *, free_base: bool) -> RobotDescription:
         read = reader.read()
         joints = [_as_stated(joint, tree) for joint in read.joints]
     couplings = [joint.coupling for joint in tree.joints.values() if joint.coupling is not None]
-    description = replace(read, joints=tuple(joints), couplings=tuple(couplings), name=_name(source), notes=tree.notes)
+    description = replace(
+        read,
+        joints=tuple(joints),
+        couplings=tuple(couplings),
+        neutral=None,  # a URDF has none; that of the MuJoCo model has other joint types
+        name=_name(source),
+        notes=tree.notes,
+    )
     return with_mimic_joints(_on_free_base(description) if free_base else description)
 
 

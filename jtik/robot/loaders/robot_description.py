@@ -43,6 +43,8 @@ class RobotDescription:
         masses: the mass on each frame that has one.
         shapes: the solids on each frame that has any.
         keyframes: for each keyframe the position of every moving joint, by joint name, (nq of the joint,).
+        neutral: the position of every moving joint in the neutral configuration, by joint name; None where the file
+            has none.
         notes: one sentence for each part of the file that is not kept.
     """
 
@@ -54,6 +56,7 @@ class RobotDescription:
     masses: dict[str, Mass] = field(default_factory=dict)
     shapes: dict[str, list[Solid]] = field(default_factory=dict)
     keyframes: dict[str, dict[str, Array]] = field(default_factory=dict)
+    neutral: dict[str, Array] | None = None
     notes: tuple[str, ...] = ()
 
     @property
@@ -64,15 +67,17 @@ class RobotDescription:
     def arguments(self) -> dict[str, Any]:
         """The arguments of `Robot` without the tip; call it when no couplings are left."""
         moving = [joint.name for joint in self.joints if joint.is_independent]
+
+        def configuration(positions: dict[str, Array]) -> list[float]:
+            return [number for joint in moving for number in positions[joint]]
+
         return {
             "joints": self.joints,
             "base": self.base,
             "masses": self.masses,
             "shapes": self.shapes,
-            "keyframes": {
-                key: [number for joint in moving for number in positions[joint]]
-                for key, positions in self.keyframes.items()
-            },
+            "keyframes": {key: configuration(positions) for key, positions in self.keyframes.items()},
+            "neutral": None if self.neutral is None else configuration(self.neutral),
         }
 
 
