@@ -27,7 +27,6 @@ def test_names():
         "ITERATION_LIMIT",
         "UNSOLVED",
         "BLOCKED",
-        "JUMP_LIMIT",
         "NOT_FINITE",
     }
 
