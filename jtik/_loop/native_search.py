@@ -75,6 +75,7 @@ class NativeSearch:
     Attributes:
         runner: the runner.
         q0: where a search begins, (nq,).
+        counts: iterations, restarts used, and which memory of the runner holds q, after a search that converged.
         run_prepared: the search that `prepare` has described, without arguments.
     """
 
@@ -82,7 +83,8 @@ class NativeSearch:
         self.runner = runner
         nq = len(runner.q[0])
         self.q0 = np.zeros(nq)
-        self.tally = np.zeros(len(Tally._fields), dtype=np.int64)
+        self._tally = np.zeros(len(Tally._fields), dtype=np.int64)
+        self.counts = self._tally[:3]
         self._best_V, self._best, self._first = np.zeros(1), np.zeros(nq), np.zeros(nq)
         function, inputs = library.function, runner.inputs
         arguments = np.zeros(function.sz_arg(), dtype=np.uintp)
@@ -91,7 +93,7 @@ class NativeSearch:
         reals = np.zeros(max(function.sz_w(), 1))
         arguments[1 : 1 + len(inputs)] = [array.ctypes.data if array.size else 0 for array in inputs]
         memory = [arguments, results, integers, reals, *runner.q, *runner.state, runner.outcome, runner.first_state]
-        memory += [inputs.settings, self.tally, self.q0]
+        memory += [inputs.settings, self._tally, self.q0]
         limits = [turns.indices, turns.lower, turns.upper]
         ends = [self._best_V, self._best, self._first]
         counts = [nq, len(runner.first_state), len(turns.indices), int(has_criterion)]
@@ -132,17 +134,7 @@ class NativeSearch:
         """
         self._prepared_starts = starts  # kept alive
         table = None if starts is None else starts.ctypes.data
-        call = partial(self._call, self._address, table, first, 0, max(last, 0), limit, patience)
-        if last <= 0:
-            self.run_prepared = call
-            return
-        best = self._best_V
-
-        def run() -> int:
-            best[0] = math.inf
-            return int(call())
-
-        self.run_prepared = run
+        self.run_prepared = partial(self._call, self._address, table, first, 0, max(last, 0), limit, patience)
 
     def find(
         self,
@@ -169,14 +161,15 @@ class NativeSearch:
             What `end` reads.
         """
         self.q0[:] = q0
-        self._best_V[0] = math.inf if ends.best is None else ends.best[0]
+        if ends.best is not None:
+            self._best_V[0] = ends.best[0]
         number, last = numbers
         table = self._address_of(starts)
         return int(self._call(self._address, table, first, number, max(last, 0), limit, patience))
 
     def end(self, returned: int, ends: Ends) -> NativeEnd:
         """Where the search has stopped that ``returned`` this; the ends of its attempts are added to ``ends``."""
-        tally = Tally(*self.tally.tolist())
+        tally = Tally(*self._tally.tolist())
         self.runner.at = tally.at
         exhausted = returned == EXHAUSTED
         if ends.first is None and (tally.number > 0 or exhausted):
@@ -215,7 +208,6 @@ class NativeSearch:
         arrays = [np.ascontiguousarray(targets), np.ascontiguousarray(q0), *found]
         sizes = [count, targets.shape[1], len(self.q0) if len(q0) > 1 else 0]
         table = np.array([*_addresses(arrays), *sizes], dtype=np.uintp)
-        self._best_V[0] = math.inf
         starts_at = self._address_of(starts)
         self._batch(self._address, starts_at, first, max(last, 0), limit, patience, table.ctypes.data)
         return found

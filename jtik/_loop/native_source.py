@@ -23,7 +23,9 @@ static int JTIK_NAME_turned(void** at, double* q) {
   const long long count = (long long)at[15], criterion = (long long)at[16];
   const long long* index = (const long long*)at[17];
   const double *lower = (const double*)at[18], *upper = (const double*)at[19];
-  for (int write = 0; write < 2; ++write) {
+  int needed = 1;
+  for (int write = 0; write < 2 && needed; ++write) {
+    needed = write;
     for (long long i = 0; i < count; ++i) {
       const double own = q[index[i]];
       const double least = ceil((lower[i] - own - JTIK_ROUNDING) / JTIK_TURN);
@@ -32,6 +34,7 @@ static int JTIK_NAME_turned(void** at, double* q) {
       if (turns < least) turns = least;
       if (turns > most) turns = most;
       if (least > most || (criterion && turns != 0)) return 1;
+      needed |= turns != 0 || own < lower[i] || own > upper[i];
       if (write) {
         double moved = own + turns * JTIK_TURN;
         if (moved < lower[i]) moved = lower[i];
@@ -63,6 +66,7 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const double* starts,
   double* best = (double*)at[20]; /* smallest V of an attempt that did not reach the target */
   tally[0] = 0;
   tally[4] = -1;
+  if (from == 0) best[0] = INFINITY;
   for (long long j = 0; j < (long long)at[13]; ++j) {
     if (!(q0[j] - q0[j] == 0)) return JTIK_UNREADABLE;
   }

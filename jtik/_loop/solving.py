@@ -213,7 +213,7 @@ class Solving:
         returned = native.run_prepared()
         if returned != Code.DONE:
             return returned if returned != UNREADABLE else None
-        iterations, restarts, at, *_ = native.tally.tolist()
+        iterations, restarts, at = native.counts.tolist()
         q = native.runner.q[at].copy()
         return Solution.of(
             q=q,

@@ -31,7 +31,8 @@ class Trace:
     - ``slack``: with elastic rows of a quadratic program, the largest amount by which one was relaxed.
 
     Attributes:
-        q: configurations, (iterations + 1, nq); the last row is where the solve ended.
+        q: configurations, (iterations + 1, nq); the last row is where the solve ended. In the rows before it, a joint
+            that can turn all the way round may be outside its limits, by whole turns.
         error: norm of the task error at ``q[k]``, [m] and [rad] together, (iterations + 1,).
         figures: the figures above, by name.
     """
