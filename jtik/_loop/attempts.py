@@ -19,7 +19,7 @@ from jtik.symbolic.compile import CompiledFunction
 from jtik.types import Array
 
 MAX_ESCAPES = 20
-"""Largest number of saddle escapes of an attempt."""
+"""Largest number of escapes of an attempt."""
 
 
 class Ended(NamedTuple):
@@ -28,7 +28,7 @@ class Ended(NamedTuple):
     Attributes:
         code: code of the last call.
         calls: calls that tried a step.
-        escapes: saddle escapes.
+        escapes: escapes from saddle points.
     """
 
     code: Code
@@ -41,7 +41,7 @@ class Attempts:
 
     Args:
         problem: the problem.
-        escapes: the escapes from saddle points.
+        escapes: from saddle points of the error and of the criterion.
         turns: the joints that can turn all the way round.
         inputs: the inputs of a search, in which the limits of these joints are infinite.
     """
@@ -56,10 +56,6 @@ class Attempts:
     def criterion(self, q: Array) -> float:
         """H at q."""
         return float(self._criterion(q, self._inputs.parameters)[0][0, 0])
-
-    def at_saddle(self, q: Array, inputs: Inputs[Array]) -> bool:
-        """Whether the criterion has a saddle point or a maximum at q, where an attempt is done."""
-        return self._escapes.criterion.needed(q, inputs) is not None
 
     def run(
         self, runner: Runner, q0: Array, limit: int, recorder: TraceRecorder | None, patience: float = math.inf
@@ -122,6 +118,16 @@ class Attempts:
             break
         runner.at = at
         return Ended(code, k, escapes)
+
+    def can_go_on(self, q: Array, target: Array | None = None) -> bool:
+        """Whether q, on target and stationary, is a saddle point or a maximum of the criterion.
+
+        Args:
+            q: where an attempt has ended, (nq,).
+            target: its target, as numbers; that in memory by default.
+        """
+        inputs = self._inputs if target is None else self._inputs._replace(target=target)
+        return self._escapes.criterion.needed(q, inputs) is not None
 
     def bring_back(
         self, runner: Runner, ended: Ended, reference: Array, limit: int, recorder: TraceRecorder | None

@@ -160,9 +160,9 @@ class Search:
                     number = last + 1
                     continue
                 finished, ended = end.finished, Ended(end.code, end.calls, 0)
-                if end.code is Code.DONE and finished and self._attempts.at_saddle(runner.q[runner.at], runner.inputs):
-                    finished, tried = False, bool(runner.view[OUTCOME.tried])
-                    ended = ended._replace(calls=ended.calls + (not tried))
+                if finished and end.code is Code.DONE and self._attempts.can_go_on(runner.q[runner.at]):
+                    finished, untried = False, int(not runner.view[OUTCOME.tried])
+                    ended = Ended(end.code, end.calls + untried, 0)
                 if not finished:
                     ended = self._attempts.go_on(runner, limit, None, patience, code=ended.code, calls=ended.calls)
             else:
@@ -283,11 +283,10 @@ class Search:
         batch = self.native.batch(targets, q0, starts, first, min(last, options.restarts), options.limit, patience)
         found: list[tuple[SearchResult | None, float]] = []
         rows = zip(batch.q, batch.errors.tolist(), batch.seconds.tolist(), batch.tallies.tolist(), strict=True)
-        for q, errors, seconds, (code, iterations, number) in rows:
+        for target, (q, errors, seconds, (code, iterations, number)) in zip(targets, rows, strict=True):
+            if code == Code.DONE and self._attempts.can_go_on(q, target):
+                code = -1  # the search in Python leaves it
             last_code = _CODES[code] if code >= 0 else Code.STALLED
-            inputs = self._inputs._replace(target=targets[len(found)])
-            if last_code is Code.DONE and self._attempts.at_saddle(q, inputs):
-                code = -1
             known = (errors[0], errors[1]) if last_code is Code.DONE else None
             found.append((None if code < 0 else SearchResult(q, last_code, iterations, 0, number, known), seconds))
         return found

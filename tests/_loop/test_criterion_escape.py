@@ -149,6 +149,29 @@ class TestSolve:
         assert batch.escapes.tolist() == [1]
         assert batch.q[0].tolist() == solution.q.tolist()
 
+    @pytest.mark.parametrize("compiled", [False, True])
+    @pytest.mark.parametrize("restarts", [0, 3])
+    def test_joints_that_can_turn_all_the_way_round(self, compiled, restarts):
+        """They move without limits and are brought back."""
+        q0, target = outstretched(*MAXIMUM)
+        robot = planar(3, lower=-math.pi, upper=math.pi)
+        ik = solver(robot, criteria=height, compiled=compiled)
+        for start in (q0, q0 + np.array([0.0, 0.0, 2e-10])):
+            solution = ik.solve(target, q0=start, restarts=restarts)
+            assert (solution.status, solution.escapes, solution.restarts) == (jtik.Status.CONVERGED, 1, 0)
+            assert solution.cost == pytest.approx(0.0, abs=STATIONARY_H)
+            assert np.abs(solution.q).max() <= math.pi
+        batch = ik.solve_batch([target] * 2, q0=q0, restarts=restarts)
+        assert batch.escapes.tolist() == [1, 1]
+
+    def test_within_a_jump_limit(self):
+        q0, target = outstretched(*MAXIMUM)
+        limited = arm(lower=-3.0, upper=3.0)
+        solution = limited.solve(target, q0=q0, restarts=1, jump_limit=0.2)
+        assert solution.escapes >= 1
+        assert np.abs(solution.q - q0).max() <= 0.2 + 1e-12
+        assert solution.cost < math.sin(q0[0]) ** 2
+
     def test_a_start_in_a_plane_of_symmetry_stays_in_it_until_it_escapes(self):
         """Many steps in the plane of a Panda whose odd joints are zero, then out of it, where H is lower."""
         robot = jtik.Robot.builtin("panda")

@@ -22,12 +22,12 @@ def test_names():
         "COMPROMISE",
         "LOCAL_MINIMUM",
         "LIMITS",
+        "JUMP_LIMIT",
         "SINGULAR",
         "STALLED",
         "ITERATION_LIMIT",
         "UNSOLVED",
         "BLOCKED",
-        "JUMP_LIMIT",
         "NOT_FINITE",
     }
 
