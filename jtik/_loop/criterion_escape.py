@@ -47,7 +47,7 @@ class CriterionEscape:
     """The escape from saddle points and maxima of H on the self-motion."""
 
     def __init__(self, problem: SymbolicProblem, inspector: Inspector, escape: SaddleEscape) -> None:
-        self._robot, self._bounded = problem.robot, problem.bounded
+        self._robot, self._bounded = problem.robot, problem.scalar
         self._inspector, self._clear = inspector, escape.clear
         self.possible = problem.has_criterion
 

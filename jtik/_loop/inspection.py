@@ -43,8 +43,8 @@ class Inspector:
         self._error = CompiledFunction(problem.error)
         self._task_alone = TaskAlone(problem, self._error_for)
         self._linear = np.array(problem.linear, dtype=bool)
-        self._q_index = np.array([i for i, _ in problem.bounded], dtype=int)
-        self._v_index = np.array([j for _, j in problem.bounded], dtype=int)
+        self._q_index = np.array([i for i, _ in problem.scalar], dtype=int)
+        self._v_index = np.array([j for _, j in problem.scalar], dtype=int)
         self._criteria = [name for name, _, _ in problem.terms.named]
         robot = problem.robot
         self._joints = {robot.v_slice(name).start: name for name in robot.joint_names}

@@ -39,10 +39,8 @@ class Jump:
         """``status``, or JUMP_LIMIT where this limit keeps the search from its target."""
         if (np.abs(self._robot.difference(self._q0, q)) > self._limit + AT_LIMIT).any():
             return Status.JUMP_LIMIT if status.on_target else status
-        if status is not Status.LIMITS:
-            return status
         report, (lower, upper) = inspection.report, self.box
         q_of_v = dict(zip(self._robot.scalar_v.tolist(), self._robot.scalar_q.tolist(), strict=True))
         own = [upper[q_of_v[j]] < self._robot.upper[q_of_v[j]] for j in report.at_upper]
         own += [lower[q_of_v[j]] > self._robot.lower[q_of_v[j]] for j in report.at_lower]
-        return Status.JUMP_LIMIT if any(own) else status
+        return Status.JUMP_LIMIT if any(own) and status is Status.LIMITS else status

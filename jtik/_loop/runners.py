@@ -94,8 +94,21 @@ class Runners:
     @cached_property
     def traced_solve(self) -> Runner:
         """The runner of ``solve(trace=True)``: it gives the figures of a trace."""
-        fused = fused_step(self._problem, self._strategy, backend=self._backend, recorded=True)
-        return self._runner(fused, self.search_inputs)
+        return self._search_runner(self._problem, recorded=True)
+
+    @cached_property
+    def limited_solve(self) -> Runner:
+        """The runner of ``solve(jump_limit=)``: every revolute and prismatic joint has limits."""
+        problem = self._problem
+        return self.solve if problem.bounded == problem.scalar else self._search_runner(problem.with_limits())
+
+    @cached_property
+    def traced_limited_solve(self) -> Runner:
+        """As `limited_solve`, with the figures of a trace."""
+        problem = self._problem
+        if problem.bounded == problem.scalar:
+            return self.traced_solve
+        return self._search_runner(problem.with_limits(), recorded=True)
 
     @cached_property
     def inspection(self) -> Runner:
@@ -122,6 +135,10 @@ class Runners:
             null_space_rate=null_space_rate,
             ahead=not self._problem.clearances,
         )
+
+    def _search_runner(self, problem: SymbolicProblem, *, recorded: bool = False) -> Runner:
+        fused = fused_step(problem, self._strategy, backend=self._backend, recorded=recorded)
+        return self._runner(fused, self.search_inputs)
 
     def _runner(self, fused: FusedStep, inputs: Inputs[Array]) -> Runner:
         return Runner(fused, inputs, self._problem.robot.nq)

@@ -93,7 +93,7 @@ class SaddleEscape:
             scale, gradient, hessian, criterion = self._curvature(q, inputs.target, inputs.parameters)
         n = self._problem.robot.n
         down, up = np.ones(n, dtype=bool), np.ones(n, dtype=bool)
-        for i, j in self._problem.bounded:
+        for i, j in self._problem.scalar:
             down[j], up[j] = q[i] > lower[i] + AT_LIMIT, q[i] < upper[i] - AT_LIMIT
         lowest, best = 0.0, np.zeros(n)
         outward = (~down & (gradient[:, 0] > 0)) | (~up & (gradient[:, 0] < 0))
@@ -141,7 +141,7 @@ class SaddleEscape:
         for _ in range(HALVINGS):
             for sign in (1.0, -1.0):
                 moved_q, V = self._moved(q, sign * step, target)
-                allowed = all(lower[i] <= moved_q[i, 0] <= upper[i] for i, _ in self._problem.bounded)
+                allowed = all(lower[i] <= moved_q[i, 0] <= upper[i] for i, _ in self._problem.scalar)
                 falls = allowed and V[0, 0] < (1 - MINIMUM_DECREASE) * before
                 if falls and self.clear(q, sign * step, inputs):
                     q[:] = moved_q[:, 0]

@@ -84,8 +84,10 @@ class Solving:
             if search_options.jump_limit < math.inf:
                 self._configurations.check_within_limits(start, "q0")
                 jump = Jump(self._robot, start, search_options.jump_limit, self._search.box)
-            recorder = TraceRecorder(self._runners.traced_solve) if trace else None
-            runner = recorder.runner if recorder else self._runners.solve
+            recorder = None
+            if trace:
+                recorder = TraceRecorder(self._runners.traced_limited_solve if jump else self._runners.traced_solve)
+            runner = recorder.runner if recorder else self._runners.limited_solve if jump else self._runners.solve
             found = self._search_in_memory(start, search_options, runner, recorder, begun)
             solution = self._solution(found, target, options, begin, jump)
             if recorder:

@@ -28,7 +28,7 @@ class TaskAlone:
 
     def __init__(self, problem: SymbolicProblem, error: Callable[[Array, Array], Array]) -> None:
         self._robot, self._factor, self._error = problem.robot, problem.factor, error
-        self._q_index = np.array([i for i, _ in problem.bounded], dtype=int)
+        self._q_index = np.array([i for i, _ in problem.scalar], dtype=int)
 
     def reaches(
         self, found: Report, q: Array, target: Array, limits: tuple[Array, Array] | None = None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
 
 from jtik.constraints.clearance import Clearance, names_of
@@ -109,6 +111,18 @@ class SymbolicProblem:
             symbol("target", self.tasks.target_size),
             self.terms.parameters.symbols(),
         )
+
+    @property
+    def scalar(self) -> tuple[tuple[int, int], ...]:
+        """(q index, v index) of all joints that can have a limit: revolute and prismatic ones."""
+        pairs = zip(self.robot.scalar_q.tolist(), self.robot.scalar_v.tolist(), strict=True)
+        return tuple(pairs)
+
+    def with_limits(self) -> SymbolicProblem:
+        """The same problem in which every joint of `scalar` has a limit."""
+        problem = copy.copy(self)
+        problem.bounded = self.scalar
+        return problem
 
     @property
     def m(self) -> int:

@@ -11,7 +11,7 @@ import pytest
 import jtik
 from jtik_formulations import JointCentering
 
-from ..conftest import planar
+from ..conftest import planar, planar_points
 
 PANDA = jtik.Robot.builtin("panda")
 HOME = PANDA.keyframes["home"]
@@ -98,6 +98,18 @@ def test_what_keeps_a_solve_within_its_jump_limit_is_said():
     assert solution.status is jtik.Status.JUMP_LIMIT
     assert "jump_limit" in str(solution)
     assert not solution.converged
+
+
+@pytest.mark.parametrize("trace", [False, True])
+@pytest.mark.parametrize("strategy", ["hybrid", "damped", "newton+qp", "weighted_qp", "sns"])
+def test_joints_without_limits_keep_it_too(strategy, trace, rng):
+    ik = solver(planar(3), "position", strategy=strategy, criteria=JointCentering())
+    for target in ([2.0, 0.0], [1.0, 1.5], [-1.0, 0.5]):  # the first from the straight arm, which an escape leaves
+        for q0 in (np.zeros(3), rng.uniform(-2, 2, 3)):
+            solution = ik.solve(target, q0=q0, jump_limit=0.2, trace=trace, max_iterations=200)
+            assert np.abs(solution.q - q0).max() <= 0.2 + 1e-9
+            far = np.linalg.norm(planar_points(q0)[-1] - target) > 1.3  # further than they get by 0.2 rad
+            assert not (far and solution.status is not jtik.Status.JUMP_LIMIT)
 
 
 def test_a_ball_joint_keeps_it_too():
