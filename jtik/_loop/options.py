@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from jtik._loop.search import SearchOptions
+from jtik._step.exploration import EXPLORATION
 from jtik._step.inputs import Settings
 from jtik.errors import ArgumentError, positive_number
 
@@ -26,6 +27,7 @@ def read_settings(position: float, orientation: float, optimality: float, until:
         positive_number("orientation_tolerance", orientation),
         positive_number("optimality_tolerance", optimality),
         1.0 if read_until(until) == "stationary" else 0.0,
+        exploration=EXPLORATION,
     )
 
 

@@ -23,6 +23,7 @@ class Settings(NamedTuple):
         until_stationary: 1 to continue until the criterion is stationary, 0 to stop at the target.
         null_space_share: share of a null-space displacement that a timed step takes, (0, 1].
         null_space_again: 0 if only the first step from a start takes it, else 1.
+        exploration: most exploring steps of an attempt, for a strategy that has them; 0 in `step`.
     """
 
     position_tolerance: Any = 1e-6
@@ -31,6 +32,7 @@ class Settings(NamedTuple):
     until_stationary: Any = 1.0
     null_space_share: Any = 1.0
     null_space_again: Any = 1.0
+    exploration: Any = 0.0
 
     @classmethod
     def of(cls, column: Expression) -> Settings:
