@@ -132,12 +132,15 @@ class RowSpace:
         self._inverse: list[Expression] = []
         self._squared: list[Expression] = []
         self._lower: list[list[Expression]] = []
+        self._products: list[list[Expression]] = []
         self._independent: list[Expression] = []
         for i in range(self._m):
             row = J[i, :].T
-            coefficients = []
+            products, coefficients = [], []
             for basis, inverse in zip(self._basis, self._inverse, strict=True):
-                coefficient = dot(basis, row) * inverse
+                product = dot(basis, row)
+                coefficient = product * inverse
+                products.append(product)
                 row = row - coefficient * basis
                 coefficients.append(coefficient)
             squared = sumsqr(row)
@@ -146,6 +149,7 @@ class RowSpace:
             self._squared.append(squared)
             self._inverse.append(ratio(independent, squared))
             self._lower.append([*coefficients, independent])
+            self._products.append(products)
             self._independent.append(independent)
 
     @cached_property
@@ -229,8 +233,8 @@ class RowSpace:
         coordinates: list[Expression] = []
         for i in range(self._m):
             left = r[i]
-            for lower, squared, known in zip(self._lower[i], self._squared, coordinates, strict=False):
-                left = left - lower * squared * known
+            for product, known in zip(self._products[i], coordinates, strict=True):
+                left = left - product * known
             coordinates.append(ratio(left, self._squared[i] + damping))
         return RowVector(self, coordinates)
 

@@ -43,8 +43,8 @@ class Damped(DampedLeastSquares):
         check_positive("damping", self.damping)
 
     def explores(self, has_criterion: bool) -> bool:
-        """With backtracking, if not switched off."""
-        return self.explore and self.backtracking
+        """With backtracking, but beside a secondary term that is added without a test of the merit function."""
+        return self.explore and self.backtracking and not (has_criterion and self.secondary.bounds_itself)
 
     def damping_of(self, model: LocalModel) -> Expression:
         """Damping times V; less in an exploring step."""

@@ -150,8 +150,8 @@ class Hybrid(Composition):
             raise ArgumentError("q_limit", self.q_limit, "a positive, finite angle [rad]")
 
     def explores(self, has_criterion: bool) -> bool:
-        """If not switched off."""
-        return self.explore
+        """If not switched off, but beside a secondary term that is added without a test of the merit function."""
+        return self.explore and not (has_criterion and self.secondary.bounds_itself)
 
     def task_step(self) -> TaskStep:
         """The dogleg."""
