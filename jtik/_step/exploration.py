@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
+from jtik._step.active_set import clamped
 from jtik._step.solve_progress import FALL
 from jtik._step.stopping import Code
 from jtik.strategy import Evaluation, LocalModel
@@ -56,9 +57,7 @@ class Exploration:
     limit: Expression
 
     @classmethod
-    def of(
-        cls, model: LocalModel, state: Mapping[str, Expression], q: Expression, limit: Expression
-    ) -> Exploration:
+    def of(cls, model: LocalModel, state: Mapping[str, Expression], q: Expression, limit: Expression) -> Exploration:
         """What this call does.
 
         Args:
@@ -89,9 +88,9 @@ class Exploration:
         below = self.V - candidate.V >= SUFFICIENT * self.V
         return logic_and(accepted, logic_or(logic_not(self.active), below))
 
-    def configuration(self, end: Expression, landed: Expression) -> Expression:
-        """q after the call (nq, 1), from the end of a step that does not explore: it waits until the explorer lands."""
-        return if_else(logic_and(self.state["exploring"], logic_not(landed)), self.q, end)
+    def configuration(self, model: LocalModel, end: Evaluation, landed: Expression) -> Expression:
+        """q after the call (nq, 1): where the step ends if q has moved, else q within the limits."""
+        return if_else(landed, end.q, clamped(self.q, model.lower, model.upper, model.bounded))
 
     def code(self, code: Expression, done: Expression) -> Expression:
         """The code of the call: an explorer that cannot go on does not end the solve."""

@@ -185,8 +185,10 @@ def fused_step(
         code = if_else(qps.solved(), code, Code.UNSOLVED)
     code, ends_at = if_else(finite, code, Code.NOT_FINITE), _next_configuration(model, update, accepted)
     if exploration:
-        code, ends_at = exploration.code(code, done), exploration.configuration(ends_at, accepted)
-        after = exploration.after(after, first, moved=moved, landed=accepted, end=update.candidate, errors=errors_before)
+        code, ends_at = exploration.code(code, done), exploration.configuration(model, update.candidate, accepted)
+        after = exploration.after(
+            after, first, moved=moved, landed=accepted, end=update.candidate, errors=errors_before
+        )
     outcome = vertcat(code, tried, accepted, *errors, V)
 
     outputs = [ends_at, layout.join(after), outcome]

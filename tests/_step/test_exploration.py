@@ -58,9 +58,11 @@ def plain_loop(robot, q, target, calls=100):
 def stuck_case():
     """A solver of each strategy without exploration does not reach this target."""
     start, targets = goals()
-    return start, next(t for t in targets if not any(
-        solver(s(explore=False)).solve(t, q0=start).converged for s in STRATEGIES.values()
-    ))
+    return start, next(
+        t
+        for t in targets
+        if not any(solver(s(explore=False)).solve(t, q0=start).converged for s in STRATEGIES.values())
+    )
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
@@ -96,7 +98,7 @@ def test_a_trace_has_V_at_q_which_never_rises(name):
     start, target = stuck_case()
     solution = solver(name).solve(target, q0=start, trace=True)
     trace = solution.trace
-    assert trace.V == pytest.approx(trace.error[:-1] ** 2 / 2, rel=1e-9)
+    assert pytest.approx(trace.error[:-1] ** 2 / 2, rel=1e-9) == trace.V
     assert rises(trace).max() <= 1e-13
     assert np.array_equal(solution.q, solver(name).solve(target, q0=start).q)
 

@@ -92,7 +92,7 @@ class DoglegStep(TaskStep):
         return TaskDisplacement(dq, image, sqrt(sumsqr(dq)), transpose.alpha)
 
     def _exploring(self, model: LocalModel) -> RowVector | None:
-        """The exploring step, longer than any trust radius along weak directions; None for a step that never explores."""
+        """The exploring step, longer than any trust radius along weak directions; None if steps never explore."""
         if not is_symbolic(model.exploring):
             return None
         return model.row_space_free.damped(-model.here.residual, EXPLORING * model.here.V)
