@@ -12,6 +12,7 @@ from jtik._loop.criterion_escape import Escapes
 from jtik._loop.full_turns import FullTurns
 from jtik._loop.runner import Runner
 from jtik._loop.trace_recorder import TraceRecorder
+from jtik._step.exploration import STUCK
 from jtik._step.inputs import Inputs
 from jtik._step.stopping import OUTCOME, Code
 from jtik._step.symbolic_problem import SymbolicProblem
@@ -69,7 +70,7 @@ class Attempts:
             recorder: records the calls; None for none.
             patience: calls without progress after which it ends.
         """
-        runner.start(q0, patience)
+        runner.start(q0, patience_of(runner, patience))
         if recorder is not None:
             recorder.begin()
         return self.go_on(runner, limit, recorder, patience)
@@ -84,7 +85,10 @@ class Attempts:
         code: Code = Code.CONTINUE,
         calls: int = 0,
     ) -> Ended:
-        """The rest of an attempt, whose last call was number ``calls`` and returned ``code``."""
+        """The rest of an attempt, whose last call was number ``calls`` and returned ``code``.
+
+        Where the error has stopped falling and the strategy explores, the exploring step goes on from the same state.
+        """
         step, view, k, at, escapes = runner.calls, runner.view, calls, runner.at, 0
         while True:
             if code is Code.CONTINUE:
@@ -100,6 +104,12 @@ class Attempts:
                 if view[0] == 0.0:
                     continue
                 code = _CODES[int(view[0])]
+            if code is Code.SLOW and runner.explorer is not None and patience == math.inf:
+                runner.at, explorer = at, runner.explorer()
+                explorer.take_over(runner)
+                ended = self.go_on(explorer, limit, recorder, calls=k - 1)
+                explorer.hand_back(runner)
+                return ended._replace(escapes=escapes + ended.escapes)
             if code is Code.DONE:
                 patience = math.inf  # the attempt has reached the target: no restart replaces it
             replaceable = patience < math.inf  # an attempt that a restart can replace only escapes where it began
@@ -108,7 +118,7 @@ class Attempts:
                 escapes += 1
                 if recorder is not None:
                     recorder.escaped()
-                runner.start(runner.q[at].copy(), patience)
+                runner.start(runner.q[at].copy(), patience_of(runner, patience))
                 code, at = Code.CONTINUE, 0
                 continue
             if not view[OUTCOME.tried]:  # the call stopped before it tried a step: not an iteration
@@ -155,6 +165,11 @@ class Attempts:
         finally:
             lower[where], upper[where] = -np.inf, np.inf
         return Ended(again.code, ended.calls + again.calls, ended.escapes + again.escapes)
+
+
+def patience_of(runner: Runner, patience: float) -> float:
+    """Calls without progress after which the step ends an attempt: also where exploring is to begin."""
+    return STUCK if patience == math.inf and runner.explorer is not None else patience
 
 
 _CODES = tuple(Code)

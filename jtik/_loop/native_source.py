@@ -70,12 +70,12 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const double* starts,
   for (long long j = 0; j < (long long)at[13]; ++j) {
     if (!(q0[j] - q0[j] == 0)) return JTIK_UNREADABLE;
   }
-  const int several = patience < INFINITY;
+  const int several = starts != 0;
   for (long long number = from; number <= last; ++number) {
     long long k = 0, here = 0, code = 0;
     memcpy(q[0], number ? starts + (number - first) * (long long)at[13] : q0, nq);
     memcpy(state[0], initial, ns);
-    if (several) state[0][JTIK_PATIENCE] = patience;
+    if (patience < INFINITY) state[0][JTIK_PATIENCE] = patience;
     while (k < limit && code == 0) {
       arg[0] = q[here];
       arg[JTIK_STATE] = state[here];
@@ -92,6 +92,7 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const double* starts,
     tally[3] = k;
     tally[5] = code;
     if (code == JTIK_STALLED && (k == 1 || !several)) return JTIK_LOOK;
+    if (code == JTIK_SLOW && !several) return JTIK_LOOK;
     if (code != 0 && !outcome[JTIK_TRIED]) --k; /* the call stopped before it tried a step: not an iteration */
     if (!several || code == JTIK_DONE ||
         (k && outcome[JTIK_POSITION_ERROR] <= settings[JTIK_POSITION_TOLERANCE] &&
@@ -151,6 +152,7 @@ def source(state: VectorLayout) -> str:
         "EXHAUSTED": EXHAUSTED,
         "UNREADABLE": UNREADABLE,
         "STALLED": Code.STALLED,
+        "SLOW": Code.SLOW,
         "DONE": Code.DONE,
         "PATIENCE": state.slices["patience"].start,
         "STATE": first + len(Inputs._fields),

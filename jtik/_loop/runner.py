@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,12 +29,14 @@ class Runner:
         calls: the two calls; ``calls[0]`` reads memory 0 and writes memory 1.
         at: which memory holds q.
         evaluated: whether the outcome of a call has the errors where its step ends, not where it starts.
+        explorer: gives the runner that takes over where V has stopped falling, of a strategy that explores; or None.
         violation: where the state has the smallest violation of the clearances so far; None without any to restore.
     """
 
     def __init__(self, fused: FusedStep, inputs: Inputs[Array], nq: int) -> None:
         self.fused, self.inputs = fused, inputs
         self.first_state = fused.first_state
+        self.explorer: Callable[[], Runner] | None = None
         self.evaluated = "V" not in fused.state.slices
         self._patience = fused.state.slices["patience"].start
         self.violation = fused.state.slices["violation"].start if "violation" in fused.state.slices else None
@@ -51,6 +54,20 @@ class Runner:
         )
         self.view = memoryview(self.outcome.data)
         self.at = 0
+
+    def take_over(self, other: Runner) -> None:
+        """Repeat the last call of another runner, from the same configuration and with the same state."""
+        before = 1 - other.at
+        self.start(other.q[before])
+        for name, where in other.fused.state.slices.items():
+            if name != "patience" and name in self.fused.state.slices:
+                self.state[0][self.fused.state.slices[name]] = other.state[before][where]
+
+    def hand_back(self, other: Runner) -> None:
+        """Write where the last call ended into another runner."""
+        other.at = self.at
+        other.q[other.at][:] = self.q[self.at]
+        other.outcome[:] = self.outcome
 
     def start(self, q: ArrayLike, patience: float = math.inf) -> None:
         """Begin an attempt.

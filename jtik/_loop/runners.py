@@ -11,7 +11,7 @@ import numpy as np
 from jtik._loop import native_source
 from jtik._loop.full_turns import FullTurns
 from jtik._loop.runner import Runner
-from jtik._step.fused_step import FusedStep, fused_step
+from jtik._step.fused_step import FusedStep, can_explore, fused_step
 from jtik._step.inputs import SETTING, InputMemory, Inputs, Settings
 from jtik._step.relaxation import RelaxationTerms
 from jtik._step.symbolic_problem import SymbolicProblem
@@ -65,6 +65,8 @@ class Runners:
         with ThreadPoolExecutor(1) as compiler:
             compiled_box = compiler.submit(to_c, box) if compiled else None  # while the step is compiled
             self.solve = self._runner(self._fused(), self.search_inputs)
+        if can_explore(problem, strategy):
+            self.solve.explorer = lambda: self.exploring
         self._box_function = compiled_box.result() if compiled_box else box
         self.step_is_built = strategy.evaluates_candidate(problem.has_criterion) or bool(problem.clearances)
         self.step_inputs = memory.inputs._replace(settings=np.array(Settings()))
@@ -136,8 +138,15 @@ class Runners:
             ahead=not self._problem.clearances,
         )
 
+    @cached_property
+    def exploring(self) -> Runner:
+        """The runner that takes over where the error of a solve has stopped falling."""
+        return self._search_runner(self._problem)
+
     def _search_runner(self, problem: SymbolicProblem, *, recorded: bool = False) -> Runner:
-        fused = fused_step(problem, self._strategy, backend=self._backend, recorded=recorded)
+        """A runner of a search that explores where the strategy does."""
+        explores = can_explore(problem, self._strategy)
+        fused = fused_step(problem, self._strategy, backend=self._backend, recorded=recorded, explores=explores)
         return self._runner(fused, self.search_inputs)
 
     def _runner(self, fused: FusedStep, inputs: Inputs[Array]) -> Runner:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jtik._loop.attempts import Attempts, Ended
+from jtik._loop.attempts import Attempts, Ended, patience_of
 from jtik._loop.ends import Ends
 from jtik._loop.full_turns import FullTurns
 from jtik._loop.native_search import NativeSearch
@@ -153,7 +153,8 @@ class Search:
             if native:
                 last = min(last, restarts)
                 if begun is None:
-                    begun = native.find(q0, starts, first, (number, last), ends, limit, patience)
+                    own = patience_of(runner, patience)
+                    begun = native.find(q0, starts, first, (number, last), ends, limit, own)
                 end, begun = native.end(begun, ends), None
                 iterations, number = iterations + end.iterations, end.number
                 if end.code is None:
@@ -265,7 +266,7 @@ class Search:
         if self.native is None or not plain or self._restarts.depend_on_start or options.limit == 0:
             return False
         starts, first, last = self._starts(0, options, self.native.q0, None)
-        patience = PATIENCE if options.restarts else math.inf
+        patience = PATIENCE if options.restarts else patience_of(self.native.runner, math.inf)
         self.native.prepare(starts, first, min(last, options.restarts), options.limit, patience)
         return True
 
@@ -279,7 +280,7 @@ class Search:
         if self.native is None or (len(q0) > 1 and self._restarts.depend_on_start):
             return None
         starts, first, last = self._starts(0, options, q0[0], None)
-        patience = PATIENCE if options.restarts else math.inf
+        patience = PATIENCE if options.restarts else patience_of(self.native.runner, math.inf)
         batch = self.native.batch(targets, q0, starts, first, min(last, options.restarts), options.limit, patience)
         found: list[tuple[SearchResult | None, float]] = []
         rows = zip(batch.q, batch.errors.tolist(), batch.seconds.tolist(), batch.tallies.tolist(), strict=True)

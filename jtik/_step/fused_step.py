@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from jtik._step.checked_update import CheckedUpdate, check_symbols, checked_update, first_state
+from jtik._step.exploration import Exploration, initial_exploration, start_of_step
 from jtik._step.inputs import Inputs, Settings
 from jtik._step.local_model import linearized
 from jtik._step.record import figures_of
@@ -102,6 +103,7 @@ def fused_step(
     recorded: bool = False,
     evaluated: bool = False,
     timed: bool = False,
+    explores: bool = False,
 ) -> FusedStep:
     """Join problem and strategy into one function, or into those between which quadratic programs are solved.
 
@@ -114,13 +116,15 @@ def fused_step(
             errors there. Otherwise a step of a strategy that accepts every step has the errors of its start.
         timed: whether the step has a duration: it is then fitted into its box, damped where the last step has left an
             error, and takes a share of the null-space displacement.
+        explores: whether it explores where V has stopped falling, for a strategy that does; see `can_explore`.
 
     Raises:
         StrategyError: when a method of the strategy raises or returns what cannot be used.
     """
     evaluates = CheckedCall(strategy, strategy, "evaluates_candidate").flag(problem.has_criterion)
     evaluated = evaluated or evaluates or bool(problem.clearances) or timed
-    first = _first_state(problem, strategy, evaluated=evaluated, timed=timed)
+    evaluated = evaluated or explores
+    first = _first_state(problem, strategy, evaluated=evaluated, timed=timed, explores=explores)
     layout = VectorLayout.of({name: value.size for name, value in first.items()})
     inputs, q, memory = _input_symbols(problem), symbol("q", problem.robot.nq), symbol("state", layout.size)
     state, settings = layout.split(memory), Settings.of(inputs.settings)
@@ -129,8 +133,11 @@ def fused_step(
         backend = backend_of(None)
     qps = QPRecorder(backend.accuracy, backend.name) if backend else None
 
-    at = linearized(problem, q, inputs, state, qps, uses_qp=uses_qp, timed=timed)
+    at = linearized(problem, start_of_step(state, q), inputs, state, qps, uses_qp=uses_qp, timed=timed)
     model, active = at.model, at.active_set
+    exploration = Exploration.of(model, state, q) if explores else None
+    if exploration:
+        model = replace(model, exploring=exploration.active)
     own = {name[len(STRATEGY_PREFIX) :]: v for name, v in state.items() if name.startswith(STRATEGY_PREFIX)}
     update = checked_update(strategy, model, own)
     check_symbols(strategy, update, [q, *inputs, memory, *at.at, *(qps.symbols() if qps else ())], qps)
@@ -152,6 +159,11 @@ def fused_step(
     done, V, errors = stop.done_before, model.here.V, stop.errors_before
     if evaluated:
         accepted = logic_and(accepted, is_finite(update.candidate.V + update.candidate.H))
+    moved, errors_before = accepted, errors
+    if exploration:
+        accepted, V = exploration.lands(moved, update.candidate), exploration.V
+        errors = errors_before = exploration.errors(errors)
+    if evaluated:
         done = logic_or(done, logic_and(accepted, stop.done_after(update.candidate)))
         if timed:  # which is taken on the target, too, and may leave it
             done = logic_and(done, logic_or(logic_not(accepted), stop.reached_after(update.candidate)))
@@ -173,13 +185,21 @@ def fused_step(
     code = progress.code(done, stalled, stop.compromise)
     if qps:
         code = if_else(qps.solved(), code, Code.UNSOLVED)
-    outcome = vertcat(if_else(finite, code, Code.NOT_FINITE), tried, accepted, *errors, V)
+    code, ends_at = if_else(finite, code, Code.NOT_FINITE), _next_configuration(model, update, accepted)
+    if exploration:
+        code, ends_at = exploration.code(code, done), exploration.configuration(model, update.candidate, accepted)
+        after = exploration.after(
+            after, first, moved=moved, landed=accepted, end=update.candidate, errors=errors_before
+        )
+    outcome = vertcat(code, tried, accepted, *errors, V)
 
-    outputs = [_next_configuration(model, update, accepted), layout.join(after), outcome]
+    outputs = [ends_at, layout.join(after), outcome]
     relaxation = RelaxationTerms.of(update, qps, restoration, problem)
     record = VectorLayout.of({})
     if recorded:
         record, figures = figures_of(model, update, accepted, relaxation)
+        if exploration:
+            figures["V"], figures["actual_decrease"] = exploration.V, exploration.V - update.candidate.V
         outputs.append(record.join(figures))
     arguments, numbers = [q, *inputs, memory], np.concatenate(list(first.values()))
     if not (qps and backend):
@@ -189,7 +209,14 @@ def fused_step(
     return FusedStep(joined, numbers, layout, record, parts, relaxation=relaxation)
 
 
-def _first_state(problem: SymbolicProblem, strategy: Strategy, *, evaluated: bool, timed: bool) -> dict[str, Array]:
+def can_explore(problem: SymbolicProblem, strategy: Strategy) -> bool:
+    """Whether the strategy explores in a solve of the problem: there is no exploration beside clearances."""
+    return not problem.clearances and CheckedCall(strategy, strategy, "explores").flag(problem.has_criterion)
+
+
+def _first_state(
+    problem: SymbolicProblem, strategy: Strategy, *, evaluated: bool, timed: bool, explores: bool
+) -> dict[str, Array]:
     """The state that a solve starts from: the engine's, then the strategy's."""
     state = initial_progress(evaluated=evaluated) | {"neighbourhood": np.zeros(1)}
     if timed:
@@ -201,6 +228,8 @@ def _first_state(problem: SymbolicProblem, strategy: Strategy, *, evaluated: boo
     if problem.bounded and evaluated:
         state["active"] = np.zeros(len(problem.bounded))
     robot = problem.robot
+    if explores:
+        state |= initial_exploration(robot.nq)
     shape = Shape(robot.n, robot.nq, problem.m, problem.has_criterion, bool(problem.clearances), timed)
     return state | {f"{STRATEGY_PREFIX}{name}": value for name, value in first_state(strategy, shape).items()}
 

@@ -122,6 +122,14 @@ class Strategy(ABC):
         """
         return False
 
+    def explores(self, has_criterion: bool) -> bool:
+        """Whether it has exploring steps, which `solve` takes where V has stopped falling off the target.
+
+        Args:
+            has_criterion: whether there is a criterion.
+        """
+        return False
+
     def fits_limits(self) -> bool:
         """Whether it uses ``model.fitted``, which in a timed step needs a solver of quadratic programs."""
         return False

@@ -27,7 +27,7 @@ from jtik.strategy.displacement import NullSpaceDisplacement, Outcome, TaskDispl
 from jtik.strategy.evaluation import Evaluation
 from jtik.strategy.merit import SUFFICIENT, penalty_falls, penalty_weight, residual_reduction
 from jtik.strategy.model import LocalModel
-from jtik.symbolic import Expression, dot, fabs, fmax, if_else, logic_and, logic_or, ratio, sumsqr
+from jtik.symbolic import Expression, dot, fabs, fmax, if_else, is_symbolic, logic_and, logic_or, ratio, sumsqr
 from jtik.symbolic.factorization import RowVector
 from jtik.types import Array
 
@@ -197,6 +197,8 @@ class Composition(Strategy):
 
         step = _Step(model, task, task_dq, null, dq, candidate)
         accepted, actual, mu = self._verdict(step, state)
+        if is_symbolic(model.exploring):
+            accepted = logic_or(accepted, model.exploring)
         evaluated = self.evaluates_candidate(model.has_criterion)
         longer = null.length > task.length
         verdict = final_verdict(

@@ -65,6 +65,7 @@ class LocalModel:
             step; 0 otherwise. As damping it keeps a step along a weak direction from overshooting.
         null_space_share: share of a null-space displacement to take in this step, (0, 1]; 1 in a step without a time.
         coordinates: of the displacements, from the joint weights.
+        exploring: 1 in an exploring step, which is taken wherever it ends, else 0. Only for a strategy that explores.
     """
 
     robot: Robot
@@ -91,6 +92,7 @@ class LocalModel:
     curvature: Expression = 0
     null_space_share: Expression = 1
     coordinates: WeightedCoordinates = UNWEIGHTED
+    exploring: Expression = 0
 
     # -- quadratic programs ---------------------------------------------------------------------------------------
 

@@ -62,6 +62,26 @@ def test_full_rank(shape, rng):
         check_against_pinv(rng.standard_normal(shape), rng.standard_normal(shape[0]), rng.standard_normal(shape[1]))
 
 
+@pytest.mark.parametrize("shape", [shape for shape in SHAPES if shape[0] <= shape[1]])
+@pytest.mark.parametrize("damping", [0.0, 1e-6, 0.3])
+def test_a_damped_step_takes_the_rows_in_turn(shape, damping, rng):
+    """Each coordinate of the QR factorisation of J' minimises its row's error with its own damping."""
+    symbols = J, r, w = [casadi.SX.sym(*size) for size in (("J", *shape), ("r", shape[0]), ("w", 1))]
+    step = RowSpace(J).damped(r, w)
+    function = casadi.Function("damped", symbols, [casadi.densify(x) for x in (step.vector, step.image)])
+    for _ in range(5):
+        J, r = rng.standard_normal(shape), rng.standard_normal(shape[0])
+        Q, R = np.linalg.qr(J.T)
+        c = np.zeros(shape[0])
+        for i in range(shape[0]):
+            c[i] = R[i, i] * (r[i] - R[:i, i] @ c[:i]) / (R[i, i] ** 2 + damping)
+        x, image = (each.full()[:, 0] for each in function(J, r, damping))
+        assert x == pytest.approx(Q @ c, rel=1e-6, abs=1e-9 * np.linalg.norm(c))
+        assert image == pytest.approx(J @ x, rel=1e-6, abs=1e-9)
+        if damping == 0:
+            assert image == pytest.approx(r, abs=1e-9 * (1 + np.linalg.norm(c)))
+
+
 @pytest.mark.parametrize(
     ("m", "n", "rank"),
     [(2, 10, 1), (3, 7, 1), (3, 7, 2), *[(6, n, k) for n in (7, 12) for k in (1, 2, 3, 4, 5)]],

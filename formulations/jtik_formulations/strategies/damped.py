@@ -6,8 +6,11 @@ from dataclasses import dataclass
 
 from jtik import register_strategy
 from jtik.strategy import LocalModel, check_positive
-from jtik.symbolic import Expression
+from jtik.symbolic import Expression, if_else
 from jtik_formulations.strategies._parts.damped_least_squares import DampedLeastSquares
+
+EXPLORING = 0.03
+"""Damping of an exploring step relative to that of other steps."""
 
 
 @register_strategy("damped")
@@ -24,11 +27,13 @@ class Damped(DampedLeastSquares):
         q_limit: limit of Q, the norm of the rotational part of a step [rad]; math.inf for none.
         backtracking: halve the step until V falls. Without it every step is taken.
         secondary: the null-space term.
+        explore: whether `solve` tries exploring steps where V has stopped falling; not without backtracking.
 
     Source: Chan and Lawrence (1988).
     """
 
     damping: float = 0.1
+    explore: bool = True
 
     summary = "damped least squares, damping in proportion to V, with the Q limit and backtracking"
     source = "Chan and Lawrence 1988"
@@ -37,6 +42,10 @@ class Damped(DampedLeastSquares):
         super().__post_init__()
         check_positive("damping", self.damping)
 
+    def explores(self, has_criterion: bool) -> bool:
+        """With backtracking, but beside a secondary term that is added without a test of the merit function."""
+        return self.explore and self.backtracking and not (has_criterion and self.secondary.bounds_itself)
+
     def damping_of(self, model: LocalModel) -> Expression:
-        """Damping times V."""
-        return self.damping * model.here.V
+        """Damping times V; less in an exploring step."""
+        return if_else(model.exploring, EXPLORING * self.damping, self.damping) * model.here.V

@@ -15,8 +15,9 @@ from jtik_formulations.strategies._parts.damped_least_squares import DampedLeast
 class ConstantDamped(DampedLeastSquares):
     """dq = -J' (J J' + lambda I)^-1 r - beta (I - J+ J) grad H, with one lambda for all poses.
 
-    For comparison: it converges linearly, the more slowly the smaller the singular values of J are. In a control loop
-    it lags behind the other strategies, which a timed step damps only where it has to.
+    For comparison: it converges linearly, the more slowly the smaller the singular values of J are, and fails at
+    targets close to singular poses (formulations/damped.md). In a control loop it lags behind the other strategies,
+    which a timed step damps only where it has to.
 
     Attributes:
         damping: lambda, in the unit of J J' [m^2 / rad^2].
@@ -47,10 +48,12 @@ class Sugihara(DampedLeastSquares):
     """dq = -J' (J J' + lambda I)^-1 r - beta (I - J+ J) grad H, with lambda = V + bias.
 
     Levenberg and Marquardt's step with the error as its damping. It needs no rank decision anywhere, on the way or at
-    a target out of reach. The bias bounds the last steps at singular targets and costs quadratic convergence.
+    a target out of reach. The bias bounds the last steps at singular targets and slows down those to targets close to
+    singular poses: along a singular value sigma each multiplies the error by bias / (sigma^2 + bias).
 
     Attributes:
-        bias: smallest lambda, in the unit of J J' [m^2 / rad^2]; Sugihara: 1e-3 to 1e-2 of a squared link length.
+        bias: smallest lambda, in the unit of J J' [m^2 / rad^2]. Sugihara's 1e-3 to 1e-2 of a squared link length fails
+            at targets close to singular poses (formulations/damped.md).
         q_limit: limit of Q, the norm of the rotational part of a step [rad]; math.inf for none.
         backtracking: halve the step until V falls. Without it every step is taken.
         secondary: the null-space term.
@@ -58,7 +61,7 @@ class Sugihara(DampedLeastSquares):
     Source: Sugihara (2011), with one bias for all joints.
     """
 
-    bias: float = 1e-3
+    bias: float = 1e-6
 
     summary = "damped least squares, damped by V and a constant bias"
     source = "Sugihara 2011"

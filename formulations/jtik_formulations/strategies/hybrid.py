@@ -23,7 +23,8 @@ from jtik.strategy import (
     acceptance_beside,
     check_step_limit,
 )
-from jtik.symbolic import Expression, fmax, fmin, if_else, logic_and, logic_or, ratio, sqrt, sumsqr
+from jtik.symbolic import Expression, fmax, fmin, if_else, is_symbolic, logic_and, logic_or, ratio, sqrt, sumsqr
+from jtik.symbolic.factorization import RowVector
 from jtik.types import Array
 from jtik_formulations.strategies._parts.damped_least_squares import damped_step
 from jtik_formulations.strategies._parts.transpose_step import cauchy_step, optimal_gain
@@ -34,6 +35,9 @@ BACKTRACKING = Backtracking()
 
 POOR, GOOD = 0.25, 0.75
 """Ratios of actual to predicted decrease below which the radius shrinks, above which it grows (Powell 1970)."""
+
+EXPLORING = 0.03
+"""Damping of an exploring step relative to V [1 / rad^2]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,13 +64,17 @@ class DoglegStep(TaskStep):
         newton = model.row_space_free.least_squares(-model.here.residual)
         if not model.all_rotational:
             return self._general(model, state, TaskDisplacement.along(newton))
+        exploring, x = self._exploring(model), model.exploring
         gradient = model.task_gradient_rows
         alpha = optimal_gain(gradient.squared_length, gradient.image)
         s = fmin(1, ratio(radius, alpha * sqrt(gradient.squared_length)))
         transpose = (-alpha * s) * gradient
         tt, tn, nn = transpose.squared_length, transpose.dot(newton), newton.squared_length
         along = _along(tt, tn, nn, radius, s)
-        return TaskDisplacement.along((1 - along) * transpose + along * newton, alpha)
+        dogleg = (1 - along) * transpose + along * newton
+        if exploring:
+            dogleg = (1 - x) * dogleg + x * exploring
+        return TaskDisplacement.along(dogleg, alpha)
 
     def _general(self, model: LocalModel, state: State, newton: TaskDisplacement) -> TaskDisplacement:
         """The dogleg to any Newton step, also with prismatic joints: the radius bounds the rotational part only."""
@@ -78,7 +86,16 @@ class DoglegStep(TaskStep):
         of_transpose, of_newton = fraction * (1 - along), fraction * along
         dq = of_transpose * towards + of_newton * step
         image = of_newton * newton.image - of_transpose * transpose.gain * transpose.image
+        if exploring := self._exploring(model):
+            dq = if_else(model.exploring, exploring.vector, dq)
+            image = if_else(model.exploring, exploring.image, image)
         return TaskDisplacement(dq, image, sqrt(sumsqr(dq)), transpose.alpha)
+
+    def _exploring(self, model: LocalModel) -> RowVector | None:
+        """The exploring step, longer than any trust radius along weak directions; None if steps never explore."""
+        if not is_symbolic(model.exploring):
+            return None
+        return model.row_space_free.damped(-model.here.residual, EXPLORING * model.here.V)
 
     def adapt(self, model: LocalModel, state: State, task: TaskDisplacement, outcome: Outcome) -> State:
         """A quarter of the step taken after a poor prediction, twice the radius after a good one at its edge."""
@@ -115,12 +132,14 @@ class Hybrid(Composition):
     Attributes:
         q_limit: largest trust radius, a limit of Q, the norm of the rotational part of a step [rad].
         secondary: the null-space term.
+        explore: whether `solve` tries exploring steps where V has stopped falling.
 
     Source: Das, Slotine and Sheridan (1988), section 2.3, proposes the combination; Powell (1970) gives the dogleg.
     """
 
     q_limit: float = 0.5
     secondary: SecondaryTerm = field(default_factory=ProjectedGradient)
+    explore: bool = True
 
     summary = "dogleg between the transpose and the Newton step, within an adaptive Q limit (default)"
     source = "Das, Slotine and Sheridan 1988, section 2.3; Powell 1970"
@@ -129,6 +148,10 @@ class Hybrid(Composition):
         check_step_limit("q_limit", self.q_limit)
         if self.q_limit == np.inf:
             raise ArgumentError("q_limit", self.q_limit, "a positive, finite angle [rad]")
+
+    def explores(self, has_criterion: bool) -> bool:
+        """If not switched off, but beside a secondary term that is added without a test of the merit function."""
+        return self.explore and not (has_criterion and self.secondary.bounds_itself)
 
     def task_step(self) -> TaskStep:
         """The dogleg."""

@@ -19,7 +19,9 @@ class JParse(ScaledComposition):
 
     Newton's step along singular directions stronger than ``threshold`` times the strongest, and along weaker
     ones the transpose step of gain 1 / (gamma sigma_1)^2, which goes to zero with sigma_i. For steps without a time to,
-    through and out of singular poses; at a singular target it converges linearly.
+    through and out of singular poses; along a weak direction it converges linearly, the more slowly the larger the
+    threshold is. A threshold of 0.1 keeps steps short at singular poses and fails at targets close to them
+    (formulations/jparse.md).
 
     Attributes:
         threshold: gamma, in (0, 1].
@@ -31,7 +33,7 @@ class JParse(ScaledComposition):
     Source: Guptasarma, Strong, Zhen and Kennedy (2025), arXiv 2505.00306.
     """
 
-    threshold: float = 0.1
+    threshold: float = 1e-3
     singular_gain: float = 1.0
 
     summary = "inverse along strong singular directions, transpose along weak ones"

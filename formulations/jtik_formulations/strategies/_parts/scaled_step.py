@@ -21,6 +21,7 @@ from jtik.strategy import (
     check_step_limit,
     within_step_limit,
 )
+from jtik.symbolic import if_else
 from jtik.types import Array
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
@@ -93,6 +94,7 @@ class ScaledStep(TaskStep):
         row = full.row_vector
         scale = self._backtracking.fraction(state)
         scale = scale * within_step_limit(model, full.dq, self.of.q_limit, row.squared_length if row else None)
+        scale = if_else(model.exploring, 1, scale)
         if row:
             return TaskDisplacement.along(scale * row, full.alpha)
         image = None if full.image is None else scale * full.image
