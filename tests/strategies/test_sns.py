@@ -81,7 +81,10 @@ def by_qp(m, n):
     program = casadi.Function("program", [J, xdot, lower, upper], recorded.data())
     solver = Conic().function(n, recorded.qp.row_count)
     after = casadi.Function("after", [J, xdot, lower, upper, *recorded.result_symbols], [task.x, task.scale])
-    return lambda *arguments: [np.array(value).ravel() for value in after(*arguments, *solver(*program(*arguments)))]
+    solved = 1.0
+    return lambda *arguments: [
+        np.array(value).ravel() for value in after(*arguments, *solver(*program(*arguments)), solved)
+    ]
 
 
 def best(J, xdot, lower, upper, wish=None):
