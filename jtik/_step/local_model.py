@@ -33,8 +33,8 @@ class Linearized:
     """A problem linearised at one configuration.
 
     Attributes:
-        parts: q, residual, Jacobian, H and its gradient as expressions of the inputs; with clearances also distances,
-            their Jacobian and their figures.
+        parts: q, residual, Jacobian, H and its gradient as expressions of the inputs; the unshifted residual where the
+            problem has one; with clearances distances, their Jacobian and their figures.
         at: the same as the strategy gets them: symbols where several stages of a step share them.
         model: the local model, written in ``at``.
         active_set: the active set; None without limits.
@@ -71,7 +71,7 @@ def linearized(
     parts = _parts(problem, clamped(start, *limits, problem.bounded), inputs.target, inputs.parameters)
     at = [symbol(f"at{i}", *part.shape) for i, part in enumerate(parts)] if qps else parts
     q, residual, J, H, gradient = at[:5]
-    here = Evaluation(q, residual, H)
+    here = Evaluation(q, residual, H, unshifted=at[5] if problem.unshifted else None)
     neighbourhood = near_target = 0
     if problem.has_criterion:
         known = state["neighbourhood"]
@@ -100,7 +100,8 @@ def linearized(
         parameters=inputs.parameters,
         qps=qps,
         coordinates=problem.coordinates,
-        clearance=clearance_model(problem, q, at[5:], inputs.parameters, limits, state) if problem.clearances else None,
+        unshifted_function=problem.unshifted,
+        clearance=clearance_model(problem, q, at[-3:], inputs.parameters, limits, state) if problem.clearances else None,
         tasks=problem.tasks,
         timed=timed,
         curvature=_curvature(J, state["remaining"], residual) if timed else 0,
@@ -128,12 +129,14 @@ def _curvature(J: Expression, remaining: Expression, residual: Expression) -> Ex
 
 
 def _parts(problem: SymbolicProblem, q: Expression, target: Expression, parameters: Expression) -> list[Expression]:
-    """q, residual, its Jacobian, H and its gradient; with clearances distances, their Jacobian and their figures."""
+    """The `Linearized.parts`."""
     at = symbol("at", problem.robot.nq)
     H = problem.criterion(at, parameters)
     by = problem.coordinates
     J, gradient = by.jacobian(problem.residual_jacobian(at, target)), by.gradient(problem.gradient(H, at))
     parts = [problem.residual(at, target), J, H, gradient]
+    if problem.unshifted:
+        parts.append(problem.unshifted(at, target))
     if problem.clearances:
         distances, of_distances, figures = problem.clearance(at, parameters)
         parts += [distances, by.jacobian(of_distances), figures]

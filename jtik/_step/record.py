@@ -26,7 +26,7 @@ def figures_of(
         "accepted": accepted,
         "null_residual": model.stationarity_residual if model.has_criterion else 0,
         **dict.fromkeys(OPTIONAL, math.nan),
-        "actual_decrease": here.V - update.candidate.V,
+        "actual_decrease": here.decrease(update.candidate),
         **update.figures,
         **relaxation.figures,
         "dq": joints.to_joints(update.dq),

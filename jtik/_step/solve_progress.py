@@ -11,7 +11,7 @@ import numpy as np
 from jtik._step.checked_update import CheckedUpdate
 from jtik._step.stopping import Code, Stop
 from jtik.strategy import FeasibilityRestoration, LocalModel
-from jtik.symbolic import Expression, fabs, if_else, logic_and, logic_not, logic_or
+from jtik.symbolic import Expression, fabs, fmin, if_else, logic_and, logic_not, logic_or
 from jtik.types import Array
 
 REFUSALS = 40
@@ -78,14 +78,14 @@ class Progress:
         evaluated: bool,
     ) -> tuple[dict[str, Expression], Expression]:
         """The state of progress after the step, and whether the solve has stalled."""
-        V = model.here.V
+        V, promised = model.here.V, stop.gradient_norm
         after = {
             "best": if_else(self.falls, V, state["best"]),
             "without_progress": self.without_progress,
             "patience": state["patience"],
         }
         if evaluated:
-            stagnates = logic_and(accepted, V - update.candidate.V <= STAGNANT * V)
+            stagnates = logic_and(accepted, model.here.decrease(update.candidate) <= STAGNANT * fmin(V, promised))
             if update.progress is not None:
                 stagnates = logic_and(accepted, update.progress <= STAGNANT)
             if model.has_criterion:  # near the target the error may rise while a step lowers H
@@ -93,7 +93,7 @@ class Progress:
                 lowers = logic_and(model.near_target, decrease > STAGNANT * fabs(model.here.H))
                 stagnates = logic_and(stagnates, logic_not(lowers))
         else:
-            stagnates = logic_and(state["V"] > 0, state["V"] - V <= STAGNANT * state["V"])
+            stagnates = logic_and(state["V"] > 0, state["V"] - V <= STAGNANT * fmin(V, promised))
             stagnates = logic_or(stagnates, self.without_progress >= CYCLING)
             after["V"] = V
         if model.clearance:

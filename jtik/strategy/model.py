@@ -65,6 +65,7 @@ class LocalModel:
             step; 0 otherwise. As damping it keeps a step along a weak direction from overshooting.
         null_space_share: share of a null-space displacement to take in this step, (0, 1]; 1 in a step without a time.
         coordinates: of the displacements, from the joint weights.
+        unshifted_function: (q, target) -> `Evaluation.unshifted`; None where it is the residual.
     """
 
     robot: Robot
@@ -91,6 +92,7 @@ class LocalModel:
     curvature: Expression = 0
     null_space_share: Expression = 1
     coordinates: WeightedCoordinates = UNWEIGHTED
+    unshifted_function: Function = None
 
     # -- quadratic programs ---------------------------------------------------------------------------------------
 
@@ -319,8 +321,9 @@ class LocalModel:
                 entries[i] = fmin(fmax(entries[i], self.lower[i]), self.upper[i])
             q = vertcat(*entries)
         H = self.criterion_function(q, self.parameters) if self.has_criterion else 0
-        return Evaluation(q, self.residual(q), H, dq)
+        unshifted = self.unshifted_function(q, self.target) if self.unshifted_function else None
+        return Evaluation(q, self.residual(q), H, dq, unshifted)
 
     def predicted_decrease(self, image: Expression) -> Expression:
         """Decrease of V that the linear model predicts for a displacement with ``image`` = J dq (m, 1)."""
-        return self.here.V - sumsqr(self.here.residual + image) / 2
+        return -dot(image, self.here.residual + image / 2)
