@@ -18,7 +18,7 @@ from jtik.qp.recorder import Compute, QPRecorder
 from jtik.robot import UNWEIGHTED, Robot, WeightedCoordinates
 from jtik.strategy.evaluation import Evaluation
 from jtik.strategy.feasibility_restoration import FeasibilityRestoration, feasibility_restoration
-from jtik.symbolic import TINY, Expression, Function, dot, fmax, fmin, norm, norm_inf, sqrt, sumsqr, vertcat
+from jtik.symbolic import TINY, Expression, Function, dot, fmax, fmin, norm, norm_inf, sqrt, vertcat
 from jtik.symbolic.factorization import RowSpace, RowVector, Split
 from jtik.task import TaskStack
 

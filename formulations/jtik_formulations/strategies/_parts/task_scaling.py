@@ -21,6 +21,7 @@ from jtik.strategy import (
     check_gain,
     check_non_negative,
     check_step_limit,
+    error_damping,
     limited_box,
 )
 from jtik.symbolic import (
@@ -34,7 +35,6 @@ from jtik.symbolic import (
     logic_or,
     norm,
     ratio,
-    sumsqr,
     vertcat,
     zeros,
 )
@@ -149,7 +149,7 @@ class TaskScaling(Programmed):
             if above:
                 basis = RowSpace(model.J[above, :] @ diag(free)).unit_basis
                 own = own - (own @ basis.T) @ basis
-            damping = self.damping * sumsqr(r) / 2 + model.curvature
+            damping = error_damping(J, r, self.damping) + model.curvature
             part = -(own.T @ damped_multipliers(own, damping, error))
             here = here.with_task(J, own @ part)
             unlimited = unlimited + part
