@@ -129,7 +129,8 @@ def fused_step(
         backend = backend_of(None)
     qps = QPRecorder(backend.accuracy, backend.name) if backend else None
 
-    at = linearized(problem, q, inputs, state, qps, uses_qp=uses_qp, timed=timed)
+    by_level = CheckedCall(strategy, strategy, "respects_priority").flag()
+    at = linearized(problem, q, inputs, state, qps, uses_qp=uses_qp, timed=timed, by_level=by_level)
     model, active = at.model, at.active_set
     own = {name[len(STRATEGY_PREFIX) :]: v for name, v in state.items() if name.startswith(STRATEGY_PREFIX)}
     update = checked_update(strategy, model, own)
@@ -146,13 +147,13 @@ def fused_step(
     if qps:
         tried = logic_and(tried, qps.solved())
     accepted = logic_and(tried, update.accepted)
-    done, V, errors = stop.done_before, model.here.V, stop.errors_before
+    done, V, errors = stop.done_before, model.here.V_to_target, stop.errors_before
     if evaluated:
         accepted = logic_and(accepted, is_finite(update.candidate.V + update.candidate.H))
         done = logic_or(done, logic_and(accepted, stop.done_after(update.candidate)))
         if timed:  # which is taken on the target, too, and may leave it
             done = logic_and(done, logic_or(logic_not(accepted), stop.reached_after(update.candidate)))
-        figures_after = [*stop.errors(update.candidate), update.candidate.V]
+        figures_after = [*stop.errors(update.candidate), update.candidate.V_to_target]
         pairs = zip(figures_after, [*errors, V], strict=True)
         *errors, V = [if_else(accepted, after, before) for after, before in pairs]  # type: ignore[assignment]
 

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 from jtik._step.active_set import ActiveSet, clamped
 from jtik._step.clearances import clearance_model
+from jtik._step.distant_target import left_out
 from jtik._step.inputs import Inputs, Settings
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.qp.recorder import QPRecorder
 from jtik.strategy import Evaluation, LocalModel
-from jtik.symbolic import TINY, Expression, fmax, if_else, ratio, sqrt, substitute, sumsqr, symbol
+from jtik.symbolic import TINY, Expression, fmax, if_else, norm, ratio, sqrt, substitute, sumsqr, symbol
 from jtik.symbolic.factorization import squared_length
 
 NEIGHBOURHOOD = 0.02
@@ -55,6 +56,7 @@ def linearized(
     *,
     uses_qp: bool = False,
     timed: bool = False,
+    by_level: bool = False,
 ) -> Linearized:
     """The problem at ``start`` (nq, 1), clamped to the limits.
 
@@ -66,17 +68,20 @@ def linearized(
         qps: records the quadratic programs; None for a strategy without any.
         uses_qp: whether the strategy's own quadratic programs find the active limits.
         timed: whether the step has a duration.
+        by_level: whether the strategy respects levels of priority.
     """
     limits, settings = (inputs.lower, inputs.upper), Settings.of(inputs.settings)
     parts = _parts(problem, clamped(start, *limits, problem.bounded), inputs.target, inputs.parameters)
     at = [symbol(f"at{i}", *part.shape) for i, part in enumerate(parts)] if qps else parts
-    q, residual, J, H, gradient = at[:5]
-    here = Evaluation(q, residual, H, unshifted=at[5] if problem.unshifted else None)
+    q, whole, J, H, gradient = at[:5]
+    away = None if timed else left_out(problem, whole, by_level=by_level)
+    residual = whole if away is None else whole - away
+    here = Evaluation(q, residual, H, unshifted=at[5] if problem.unshifted else None, whole=whole)
     neighbourhood = near_target = 0
     if problem.has_criterion:
         known = state["neighbourhood"]
         neighbourhood = if_else(known > 0, known, NEIGHBOURHOOD * sqrt(squared_length(J) + TINY))
-        near_target = here.length <= neighbourhood
+        near_target = norm(whole) <= neighbourhood
     active = None
     if problem.bounded:
         active = ActiveSet(problem, state, here, near_target, J, gradient, limits, uses_qp=uses_qp)
@@ -101,7 +106,10 @@ def linearized(
         qps=qps,
         coordinates=problem.coordinates,
         unshifted_function=problem.unshifted,
-        clearance=clearance_model(problem, q, at[-3:], inputs.parameters, limits, state) if problem.clearances else None,
+        left_out=away,
+        clearance=clearance_model(problem, q, at[-3:], inputs.parameters, limits, state)
+        if problem.clearances
+        else None,
         tasks=problem.tasks,
         timed=timed,
         curvature=_curvature(J, state["remaining"], residual) if timed else 0,

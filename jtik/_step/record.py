@@ -21,7 +21,7 @@ def figures_of(
     here, joints = model.here, model.coordinates
     J_free = joints.jacobian_by_joints(model.J_free)
     figures = {
-        "V": here.V,
+        "V": here.V_to_target,
         "H": here.H,
         "accepted": accepted,
         "null_residual": model.stationarity_residual if model.has_criterion else 0,

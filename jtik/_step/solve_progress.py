@@ -60,7 +60,7 @@ class Progress:
     @classmethod
     def of(cls, model: LocalModel, state: Mapping[str, Expression], stop: Stop) -> Progress:
         """The progress up to here, before the step is tried."""
-        falls = FALL**2 * state["best"] > model.here.V
+        falls = FALL**2 * state["best"] > model.here.V_to_target
         without_progress = if_else(falls, 0, state["without_progress"] + 1)
         return cls(
             falls, without_progress, logic_and(without_progress >= state["patience"], logic_not(stop.reached_before))
@@ -78,14 +78,15 @@ class Progress:
         evaluated: bool,
     ) -> tuple[dict[str, Expression], Expression]:
         """The state of progress after the step, and whether the solve has stalled."""
-        V, promised = model.here.V, stop.gradient_norm
+        V = model.here.V_to_target
         after = {
             "best": if_else(self.falls, V, state["best"]),
             "without_progress": self.without_progress,
             "patience": state["patience"],
         }
         if evaluated:
-            stagnates = logic_and(accepted, model.here.decrease(update.candidate) <= STAGNANT * fmin(V, promised))
+            significant = STAGNANT * fmin(model.here.V, stop.gradient_norm)
+            stagnates = logic_and(accepted, model.here.decrease(update.candidate) <= significant)
             if update.progress is not None:
                 stagnates = logic_and(accepted, update.progress <= STAGNANT)
             if model.has_criterion:  # near the target the error may rise while a step lowers H
@@ -93,7 +94,7 @@ class Progress:
                 lowers = logic_and(model.near_target, decrease > STAGNANT * fabs(model.here.H))
                 stagnates = logic_and(stagnates, logic_not(lowers))
         else:
-            stagnates = logic_and(state["V"] > 0, state["V"] - V <= STAGNANT * fmin(V, promised))
+            stagnates = logic_and(state["V"] > 0, state["V"] - V <= STAGNANT * state["V"])
             stagnates = logic_or(stagnates, self.without_progress >= CYCLING)
             after["V"] = V
         if model.clearance:

@@ -113,7 +113,7 @@ class Stop:
 
     def errors(self, point: Evaluation) -> tuple[Expression, Expression]:
         """Norm of the position rows [m] and of the orientation rows [rad] of the error."""
-        error = self._unweight @ point.residual
+        error = self._unweight @ point.to_target
         rows = range(self._problem.m)
         linear = [error[i] for i in rows if self._problem.linear[i]]
         angular = [error[i] for i in rows if not self._problem.linear[i]]

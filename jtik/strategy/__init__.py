@@ -11,7 +11,6 @@ from jtik.strategy.backtracking import AdaptiveDamping, Backtracking, adapted_fr
 from jtik.strategy.base import Shape, State, Strategy, Update
 from jtik.strategy.composition import Composition, SecondaryTerm, TaskStep, acceptance_beside
 from jtik.strategy.displacement import NullSpaceDisplacement, Outcome, TaskDisplacement
-from jtik.strategy.error_damping import error_damping
 from jtik.strategy.errors import StrategyError
 from jtik.strategy.evaluation import Evaluation
 from jtik.strategy.feasibility_restoration import FeasibilityRestoration
@@ -60,7 +59,6 @@ __all__ = [
     "check_non_negative",
     "check_positive",
     "check_step_limit",
-    "error_damping",
     "limited_box",
     "within_step_limit",
 ]

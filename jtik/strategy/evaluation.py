@@ -14,11 +14,12 @@ class Evaluation:
 
     Attributes:
         q: configuration (nq, 1).
-        residual: r = L' e with Kp = L L', (m, 1).
+        residual: r = L' e with Kp = L L', (m, 1), to a nearer target where the target is distant.
         H: weighted sum of the criteria; 0 without any.
         dq: the displacement that led here (n, 1); None for the configuration that a step starts from.
         unshifted: the residual for the target with zeros where its numbers only shift the residual (m, 1): it changes
             as the residual does, without the rounding errors of a distant target; None for the residual itself.
+        whole: the residual to the target itself (m, 1); None where that is ``residual``.
     """
 
     q: Expression
@@ -26,6 +27,7 @@ class Evaluation:
     H: Expression
     dq: Expression = None
     unshifted: Expression = None
+    whole: Expression = None
 
     @cached_property
     def V(self) -> Expression:
@@ -36,6 +38,16 @@ class Evaluation:
     def length(self) -> Expression:
         """|r| = sqrt(2 V)."""
         return norm(self.residual)
+
+    @cached_property
+    def to_target(self) -> Expression:
+        """The residual to the target itself, however distant (m, 1)."""
+        return self.residual if self.whole is None else self.whole
+
+    @cached_property
+    def V_to_target(self) -> Expression:
+        """V of the residual to the target itself."""
+        return self.V if self.whole is None else sumsqr(self.whole) / 2
 
     def change(self, after: Evaluation) -> Expression:
         """The change of the residual from here to ``after`` (m, 1)."""

@@ -66,6 +66,7 @@ class LocalModel:
         null_space_share: share of a null-space displacement to take in this step, (0, 1]; 1 in a step without a time.
         coordinates: of the displacements, from the joint weights.
         unshifted_function: (q, target) -> `Evaluation.unshifted`; None where it is the residual.
+        left_out: what the residual to the target has more than the residual of a step towards a distant target (m, 1).
     """
 
     robot: Robot
@@ -93,6 +94,7 @@ class LocalModel:
     null_space_share: Expression = 1
     coordinates: WeightedCoordinates = UNWEIGHTED
     unshifted_function: Function = None
+    left_out: Expression = None
 
     # -- quadratic programs ---------------------------------------------------------------------------------------
 
@@ -286,7 +288,8 @@ class LocalModel:
 
     def residual(self, q: Expression) -> Expression:
         """The residual at another configuration."""
-        return self.residual_function(q, self.target)
+        whole = self.residual_function(q, self.target)
+        return whole if self.left_out is None else whole - self.left_out
 
     def within_limits(self, dq: Expression) -> Expression:
         """The displacement shortened joint by joint so that it ends inside the limits, (n, 1)."""
@@ -322,7 +325,8 @@ class LocalModel:
             q = vertcat(*entries)
         H = self.criterion_function(q, self.parameters) if self.has_criterion else 0
         unshifted = self.unshifted_function(q, self.target) if self.unshifted_function else None
-        return Evaluation(q, self.residual(q), H, dq, unshifted)
+        whole = None if self.left_out is None else self.residual_function(q, self.target)
+        return Evaluation(q, self.residual(q), H, dq, unshifted, whole)
 
     def predicted_decrease(self, image: Expression) -> Expression:
         """Decrease of V that the linear model predicts for a displacement with ``image`` = J dq (m, 1)."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from jtik import register_strategy
-from jtik.strategy import LocalModel, check_positive, error_damping
+from jtik.strategy import LocalModel, check_positive
 from jtik.symbolic import Expression, fmax, ratio
 from jtik_formulations.strategies._parts.damped_least_squares import DampedLeastSquares
 
@@ -69,7 +69,7 @@ class Sugihara(DampedLeastSquares):
 
     def damping_of(self, model: LocalModel) -> Expression:
         """V and the bias."""
-        return error_damping(model.J_free, model.here.residual, 1) + self.bias
+        return model.here.V + self.bias
 
 
 @register_strategy("nakamura")

@@ -26,9 +26,8 @@ from jtik.strategy import (
     check_choice,
     check_non_negative,
     check_step_limit,
-    error_damping,
 )
-from jtik.symbolic import Expression, fmax, fmin, is_symbolic, logic_and, norm, ratio, vertcat, zeros
+from jtik.symbolic import Expression, fmax, fmin, is_symbolic, logic_and, norm, ratio, sumsqr, vertcat, zeros
 from jtik.symbolic.factorization import RowSpace, damped_multipliers, squared_length
 from jtik.types import Array
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
@@ -69,7 +68,7 @@ class PriorityLevels:
 
     def _solved(self, J: Expression, space: RowSpace, r: Expression) -> Expression:
         """-J^+ r, below the highest level -J' (J J' + lambda I)^-1 r."""
-        damping = error_damping(J, r, self._damping) if self._above and self._damping else 0
+        damping = self._damping * sumsqr(r) / 2 if self._above and self._damping else 0
         if is_symbolic(damping) or is_symbolic(self._curvature):
             return J.T @ damped_multipliers(J, damping + self._curvature, -r)
         return space.least_squares(-r).vector
@@ -119,6 +118,10 @@ class TaskPriority(Programmed):
         check_step_limit("q_limit", self.q_limit)
         if self.secondary.uses_qp():
             raise ArgumentError("secondary", self.secondary, "a term without a QP; 'lexicographic_qp' has QPs")
+
+    def respects_priority(self) -> bool:
+        """Always."""
+        return True
 
     def merit(self) -> LevelMerit:
         """The penalty function of the levels; with one level it is |r|."""

@@ -20,7 +20,6 @@ from jtik.strategy import (
     check_non_negative,
     check_positive,
     check_step_limit,
-    error_damping,
     limited_box,
 )
 from jtik.symbolic import Expression, dot, fabs, fmax, gram, identity, if_else, mmax, norm, norm_inf, sumsqr, vertcat
@@ -82,7 +81,7 @@ class WeightedQP(Programmed):
     def propose(self, model: LocalModel, state: State) -> Proposal:
         """The solution of the quadratic program."""
         J, r, n = model.J, model.here.residual, model.robot.n
-        mu = self.damping + error_damping(J, self.gain * r, 2 * self.lm_damping)
+        mu = self.damping + self.lm_damping * self.gain**2 * sumsqr(r)
         gradient = self.gain * (J.T @ r)
         if model.has_criterion:
             mu = mu + self.weight * self.curvature

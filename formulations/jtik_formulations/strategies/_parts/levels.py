@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from jtik.qp import QPSolution, QuadraticProgram, Rows
-from jtik.strategy import error_damping
 from jtik.symbolic import (
     TINY,
     Expression,
@@ -140,7 +139,7 @@ class _Level:
         """
         J, (low, high), (_, n) = self.J, self.box, self.J.shape
         error = self.r + J @ x
-        mu = error_damping(J, error, self.damping) + self.added_damping
+        mu = self.damping * sumsqr(error) / 2 + self.added_damping
         y = self._without_limits(error, mu)
         inside = fmin(fmax(x + y, low), high) - x
         part = fmin(1, ratio(norm(inside), norm(y)))  # far outside the box a shorter start is better scaled

@@ -21,7 +21,6 @@ from jtik.strategy import (
     check_gain,
     check_non_negative,
     check_step_limit,
-    error_damping,
     limited_box,
 )
 from jtik.symbolic import (
@@ -35,6 +34,7 @@ from jtik.symbolic import (
     logic_or,
     norm,
     ratio,
+    sumsqr,
     vertcat,
     zeros,
 )
@@ -97,6 +97,10 @@ class TaskScaling(Programmed):
         """Whether ``towards`` can release joints from their bounds; if not, the engine's active set does."""
         return True
 
+    def respects_priority(self) -> bool:
+        """Always."""
+        return True
+
     def merit(self) -> LevelMerit:
         """The penalty function of the levels; with one level it is |r|."""
         return LevelMerit()
@@ -149,7 +153,7 @@ class TaskScaling(Programmed):
             if above:
                 basis = RowSpace(model.J[above, :] @ diag(free)).unit_basis
                 own = own - (own @ basis.T) @ basis
-            damping = error_damping(J, r, self.damping) + model.curvature
+            damping = self.damping * sumsqr(r) / 2 + model.curvature
             part = -(own.T @ damped_multipliers(own, damping, error))
             here = here.with_task(J, own @ part)
             unlimited = unlimited + part
