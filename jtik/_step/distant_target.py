@@ -4,54 +4,81 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.robot import Robot
 from jtik.robot.stroke import stroke
-from jtik.symbolic import Expression, if_else, ratio, sqrt, sumsqr, zeros
+from jtik.symbolic import Expression, if_else, ratio, sqrt, sumsqr, vertcat
+
+REACH = 2.0
+"""Distance above which a target is distant, relative to the size of the robot: no target within reach is."""
 
 NEARER = 0.5
-"""Length of the residual that a step towards a distant target is made for, relative to the size of the robot."""
+"""Distance of the point that a step towards a distant target is made for, relative to the size of the robot."""
 
 
-def left_out(problem: SymbolicProblem, residual: Expression, *, by_level: bool) -> Expression | None:
-    """The part of the residual that a step leaves out because its target is distant (m, 1).
+@dataclass(frozen=True)
+class NearerTarget:
+    """The residual of a step towards a distant target: rows in [m] less a part of them, rows in [rad] weighted less.
 
-    A target is distant where the residual is longer than it can be for a target within reach, by `distant`.
+    Both leave the direction of J' r as it is. For a target that is not distant the residual is as it is.
 
-    Args:
-        problem: the problem.
-        residual: the residual (m, 1).
-        by_level: whether each level of priority is shortened by itself, rather than all rows alike.
-
-    Returns:
-        It, zero where no target is distant; None where none can be.
+    Attributes:
+        weights: what a row of the residual is multiplied by (m, 1).
+        shift: what is then subtracted from it (m, 1).
+        residual: the residual of the step (m, 1).
     """
-    size, shares = robot_size(problem.robot), zeros(problem.m)
-    groups = problem.levels if by_level else (tuple(range(problem.m)),)
-    bounds = [distant(problem, rows, size) for rows in groups]
-    if not any(map(math.isfinite, bounds)):
-        return None
-    for rows, bound in zip(groups, bounds, strict=True):
-        if math.isfinite(bound):
-            squared, nearer = sumsqr(residual[list(rows)]), NEARER * size * _stretch(problem, rows)
-            shares[list(rows)] = if_else(squared > bound**2, 1 - ratio(nearer, sqrt(squared)), 0)
-    return shares * residual
+
+    weights: Expression
+    shift: Expression
+    residual: Expression
+
+    @classmethod
+    def of(cls, problem: SymbolicProblem, residual: Expression, *, by_level: bool) -> NearerTarget | None:
+        """That for a residual (m, 1); None for a problem without distant targets.
+
+        Args:
+            problem: the problem.
+            residual: the residual to the target.
+            by_level: whether each level of priority is considered by itself, rather than all rows together.
+        """
+        size = robot_size(problem.robot)
+        groups = problem.levels if by_level else (tuple(range(problem.m)),)
+        bounds = [_largest(problem, rows, size) for rows in groups]
+        if not any(map(math.isfinite, bounds)):
+            return None
+        weights, shift = [1] * problem.m, [0] * problem.m
+        of_step = [residual[row] for row in range(problem.m)]
+        for rows, bound in zip(groups, bounds, strict=True):
+            if math.isinf(bound):
+                continue
+            squared = sumsqr(residual[[row for row in rows if problem.linear[row]]])
+            share = if_else(squared > bound**2, ratio(NEARER / REACH * bound, sqrt(squared)), 1)
+            for row in rows:
+                if problem.linear[row]:
+                    of_step[row] = share * residual[row]
+                    shift[row] = residual[row] - of_step[row]
+                else:
+                    weights[row] = sqrt(share)
+                    of_step[row] = weights[row] * residual[row]
+        return cls(vertcat(*weights), vertcat(*shift), vertcat(*of_step))
 
 
-def distant(problem: SymbolicProblem, rows: Sequence[int], size: float) -> float:
-    """The longest residual of these rows for a target within reach of a robot of this size; infinite for angles.
+def _largest(problem: SymbolicProblem, rows: Sequence[int], size: float) -> float:
+    """Norm of the rows in [m] above which the target is beyond the reach of a robot of this size; infinite if none is.
 
-    A point is at most as far as twice the size of the robot from a target within its reach, and pi [rad] turned from
-    it.
+    Without rows in [m] there is none, nor where the stiffness couples them with rows in [rad].
     """
-    lengths = sum(problem.linear[row] for row in rows)
-    if not lengths:
+    linear = [row for row in rows if problem.linear[row]]
+    angular = [row for row in rows if not problem.linear[row]]
+    if not linear or problem.factor[np.ix_(linear, angular)].any() or problem.factor[np.ix_(angular, linear)].any():
         return math.inf
-    squared = math.ceil(lengths / 3) * (2 * size) ** 2 + math.ceil((len(rows) - lengths) / 3) * math.pi**2
-    return _stretch(problem, rows) * math.sqrt(squared)
+    stretch = float(np.linalg.norm(problem.factor[:, linear], 2))
+    points = math.ceil(len(linear) / 3)
+    return stretch * math.sqrt(points) * REACH * size
 
 
 def robot_size(robot: Robot) -> float:
@@ -59,11 +86,6 @@ def robot_size(robot: Robot) -> float:
     strokes = {joint.name: float(stroke(robot, joint, robot.lower, robot.upper)) for joint in robot.joints}
 
     def distance(frame: str) -> float:
-        return sum(float(np.linalg.norm(j.origin[:3, 3])) + strokes[j.name] for j in robot.path(frame))
+        return sum(float(np.linalg.norm(joint.origin[:3, 3])) + strokes[joint.name] for joint in robot.path(frame))
 
     return max(map(distance, robot.frame_names))
-
-
-def _stretch(problem: SymbolicProblem, rows: Sequence[int]) -> float:
-    """The most by which the weighting lengthens an error of these rows."""
-    return float(np.linalg.norm(problem.factor[:, list(rows)], 2))

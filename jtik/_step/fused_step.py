@@ -149,7 +149,7 @@ def fused_step(
     accepted = logic_and(tried, update.accepted)
     done, V, errors = stop.done_before, model.here.V_to_target, stop.errors_before
     if evaluated:
-        accepted = logic_and(accepted, is_finite(update.candidate.V + update.candidate.H))
+        accepted = logic_and(accepted, is_finite(update.candidate.V_to_target + update.candidate.H))
         done = logic_or(done, logic_and(accepted, stop.done_after(update.candidate)))
         if timed:  # which is taken on the target, too, and may leave it
             done = logic_and(done, logic_or(logic_not(accepted), stop.reached_after(update.candidate)))
@@ -212,7 +212,9 @@ def _input_symbols(problem: SymbolicProblem) -> Inputs[Expression]:
 
 def _finite(model: LocalModel, q: Expression) -> Expression:
     """1 where task, criterion and derivatives are finite."""
-    finite = logic_and(is_finite(model.here.V + model.here.H), is_finite(model.gradient_norm + model.jacobian_norm))
+    finite = logic_and(
+        is_finite(model.here.V_to_target + model.here.H), is_finite(model.gradient_norm + model.jacobian_norm)
+    )
     # clamping to the limits hides a NaN in q
     return logic_and(finite, is_finite(q)) if model.bounded else finite
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 from jtik._step.active_set import ActiveSet, clamped
 from jtik._step.clearances import clearance_model
-from jtik._step.distant_target import left_out
+from jtik._step.distant_target import NearerTarget
 from jtik._step.inputs import Inputs, Settings
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.qp.recorder import QPRecorder
 from jtik.strategy import Evaluation, LocalModel
-from jtik.symbolic import TINY, Expression, fmax, if_else, norm, ratio, sqrt, substitute, sumsqr, symbol
+from jtik.symbolic import TINY, Expression, diag, fmax, if_else, norm, ratio, sqrt, substitute, sumsqr, symbol
 from jtik.symbolic.factorization import squared_length
 
 NEIGHBOURHOOD = 0.02
@@ -74,9 +74,12 @@ def linearized(
     parts = _parts(problem, clamped(start, *limits, problem.bounded), inputs.target, inputs.parameters)
     at = [symbol(f"at{i}", *part.shape) for i, part in enumerate(parts)] if qps else parts
     q, whole, J, H, gradient = at[:5]
-    away = None if timed else left_out(problem, whole, by_level=by_level)
-    residual = whole if away is None else whole - away
-    here = Evaluation(q, residual, H, unshifted=at[5] if problem.unshifted else None, whole=whole)
+    residual, unshifted = whole, at[5] if problem.unshifted else None
+    nearer = None if timed else NearerTarget.of(problem, whole, by_level=by_level)
+    if nearer:
+        residual, J = nearer.residual, diag(nearer.weights) @ J
+        unshifted = None if unshifted is None else nearer.weights * unshifted
+    here = Evaluation(q, residual, H, unshifted=unshifted, whole=whole)
     neighbourhood = near_target = 0
     if problem.has_criterion:
         known = state["neighbourhood"]
@@ -106,7 +109,8 @@ def linearized(
         qps=qps,
         coordinates=problem.coordinates,
         unshifted_function=problem.unshifted,
-        left_out=away,
+        weights=nearer.weights if nearer else None,
+        shift=nearer.shift if nearer else None,
         clearance=clearance_model(problem, q, at[-3:], inputs.parameters, limits, state)
         if problem.clearances
         else None,

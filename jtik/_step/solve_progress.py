@@ -11,7 +11,7 @@ import numpy as np
 from jtik._step.checked_update import CheckedUpdate
 from jtik._step.stopping import Code, Stop
 from jtik.strategy import FeasibilityRestoration, LocalModel
-from jtik.symbolic import Expression, fabs, fmin, if_else, logic_and, logic_not, logic_or
+from jtik.symbolic import Expression, fabs, if_else, logic_and, logic_not, logic_or
 from jtik.types import Array
 
 REFUSALS = 40
@@ -85,8 +85,7 @@ class Progress:
             "patience": state["patience"],
         }
         if evaluated:
-            significant = STAGNANT * fmin(model.here.V, stop.gradient_norm)
-            stagnates = logic_and(accepted, model.here.decrease(update.candidate) <= significant)
+            stagnates = logic_and(accepted, model.here.decrease(update.candidate) <= STAGNANT * model.here.V)
             if update.progress is not None:
                 stagnates = logic_and(accepted, update.progress <= STAGNANT)
             if model.has_criterion:  # near the target the error may rise while a step lowers H

@@ -76,7 +76,6 @@ class Stop:
         errors_before: norms of the position rows [m] and of the orientation rows [rad] before the step.
         reached_before: 1 if they are within the tolerances.
         done_before: 1 if the solve ends without a step.
-        gradient_norm: |J' r| over the joints that the task does not push outward at a limit.
         stationary: 1 if the task is stationary off the target.
     """
 
@@ -95,8 +94,8 @@ class Stop:
         self.errors_before = self.errors(model.here)
         self.reached_before = self._reached(self.errors_before)
         self.done_before = self.reached_before
-        self.gradient_norm = active.task_gradient_norm if active else model.task_gradient_norm
-        vanishes = self.gradient_norm <= STATIONARY * model.jacobian_norm * model.here.length
+        gradient_norm = active.task_gradient_norm if active else model.task_gradient_norm
+        vanishes = gradient_norm <= STATIONARY * model.jacobian_norm * model.here.length
         self.stationary = logic_and(vanishes, logic_not(self.reached_before))
         if problem.has_criterion:
             residual = stationarity_residual

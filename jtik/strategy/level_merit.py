@@ -75,7 +75,7 @@ class LevelMerit(Merit):
             accepted=accepted,
             ratio=gained,
             state={"weights": _filled(vertcat(*weights), state["weights"].shape[0]), "penalty": mu},
-            progress=_progress(model, weights, F, fall) if len(levels) > 1 else None,
+            progress=ratio(fall, F),
             predicted_decrease=model.predicted_decrease(image),
         )
 
@@ -83,14 +83,6 @@ class LevelMerit(Merit):
 def _shortened(r: Expression, change: Expression) -> Expression:
     """|r| - |r + change| without the rounding of two large numbers."""
     return ratio(-2 * dot(change, r + change / 2), norm(r) + norm(r + change))
-
-
-def _progress(model: LocalModel, weights: Sequence[Expression], F: Expression, fall: Expression) -> Expression:
-    """The decrease of F relative to F, or to what a motion of 1 rad can change it by where that is less."""
-    of_motion = sum(
-        w * sqrt(squared_length(model.J[list(rows), :])) for w, rows in zip(weights, model.levels, strict=True)
-    )
-    return ratio(fall, fmin(F, of_motion))
 
 
 def _weights(model: LocalModel, known: Expression, gains: Sequence[Expression]) -> list[Expression]:

@@ -66,7 +66,8 @@ class LocalModel:
         null_space_share: share of a null-space displacement to take in this step, (0, 1]; 1 in a step without a time.
         coordinates: of the displacements, from the joint weights.
         unshifted_function: (q, target) -> `Evaluation.unshifted`; None where it is the residual.
-        left_out: what the residual to the target has more than the residual of a step towards a distant target (m, 1).
+        weights: what a step towards a distant target multiplies the rows of the residual to the target by (m, 1).
+        shift: what it subtracts from them then (m, 1); None, as ``weights``, where no target can be distant.
     """
 
     robot: Robot
@@ -94,7 +95,8 @@ class LocalModel:
     null_space_share: Expression = 1
     coordinates: WeightedCoordinates = UNWEIGHTED
     unshifted_function: Function = None
-    left_out: Expression = None
+    weights: Expression = None
+    shift: Expression = None
 
     # -- quadratic programs ---------------------------------------------------------------------------------------
 
@@ -288,8 +290,8 @@ class LocalModel:
 
     def residual(self, q: Expression) -> Expression:
         """The residual at another configuration."""
-        whole = self.residual_function(q, self.target)
-        return whole if self.left_out is None else whole - self.left_out
+        to_target = self.residual_function(q, self.target)
+        return to_target if self.shift is None else self.weights * to_target - self.shift
 
     def within_limits(self, dq: Expression) -> Expression:
         """The displacement shortened joint by joint so that it ends inside the limits, (n, 1)."""
@@ -325,7 +327,9 @@ class LocalModel:
             q = vertcat(*entries)
         H = self.criterion_function(q, self.parameters) if self.has_criterion else 0
         unshifted = self.unshifted_function(q, self.target) if self.unshifted_function else None
-        whole = None if self.left_out is None else self.residual_function(q, self.target)
+        whole = None if self.shift is None else self.residual_function(q, self.target)
+        if whole is not None and unshifted is not None:
+            unshifted = self.weights * unshifted
         return Evaluation(q, self.residual(q), H, dq, unshifted, whole)
 
     def predicted_decrease(self, image: Expression) -> Expression:

@@ -33,6 +33,7 @@ def run(
     found = []
     for V, after, accepted in steps:
         here, candidate = (SimpleNamespace(V=casadi.SX(v), H=h) for v, h in zip((V, after), H or (0, 0), strict=True))
+        here.V_to_target, here.decrease = here.V, lambda there, V=V: V - there.V
         model = SimpleNamespace(here=here, clearance=clearance, has_criterion=H is not None, near_target=near)
         update = SimpleNamespace(candidate=candidate, progress=progress)
         columns = {name: casadi.SX(value) for name, value in state.items()}
