@@ -11,7 +11,7 @@ import numpy as np
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.robot import Robot
 from jtik.robot.stroke import stroke
-from jtik.symbolic import Expression, if_else, ratio, sqrt, sumsqr, vertcat
+from jtik.symbolic import Expression, diag, if_else, numbers, ratio, sqrt, sumsqr, vertcat
 
 REACH = 2.0
 """Distance above which a target is distant, relative to the size of the robot: no target within reach is."""
@@ -65,6 +65,10 @@ class NearerTarget:
                     weights[row] = sqrt(share)
                     of_step[row] = weights[row] * residual[row]
         return cls(vertcat(*weights), vertcat(*shift), vertcat(*of_step))
+
+    def weighted(self, rows: Expression) -> Expression:
+        """A matrix (m, k) with its rows multiplied by the weights."""
+        return rows if numbers(self.weights) is not None else diag(self.weights) @ rows
 
 
 def _largest(problem: SymbolicProblem, rows: Sequence[int], size: float) -> float:

@@ -12,7 +12,7 @@ from jtik._step.inputs import Inputs, Settings
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.qp.recorder import QPRecorder
 from jtik.strategy import Evaluation, LocalModel
-from jtik.symbolic import TINY, Expression, diag, fmax, if_else, norm, ratio, sqrt, substitute, sumsqr, symbol
+from jtik.symbolic import TINY, Expression, fmax, if_else, norm, ratio, sqrt, substitute, sumsqr, symbol
 from jtik.symbolic.factorization import squared_length
 
 NEIGHBOURHOOD = 0.02
@@ -77,8 +77,8 @@ def linearized(
     residual, unshifted = whole, at[5] if problem.unshifted else None
     nearer = None if timed else NearerTarget.of(problem, whole, by_level=by_level)
     if nearer:
-        residual, J = nearer.residual, diag(nearer.weights) @ J
-        unshifted = None if unshifted is None else nearer.weights * unshifted
+        residual, J = nearer.residual, nearer.weighted(J)
+        unshifted = None if unshifted is None else nearer.weighted(unshifted)
     here = Evaluation(q, residual, H, unshifted=unshifted, whole=whole)
     neighbourhood = near_target = 0
     if problem.has_criterion:
