@@ -15,6 +15,7 @@ from jtik._step.inputs import Inputs, Settings
 from jtik._step.stopping import Code
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.limits import AT_LIMIT
+from jtik.result.levels import Levels
 from jtik.result.relaxation import Relaxation
 from jtik.result.report import Report
 from jtik.result.status import Status
@@ -83,6 +84,19 @@ class Inspector:
             at_lower = tuple(self._v_index[own <= inputs.lower[self._q_index] + AT_LIMIT].tolist())
         settings = Settings(*inputs.settings.tolist())
         relaxes = bool(self._runners.relaxation.entries)
+        levels = None
+        if self._runners.respects_priority and len(self._problem.levels) > 1:
+            levels = Levels(
+                rows=self._problem.levels,
+                tasks=self._problem.tasks.row_indices,
+                error=error[:, 0],
+                linear=self._linear,
+                residual=residual[:, 0],
+                weighted=weighted,
+                limits=(at_upper, at_lower),
+                tolerances=(settings.position_tolerance, settings.orientation_tolerance),
+                rank_threshold=RANK_THRESHOLD,
+            )
         return Report(
             error=error[:, 0],
             jacobian=jacobian,
@@ -100,6 +114,7 @@ class Inspector:
             curvature=partial(self._curvature, q, inputs) if self._criteria else None,
             relaxations=partial(self._relaxations, q, inputs) if relaxes else None,
             close_pairs=partial(self._close_pairs, q, inputs) if self._problem.clearances else None,
+            levels=levels,
         )
 
     def errors(self, q: Array, inputs: Inputs[Array]) -> tuple[float, float]:
@@ -125,17 +140,21 @@ class Inspector:
             # the report does not consider clearances, which may prevent the criterion from falling; the step does
             stationary = code is Code.DONE if self._problem.clearances else found.stationary
             return Status.CONVERGED if not self._criteria or stationary else Status.REACHED
-        if code is Code.CONTINUE:
-            return Status.ITERATION_LIMIT
+        at_limit = code is Code.CONTINUE
         if found.active_clearances:
-            return Status.BLOCKED
-        inputs = self._runners.memory.views(numbers)
+            return Status.ITERATION_LIMIT if at_limit else Status.BLOCKED
+        if found.prioritized:
+            return Status.PRIORITIES
         of_all, of_free = found.relative_gradient
+        if of_free > FLAT:
+            return Status.ITERATION_LIMIT if at_limit else Status.STALLED
         if of_all > FLAT:
-            return Status.LIMITS if of_free <= FLAT else Status.STALLED
-        lowest = self._lowest_curvature(q, inputs)[0]
+            return Status.LIMITS
+        lowest = self._lowest_curvature(q, self._runners.memory.views(numbers))[0]
         # close to a minimum, an eigenvalue that is zero at the minimum can be as negative as the relative gradient
-        return Status.LOCAL_MINIMUM if lowest > -max(NEGATIVE, of_all) else Status.SINGULAR
+        if lowest > -max(NEGATIVE, of_all):
+            return Status.LOCAL_MINIMUM
+        return Status.ITERATION_LIMIT if at_limit else Status.SINGULAR
 
     def _curvature(self, q: Array, inputs: Inputs[Array], multipliers: Array) -> Array:
         """The Hessian of the Lagrangian, (n, n)."""

@@ -10,6 +10,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik.result.levels import Levels
+from jtik.result.reduced_gradient import reduced_gradient
 from jtik.result.relaxation import Relaxation
 from jtik.types import Array
 
@@ -18,6 +20,9 @@ SecondOrder = Literal["minimum", "saddle", "flat"]
 
 FLAT = 1e-6
 """An eigenvalue of the reduced Hessian below this fraction of the Hessian's norm counts as zero: q is no more exact."""
+
+STATIONARY = 1e-5
+"""Relative gradient of the error of a level of priority up to which it cannot fall to first order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +46,7 @@ class Report:
         curvature: multipliers lambda (m,) to the Hessian of H + lambda' r, (n, n); None without a criterion.
         relaxations: what computes `relaxed`; None for a strategy that relaxes nothing.
         close_pairs: what computes `active_clearances`; None without clearances.
+        levels: the levels of priority, of a strategy that respects them; None for one level.
     """
 
     error: Array
@@ -59,6 +65,7 @@ class Report:
     curvature: Callable[[Array], Array] | None = None
     relaxations: Callable[[], tuple[Relaxation, ...]] | None = None
     close_pairs: Callable[[], tuple[str, ...]] | None = None
+    levels: Levels | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         # the results are pickled, the functions that compute them are not
@@ -84,8 +91,18 @@ class Report:
 
     @cached_property
     def relaxed(self) -> tuple[Relaxation, ...]:
-        """What the strategy's first step from here relaxes."""
-        return self.relaxations() if self.relaxations and self.finite else ()
+        """What the strategy's first step from here relaxes, and what remains of tasks of a lower priority."""
+        if not self.finite:
+            return ()
+        of_step = self.relaxations() if self.relaxations else ()
+        return of_step + (self.levels.relaxed() if self.levels and self.prioritized else ())
+
+    @property
+    def prioritized(self) -> bool:
+        """Whether higher levels of priority are reached and the others as near as those and the limits allow."""
+        if self.levels is None or not 0 < self.levels.reached < len(self.levels.rows):
+            return False
+        return self.relative_gradient[1] <= STATIONARY
 
     @cached_property
     def active_clearances(self) -> tuple[str, ...]:
@@ -144,23 +161,17 @@ class Report:
 
         A joint at its limit that the gradient pushes outward keeps its limit active.
         """
-        J, gradient = self.weighted, self.gradient
-        free = np.ones(J.shape[1], dtype=bool)
-        free[[*self.at_upper, *self.at_lower]] = False
-        reduced, multipliers = gradient, np.zeros(len(J))
-        for _ in range(len(self.at_upper) + len(self.at_lower) + 1):
-            multipliers = -np.linalg.pinv(J[:, free].T, rcond=self.rank_threshold) @ gradient[free]
-            reduced = gradient + J.T @ multipliers
-            inward = [j for j in self.at_upper if not free[j] and reduced[j] > 0]
-            inward += [j for j in self.at_lower if not free[j] and reduced[j] < 0]
-            if not inward:
-                break
-            free[max(inward, key=lambda j: abs(reduced[j]))] = True
-        return free, reduced, multipliers
+        limits = self.at_upper, self.at_lower
+        return reduced_gradient(self.weighted, self.gradient, *limits, self.rank_threshold)
 
     @property
     def relative_gradient(self) -> tuple[float, float]:
-        """|J' r| / (|J| |r|) over all joints, and over those that no limit keeps from following -J' r."""
+        """|J' r| / (|J| |r|) over all joints, and over those that no limit keeps from following -J' r.
+
+        With levels of priority, that of the levels which are not reached, beside those above them.
+        """
+        if self.levels:
+            return self.levels.relative_gradient()
         gradient = self.weighted.T @ self.residual
         free = np.ones(len(gradient), dtype=bool)
         free[[j for j in self.at_upper if gradient[j] < 0] + [j for j in self.at_lower if gradient[j] > 0]] = False

@@ -12,6 +12,9 @@ class Status(Enum):
         CONVERGED: the target is reached, and the criterion, if any, is stationary.
         REACHED: the target is reached, and the criterion is not stationary.
         LOCAL_MINIMUM: the target is not reached, and the error has a local minimum at q.
+        PRIORITIES: the highest levels of priority are reached, the others as near as those and the limits allow. It is
+            what the priorities ask for, to first order and near q0, of a strategy that respects them. ``converged`` is
+            False, as wherever a task is not within its tolerance; `Solution.relaxed` has the errors that remain.
         LIMITS: the error is stationary only because of active joint limits.
         BLOCKED: the target is not reached, and a clearance is as small as it may become.
         SINGULAR: the error is stationary and not minimal, at a singularity of the Jacobian.
@@ -24,6 +27,9 @@ class Status(Enum):
     CONVERGED = "converged: on target, and the criterion cannot fall further without leaving it"
     REACHED = "reached the target; the criterion could still fall"
     LOCAL_MINIMUM = "out of reach, or a local minimum of the error: this is the closest posture nearby"
+    PRIORITIES = (
+        "as near as the priorities allow: the higher ones are reached, and the lower ones are nearest beside them"
+    )
     LIMITS = "stopped at joint limits: the error could fall if the joints at their limits could move further"
     BLOCKED = "stopped at clearances: the error could fall if bodies could come closer to the obstacles"
     SINGULAR = "stopped at a singularity: no direction in which the robot can move reduces the error"
