@@ -15,6 +15,7 @@ from jtik._step.inputs import Inputs, Settings
 from jtik._step.stopping import Code
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.limits import AT_LIMIT
+from jtik.result.length import length
 from jtik.result.levels import Levels
 from jtik.result.relaxation import Relaxation
 from jtik.result.report import Report
@@ -120,7 +121,7 @@ class Inspector:
     def errors(self, q: Array, inputs: Inputs[Array]) -> tuple[float, float]:
         """Norms of the position rows [m] and of the orientation rows [rad] at q."""
         error = self.error(q, inputs)
-        return float(np.linalg.norm(error[self._linear])), float(np.linalg.norm(error[~self._linear]))
+        return length(error[self._linear]), length(error[~self._linear])
 
     def error(self, q: Array, inputs: Inputs[Array]) -> Array:
         """The task error at q, (m,)."""

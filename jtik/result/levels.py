@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik.result.length import length
 from jtik.result.reduced_gradient import reduced_gradient
 from jtik.result.relaxation import Relaxation
 from jtik.types import Array
@@ -59,12 +60,12 @@ class Levels:
             if self._within(self.rows[k]):
                 continue
             above, own = [row for rows in self.rows[:k] for row in rows], list(self.rows[k])
-            J, gradient = self.weighted[above], self.weighted[own].T @ self.residual[own]
-            scale = float(np.linalg.norm(self.weighted[own]) * np.linalg.norm(self.residual[own])) or 1.0
+            distance, scale = length(self.residual[own]) or 1.0, length(self.weighted[own]) or 1.0
+            J, gradient = self.weighted[above], self.weighted[own].T @ (self.residual[own] / distance)
             for limits, kept in ((((), ()), False), (self.limits, True)):
                 free, reduced, _ = reduced_gradient(J, gradient, *limits, self.rank_threshold)
-                length = float(np.linalg.norm(reduced[free])) / scale
-                of_all, of_free = (of_all, max(of_free, length)) if kept else (max(of_all, length), of_free)
+                rate = length(reduced[free]) / scale
+                of_all, of_free = (of_all, max(of_free, rate)) if kept else (max(of_all, rate), of_free)
         return of_all, of_free
 
     def relaxed(self) -> tuple[Relaxation, ...]:
@@ -80,7 +81,7 @@ class Levels:
     def _errors(self, rows: Rows) -> tuple[float, float]:
         """Norms of those of the rows that are lengths [m] and angles [rad]."""
         error, linear = self.error[list(rows)], self.linear[list(rows)]
-        return float(np.linalg.norm(error[linear])), float(np.linalg.norm(error[~linear]))
+        return length(error[linear]), length(error[~linear])
 
     def _within(self, rows: Rows) -> bool:
         """Whether the errors of the rows are within the tolerances."""

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik.result.length import length
 from jtik.result.levels import Levels
 from jtik.result.reduced_gradient import reduced_gradient
 from jtik.result.relaxation import Relaxation
@@ -82,12 +83,12 @@ class Report:
     @cached_property
     def position_error(self) -> float:
         """Norm of the position rows [m]."""
-        return float(np.linalg.norm(self.error[self.linear]))
+        return length(self.error[self.linear])
 
     @cached_property
     def orientation_error(self) -> float:
         """Norm of the orientation rows [rad]."""
-        return float(np.linalg.norm(self.error[~self.linear]))
+        return length(self.error[~self.linear])
 
     @cached_property
     def relaxed(self) -> tuple[Relaxation, ...]:
@@ -126,12 +127,12 @@ class Report:
         if not self.finite:
             return float("nan")
         free, reduced, _ = self._lagrangian()
-        return float(np.linalg.norm(reduced[free]))
+        return length(reduced[free])
 
     @property
     def stationary(self) -> bool:
         """Whether the null-space residual is within the optimality tolerance, relative to max(1, |dH/dv|)."""
-        return self.null_space_residual <= self.tolerances[2] * max(1.0, float(np.linalg.norm(self.gradient)))
+        return self.null_space_residual <= self.tolerances[2] * max(1.0, length(self.gradient))
 
     @cached_property
     def second_order(self) -> SecondOrder | None:
@@ -172,8 +173,9 @@ class Report:
         """
         if self.levels:
             return self.levels.relative_gradient()
-        gradient = self.weighted.T @ self.residual
+        distance = length(self.residual) or 1.0
+        gradient = self.weighted.T @ (self.residual / distance)
         free = np.ones(len(gradient), dtype=bool)
         free[[j for j in self.at_upper if gradient[j] < 0] + [j for j in self.at_lower if gradient[j] > 0]] = False
-        scale = float(np.linalg.norm(self.weighted) * np.linalg.norm(self.residual)) or 1.0
-        return float(np.linalg.norm(gradient)) / scale, float(np.linalg.norm(gradient[free])) / scale
+        scale = length(self.weighted) or 1.0
+        return length(gradient) / scale, length(gradient[free]) / scale
