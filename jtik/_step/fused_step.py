@@ -136,10 +136,12 @@ def fused_step(
     update = checked_update(strategy, model, own)
     check_symbols(strategy, update, [q, *inputs, memory, *at.at, *(qps.symbols() if qps else ())], qps)
     restoration = model.restoration if model.clearance and model.clearance.restores else None
-    stop = Stop(problem, model, settings, active, update.stationarity_residual, restoration)
+    stop = Stop(problem, model, settings, active, update.stationarity_residual, restoration, at.has_slope)
     progress = Progress.of(model, state, stop)
 
     finite = _finite(model, q)
+    if problem.has_criterion:  # on the target only the criterion is left
+        finite = logic_and(finite, logic_or(at.has_slope, logic_not(stop.reached_before)))
     stops = logic_or(stop.stationary, progress.slow)
     if not timed:  # a timed step follows its target within the tolerances, too
         stops = logic_or(stops, stop.done_before)
@@ -211,7 +213,7 @@ def _input_symbols(problem: SymbolicProblem) -> Inputs[Expression]:
 
 
 def _finite(model: LocalModel, q: Expression) -> Expression:
-    """1 where task, criterion and derivatives are finite."""
+    """1 where task and criterion are finite, and the derivative of the task is."""
     finite = logic_and(
         is_finite(model.here.V_to_target + model.here.H), is_finite(model.gradient_norm + model.jacobian_norm)
     )

@@ -12,7 +12,7 @@ from jtik._step.inputs import Inputs, Settings
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.qp.recorder import QPRecorder
 from jtik.strategy import Evaluation, LocalModel
-from jtik.symbolic import TINY, Expression, fmax, if_else, norm, ratio, sqrt, substitute, sumsqr, symbol
+from jtik.symbolic import TINY, Expression, fmax, if_else, is_finite, norm, ratio, sqrt, substitute, sumsqr, symbol
 from jtik.symbolic.factorization import squared_length
 
 NEIGHBOURHOOD = 0.02
@@ -39,12 +39,15 @@ class Linearized:
         at: the same as the strategy gets them: symbols where several stages of a step share them.
         model: the local model, written in ``at``.
         active_set: the active set; None without limits.
+        has_slope: 1 where the gradient of the criterion is finite. Where it is not, the model has a gradient of zero,
+            and the task goes on without the criterion.
     """
 
     parts: list[Expression]
     at: list[Expression]
     model: LocalModel
     active_set: ActiveSet | None
+    has_slope: Expression = 1
 
 
 def linearized(
@@ -81,7 +84,10 @@ def linearized(
         unshifted = None if unshifted is None else nearer.weighted(unshifted)
     here = Evaluation(q, residual, H, unshifted=unshifted, whole=whole)
     neighbourhood = near_target = 0
+    has_slope: Expression = 1
     if problem.has_criterion:
+        has_slope = is_finite(gradient)
+        gradient = if_else(has_slope, gradient, 0)
         known = state["neighbourhood"]
         neighbourhood = if_else(known > 0, known, NEIGHBOURHOOD * sqrt(squared_length(J) + TINY))
         near_target = norm(whole) <= neighbourhood
@@ -119,7 +125,7 @@ def linearized(
         curvature=_curvature(J, state["remaining"], residual) if timed else 0,
         null_space_share=_null_space_share(settings, state, neighbourhood),
     )
-    return Linearized(parts, at, model, active)
+    return Linearized(parts, at, model, active, has_slope)
 
 
 def _null_space_share(settings: Settings, state: Mapping[str, Expression], neighbourhood: Expression) -> Expression:

@@ -71,6 +71,7 @@ class Stop:
         active: the active set; None without limits.
         stationarity_residual: the strategy's stationarity residual of H; None for that of the model.
         restoration: the feasibility restoration; None if nothing is restored.
+        has_slope: 1 where the gradient of the criterion is finite; where it is not, the criterion is not stationary.
 
     Attributes:
         errors_before: norms of the position rows [m] and of the orientation rows [rad] before the step.
@@ -87,6 +88,7 @@ class Stop:
         active: ActiveSet | None,
         stationarity_residual: Expression | None,
         restoration: FeasibilityRestoration | None = None,
+        has_slope: Expression = 1,
     ) -> None:
         self._restoration = restoration
         self._problem, self._settings = problem, settings
@@ -103,7 +105,7 @@ class Stop:
                 residual = model.stationarity_residual
                 residual = fmax(residual, active.largest_wrong_multiplier(model)) if active else residual
             size = model.joint_gradient_norm(model.gradient_free, model.gradient_norm)
-            small = residual <= settings.optimality_tolerance * fmax(1, size)
+            small = logic_and(has_slope, residual <= settings.optimality_tolerance * fmax(1, size))
             self.done_before = logic_and(self.reached_before, logic_or(small, settings.until_stationary == 0))
         if restoration:
             restored = logic_or(logic_not(restoration.pending), settings.until_stationary == 0)

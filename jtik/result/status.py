@@ -21,7 +21,8 @@ class Status(Enum):
         STALLED: the error is not stationary, and no step of the strategy was accepted.
         ITERATION_LIMIT: the solve used all its iterations before it reached the target.
         UNSOLVED: a quadratic program of the step has no valid solution.
-        NOT_FINITE: an error or a criterion is infinite or NaN.
+        NOT_FINITE: an error, a criterion or a derivative is infinite or NaN. Where only the slope of the criterion is,
+            the solve goes on for the task, and ends so if the slope is still infinite on the target.
     """
 
     CONVERGED = "converged: on target, and the criterion cannot fall further without leaving it"
@@ -36,7 +37,7 @@ class Status(Enum):
     STALLED = "stalled: no step that the strategy tried reduced the error"
     ITERATION_LIMIT = "reached the iteration limit before the target"
     UNSOLVED = "a quadratic program of the step has no solution: contradictory rows, not convex, or its solver failed"
-    NOT_FINITE = "error or criterion is not a finite number here; q is the last configuration where they were"
+    NOT_FINITE = "error, criterion or a derivative of them is not a finite number here, and the solve cannot go on"
 
     @property
     def on_target(self) -> bool:
