@@ -11,7 +11,7 @@ import numpy as np
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.robot import Robot
 from jtik.robot.stroke import stroke
-from jtik.symbolic import Expression, diag, if_else, numbers, ratio, sqrt, sumsqr, vertcat
+from jtik.symbolic import Expression, diag, if_else, is_symbolic, ratio, sqrt, sumsqr, vertcat
 
 REACH = 2.0
 """Distance above which a target is distant, relative to the size of the robot: no target within reach is."""
@@ -30,11 +30,13 @@ class NearerTarget:
         weights: what a row of the residual is multiplied by (m, 1).
         shift: what is then subtracted from it (m, 1).
         residual: the residual of the step (m, 1).
+        weights_differ: whether any weight can differ from 1.
     """
 
     weights: Expression
     shift: Expression
     residual: Expression
+    weights_differ: bool
 
     @classmethod
     def of(cls, problem: SymbolicProblem, residual: Expression, *, by_level: bool) -> NearerTarget | None:
@@ -64,11 +66,11 @@ class NearerTarget:
                 else:
                     weights[row] = sqrt(share)
                     of_step[row] = weights[row] * residual[row]
-        return cls(vertcat(*weights), vertcat(*shift), vertcat(*of_step))
+        return cls(vertcat(*weights), vertcat(*shift), vertcat(*of_step), any(map(is_symbolic, weights)))
 
     def weighted(self, rows: Expression) -> Expression:
         """A matrix (m, k) with its rows multiplied by the weights."""
-        return rows if numbers(self.weights) is not None else diag(self.weights) @ rows
+        return diag(self.weights) @ rows if self.weights_differ else rows
 
 
 def _largest(problem: SymbolicProblem, rows: Sequence[int], size: float) -> float:

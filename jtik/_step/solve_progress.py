@@ -20,6 +20,9 @@ REFUSALS = 40
 STAGNANT = 1e-10
 """Relative decrease of V, and near the target also of H, below which a step brings no progress."""
 
+STEEP = 1e-3
+"""Share of `STAGNANT` where the task is not stationary: a slow descent goes on until it is."""
+
 STAGNATIONS = 20
 """Steps in a row without progress after which the solve has stalled."""
 
@@ -85,7 +88,8 @@ class Progress:
             "patience": state["patience"],
         }
         if evaluated:
-            stagnates = logic_and(accepted, model.here.decrease(update.candidate) <= STAGNANT * model.here.V)
+            least = STAGNANT * if_else(stop.flat, 1, STEEP) * model.here.V
+            stagnates = logic_and(accepted, model.here.decrease(update.candidate) <= least)
             if update.progress is not None:
                 stagnates = logic_and(accepted, update.progress <= STAGNANT)
             if model.has_criterion:  # near the target the error may rise while a step lowers H

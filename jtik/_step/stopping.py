@@ -16,6 +16,9 @@ from jtik.symbolic import Expression, fmax, logic_and, logic_not, logic_or, norm
 STATIONARY = 1e-9
 """The task is stationary where |J' r| is below this fraction of |J| |r|."""
 
+FLAT = 1e-5
+"""The same fraction up to which a status calls the task stationary."""
+
 
 class Code(IntEnum):
     """What the loop does after a call of the fused function.
@@ -78,6 +81,7 @@ class Stop:
         reached_before: 1 if they are within the tolerances.
         done_before: 1 if the solve ends without a step.
         stationary: 1 if the task is stationary off the target.
+        flat: 1 if it is as far as a status can tell: a solve may end there without progress.
     """
 
     def __init__(
@@ -97,7 +101,8 @@ class Stop:
         self.reached_before = self._reached(self.errors_before)
         self.done_before = self.reached_before
         gradient_norm = active.task_gradient_norm if active else model.task_gradient_norm
-        vanishes = gradient_norm <= STATIONARY * model.jacobian_norm * model.here.length
+        scale = model.jacobian_norm * model.here.length
+        vanishes, self.flat = gradient_norm <= STATIONARY * scale, gradient_norm <= FLAT * scale
         self.stationary = logic_and(vanishes, logic_not(self.reached_before))
         if problem.has_criterion:
             residual = stationarity_residual

@@ -19,6 +19,9 @@ from jtik.types import Array
 
 __all__ = ["Solution", "Status", "Step", "Trace"]
 
+TRY = "restarts=, or another q0: another start may lead to the target"
+"""What a Solution says where the status depends on the start and no other one was tried."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution:
@@ -181,6 +184,8 @@ class Solution:
         if self.criteria:
             terms = ", ".join(f"{name} {value:.4g}" for name, value in self.criteria.items())
             lines.append(f"  H           {self.cost:.6g} ({terms}); null-space residual {self.null_space_residual:.2g}")
+        if self.status.depends_on_start and not self.restarts:
+            lines.append(f"  try         {TRY}")
         if self.active_limits:
             lines.append(f"  at limit    {', '.join(self.active_limits)}")
         if self.active_clearances:

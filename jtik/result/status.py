@@ -44,6 +44,11 @@ class Status(Enum):
         """Whether the errors are within their tolerances."""
         return self in (Status.CONVERGED, Status.REACHED)
 
+    @property
+    def depends_on_start(self) -> bool:
+        """Whether restarts or another q0 may lead to the target although this solve has ended off it."""
+        return self in (Status.LOCAL_MINIMUM, Status.LIMITS, Status.SINGULAR, Status.STALLED)
+
 
 def is_success(status: Status, until: str) -> bool:
     """Whether a solve with this ``until`` is a success: a stationary criterion is needed only with "stationary"."""

@@ -75,7 +75,7 @@ class LevelMerit(Merit):
             accepted=accepted,
             ratio=gained,
             state={"weights": _filled(vertcat(*weights), state["weights"].shape[0]), "penalty": mu},
-            progress=ratio(fall, F),
+            progress=ratio(fall, F) if len(levels) > 1 else None,
             predicted_decrease=model.predicted_decrease(image),
         )
 

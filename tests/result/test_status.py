@@ -10,7 +10,7 @@ from jtik.result.status import is_success
 
 def test_each_sentence_is_different():
     sentences = [status.value for status in Status]
-    assert len(set(sentences)) == len(sentences) == 10
+    assert len(set(sentences)) == len(sentences) == 11
     assert all(len(sentence.split()) > 3 for sentence in sentences)
 
 
@@ -19,6 +19,7 @@ def test_names():
         "CONVERGED",
         "REACHED",
         "LOCAL_MINIMUM",
+        "PRIORITIES",
         "LIMITS",
         "SINGULAR",
         "STALLED",
@@ -33,3 +34,8 @@ def test_names():
 def test_only_arrival_is_success(status):
     assert is_success(status, "stationary") == (status is Status.CONVERGED)
     assert is_success(status, "reached") == (status in (Status.CONVERGED, Status.REACHED)) == status.on_target
+
+
+def test_which_depend_on_the_start():
+    depending = {status.name for status in Status if status.depends_on_start}
+    assert depending == {"LOCAL_MINIMUM", "LIMITS", "SINGULAR", "STALLED"}
