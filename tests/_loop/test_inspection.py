@@ -87,7 +87,8 @@ class TestStatuses:
 
         ik, q0 = solver(planar(4), criteria=size, strategy=strategy), [0.0] * 4
         solution = ik.solve([2.0, 1.5], q0=q0)
-        assert solution.status is jtik.Status.CONVERGED
+        assert solution.position_error < 1e-4
+        assert solution.status is jtik.Status.CONVERGED or strategy == "weighted_qp"  # a soft compromise
         assert ik.step(q0, [2.0, 1.5]).accepted
         there = ik.solve([4.0, 0.0], q0=q0)  # the criterion is all that is left
         assert there.status is jtik.Status.NOT_FINITE

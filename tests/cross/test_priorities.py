@@ -53,8 +53,9 @@ def test_the_position_is_exact_and_the_orientation_as_near_as_possible(strategy,
     found = 0
     for target, q0 in problems(robot, rng):
         solution = ik.solve(target, q0=np.clip(q0, -limit, limit))
-        if strategy == "task_priority" and limit < np.inf and solution.status is not Status.PRIORITIES:
-            continue  # its limits do not regard the levels
+        if strategy != "lexicographic_qp" and limit < np.inf and solution.status is Status.STALLED:
+            assert solution.orientation_error > optimum(robot, solution.q, target) + 1e-3
+            continue  # a limit stops them before the optimum
         assert solution.status is Status.PRIORITIES
         assert not solution.converged
         assert solution.position_error < 1e-6
@@ -79,18 +80,22 @@ def test_where_both_are_reached_it_is_converged(strategy):
 
 @pytest.mark.parametrize("strategy", large_ones_slow(["lexicographic_qp", "sns", "sns_qp"]))
 @pytest.mark.parametrize("factor", [3.0, 1e6])
-def test_a_position_out_of_reach_is_a_local_minimum(strategy, factor, rng):
-    """The highest level ends at its closest point, as it would alone."""
+def test_a_position_out_of_reach_ends_at_its_closest_point(strategy, factor, rng):
+    """The lower level has a freedom beside it to first order only, and the end is slow."""
     robot = dh_arm(5, 3)
     ik = jtik.InverseKinematics(robot, TASKS, strategy=strategy)
     alone = jtik.InverseKinematics(robot, TASKS[0], strategy=strategy)
     target, q0 = next(problems(robot, rng))
     target["hand"] = factor * np.array([1.0, 0.5, 0.5])
     solution = ik.solve(target, q0=q0)
-    assert solution.status is Status.LOCAL_MINIMUM
+    assert solution.status in (Status.LOCAL_MINIMUM, Status.ITERATION_LIMIT)
     assert solution.relaxed == ()
     least = alone.solve(target["hand"], q0=solution.q)
-    assert least.position_error == pytest.approx(solution.position_error, rel=1e-12, abs=1e-6)
+    assert least.status is Status.LOCAL_MINIMUM
+    closest = robot.position(least.q)
+    assert np.linalg.norm(robot.position(solution.q) - closest) < 1e-2
+    if factor < 10:
+        assert least.position_error == pytest.approx(solution.position_error, abs=1e-4)
 
 
 def test_stopped_on_the_way_it_is_not_claimed(rng):

@@ -105,7 +105,7 @@ class TestOfTheFullRobot:
     def test_a_solve_without_a_step_returns_unit_quaternions(self, mixed):
         q, where = mixed.random_configuration(3), mixed.q_slice("shoulder")
         q[where] *= 3
-        ik = jtik.InverseKinematics(mixed, jtik.FrameTask(kind="pose"), joints="all", limits=False)
+        ik = jtik.InverseKinematics(mixed, jtik.FrameTask("tool", "pose"), joints="all", limits=False)
         solution = ik.solve(mixed.pose(q), q0=q)
         assert solution.iterations == 0
         assert np.linalg.norm(solution.q[where]) == pytest.approx(1, abs=1e-15)
