@@ -12,7 +12,7 @@ from jtik._step.inputs import Inputs, Settings
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.qp.recorder import QPRecorder
 from jtik.strategy import Evaluation, LocalModel
-from jtik.symbolic import TINY, Expression, fmax, if_else, is_finite, norm, ratio, sqrt, substitute, sumsqr, symbol
+from jtik.symbolic import TINY, Expression, fmax, if_else, is_finite, ratio, sqrt, substitute, sumsqr, symbol
 from jtik.symbolic.factorization import squared_length
 
 NEIGHBOURHOOD = 0.02
@@ -90,7 +90,7 @@ def linearized(
         gradient = if_else(has_slope, gradient, 0)
         known = state["neighbourhood"]
         neighbourhood = if_else(known > 0, known, NEIGHBOURHOOD * sqrt(squared_length(J) + TINY))
-        near_target = norm(whole) <= neighbourhood
+        near_target = here.length <= neighbourhood
     active = None
     if problem.bounded:
         active = ActiveSet(problem, state, here, near_target, J, gradient, limits, uses_qp=uses_qp)

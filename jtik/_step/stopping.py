@@ -101,7 +101,7 @@ class Stop:
         self.reached_before = self._reached(self.errors_before)
         self.done_before = self.reached_before
         gradient_norm = active.task_gradient_norm if active else model.task_gradient_norm
-        scale = model.jacobian_norm * model.here.length
+        scale = model.jacobian_norm * norm(model.here.residual)
         vanishes, self.flat = gradient_norm <= STATIONARY * scale, gradient_norm <= FLAT * scale
         self.stationary = logic_and(vanishes, logic_not(self.reached_before))
         if problem.has_criterion:

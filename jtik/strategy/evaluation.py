@@ -36,8 +36,8 @@ class Evaluation:
 
     @cached_property
     def length(self) -> Expression:
-        """|r| = sqrt(2 V)."""
-        return norm(self.residual)
+        """The norm of the residual to the target itself, sqrt(2 V) where it is not distant."""
+        return norm(self.to_target)
 
     @cached_property
     def to_target(self) -> Expression:
