@@ -47,7 +47,7 @@ class NearerTarget:
             residual: the residual to the target.
             by_level: whether each level of priority is considered by itself, rather than all rows together.
         """
-        size = robot_size(problem.robot)
+        size = robot_size(problem.robot, problem.bounded)
         groups = problem.levels if by_level else (tuple(range(problem.m)),)
         bounds = [_largest(problem, rows, size) for rows in groups]
         if not any(map(math.isfinite, bounds)):
@@ -87,9 +87,17 @@ def _largest(problem: SymbolicProblem, rows: Sequence[int], size: float) -> floa
     return stretch * math.sqrt(points) * REACH * size
 
 
-def robot_size(robot: Robot) -> float:
-    """An upper bound of the distance of a frame from the base [m]; infinite with an unlimited translation."""
-    strokes = {joint.name: float(stroke(robot, joint, robot.lower, robot.upper)) for joint in robot.joints}
+def robot_size(robot: Robot, bounded: Sequence[tuple[int, int]]) -> float:
+    """An upper bound of the distance of a frame from the base [m]; infinite with an unlimited translation.
+
+    Args:
+        robot: the robot.
+        bounded: (q index, v index) of the joints whose limits hold.
+    """
+    held = [i for i, _ in bounded]
+    lower, upper = np.full(robot.nq, -math.inf), np.full(robot.nq, math.inf)
+    lower[held], upper[held] = robot.lower[held], robot.upper[held]
+    strokes = {joint.name: float(stroke(robot, joint, lower, upper)) for joint in robot.joints}
 
     def distance(frame: str) -> float:
         return sum(float(np.linalg.norm(joint.origin[:3, 3])) + strokes[joint.name] for joint in robot.path(frame))
