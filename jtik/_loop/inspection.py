@@ -17,6 +17,8 @@ from jtik._step.inputs import Inputs, Settings
 from jtik._step.stopping import Code
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.limits import AT_LIMIT
+from jtik.result.length import length
+from jtik.result.levels import Levels
 from jtik.result.relaxation import Relaxation
 from jtik.result.report import Report
 from jtik.result.status import Status
@@ -121,6 +123,19 @@ class Inspector:
             at_lower = tuple(self._v_index[own <= inputs.lower[self._q_index] + AT_LIMIT].tolist())
         settings = Settings(*inputs.settings.tolist())
         relaxes = bool(self._runners.relaxation.entries)
+        levels = None
+        if self._runners.respects_priority and len(self._problem.levels) > 1:
+            levels = Levels(
+                rows=self._problem.levels,
+                tasks=self._problem.tasks.row_indices,
+                error=error[:, 0],
+                linear=self._linear,
+                residual=residual[:, 0],
+                weighted=weighted,
+                limits=(at_upper, at_lower),
+                tolerances=(settings.position_tolerance, settings.orientation_tolerance),
+                rank_threshold=RANK_THRESHOLD,
+            )
         return Report(
             error=error[:, 0],
             jacobian=jacobian,
@@ -138,12 +153,13 @@ class Inspector:
             curvature=partial(self._curvature, q, inputs) if self._criteria else None,
             relaxations=partial(self._relaxations, q, inputs) if relaxes else None,
             close_pairs=partial(self._close_pairs, q, inputs) if self._problem.clearances else None,
+            levels=levels,
         )
 
     def errors(self, q: Array, inputs: Inputs[Array]) -> tuple[float, float]:
         """Norms of the position rows [m] and of the orientation rows [rad] at q."""
         error = self.error(q, inputs)
-        return float(np.linalg.norm(error[self._linear])), float(np.linalg.norm(error[~self._linear]))
+        return length(error[self._linear]), length(error[~self._linear])
 
     def error(self, q: Array, inputs: Inputs[Array]) -> Array:
         """The task error at q, (m,)."""
@@ -169,24 +185,28 @@ class Inspector:
                 return Status.REACHED
             saddle = self._criteria and self.saddle(q, self._runners.memory.views(numbers), report)
             return Status.SADDLE if saddle else Status.CONVERGED
-        if code is Code.CONTINUE:
-            return Status.ITERATION_LIMIT
-        inputs = self._runners.memory.views(numbers)
+        at_limit, inputs = code is Code.CONTINUE, self._runners.memory.views(numbers)
         of_all, of_free = found.relative_gradient
         if code is Code.COMPROMISE and self._task_alone_reaches(found, q, inputs):
             return Status.COMPROMISE
         if found.active_clearances:
-            return Status.BLOCKED
+            return Status.ITERATION_LIMIT if at_limit else Status.BLOCKED
+        if found.prioritized:
+            return Status.PRIORITIES
         if code is Code.COMPROMISE and of_free > FALLS:
             return Status.COMPROMISE
         if code is Code.COMPROMISE:  # of task and criterion, but that is not what keeps the task from its target
             if self._task_alone.reaches(found, q, inputs.target) is not None:
                 return Status.LIMITS
+        elif of_free > FLAT:
+            return Status.ITERATION_LIMIT if at_limit else Status.STALLED
         elif of_all > FLAT:
-            return Status.LIMITS if of_free <= FLAT else Status.STALLED
+            return Status.LIMITS
         lowest = self._lowest_curvature(q, inputs)[0]
         # close to a minimum, an eigenvalue that is zero at the minimum can be as negative as the relative gradient
-        return Status.LOCAL_MINIMUM if lowest > -max(NEGATIVE, of_all) else Status.SINGULAR
+        if lowest > -max(NEGATIVE, of_all):
+            return Status.LOCAL_MINIMUM
+        return Status.ITERATION_LIMIT if at_limit else Status.SINGULAR
 
     def _task_alone_reaches(self, found: Report, q: Array, inputs: Inputs[Array]) -> bool:
         """Whether a step of the task alone that keeps limits and clearances removes most of the error at q."""

@@ -71,6 +71,11 @@ class Runners:
         self.step_is_built = strategy.evaluates_candidate(problem.has_criterion) or bool(problem.clearances)
         self.step_inputs = memory.inputs._replace(settings=np.array(Settings()))
 
+    @cached_property
+    def respects_priority(self) -> bool:
+        """Whether the strategy respects levels of priority."""
+        return self._strategy.respects_priority()
+
     @property
     def relaxation(self) -> RelaxationTerms:
         """What a step may relax."""

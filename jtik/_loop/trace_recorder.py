@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from jtik._loop.runner import Runner
+from jtik.result.length import length
 from jtik.result.trace import Trace
 from jtik.types import Array
 
@@ -69,13 +70,13 @@ class TraceRecorder:
         figures = {name: column[:, 0] for name, column in columns.items()}
         figures["step_length"] = np.linalg.norm(displacement, axis=1)
         figures["sigma_min"] = _smallest_singular_values(J)
-        length = np.linalg.norm(null, axis=1)
+        of_null = np.linalg.norm(null, axis=1)
         moved = np.linalg.norm(image, axis=1)
-        figures["leakage"] = np.divide(moved, length, out=np.full(count, np.nan), where=length > ROUNDING)
+        figures["leakage"] = np.divide(moved, of_null, out=np.full(count, np.nan), where=of_null > ROUNDING)
         figures["escaped"] = np.array(self._escaped, dtype=float)
         figures["attempt"] = np.array(self._attempts, dtype=float)
         q = np.array([*self._q, end])
-        return Trace(q=q, error=np.array([np.linalg.norm(error(each)) for each in q]), figures=figures)
+        return Trace(q=q, error=np.array([length(error(each)) for each in q]), figures=figures)
 
 
 def _smallest_singular_values(J: Array) -> Array:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from jtik.constraints.step_box import StepBox
+from jtik.result.length import lengths
 from jtik.result.solution import Solution
 from jtik.result.trajectory import Trajectory
 from jtik.robot import Robot
@@ -63,9 +64,9 @@ def follow(
         times=dt * np.arange(1, len(solutions) + 1, dtype=np.float64),
         q=np.array([solution.q for solution in solutions]),
         dq=np.array(steps) / dt,
-        error_norm=np.array([np.linalg.norm(error) for error in errors]),
-        position_error=np.linalg.norm(errors[:, linear], axis=1),
-        orientation_error=np.linalg.norm(errors[:, ~linear], axis=1),
+        error_norm=lengths(errors),
+        position_error=lengths(errors[:, linear]),
+        orientation_error=lengths(errors[:, ~linear]),
         status=tuple(solution.status for solution in solutions),
         iterations=np.array([solution.iterations for solution in solutions], dtype=np.int64),
         seconds=np.array([solution.seconds for solution in solutions]),

@@ -65,7 +65,7 @@ class Exploration:
             state: the state of the step.
             q: the configuration from which the call was made (nq, 1).
         """
-        stuck = logic_and(state["without_progress"] + 1 >= STUCK, FALL**2 * state["best"] <= model.here.V)
+        stuck = logic_and(state["without_progress"] + 1 >= STUCK, FALL**2 * state["best"] <= model.here.V_to_target)
         begins = logic_and(stuck, state["explored"] < EXPLORATION)
         if model.has_criterion:
             begins = logic_and(begins, logic_not(model.near_target))
@@ -74,7 +74,7 @@ class Exploration:
     @cached_property
     def V(self) -> Expression:
         """V at q."""
-        return if_else(self.state["exploring"], self.state["waiting"][0], self.here.V)
+        return if_else(self.state["exploring"], self.state["waiting"][0], self.here.V_to_target)
 
     def errors(self, of_step: tuple[Expression, Expression]) -> tuple[Expression, Expression]:
         """Norms of the errors at q [m], [rad], from those where the step is made."""
@@ -84,7 +84,7 @@ class Exploration:
 
     def lands(self, accepted: Expression, candidate: Evaluation) -> Expression:
         """1 if q moves to the candidate: after an exploring step only where V is below that at q."""
-        below = self.V - candidate.V >= SUFFICIENT * self.V
+        below = self.V - candidate.V_to_target >= SUFFICIENT * self.V
         return logic_and(accepted, logic_or(logic_not(self.active), below))
 
     def configuration(self, model: LocalModel, end: Evaluation, landed: Expression) -> Expression:

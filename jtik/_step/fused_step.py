@@ -133,7 +133,9 @@ def fused_step(
         backend = backend_of(None)
     qps = QPRecorder(backend.accuracy, backend.name) if backend else None
 
-    at = linearized(problem, start_of_step(state, q), inputs, state, qps, uses_qp=uses_qp, timed=timed)
+    by_level = CheckedCall(strategy, strategy, "respects_priority").flag()
+    start = start_of_step(state, q)
+    at = linearized(problem, start, inputs, state, qps, uses_qp=uses_qp, timed=timed, by_level=by_level)
     model, active = at.model, at.active_set
     exploration = Exploration.of(model, state, q) if explores else None
     if exploration:
@@ -143,10 +145,12 @@ def fused_step(
     check_symbols(strategy, update, [q, *inputs, memory, *at.at, *(qps.symbols() if qps else ())], qps)
     restoration = model.restoration if model.clearance and model.clearance.restores else None
     compromise = None if timed else update.compromise_residual  # a timed step follows its target all the same
-    stop = Stop(problem, model, settings, active, update.stationarity_residual, restoration, compromise)
+    stop = Stop(problem, model, settings, active, update.stationarity_residual, restoration, compromise, at.has_slope)
     progress = Progress.of(model, state, stop)
 
     finite = _finite(model, q)
+    if problem.has_criterion:  # on the target only the criterion is left
+        finite = logic_and(finite, logic_or(at.has_slope, logic_not(stop.reached_before)))
     stops = logic_or(stop.stationary, progress.slow)
     if stop.compromise is not None:
         stops = logic_or(stops, stop.compromise)
@@ -156,9 +160,9 @@ def fused_step(
     if qps:
         tried = logic_and(tried, qps.solved())
     accepted = logic_and(tried, update.accepted)
-    done, V, errors = stop.done_before, model.here.V, stop.errors_before
+    done, V, errors = stop.done_before, model.here.V_to_target, stop.errors_before
     if evaluated:
-        accepted = logic_and(accepted, is_finite(update.candidate.V + update.candidate.H))
+        accepted = logic_and(accepted, is_finite(update.candidate.V_to_target + update.candidate.H))
     moved, errors_before = accepted, errors
     if exploration:
         accepted, V = exploration.lands(moved, update.candidate), exploration.V
@@ -167,7 +171,7 @@ def fused_step(
         done = logic_or(done, logic_and(accepted, stop.done_after(update.candidate)))
         if timed:  # which is taken on the target, too, and may leave it
             done = logic_and(done, logic_or(logic_not(accepted), stop.reached_after(update.candidate)))
-        figures_after = [*stop.errors(update.candidate), update.candidate.V]
+        figures_after = [*stop.errors(update.candidate), update.candidate.V_to_target]
         pairs = zip(figures_after, [*errors, V], strict=True)
         *errors, V = [if_else(accepted, after, before) for after, before in pairs]  # type: ignore[assignment]
 
@@ -199,7 +203,7 @@ def fused_step(
     if recorded:
         record, figures = figures_of(model, update, accepted, relaxation)
         if exploration:
-            figures["V"], figures["actual_decrease"] = exploration.V, exploration.V - update.candidate.V
+            figures["V"], figures["actual_decrease"] = exploration.V, exploration.V - update.candidate.V_to_target
         outputs.append(record.join(figures))
     arguments, numbers = [q, *inputs, memory], np.concatenate(list(first.values()))
     if not (qps and backend):
@@ -242,8 +246,10 @@ def _input_symbols(problem: SymbolicProblem) -> Inputs[Expression]:
 
 
 def _finite(model: LocalModel, q: Expression) -> Expression:
-    """1 where task, criterion and derivatives are finite."""
-    finite = logic_and(is_finite(model.here.V + model.here.H), is_finite(model.gradient_norm + model.jacobian_norm))
+    """1 where task and criterion are finite, and the derivative of the task is."""
+    finite = logic_and(
+        is_finite(model.here.V_to_target + model.here.H), is_finite(model.gradient_norm + model.jacobian_norm)
+    )
     # clamping to the limits hides a NaN in q
     return logic_and(finite, is_finite(q)) if model.bounded else finite
 

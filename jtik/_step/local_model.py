@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 from jtik._step.active_set import ActiveSet, clamped
 from jtik._step.clearances import clearance_model
+from jtik._step.distant_target import NearerTarget
 from jtik._step.inputs import Inputs, Settings
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.qp.recorder import QPRecorder
 from jtik.strategy import Evaluation, LocalModel
-from jtik.symbolic import TINY, Expression, fmax, if_else, ratio, sqrt, substitute, sumsqr, symbol
+from jtik.symbolic import TINY, Expression, fmax, if_else, is_finite, ratio, sqrt, substitute, sumsqr, symbol
 from jtik.symbolic.factorization import squared_length
 
 NEIGHBOURHOOD = 0.02
@@ -33,17 +34,20 @@ class Linearized:
     """A problem linearised at one configuration.
 
     Attributes:
-        parts: q, residual, Jacobian, H and its gradient as expressions of the inputs; with clearances also distances,
-            their Jacobian and their figures.
+        parts: q, residual, Jacobian, H and its gradient as expressions of the inputs; the unshifted residual where the
+            problem has one; with clearances distances, their Jacobian and their figures.
         at: the same as the strategy gets them: symbols where several stages of a step share them.
         model: the local model, written in ``at``.
         active_set: the active set; None without limits.
+        has_slope: 1 where the gradient of the criterion is finite. Where it is not, the model has a gradient of zero,
+            and the task goes on without the criterion.
     """
 
     parts: list[Expression]
     at: list[Expression]
     model: LocalModel
     active_set: ActiveSet | None
+    has_slope: Expression = 1
 
 
 def linearized(
@@ -55,6 +59,7 @@ def linearized(
     *,
     uses_qp: bool = False,
     timed: bool = False,
+    by_level: bool = False,
 ) -> Linearized:
     """The problem at ``start`` (nq, 1), clamped to the limits.
 
@@ -66,14 +71,23 @@ def linearized(
         qps: records the quadratic programs; None for a strategy without any.
         uses_qp: whether the strategy's own quadratic programs find the active limits.
         timed: whether the step has a duration.
+        by_level: whether the strategy respects levels of priority.
     """
     limits, settings = (inputs.lower, inputs.upper), Settings.of(inputs.settings)
     parts = _parts(problem, clamped(start, *limits, problem.bounded), inputs.target, inputs.parameters)
     at = [symbol(f"at{i}", *part.shape) for i, part in enumerate(parts)] if qps else parts
-    q, residual, J, H, gradient = at[:5]
-    here = Evaluation(q, residual, H)
+    q, whole, J, H, gradient = at[:5]
+    residual, unshifted = whole, at[5] if problem.unshifted else None
+    nearer = None if timed else NearerTarget.of(problem, whole, by_level=by_level)
+    if nearer:
+        residual, J = nearer.residual, nearer.weighted(J)
+        unshifted = None if unshifted is None else nearer.weighted(unshifted)
+    here = Evaluation(q, residual, H, unshifted=unshifted, whole=whole)
     neighbourhood = near_target = 0
+    has_slope: Expression = 1
     if problem.has_criterion:
+        has_slope = is_finite(gradient)
+        gradient = if_else(has_slope, gradient, 0)
         known = state["neighbourhood"]
         neighbourhood = if_else(known > 0, known, NEIGHBOURHOOD * sqrt(squared_length(J) + TINY))
         near_target = here.length <= neighbourhood
@@ -100,13 +114,18 @@ def linearized(
         parameters=inputs.parameters,
         qps=qps,
         coordinates=problem.coordinates,
-        clearance=clearance_model(problem, q, at[5:], inputs.parameters, limits, state) if problem.clearances else None,
+        unshifted_function=problem.unshifted,
+        weights=nearer.weights if nearer else None,
+        shift=nearer.shift if nearer else None,
+        clearance=clearance_model(problem, q, at[-3:], inputs.parameters, limits, state)
+        if problem.clearances
+        else None,
         tasks=problem.tasks,
         timed=timed,
         curvature=_curvature(J, state["remaining"], residual) if timed else 0,
         null_space_share=_null_space_share(settings, state, neighbourhood),
     )
-    return Linearized(parts, at, model, active)
+    return Linearized(parts, at, model, active, has_slope)
 
 
 def _null_space_share(settings: Settings, state: Mapping[str, Expression], neighbourhood: Expression) -> Expression:
@@ -128,12 +147,14 @@ def _curvature(J: Expression, remaining: Expression, residual: Expression) -> Ex
 
 
 def _parts(problem: SymbolicProblem, q: Expression, target: Expression, parameters: Expression) -> list[Expression]:
-    """q, residual, its Jacobian, H and its gradient; with clearances distances, their Jacobian and their figures."""
+    """The `Linearized.parts`."""
     at = symbol("at", problem.robot.nq)
     H = problem.criterion(at, parameters)
     by = problem.coordinates
     J, gradient = by.jacobian(problem.residual_jacobian(at, target)), by.gradient(problem.gradient(H, at))
     parts = [problem.residual(at, target), J, H, gradient]
+    if problem.unshifted:
+        parts.append(problem.unshifted(at, target))
     if problem.clearances:
         distances, of_distances, figures = problem.clearance(at, parameters)
         parts += [distances, by.jacobian(of_distances), figures]

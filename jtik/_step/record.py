@@ -21,12 +21,12 @@ def figures_of(
     here, joints = model.here, model.coordinates
     J_free = joints.jacobian_by_joints(model.J_free)
     figures = {
-        "V": here.V,
+        "V": here.V_to_target,
         "H": here.H,
         "accepted": accepted,
         "null_residual": model.stationarity_residual if model.has_criterion else 0,
         **dict.fromkeys(OPTIONAL, math.nan),
-        "actual_decrease": here.V - update.candidate.V,
+        "actual_decrease": here.decrease(update.candidate),
         **update.figures,
         **relaxation.figures,
         "dq": joints.to_joints(update.dq),

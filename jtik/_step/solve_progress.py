@@ -20,6 +20,9 @@ REFUSALS = 40
 STAGNANT = 1e-10
 """Relative decrease of V, and near the target also of H, below which a step brings no progress."""
 
+STEEP = 1e-3
+"""Share of `STAGNANT` where the task is not stationary: a slow descent goes on until it is."""
+
 STAGNATIONS = 20
 """Steps in a row without progress after which the solve has stalled."""
 
@@ -60,7 +63,7 @@ class Progress:
     @classmethod
     def of(cls, model: LocalModel, state: Mapping[str, Expression], stop: Stop) -> Progress:
         """The progress up to here, before the step is tried."""
-        falls = FALL**2 * state["best"] > model.here.V
+        falls = FALL**2 * state["best"] > model.here.V_to_target
         without_progress = if_else(falls, 0, state["without_progress"] + 1)
         return cls(
             falls, without_progress, logic_and(without_progress >= state["patience"], logic_not(stop.reached_before))
@@ -78,14 +81,15 @@ class Progress:
         evaluated: bool,
     ) -> tuple[dict[str, Expression], Expression]:
         """The state of progress after the step, and whether the solve has stalled."""
-        V = model.here.V
+        V = model.here.V_to_target
         after = {
             "best": if_else(self.falls, V, state["best"]),
             "without_progress": self.without_progress,
             "patience": state["patience"],
         }
         if evaluated:
-            stagnates = logic_and(accepted, V - update.candidate.V <= STAGNANT * V)
+            least = STAGNANT * if_else(stop.flat, 1, STEEP) * model.here.V
+            stagnates = logic_and(accepted, model.here.decrease(update.candidate) <= least)
             if update.progress is not None:
                 stagnates = logic_and(accepted, update.progress <= STAGNANT)
             if model.has_criterion:  # near the target the error may rise while a step lowers H

@@ -16,6 +16,9 @@ from jtik.symbolic import Expression, fmax, logic_and, logic_not, logic_or, norm
 STATIONARY = 1e-9
 """The task is stationary where |J' r| is below this fraction of |J| |r|."""
 
+FLAT = 1e-5
+"""The same fraction up to which a status calls the task stationary."""
+
 
 class Code(IntEnum):
     """What the loop does after a call of the fused function.
@@ -74,6 +77,7 @@ class Stop:
         stationarity_residual: the strategy's stationarity residual of H; None for that of the model.
         restoration: the feasibility restoration; None if nothing is restored.
         compromise_residual: the stationarity residual of the strategy's weighted sum of V and H; None without one.
+        has_slope: 1 where the gradient of the criterion is finite; where it is not, the criterion is not stationary.
 
     Attributes:
         errors_before: norms of the position rows [m] and of the orientation rows [rad] before the step.
@@ -81,6 +85,7 @@ class Stop:
         done_before: 1 if the solve ends without a step.
         stationary: 1 if the task is stationary off the target.
         compromise: 1 if the weighted sum is stationary off the target; None without one.
+        flat: 1 if it is as far as a status can tell: a solve may end there without progress.
     """
 
     def __init__(
@@ -92,6 +97,7 @@ class Stop:
         stationarity_residual: Expression | None,
         restoration: FeasibilityRestoration | None = None,
         compromise_residual: Expression | None = None,
+        has_slope: Expression = 1,
     ) -> None:
         self._restoration = restoration
         self._problem, self._settings = problem, settings
@@ -100,7 +106,8 @@ class Stop:
         self.reached_before = self._reached(self.errors_before)
         self.done_before = self.reached_before
         gradient_norm = active.task_gradient_norm if active else model.task_gradient_norm
-        vanishes = gradient_norm <= STATIONARY * model.jacobian_norm * model.here.length
+        scale = model.jacobian_norm * norm(model.here.residual)
+        vanishes, self.flat = gradient_norm <= STATIONARY * scale, gradient_norm <= FLAT * scale
         self.stationary = logic_and(vanishes, logic_not(self.reached_before))
         self.compromise: Expression | None = None
         if problem.has_criterion:
@@ -110,9 +117,9 @@ class Stop:
                 residual = fmax(residual, active.largest_wrong_multiplier(model)) if active else residual
             size = model.joint_gradient_norm(model.gradient_free, model.gradient_norm)
             largest = settings.optimality_tolerance * fmax(1, size)
-            small = residual <= largest
+            small = logic_and(has_slope, residual <= largest)
             if compromise_residual is not None:
-                balanced = compromise_residual <= largest
+                balanced = logic_and(has_slope, compromise_residual <= largest)
                 self.compromise = logic_and(balanced, logic_not(self.reached_before))
                 small = logic_or(small, balanced)
             self.done_before = logic_and(self.reached_before, logic_or(small, settings.until_stationary == 0))
@@ -125,7 +132,7 @@ class Stop:
 
     def errors(self, point: Evaluation) -> tuple[Expression, Expression]:
         """Norm of the position rows [m] and of the orientation rows [rad] of the error."""
-        error = self._unweight @ point.residual
+        error = self._unweight @ point.to_target
         rows = range(self._problem.m)
         linear = [error[i] for i in rows if self._problem.linear[i]]
         angular = [error[i] for i in rows if not self._problem.linear[i]]

@@ -44,6 +44,7 @@ class SymbolicProblem:
         factor: L with Kp = L L', (m, m).
         error: (q, target) -> e, (m, 1).
         residual: (q, target) -> r = L' e, (m, 1).
+        unshifted: (q, target) -> r for the target with zeros where its numbers only shift r; None where none do.
         error_jacobian: (q, target) -> derivative of e with respect to the velocity, (m, n).
         residual_jacobian: (q, target) -> derivative of r with respect to the velocity, (m, n).
         criterion: (q, parameters) -> H.
@@ -73,6 +74,7 @@ class SymbolicProblem:
         self.factor = tasks.weight_factor()
         self.error = function("error", [q, target], [rows.error])
         self.residual = function("residual", [q, target], [self.factor.T @ rows.error])
+        self.unshifted = self._unshifted(q, target)
         self.error_jacobian = function("error_jacobian", [q, target], [rows.jacobian])
         self.residual_jacobian = function("residual_jacobian", [q, target], [self.factor.T @ rows.jacobian])
         self.criterion = function("criterion", [q, parameters], [sum(values, zeros(1))])
@@ -80,6 +82,16 @@ class SymbolicProblem:
         if clearances:
             self._measure(kinematics, parameters)
         self.values = function("criteria", [q, parameters], [vertcat(*values)])
+
+    def _unshifted(self, q: Expression, target: Expression) -> Function | None:
+        """The residual without the numbers of the target whose derivative is constant, such as those of a position."""
+        residual = self.residual(q, target)
+        rates = jacobian(residual, target)
+        shifts = [rates[:, i].nnz() > 0 and rates[:, i].is_constant() for i in range(target.shape[0])]
+        if not any(shifts):
+            return None
+        kept = vertcat(*[0 if shift else target[i] for i, shift in enumerate(shifts)])
+        return function("unshifted", [q, target], [substitute(residual, target, kept)])
 
     def _measure(self, kinematics: Kinematics, parameters: Expression) -> None:
         """Distances of all clearances, their Jacobian, and for each of them safe, aim, influence, gain and radius."""

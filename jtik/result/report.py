@@ -10,9 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik.result.length import length
+from jtik.result.levels import Levels
+from jtik.result.reduced_gradient import reduced_gradient
 from jtik.result.relaxation import Relaxation
 from jtik.result.second_order import FLAT, LowestCurvature, SecondOrder, lowest_curvature
 from jtik.types import Array
+
+STATIONARY = 1e-5
+"""Relative gradient of the error of a level of priority up to which it cannot fall to first order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +42,7 @@ class Report:
         curvature: multipliers lambda (m,) to the Hessian of H + lambda' r, (n, n); None without a criterion.
         relaxations: what computes `relaxed`; None for a strategy that relaxes nothing.
         close_pairs: what computes `active_clearances`; None without clearances.
+        levels: the levels of priority, of a strategy that respects them; None for one level.
     """
 
     error: Array
@@ -54,6 +61,7 @@ class Report:
     curvature: Callable[[Array], Array] | None = None
     relaxations: Callable[[], tuple[Relaxation, ...]] | None = None
     close_pairs: Callable[[], tuple[str, ...]] | None = None
+    levels: Levels | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         # the results are pickled, the functions that compute them are not
@@ -70,17 +78,27 @@ class Report:
     @cached_property
     def position_error(self) -> float:
         """Norm of the position rows [m]."""
-        return float(np.linalg.norm(self.error[self.linear]))
+        return length(self.error[self.linear])
 
     @cached_property
     def orientation_error(self) -> float:
         """Norm of the orientation rows [rad]."""
-        return float(np.linalg.norm(self.error[~self.linear]))
+        return length(self.error[~self.linear])
 
     @cached_property
     def relaxed(self) -> tuple[Relaxation, ...]:
-        """What the strategy's first step from here relaxes."""
-        return self.relaxations() if self.relaxations and self.finite else ()
+        """What the strategy's first step from here relaxes, and what remains of tasks of a lower priority."""
+        if not self.finite:
+            return ()
+        of_step = self.relaxations() if self.relaxations else ()
+        return of_step + (self.levels.relaxed() if self.levels and self.prioritized else ())
+
+    @property
+    def prioritized(self) -> bool:
+        """Whether higher levels of priority are reached and the others as near as those and the limits allow."""
+        if self.levels is None or not 0 < self.levels.reached < len(self.levels.rows):
+            return False
+        return self.relative_gradient[1] <= STATIONARY
 
     @cached_property
     def active_clearances(self) -> tuple[str, ...]:
@@ -104,7 +122,7 @@ class Report:
         if not self.finite:
             return float("nan")
         free, reduced, _ = self._lagrangian
-        return float(np.linalg.norm(reduced[free]))
+        return length(reduced[free])
 
     @property
     def stationary(self) -> bool:
@@ -114,7 +132,7 @@ class Report:
     @property
     def _small(self) -> float:
         """The size up to which the gradient of the Lagrangian counts as zero."""
-        return self.tolerances[2] * max(1.0, float(np.linalg.norm(self.gradient)))
+        return self.tolerances[2] * max(1.0, length(self.gradient))
 
     @cached_property
     def second_order(self) -> SecondOrder | None:
@@ -164,27 +182,19 @@ class Report:
 
         A joint at its limit that the gradient pushes outward keeps its limit active.
         """
-        J, gradient = self.weighted, self.gradient
-        free = np.ones(J.shape[1], dtype=bool)
-        free[[*self.at_upper, *self.at_lower]] = False
-        reduced, multipliers = gradient, np.zeros(len(J))
-        upper, lower = self._one_sided
-        for _ in range(len(self.at_upper) + len(self.at_lower) + 1):
-            multipliers = -np.linalg.pinv(J[:, free].T, rcond=self.rank_threshold) @ gradient[free]
-            reduced = gradient + J.T @ multipliers
-            inward = [j for j in upper if not free[j] and reduced[j] > 0]
-            inward += [j for j in lower if not free[j] and reduced[j] < 0]
-            if not inward:
-                break
-            free[max(inward, key=lambda j: abs(reduced[j]))] = True
-        return free, reduced, multipliers
+        return reduced_gradient(self.weighted, self.gradient, self.at_upper, self.at_lower, self.rank_threshold)
 
     @property
     def relative_gradient(self) -> tuple[float, float]:
-        """|J' r| / (|J| |r|) over all joints, and over those that no limit keeps from following -J' r."""
-        gradient, free = self.weighted.T @ self.residual, self.unblocked
-        scale = float(np.linalg.norm(self.weighted) * np.linalg.norm(self.residual)) or 1.0
-        return float(np.linalg.norm(gradient)) / scale, float(np.linalg.norm(gradient[free])) / scale
+        """|J' r| / (|J| |r|) over all joints, and over those that no limit keeps from following -J' r.
+
+        With levels of priority, that of the levels which are not reached, beside those above them.
+        """
+        if self.levels:
+            return self.levels.relative_gradient()
+        gradient = self.weighted.T @ (self.residual / (length(self.residual) or 1.0))
+        scale = length(self.weighted) or 1.0
+        return length(gradient) / scale, length(gradient[self.unblocked]) / scale
 
     @property
     def unblocked(self) -> NDArray[np.bool_]:

@@ -20,6 +20,9 @@ from jtik.types import Array
 
 __all__ = ["Solution", "Status", "Step", "Trace"]
 
+TRY = "restarts=, or another q0: another start may lead to the target"
+"""What a Solution says where the status depends on the start and no other one was tried."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution:
@@ -214,6 +217,8 @@ class Solution:
             lines.append(
                 f"  multiplier  {multiplier:.3g} of the task in H; error / multiplier {error / multiplier:.3g}"
             )
+        if self.status.depends_on_start and not self.restarts:
+            lines.append(f"  try         {TRY}")
         if self.active_limits:
             lines.append(f"  at limit    {', '.join(self.active_limits)}")
         if self.active_clearances:

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 _FLOAT = np.dtype(np.float64)
 
+ROUNDING = 1e-12
+"""Difference of the norm of a quaternion from 1 that is rounding."""
+
 
 def read_configuration(space: ConfigurationSpace, q: Any, argument: str) -> Array:
     """A checked copy of a configuration, (nq,); see `ConfigurationSpace.configuration`."""
@@ -27,8 +30,7 @@ def read_configuration(space: ConfigurationSpace, q: Any, argument: str) -> Arra
             return copy
     if isinstance(q, Mapping):
         array = _from_names(space, q, argument, space.neutral)
-        _check_quaternions(space, argument, array)
-        return array
+        return _with_unit_quaternions(space, argument, array)
     if space.full is not space:
         shape = _shape(q)
         sizes = _sizes(space)
@@ -37,8 +39,7 @@ def read_configuration(space: ConfigurationSpace, q: Any, argument: str) -> Arra
                 raise ArgumentError(argument, f"shape {shape}", f"{_accepted(sizes)}, or a dict by joint name")
             return space.reduced(space.full.configuration(q, argument=argument))
     array = finite_array(argument, q, (space.nq,))
-    _check_quaternions(space, argument, array)
-    return array
+    return _with_unit_quaternions(space, argument, array)
 
 
 def read_joint_values(space: ConfigurationSpace, values: Any, argument: str, default: ArrayLike) -> Array:
@@ -114,11 +115,18 @@ def _own_names(space: ConfigurationSpace, named: Mapping[str, Any], argument: st
     return [name for name in named if name in own]
 
 
-def _check_quaternions(space: ConfigurationSpace, argument: str, q: Array) -> None:
+def _with_unit_quaternions(space: ConfigurationSpace, argument: str, q: Array) -> Array:
+    """The configuration with its quaternions of norm 1, in place; one that has it up to rounding stays as it is."""
     for name, indices in space.quaternions.items():
-        if not q[indices].any():
+        norm = math.hypot(*q[indices].tolist())
+        if norm == 0:
             given = f"a zero quaternion for joint {name!r}"
             raise ArgumentError(argument, given, "quaternions (w, x, y, z) other than zero")
+        if abs(norm - 1) > ROUNDING:
+            largest = np.abs(q[indices]).max()  # a norm may be too large or too small for a number
+            scaled = q[indices] / largest
+            q[indices] = scaled / math.hypot(*scaled.tolist())
+    return q
 
 
 def _outermost(space: ConfigurationSpace) -> ConfigurationSpace:

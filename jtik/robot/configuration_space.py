@@ -120,7 +120,8 @@ class ConfigurationSpace:
             q: one of three forms. Numbers (nq,). On a robot made by `Robot.subset` also numbers (full.nq,) of the robot
                 it was made from; the values of the locked joints are ignored. A dict from joint name to position: a
                 number for a revolute or prismatic joint, 4 numbers for a ball joint, 7 for a free joint; joints that
-                are not named are at `neutral`, and locked joints of `full` are accepted and ignored.
+                are not named are at `neutral`, and locked joints of `full` are accepted and ignored. Quaternions of
+                any norm but zero are normalised.
             argument: name of the argument in error messages.
 
         Raises:

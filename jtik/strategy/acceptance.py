@@ -54,7 +54,7 @@ def final_verdict(
     shorten_task = logic_not(shorten_null) if model.has_criterion else 1
     if model.clearance:
         accepted = logic_or(accepted, model.restoration.accepts(dq, candidate.length))
-    accepted = logic_and(accepted, is_finite(candidate.V + candidate.H if evaluated else dq))
+    accepted = logic_and(accepted, is_finite(candidate.V_to_target + candidate.H if evaluated else dq))
     if model.clearance:
         clear = model.clearance.keeps(dq)
         accepted = logic_and(accepted, clear)

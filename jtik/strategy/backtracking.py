@@ -9,7 +9,7 @@ import numpy as np
 
 from jtik.strategy.base import State
 from jtik.strategy.displacement import Outcome
-from jtik.symbolic import Expression, fmax, fmin, if_else
+from jtik.symbolic import Expression, fmax, fmin, if_else, logic_and
 from jtik.types import Array
 
 
@@ -58,13 +58,17 @@ def path_backtracking(acceptance: str, has_clearance: bool) -> Backtracking:
     return Backtracking(active=has_clearance and acceptance == "always", name="path_fraction")
 
 
+POOR = 0.25
+"""Ratio of actual to predicted decrease below which damping is added after an accepted step, too."""
+
+
 @dataclass(frozen=True)
 class AdaptiveDamping:
-    """Damping that refusals add and acceptances remove again.
+    """Damping that refusals and poor steps add, and other acceptances remove again.
 
     Attributes:
-        increase: factor after a refusal.
-        decrease: factor after an acceptance.
+        increase: factor after a refusal, or after a step that achieves little of what was predicted.
+        decrease: factor after any other step.
         name: name of the state.
     """
 
@@ -86,4 +90,5 @@ class AdaptiveDamping:
         """
         damping = state[self.name]
         larger = if_else(outcome.shorten_task, fmax(self.increase * damping, smallest), damping)
-        return {self.name: if_else(outcome.accepted, self.decrease * damping, larger)}
+        removed = logic_and(outcome.accepted, outcome.ratio >= POOR)
+        return {self.name: if_else(removed, self.decrease * damping, larger)}

@@ -134,6 +134,10 @@ class Strategy(ABC):
         """Whether it uses ``model.fitted``, which in a timed step needs a solver of quadratic programs."""
         return False
 
+    def respects_priority(self) -> bool:
+        """Whether it keeps each level of priority from the levels below it; others treat all tasks alike."""
+        return False
+
     def supports_clearances(self) -> bool:
         """Whether its quadratic programs have the rows of clearances. No step that violates one is then accepted."""
         return False

@@ -247,7 +247,7 @@ class Composition(Strategy):
         rule, model, penalty = self._checked_acceptance(), step.model, state.get("penalty")
         by_task = rule == "task" and model.has_criterion
         candidate = model.candidate(step.task_dq) if by_task else step.candidate
-        actual = model.here.V - candidate.V
+        actual = model.here.decrease(candidate)
         falls = logic_and(step.predicted > 0, actual >= SUFFICIENT * step.predicted)
         if rule == "always":
             return 1, actual, penalty

@@ -54,22 +54,20 @@ class LevelMerit(Merit):
         levels, r = model.levels, model.here.residual
         image = model.J @ step
         before = [norm(r[list(rows)]) for rows in levels]
-        after = [norm(candidate.residual[list(rows)]) for rows in levels]
-        gains = [length - norm(r[list(rows)] + image[list(rows)]) for length, rows in zip(before, levels, strict=True)]
+        change = model.here.change(candidate)
+        gains, falls_by = ([_shortened(r[list(rows)], by[list(rows)]) for rows in levels] for by in (image, change))
         weights = _weights(model, state["weights"], gains)
-        F, F_after, predicted = (sum(w * v for w, v in zip(weights, of, strict=True)) for of in (before, after, gains))
-        falls = logic_and(predicted > 0, F - F_after >= SUFFICIENT * predicted)
-        progress = ratio(F - F_after, F)
-        gained = ratio(F - F_after, fmax(predicted, 0))
+        F, fall, predicted = (sum(w * v for w, v in zip(weights, of, strict=True)) for of in (before, falls_by, gains))
+        falls = logic_and(predicted > 0, fall >= SUFFICIENT * predicted)
+        gained = ratio(fall, fmax(predicted, 0))
         accepted, mu = falls, state["penalty"]
         if model.has_criterion:
             decrease = null.decrease - dot(model.gradient, step)
             lengths = (sumsqr(step), sumsqr(step + null.dq))
             mu = penalty_weight(model, mu, decrease, predicted, lengths, candidate.H)
-            merit, merit_after = model.here.H + mu * F, candidate.H + mu * F_after
-            size = fabs(model.here.H) + fabs(merit)
-            total = mu * predicted + decrease
-            better = logic_and(total > 0, merit - merit_after >= SUFFICIENT * total - ROUNDING * size)
+            size = fabs(model.here.H) + fabs(model.here.H + mu * F)
+            total, actual = mu * predicted + decrease, model.here.H - candidate.H + mu * fall
+            better = logic_and(total > 0, actual >= SUFFICIENT * total - ROUNDING * size)
             inside = logic_and(candidate.length <= model.neighbourhood, better)
             accepted = if_else(model.near_target, inside, falls)
             gained = if_else(model.near_target, inside, gained)
@@ -77,9 +75,14 @@ class LevelMerit(Merit):
             accepted=accepted,
             ratio=gained,
             state={"weights": _filled(vertcat(*weights), state["weights"].shape[0]), "penalty": mu},
-            progress=progress,
+            progress=ratio(fall, F) if len(levels) > 1 else None,
             predicted_decrease=model.predicted_decrease(image),
         )
+
+
+def _shortened(r: Expression, change: Expression) -> Expression:
+    """|r| - |r + change| without the rounding of two large numbers."""
+    return ratio(-2 * dot(change, r + change / 2), norm(r) + norm(r + change))
 
 
 def _weights(model: LocalModel, known: Expression, gains: Sequence[Expression]) -> list[Expression]:

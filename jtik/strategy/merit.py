@@ -100,8 +100,8 @@ def penalty_weight(
 
 
 def residual_reduction(model: LocalModel, predicted: Expression) -> Expression:
-    """Decrease of |r| when V falls by ``predicted``."""
-    return model.here.length - sqrt(fmax(2 * (model.here.V - predicted), 0))
+    """Decrease of |r| when V falls by ``predicted``, near the target."""
+    return model.here.length - sqrt(fmax(2 * (model.here.V_to_target - predicted), 0))
 
 
 def penalty_falls(

@@ -18,7 +18,7 @@ from jtik.qp.recorder import Compute, QPRecorder
 from jtik.robot import UNWEIGHTED, Robot, WeightedCoordinates
 from jtik.strategy.evaluation import Evaluation
 from jtik.strategy.feasibility_restoration import FeasibilityRestoration, feasibility_restoration
-from jtik.symbolic import TINY, Expression, Function, dot, fmax, fmin, norm, norm_inf, sqrt, sumsqr, vertcat
+from jtik.symbolic import TINY, Expression, Function, dot, fmax, fmin, norm, norm_inf, sqrt, vertcat
 from jtik.symbolic.factorization import RowSpace, RowVector, Split
 from jtik.task import TaskStack
 
@@ -66,6 +66,9 @@ class LocalModel:
         null_space_share: share of a null-space displacement to take in this step, (0, 1]; 1 in a step without a time.
         coordinates: of the displacements, from the joint weights.
         exploring: 1 in an exploring step, which is taken wherever it ends, else 0. Only for a strategy that explores.
+        unshifted_function: (q, target) -> `Evaluation.unshifted`; None where it is the residual.
+        weights: what a step towards a distant target multiplies the rows of the residual to the target by (m, 1).
+        shift: what it subtracts from them then (m, 1); None, as ``weights``, where no target can be distant.
     """
 
     robot: Robot
@@ -93,6 +96,9 @@ class LocalModel:
     null_space_share: Expression = 1
     coordinates: WeightedCoordinates = UNWEIGHTED
     exploring: Expression = 0
+    unshifted_function: Function = None
+    weights: Expression = None
+    shift: Expression = None
 
     # -- quadratic programs ---------------------------------------------------------------------------------------
 
@@ -286,7 +292,8 @@ class LocalModel:
 
     def residual(self, q: Expression) -> Expression:
         """The residual at another configuration."""
-        return self.residual_function(q, self.target)
+        to_target = self.residual_function(q, self.target)
+        return to_target if self.shift is None else self.weights * to_target - self.shift
 
     def within_limits(self, dq: Expression) -> Expression:
         """The displacement shortened joint by joint so that it ends inside the limits, (n, 1)."""
@@ -321,8 +328,12 @@ class LocalModel:
                 entries[i] = fmin(fmax(entries[i], self.lower[i]), self.upper[i])
             q = vertcat(*entries)
         H = self.criterion_function(q, self.parameters) if self.has_criterion else 0
-        return Evaluation(q, self.residual(q), H, dq)
+        unshifted = self.unshifted_function(q, self.target) if self.unshifted_function else None
+        whole = None if self.shift is None else self.residual_function(q, self.target)
+        if whole is not None and unshifted is not None:
+            unshifted = self.weights * unshifted
+        return Evaluation(q, self.residual(q), H, dq, unshifted, whole)
 
     def predicted_decrease(self, image: Expression) -> Expression:
         """Decrease of V that the linear model predicts for a displacement with ``image`` = J dq (m, 1)."""
-        return self.here.V - sumsqr(self.here.residual + image) / 2
+        return -dot(image, self.here.residual + image / 2)

@@ -32,7 +32,7 @@ class WeightedMerit(Merit):
 
     def verdict(self, model: LocalModel, state: State, proposal: Proposal, candidate: Evaluation) -> Verdict:
         """Armijo's test of the sum."""
-        actual = self.gain * (model.here.V - candidate.V)
+        actual = self.gain * model.here.decrease(candidate)
         noise: Expression = 0
         progress = None
         if model.has_criterion:

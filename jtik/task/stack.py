@@ -148,6 +148,12 @@ class TaskStack:
         levels = tuple(tuple(rows_of[priority]) for priority in sorted(rows_of))
         return StackRows(vertcat(*errors), tuple(linear), vertcat(*jacobians), levels)
 
+    @cached_property
+    def row_indices(self) -> dict[str, tuple[int, ...]]:
+        """The indices of the rows of each task, by name."""
+        ends = np.cumsum([0, *(task.row_count(self.robot) for task in self.tasks)]).tolist()
+        return {task.name: tuple(range(ends[i], ends[i + 1])) for i, task in enumerate(self.tasks)}
+
     def moving_joints(self) -> tuple[str, ...]:
         """The joints that move a frame of some task, or on which its error depends, in the order of the robot."""
         robot, moving = self.robot, set[str]()

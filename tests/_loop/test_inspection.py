@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import casadi
 import numpy as np
 import pytest
 
@@ -76,12 +77,30 @@ class TestStatuses:
         assert np.isfinite(solution.trace.H).all()
         assert (solution.trace.q[:, 0] <= 0.5).all()
 
-    def test_a_gradient_that_is_not_finite(self):
+    @pytest.mark.parametrize("strategy", [*STRATEGIES, "hybrid+qp", "newton+second_order"])
+    def test_where_only_the_slope_is_not_finite_the_task_goes_on(self, strategy):
+        """norm(q) has no slope at zero, and the straight arm starts there."""
+
+        @jtik.criterion
+        def size(q, robot):
+            return casadi.norm_2(q)
+
+        ik, q0 = solver(planar(4), criteria=size, strategy=strategy), [0.0] * 4
+        solution = ik.solve([2.0, 1.5], q0=q0)
+        assert solution.position_error < 1e-4
+        assert solution.status is jtik.Status.CONVERGED or strategy == "weighted_qp"  # a soft compromise
+        assert ik.step(q0, [2.0, 1.5]).accepted
+        there = ik.solve([4.0, 0.0], q0=q0)  # the criterion is all that is left
+        assert there.status is jtik.Status.NOT_FINITE
+        assert (there.iterations, there.q.tolist()) == (0, q0)
+        assert ik.solve([4.0, 0.0], q0=q0, until="reached").status is jtik.Status.NOT_FINITE
+
+    def test_at_the_closest_posture_the_slope_counts(self):
         @jtik.criterion
         def cusp(q, robot):
-            return q[0] ** 0.5
+            return casadi.fabs(q[0]) ** 0.5
 
-        solution = solver(planar(3), criteria=cusp).solve([1.0, 1.5], q0=[0.0, 0.4, 0.3])
+        solution = solver(planar(1), criteria=cusp).solve([2.0, 0.0], q0=[0.0])
         assert solution.status is jtik.Status.NOT_FINITE
 
     def test_not_finite_on_the_target_is_no_success(self):

@@ -77,7 +77,7 @@ class TestLimits:
 
 def test_beside_quadratic_programs_the_strategy_sees_symbols():
     found = at(planar(3), criteria=JointCentering(), qps=QPRecorder(1e-7))
-    assert len(found.parts) == len(found.at) == 5
+    assert len(found.parts) == len(found.at) == 6
     assert all(part.is_constant() for part in found.parts)
     assert all(symbol.is_valid_input() for symbol in found.at)
     assert [symbol.shape for symbol in found.at] == [part.shape for part in found.parts]

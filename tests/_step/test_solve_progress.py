@@ -15,6 +15,7 @@ from jtik._step.solve_progress import (
     REFUSALS,
     STAGNANT,
     STAGNATIONS,
+    STEEP,
     UNKNOWN,
     Progress,
     initial_progress,
@@ -25,14 +26,25 @@ from .conftest import numbers
 
 
 def run(
-    steps, *, evaluated=True, patience=math.inf, reached=0, stationary=0, progress=None, clearance=None, H=None, near=0
+    steps,
+    *,
+    evaluated=True,
+    patience=math.inf,
+    reached=0,
+    stationary=0,
+    flat=1,
+    progress=None,
+    clearance=None,
+    H=None,
+    near=0,
 ):
     """States and codes of successive steps, each given as (V before, V after, accepted); H is (before, after)."""
     state = initial_progress(evaluated=evaluated) | {"patience": np.full(1, patience)}
-    stop = SimpleNamespace(reached_before=reached, stationary=stationary)
+    stop = SimpleNamespace(reached_before=reached, stationary=stationary, flat=flat)
     found = []
     for V, after, accepted in steps:
         here, candidate = (SimpleNamespace(V=casadi.SX(v), H=h) for v, h in zip((V, after), H or (0, 0), strict=True))
+        here.V_to_target, here.decrease = here.V, lambda there, V=V: V - there.V
         model = SimpleNamespace(here=here, clearance=clearance, has_criterion=H is not None, near_target=near)
         update = SimpleNamespace(candidate=candidate, progress=progress)
         columns = {name: casadi.SX(value) for name, value in state.items()}
@@ -87,6 +99,12 @@ class TestStalled:
     def test_by_steps_that_lower_V_too_little(self, fall, stalls):
         found = codes([(1.0, 1.0 - fall, 1)] * STAGNATIONS)
         assert found[:-1] == [Code.CONTINUE] * (STAGNATIONS - 1)
+        assert (found[-1] is Code.STALLED) is stalls
+
+    @pytest.mark.parametrize(("fall", "stalls"), [(0.5 * STEEP * STAGNANT, True), (0.5 * STAGNANT, False)])
+    def test_where_the_task_is_not_stationary_slow_steps_go_on(self, fall, stalls):
+        V = 1 / STEEP  # so that the difference is no rounding
+        found = codes([(V, V - V * fall, 1)] * STAGNATIONS, flat=0)
         assert (found[-1] is Code.STALLED) is stalls
 
     def test_by_the_progress_that_a_strategy_reports_instead(self):

@@ -21,6 +21,7 @@ def test_names():
         "SADDLE",
         "COMPROMISE",
         "LOCAL_MINIMUM",
+        "PRIORITIES",
         "LIMITS",
         "JUMP_LIMIT",
         "SINGULAR",
@@ -37,3 +38,8 @@ def test_only_arrival_is_success(status):
     assert is_success(status, "stationary") == (status is Status.CONVERGED)
     arrived = status in (Status.CONVERGED, Status.REACHED, Status.SADDLE)
     assert is_success(status, "reached") == arrived == status.on_target
+
+
+def test_which_depend_on_the_start():
+    depending = {status.name for status in Status if status.depends_on_start}
+    assert depending == {"LOCAL_MINIMUM", "LIMITS", "SINGULAR", "STALLED"}

@@ -90,6 +90,26 @@ class TestOfTheFullRobot:
         with pytest.raises(ArgumentError, match="^q: given a zero quaternion for joint 'shoulder'; accepted: quater"):
             part.configuration(q)
 
+    @pytest.mark.parametrize("norm", [1e-200, 1e-3, 3.0, 1e200])
+    def test_quaternions_of_any_norm_are_normalised(self, mixed, norm):
+        q, where = mixed.random_configuration(3), mixed.q_slice("shoulder")
+        scaled = q.copy()
+        scaled[where] *= norm
+        given = scaled.copy()
+        for found in (mixed.configuration(scaled), mixed.configuration({"shoulder": scaled[where]})):
+            assert found[where] == pytest.approx(q[where], abs=1e-15)
+        assert scaled.tolist() == given.tolist()
+        nearly = q * (1 + 1e-15)
+        assert mixed.configuration(nearly).tolist() == nearly.tolist()
+
+    def test_a_solve_without_a_step_returns_unit_quaternions(self, mixed):
+        q, where = mixed.random_configuration(3), mixed.q_slice("shoulder")
+        q[where] *= 3
+        ik = jtik.InverseKinematics(mixed, jtik.FrameTask("tool", "pose"), joints="all", limits=False)
+        solution = ik.solve(mixed.pose(q), q0=q)
+        assert solution.iterations == 0
+        assert np.linalg.norm(solution.q[where]) == pytest.approx(1, abs=1e-15)
+
     def test_every_method_with_numbers_accepts_them(self):
         q = np.array([10.0, 11, 12, 13, 14])
         own = [11.0, 13.0]

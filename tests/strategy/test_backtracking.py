@@ -68,5 +68,10 @@ class TestAdaptiveDamping:
     def test_an_acceptance_lowers_it(self):
         assert states(self.rule, map(outcome, [0, 1, 1, 0]), smallest=3.0) == [3.0, 1.5, 0.75, 7.5]
 
+    def test_an_accepted_step_that_overshoots_raises_it(self):
+        """It achieves less than a quarter of what was predicted: the next one would be as long."""
+        poor, fair = outcome(1, ratio=0.24), outcome(1, ratio=0.26)
+        assert states(self.rule, [outcome(0), poor, fair], smallest=3.0) == [3.0, 30.0, 15.0]
+
     def test_a_refusal_that_is_not_its_fault_changes_nothing(self):
         assert states(self.rule, [outcome(0), outcome(0, shorten_task=0)], smallest=3.0) == [3.0, 3.0]

@@ -44,15 +44,20 @@ class TestOneLevel:
         for share, expected in ((1.0, True), (0.01, True), (1.9, True), (2.1, False), (-0.1, False)):
             assert accepted(J, r, share * newton, levels=self.levels) is expected
 
-    def test_ratio_and_progress_of_a_linear_task(self, rng):
+    def test_ratio_of_a_linear_task(self, rng):
         J, r = rng.normal(size=(3, 5)), rng.normal(size=3)
         found = verdict_on(J, r, -0.25 * np.linalg.pinv(J) @ r, levels=self.levels)
         assert numbers(found.ratio) == pytest.approx(1.0)
-        assert numbers(found.progress) == pytest.approx(0.25)
+        assert found.progress is None  # that of V
         assert numbers(found.predicted_decrease) == pytest.approx((1 - 0.75**2) * r @ r / 2)
 
 
 class TestTwoLevels:
+    def test_progress_is_relative_to_the_penalty_function(self, rng):
+        """A step that removes a quarter of every error removes a quarter of F, whatever the weights."""
+        J, r = rng.normal(size=(3, 5)), rng.normal(size=3)
+        assert numbers(verdict_on(J, r, -0.25 * np.linalg.pinv(J) @ r).progress) == pytest.approx(0.25)
+
     def test_a_step_that_worsens_the_lower_level_for_the_higher_is_accepted(self, rng):
         """The shortest step of the higher level alone, where it increases the error of the lower one."""
         cases = 0

@@ -16,8 +16,9 @@ class ConstantDamped(DampedLeastSquares):
     """dq = -J' (J J' + lambda I)^-1 r - beta (I - J+ J) grad H, with one lambda for all poses.
 
     For comparison: it converges linearly, the more slowly the smaller the singular values of J are, and fails at
-    targets close to singular poses (formulations/damped.md). In a control loop it lags behind the other strategies,
-    which a timed step damps only where it has to.
+    targets close to singular poses (formulations/damped.md). For a target out of reach it does not find the closest
+    posture in any usual number of steps. In a control loop it lags behind the other strategies, which a timed step
+    damps only where it has to.
 
     Attributes:
         damping: lambda, in the unit of J J' [m^2 / rad^2].
@@ -83,7 +84,8 @@ class NakamuraHanafusa(DampedLeastSquares):
     lambda = lambda0 (1 - w / w0)^2 where w < w0, else 0. Newton's step in good poses, a damped one near singular poses,
     whatever the error. w is the volume of the manipulability ellipsoid, sqrt(det J J'), here relative to that of a
     ball with the same Frobenius norm of J, so that w and w0 lie between 0 and 1 for every robot and unit; lambda0 is
-    relative to |J|^2 / m, the mean square of the singular values.
+    relative to |J|^2 / m, the mean square of the singular values. For a target out of reach it does not find the
+    closest posture in any usual number of steps.
 
     Attributes:
         damping: lambda0, at a singular pose, relative to |J|^2 / m.

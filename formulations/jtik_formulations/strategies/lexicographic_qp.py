@@ -82,6 +82,10 @@ class LexicographicQP(Programmed):
             dq=model.within_limits(task + null.dq if null else task), task=task, null_space=null, relaxed=missed
         )
 
+    def respects_priority(self) -> bool:
+        """Always."""
+        return True
+
     def merit(self) -> LevelMerit:
         """The penalty function of the levels; with one level it is |r|."""
         return LevelMerit()

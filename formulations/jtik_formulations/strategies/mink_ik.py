@@ -34,8 +34,9 @@ class Mink(Programmed):
     """A step by mink, with its kinematics, its quadratic program and its solver; every step is taken.
 
     For comparison, and for mink's own tasks beside jtik's. A pose task is mink's ``FrameTask``; every other task is
-    passed as its residual and Jacobian. Every call goes through Python and takes as long as mink takes. ``solver=`` of
-    InverseKinematics is the name that mink passes on to qpsolvers.
+    passed as its residual and Jacobian. Every call goes through Python and takes as long as mink takes. For a target
+    out of reach it does not find the closest posture. ``solver=`` of InverseKinematics is the name that mink passes on
+    to qpsolvers.
 
     Attributes:
         strict: tasks of the highest priority are equalities, the rest is minimised below them. Where mink finds no

@@ -15,8 +15,9 @@ from jtik_formulations.strategies._parts.scaled_step import ScaledComposition
 class Newton(ScaledComposition):
     """dq = -J+ e - beta (I - J+ J) grad H, each step limited in length.
 
-    Quadratic near the target. With ``q_limit=math.inf, backtracking=False`` it is the undamped method the paper
-    warns of, which jumps near singular poses.
+    Quadratic near the target. For a target out of reach it does not find the closest posture; ``"hybrid"`` does. With
+    ``q_limit=math.inf, backtracking=False`` it is the undamped method the paper warns of, which jumps near singular
+    poses.
 
     Attributes:
         q_limit: limit of Q, the norm of the rotational part of a step [rad]; math.inf for none.

@@ -35,6 +35,7 @@ from jtik.symbolic import (
     horzcat,
     identity,
     if_else,
+    is_finite,
     is_symbolic,
     logic_and,
     logic_not,
@@ -130,6 +131,7 @@ class SecondOrder(SecondaryTerm):
             multipliers=-split.multipliers if self.curvature == "exact" else None,
         )
         W = model.coordinates.hessian(W)
+        W = if_else(is_finite(W), W, 0)  # as the gradient where H has no slope
         if self.curvature == "gauss_newton":
             W = _hessian_scale(W, state["null_step"], gradient - state["lagrangian_gradient"]) * W
         basis = rows.unit_basis

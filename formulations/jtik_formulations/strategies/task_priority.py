@@ -88,7 +88,8 @@ class TaskPriority(Programmed):
 
     A lower level moves only in the null space of the levels above it, the criterion only in that of all levels. Prefer
     it for tasks that may conflict. With one level it is Newton's method. Limits are those of the engine, which
-    stops joints without regard to levels; where they matter, prefer ``"lexicographic_qp"``.
+    stops joints without regard to levels; where they matter, or where the highest level may be out of reach, prefer
+    ``"lexicographic_qp"``.
 
     Attributes:
         rule: "recursive": exact where the levels are compatible. "robust": never worse conditioned than the single
@@ -118,6 +119,10 @@ class TaskPriority(Programmed):
         check_step_limit("q_limit", self.q_limit)
         if self.secondary.uses_qp():
             raise ArgumentError("secondary", self.secondary, "a term without a QP; 'lexicographic_qp' has QPs")
+
+    def respects_priority(self) -> bool:
+        """Always."""
+        return True
 
     def merit(self) -> LevelMerit:
         """The penalty function of the levels; with one level it is |r|."""

@@ -93,6 +93,10 @@ class TaskScaling(Programmed):
         """Whether ``towards`` can release joints from their bounds; if not, the engine's active set does."""
         return True
 
+    def respects_priority(self) -> bool:
+        """Always."""
+        return True
+
     def merit(self) -> LevelMerit:
         """The penalty function of the levels; with one level it is |r|."""
         return LevelMerit()

@@ -1,0 +1,120 @@
+"""Targets out of reach, near and far: the closest posture, by SciPy, and a status that says so."""
+
+from __future__ import annotations
+
+import functools
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+import jtik
+
+from ..conftest import large_ones_slow, planar
+
+FACTORS = [1.5, 10.0, 100.0, 1e4, 1e9]
+"""Distances of targets, relative to the reach of the arm."""
+
+ELSEWHERE = ("damped_constant", "mink", "nakamura", "newton", "task_priority", "weighted_least_norm")
+"""Strategies whose docs say that they do not find the closest posture."""
+
+FINDERS = [name for name in jtik.strategies if name not in ELSEWHERE]
+
+
+@functools.cache
+def starts():
+    rng = np.random.default_rng(0)
+    return [(rng.uniform(-2, 2, 4), rng.uniform(-math.pi, math.pi)) for _ in range(6)]
+
+
+def closest(robot, target, q):
+    """The point that SciPy reaches from q, within the limits, of a target in the same direction that is not so far."""
+    nearer = target * min(1.0, 1e3 / np.linalg.norm(target))
+    inside = np.clip(q, robot.lower + 1e-9, robot.upper - 1e-9)
+    found = least_squares(
+        lambda q: robot.position(q) - nearer,
+        inside,
+        bounds=(robot.lower, robot.upper),
+        xtol=1e-15,
+        ftol=1e-15,
+        gtol=1e-13,
+    )
+    return robot.position(found.x)
+
+
+@functools.cache
+def solver_of(strategy):
+    return jtik.InverseKinematics(planar(4), jtik.FrameTask(), strategy=strategy)
+
+
+def test_the_docs_say_which_strategies_do_not_find_it():
+    for name in ELSEWHERE:
+        assert "closest posture" in jtik.strategies[name].__doc__ or "out of reach" in jtik.strategies[name].__doc__
+
+
+@pytest.mark.parametrize("factor", FACTORS)
+@pytest.mark.parametrize("strategy", large_ones_slow(FINDERS))
+def test_a_planar_arm_ends_at_the_closest_posture_and_says_so(strategy, factor):
+    robot, ik = planar(4), solver_of(strategy)
+    for q0, angle in starts():
+        direction = np.array([math.cos(angle), math.sin(angle)])
+        solution = ik.solve(factor * 4 * direction, q0=q0)
+        assert solution.status is jtik.Status.LOCAL_MINIMUM, (factor, q0, angle)
+        assert np.linalg.norm(robot.position(solution.q) - 4 * direction) < 4e-3  # the straight arm
+
+
+@pytest.mark.parametrize("factor", [1.5, 1e9])
+@pytest.mark.parametrize("strategy", large_ones_slow(["hybrid", "damped", "weighted_qp", "lexicographic_qp"]))
+def test_within_limits_it_ends_where_scipy_ends(strategy, factor):
+    robot = planar(4, lower=-1.0, upper=1.0)
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask(), strategy=strategy)
+    for q0, angle in starts():
+        target = 4 * factor * np.array([math.cos(angle), math.sin(angle)])
+        solution = ik.solve(target, q0=q0)
+        assert solution.status is (jtik.Status.LOCAL_MINIMUM if abs(angle) < 1 else jtik.Status.LIMITS)
+        assert np.linalg.norm(robot.position(solution.q) - closest(robot, target, solution.q)) < 4e-3
+
+
+@pytest.mark.parametrize("strategy", [*ELSEWHERE])
+def test_the_others_do_not_claim_it(strategy):
+    """A status is of the configuration, whatever the strategy: "out of reach" only at the closest posture."""
+    robot, ik = planar(4), solver_of(strategy)
+    for q0, angle in starts()[:2]:
+        target = 40 * np.array([math.cos(angle), math.sin(angle)])
+        solution = ik.solve(target, q0=q0, max_iterations=300)
+        off = np.linalg.norm(robot.position(solution.q) - closest(robot, target, solution.q))
+        assert (solution.status is jtik.Status.LOCAL_MINIMUM) <= (off < 4e-3)
+
+
+@pytest.mark.parametrize("factor", [1.5, 10.0, 1e9])
+@pytest.mark.parametrize("kind", ["position", "pose"])
+@pytest.mark.parametrize("strategy", large_ones_slow(["hybrid", "damped", "weighted_qp"]))
+def test_a_spatial_arm(strategy, kind, factor):
+    robot = jtik.Robot.builtin("ur5")
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask(kind=kind), strategy=strategy)
+    rng = np.random.default_rng(2)
+    for _ in range(3):
+        q0, direction = robot.random_configuration(rng), rng.normal(size=3)
+        target = np.eye(4)
+        target[:3, 3] = factor * 0.95 * direction / np.linalg.norm(direction)
+        solution = ik.solve(target, q0=q0)
+        assert solution.status in (jtik.Status.LOCAL_MINIMUM, jtik.Status.LIMITS)
+        if kind == "position" or factor == 1e9:  # there the position alone decides
+            again = closest(robot, target[:3, 3], solution.q)
+            assert np.linalg.norm(robot.position(solution.q) - again) < 1e-3 * 0.95
+
+
+@pytest.mark.parametrize("strategy", ["hybrid", "newton", "damped_constant", "task_priority", "transpose"])
+def test_a_solve_that_says_stalled_is_not_at_a_stationary_point(strategy):
+    """SciPy goes on from there, as far as rounding allows to see."""
+    robot, ik = planar(3), jtik.InverseKinematics(planar(3), jtik.FrameTask(), strategy=strategy)
+    rng, stalled = np.random.default_rng(3), 0
+    for _ in range(30):
+        target = rng.uniform(1.02, 2) * 3 * np.array([1.0, 0.0])
+        solution = ik.solve(target, q0=rng.uniform(-2, 2, 3))
+        if solution.status is jtik.Status.STALLED:
+            stalled += 1
+            better = closest(robot, target, solution.q)
+            assert np.linalg.norm(better - target) < solution.position_error - 1e-9
+    assert stalled or strategy != "newton"
