@@ -18,10 +18,10 @@ from jtik_formulations.strategies._parts.scaled_step import ScaledComposition
 
 
 def limit_gradient(model: LocalModel) -> tuple[Expression, Expression]:
-    """Slopes |dH/dq_i| (n, 1) [1/rad] of H = 1/4 sum (u - l)^2 / ((u - q)(q - l)), and |2 q_i - u_i - l_i| (n, 1) [rad].
+    """Slopes |dH/dq_i| and offsets |2 q_i - u_i - l_i|, both (n, 1), of H = 1/4 sum (u - l)^2 / ((u - q)(q - l)).
 
-    For fixed limits a slope rises and falls with the second, which is finite also at a limit. Both are 0 in the middle
-    of a joint's range, and for a joint without limits on both sides.
+    For fixed limits a slope [1/rad] rises and falls with its offset [rad], which is finite also at a limit. Both are 0
+    in the middle of a joint's range, and for a joint without limits on both sides.
     """
     slopes: list[Expression] = [0] * model.robot.n
     offsets: list[Expression] = [0] * model.robot.n
