@@ -10,8 +10,10 @@ from __future__ import annotations
 from jtik.symbolic.operations import Expression, atan2, cos, identity, if_else, sin, skew, sqrt, sumsqr, vertcat
 
 _SMALL = 1e-12
-"""|v|^2 below which 2 atan2(|v|, w) / |v| is 2 (1 + |v|^2 / 6): of the series 2 asin(|v|) / |v| of a unit quaternion, the
-next term is 3 / 20 |v|^4, below 1e-24. For `log_rate` the squared angle below which c is 1 / 12."""
+"""|v|^2 below which 2 atan2(|v|, w) / |v| is 2 (1 + |v|^2 / 6), the series of 2 asin(|v|) / |v| of a unit quaternion.
+
+Its next term is 3 / 20 |v|^4, below 1e-24. For `log_rate` it is the squared angle below which c is 1 / 12.
+"""
 
 
 def _largest_column(R: Expression) -> Expression:
