@@ -147,7 +147,7 @@ def two_slides(angle):
 
 @pytest.mark.parametrize("clamp", ["hard", "soft"])
 def test_a_weak_direction_that_moves_only_prismatic_joints_is_damped(clamp):
-    """The step along it tends to zero with the angle between two prismatic joints, and is zero where they are parallel."""
+    """The step along it tends to zero with the angle between the two, and is zero where they are parallel."""
     lengths = []
     for angle in (1e-1, 1e-3, 1e-5, 1e-7, 0.0):
         ik = jtik.InverseKinematics(two_slides(angle), jtik.FrameTask("tip"), strategy=bare(clamp=clamp))

@@ -68,7 +68,7 @@ def test_small_angles_keep_their_relative_accuracy(angle, rng):
 
 @pytest.mark.parametrize("angle", [1e-9, 1e-7, 5e-7, 1e-6, 1.5e-6, 1.99e-6, 2.01e-6, 3e-6, 1e-5])
 def test_the_series_at_small_angles_has_the_digits_of_the_matrix(angle, rng):
-    """Against Rodrigues' formula, whose coefficients are exact to t^4 / 120, below 1e-22; the branch changes at 2e-6."""
+    """Against Rodrigues' formula, exact to t^4 / 120, below 1e-22; the branch changes at 2e-6."""
     for _ in range(20):
         vector = angle * random_axis(rng)
         x, y, z = vector
