@@ -218,8 +218,8 @@ class ClearanceModel:
     def keeps(self, dq: Expression) -> Expression:
         """1 if every distance stays safe along the straight path of the displacement dq (n, 1).
 
-        The distances are evaluated at the samples. A point of a body moves at most L in the step and its link rotates by
-        at most S; between two samples a distance is safe where both exceed the safe value by the smaller of
+        The distances are evaluated at K samples. A point of a body moves at most L in the step and its link rotates by
+        at most S. Between two samples a distance is safe where both exceed the safe value by the smaller of
         (L^2 / rho + L S) / (8 K^2) and L / (2 K). A distance that starts below it is no smaller at any sample.
         """
         travelled, turned = self.motion.lengths(self.coordinates.to_joints(dq))

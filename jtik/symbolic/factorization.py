@@ -228,7 +228,7 @@ class RowSpace:
             products[j] = dot(U[j], r) * inverses[j]
             for k in range(j + 1, self._m):
                 products[j] = products[j] - R[k][j] * products[k]
-        coordinates, vector = _recovered(products, self._basis, self._inverse)
+        coordinates, vector = _recovered(products, self._basis, self._inverse, self._n)
         return RowVector(self, coordinates, products, vector)
 
     def split(self, g: Expression) -> Split:
@@ -246,7 +246,7 @@ class RowSpace:
         y: list[Expression] = []
         for j, above in enumerate(R):
             y.append(coefficients[j] - sum(a * b for a, b in zip(above, y, strict=True)))
-        return Split(g, self._row_vector(coefficients), _recovered(y, U, inverses)[1])
+        return Split(g, self._row_vector(coefficients), _recovered(y, U, inverses, self._m)[1])
 
     def _row_vector(self, coordinates: Sequence[Expression]) -> RowVector:
         products = [c * squared for c, squared in zip(coordinates, self._squared, strict=True)]
@@ -254,14 +254,14 @@ class RowSpace:
 
 
 def _recovered(
-    products: Sequence[Expression], basis: Sequence[Expression], inverses: Sequence[Expression]
+    products: Sequence[Expression], basis: Sequence[Expression], inverses: Sequence[Expression], size: int
 ) -> tuple[list[Expression], Expression]:
-    """The vector of the span of a basis by its inner products with it: coordinates and the vector itself.
+    """The vector (size, 1) of the span of a basis by its inner products with it: coordinates and the vector itself.
 
     The recursion of Bjorck and Paige, from the last element to the first. It makes up for the orthogonality that
     Gram-Schmidt loses: the inner products are right to rounding, whatever the condition number.
     """
-    x: Expression = zeros(basis[0].shape[0])
+    x: Expression = zeros(size)
     coordinates: list[Expression] = []
     for product, element, inverse in zip(reversed(products), reversed(basis), reversed(inverses), strict=True):
         coordinate = (product - dot(element, x)) * inverse
