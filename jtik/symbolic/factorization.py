@@ -54,7 +54,7 @@ class RowVector:
 
     Attributes:
         coordinates: m coordinates in the basis.
-        products: m inner products of the vector with the rows of the basis.
+        products: m inner products of the vector with the rows of the basis, 0 for a dependent row.
         vector: the vector itself (n, 1), built when it is first read.
         image: J times the vector (m, 1), built when it is first read.
     """
@@ -212,7 +212,8 @@ class RowSpace:
 
     def _image(self, products: Sequence[Expression]) -> Expression:
         """J times a vector of the row space (m, 1) by its inner products with the basis."""
-        return vertcat(*[sum(a * b for a, b in zip(row, products, strict=False)) for row in self._lower])
+        rows = zip(self._lower, products, strict=True)  # the product with a dependent row is zero already
+        return vertcat(*[own + sum(a * b for a, b in zip(row[:-1], products, strict=False)) for row, own in rows])
 
     def transposed(self, r: Expression) -> RowVector:
         """``J' r``, without the share of dependent rows, which is below the rank threshold."""
@@ -229,7 +230,8 @@ class RowSpace:
             for k in range(j + 1, self._m):
                 products[j] = products[j] - R[k][j] * products[k]
         coordinates, vector = _recovered(products, self._basis, self._inverse, self._n)
-        return RowVector(self, coordinates, products, vector)
+        # of two rows a multiple is cheaper to combine anew than to scale
+        return RowVector(self, coordinates, products, vector if self._m > 2 else None)
 
     def split(self, g: Expression) -> Split:
         """g as the sum of its part in the null space and its part in the row space."""
@@ -264,7 +266,9 @@ def _recovered(
     x: Expression = zeros(size)
     coordinates: list[Expression] = []
     for product, element, inverse in zip(reversed(products), reversed(basis), reversed(inverses), strict=True):
-        coordinate = (product - dot(element, x)) * inverse
+        # with one element the factor after the product: of two rows the vector itself may not be needed
+        other = coordinates[0] * dot(element, basis[-1]) if len(coordinates) == 1 else dot(element, x)
+        coordinate = (product - other) * inverse
         x = x + coordinate * element
         coordinates.insert(0, coordinate)
     return coordinates, x

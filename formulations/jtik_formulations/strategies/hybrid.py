@@ -63,10 +63,10 @@ class DoglegStep(TaskStep):
         gradient = model.task_gradient_rows
         alpha = optimal_gain(gradient.squared_length, gradient.image)
         s = fmin(1, ratio(radius, alpha * sqrt(gradient.squared_length)))
-        transpose = (-alpha * s) * gradient
-        tt, tn, nn = transpose.squared_length, transpose.dot(newton), newton.squared_length
+        gain = -alpha * s  # of the transpose step
+        tt, tn, nn = gain * gradient.squared_length * gain, gain * gradient.dot(newton), newton.squared_length
         along = _along(tt, tn, nn, radius, s)
-        return TaskDisplacement.along((1 - along) * transpose + along * newton, alpha)
+        return TaskDisplacement.along(((1 - along) * gain) * gradient + along * newton, alpha)
 
     def _general(self, model: LocalModel, state: State, newton: TaskDisplacement) -> TaskDisplacement:
         """The dogleg to any Newton step, also with prismatic joints: the radius bounds the rotational part only."""
