@@ -218,9 +218,9 @@ class ClearanceModel:
     def keeps(self, dq: Expression) -> Expression:
         """1 if every distance stays safe along the straight path of the displacement dq (n, 1).
 
-        The distances are evaluated at the samples and bounded between them. A point of a body moves at most L in the
-        step and its link rotates by at most S; between samples a distance lies at most
-        (L^2 / rho + L S) / (8 K^2) below the chord of a convex stretch, and L / (2 K) below the lower end.
+        The distances are evaluated at K samples. A point of a body moves at most L in the step and its link rotates by
+        at most S. Between two samples a distance is safe where both exceed the safe value by the smaller of
+        (L^2 / rho + L S) / (8 K^2) and L / (2 K). A distance that starts below it is no smaller at any sample.
         """
         travelled, turned = self.motion.lengths(self.coordinates.to_joints(dq))
         curved = (travelled**2 / self.curvature_radius + travelled * turned) / (8 * SAMPLES**2)

@@ -7,10 +7,12 @@ With all rows independent L is triangular and solved by substitution. With depen
 orthogonalised too, and the result is the least-squares solution of minimum norm, as from an SVD truncated at the same
 threshold.
 
-No Gram matrix is formed: a condition number of 1e8 does no more harm here than 1e4 does to a Cholesky factor of
-``J J'``.
+No Gram matrix is formed, and solutions are recovered from the last row to the first, which makes up for the
+orthogonality that Gram-Schmidt loses: a condition number of 1e8 does no more harm here than 1e4 does to a Cholesky
+factor of ``J J'`` (formulations/factorization.md).
 
-Source: Golub and Van Loan, *Matrix Computations*, section 5.4 (complete orthogonal decomposition).
+Source: Golub and Van Loan, *Matrix Computations*, section 5.4 (complete orthogonal decomposition); Bjorck and Paige,
+SIAM J. Matrix Anal. Appl. 13, 1992 (the recursion).
 """
 
 from __future__ import annotations
@@ -47,25 +49,36 @@ def squared_length(J: Expression) -> Expression:
 class RowVector:
     """A vector of the row space by its coordinates in the basis: lengths and products cost m operations instead of n.
 
+    The basis is orthogonal only to the rounding error times the condition number of J. Coordinates and inner products
+    with the basis are therefore both kept.
+
     Attributes:
         coordinates: m coordinates in the basis.
+        products: m inner products of the vector with the rows of the basis, 0 for a dependent row.
         vector: the vector itself (n, 1), built when it is first read.
         image: J times the vector (m, 1), built when it is first read.
     """
 
-    def __init__(self, space: RowSpace, coordinates: Sequence[Expression]) -> None:
-        self._space = space
+    def __init__(
+        self,
+        space: RowSpace,
+        coordinates: Sequence[Expression],
+        products: Sequence[Expression],
+        vector: Expression | None = None,
+    ) -> None:
+        self._space, self._vector = space, vector
         self.coordinates = tuple(coordinates)
+        self.products = tuple(products)
 
     @cached_property
     def vector(self) -> Expression:
         """The vector itself, (n, 1)."""
-        return self._space.combined(self.coordinates)
+        return self._space.combined(self.coordinates) if self._vector is None else self._vector
 
     @cached_property
     def image(self) -> Expression:
         """J times the vector, (m, 1)."""
-        return self._space.image(self.coordinates)
+        return self._space._image(self.products)
 
     @cached_property
     def squared_length(self) -> Expression:
@@ -74,13 +87,15 @@ class RowVector:
 
     def dot(self, other: RowVector) -> Expression:
         """Inner product with another vector of the same row space."""
-        return self._space.inner(self.coordinates, other.coordinates)
+        return sum(a * b for a, b in zip(self.coordinates, other.products, strict=True))
 
     def __rmul__(self, factor: Expression) -> RowVector:
-        return RowVector(self._space, [factor * c for c in self.coordinates])
+        coordinates, products = ([factor * x for x in entries] for entries in (self.coordinates, self.products))
+        return RowVector(self._space, coordinates, products, None if self._vector is None else factor * self._vector)
 
     def __add__(self, other: RowVector) -> RowVector:
-        return RowVector(self._space, [a + b for a, b in zip(self.coordinates, other.coordinates, strict=True)])
+        coordinates = [a + b for a, b in zip(self.coordinates, other.coordinates, strict=True)]
+        return RowVector(self._space, coordinates, [a + b for a, b in zip(self.products, other.products, strict=True)])
 
 
 DAMPING_FLOOR = 1e-16
@@ -175,54 +190,52 @@ class RowSpace:
         return sum(self._independent[1:], self._independent[0])
 
     @cached_property
-    def _column_space(self) -> tuple[list[Expression], list[list[Expression]]]:
-        """Orthonormal columns U and the rows of the upper triangular R with ``L = U R``."""
-        m = self._m
-        columns = [vertcat(*[0] * j, *[self._lower[i][j] for i in range(j, m)]) for j in range(m)]
+    def _column_space(self) -> tuple[list[Expression], list[Expression], list[list[Expression]]]:
+        """Orthogonal columns of U, their reciprocal squares, and above its unit diagonal R, with ``L = U R``."""
         U: list[Expression] = []
-        R: list[list[Expression]] = [[] for _ in range(m)]
-        for j, column in enumerate(columns):
-            for i, unit in enumerate(U):
-                coefficient = dot(unit, column)
-                column = column - coefficient * unit
-                R[i].append(coefficient)
-            length = sqrt(sumsqr(column) + TINY)  # a dependent row left a column of zeros
-            U.append(column / length)
-            R[j].append(length)
-        return U, R
+        inverses: list[Expression] = []
+        R: list[list[Expression]] = []
+        for j in range(self._m):
+            column = vertcat(*[0] * j, *[self._lower[i][j] for i in range(j, self._m)])
+            coefficients = []
+            for basis, inverse in zip(U, inverses, strict=True):
+                coefficient = dot(basis, column) * inverse
+                column = column - coefficient * basis
+                coefficients.append(coefficient)
+            U.append(column)
+            inverses.append(ratio(1, sumsqr(column)))  # a dependent row left a column of zeros
+            R.append(coefficients)
+        return U, inverses, R
 
     def combined(self, coordinates: Sequence[Expression]) -> Expression:
         """The vector (n, 1) with these coordinates."""
         total = zeros(self._n)
-        for component, basis in zip(coordinates, self._basis, strict=True):
+        for component, basis in zip(reversed(coordinates), reversed(self._basis), strict=True):
             total = total + component * basis
         return total
 
-    def image(self, coordinates: Sequence[Expression]) -> Expression:
-        """J times the vector with these coordinates, (m, 1)."""
-        scaled = [c * squared for c, squared in zip(coordinates, self._squared, strict=True)]
-        return vertcat(*[sum(a * b for a, b in zip(row, scaled, strict=False)) for row in self._lower])
-
-    def inner(self, first: Sequence[Expression], second: Sequence[Expression]) -> Expression:
-        """Inner product of two vectors given by coordinates."""
-        # the length first: the square of a coordinate alone could overflow
-        return sum(a * length * b for a, b, length in zip(first, second, self._squared, strict=True))
+    def _image(self, products: Sequence[Expression]) -> Expression:
+        """J times a vector of the row space (m, 1) by its inner products with the basis."""
+        rows = zip(self._lower, products, strict=True)  # the product with a dependent row is zero already
+        return vertcat(*[own + sum(a * b for a, b in zip(row[:-1], products, strict=False)) for row, own in rows])
 
     def transposed(self, r: Expression) -> RowVector:
         """``J' r``, without the share of dependent rows, which is below the rank threshold."""
         m = self._m
-        return RowVector(self, [sum(self._lower[k][i] * r[k] for k in range(i, m)) for i in range(m)])
+        coordinates = [sum(self._lower[k][i] * r[k] for k in range(i, m)) for i in range(m)]
+        return self._row_vector(coordinates)
 
     def least_squares(self, r: Expression) -> RowVector:
         """``J+ r``: the shortest x that minimises ``|J x - r|``."""
-        U, R = self._column_space
-        y: list[Expression] = [0] * self._m
-        for i in reversed(range(self._m)):
-            total = dot(U[i], r)
-            for j in range(i + 1, self._m):
-                total = total - R[i][j - i] * y[j]
-            y[i] = total / R[i][0]
-        return RowVector(self, [component * inverse for component, inverse in zip(y, self._inverse, strict=True)])
+        U, inverses, R = self._column_space
+        products: list[Expression] = [0] * self._m
+        for j in reversed(range(self._m)):
+            products[j] = dot(U[j], r) * inverses[j]
+            for k in range(j + 1, self._m):
+                products[j] = products[j] - R[k][j] * products[k]
+        coordinates, vector = _recovered(products, self._basis, self._inverse, self._n)
+        # of two rows a multiple is cheaper to combine anew than to scale
+        return RowVector(self, coordinates, products, vector if self._m > 2 else None)
 
     def damped(self, r: Expression, damping: Expression) -> RowVector:
         """A damped step to ``J x = r``, each row in its turn with its own part of the row space.
@@ -236,7 +249,8 @@ class RowSpace:
             for product, known in zip(self._products[i], coordinates, strict=True):
                 left = left - product * known
             coordinates.append(ratio(left, self._squared[i] + damping))
-        return RowVector(self, coordinates)
+        products = [squared * x for squared, x in zip(self._squared, coordinates, strict=True)]
+        return RowVector(self, coordinates, products)
 
     def split(self, g: Expression) -> Split:
         """g as the sum of its part in the null space and its part in the row space."""
@@ -249,14 +263,31 @@ class RowSpace:
         # pass would move the end effector
         for basis, inverse in zip(self._basis, self._inverse, strict=True):
             g = g - (dot(basis, g) * inverse) * basis
-        U, R = self._column_space
+        U, inverses, R = self._column_space
         y: list[Expression] = []
-        for i in range(self._m):
-            total = coefficients[i]
-            for j in range(i):
-                total = total - R[j][i - j] * y[j]
-            y.append(total / R[i][0])
-        solution = zeros(self._m)
-        for component, unit in zip(y, U, strict=True):
-            solution = solution + component * unit
-        return Split(g, RowVector(self, coefficients), solution)
+        for j, above in enumerate(R):
+            y.append(coefficients[j] - sum(a * b for a, b in zip(above, y, strict=True)))
+        return Split(g, self._row_vector(coefficients), _recovered(y, U, inverses, self._m)[1])
+
+    def _row_vector(self, coordinates: Sequence[Expression]) -> RowVector:
+        products = [c * squared for c, squared in zip(coordinates, self._squared, strict=True)]
+        return RowVector(self, coordinates, products)
+
+
+def _recovered(
+    products: Sequence[Expression], basis: Sequence[Expression], inverses: Sequence[Expression], size: int
+) -> tuple[list[Expression], Expression]:
+    """The vector (size, 1) of the span of a basis by its inner products with it: coordinates and the vector itself.
+
+    The recursion of Bjorck and Paige, from the last element to the first. It makes up for the orthogonality that
+    Gram-Schmidt loses: the inner products are right to rounding, whatever the condition number.
+    """
+    x: Expression = zeros(size)
+    coordinates: list[Expression] = []
+    for product, element, inverse in zip(reversed(products), reversed(basis), reversed(inverses), strict=True):
+        # with one element the factor after the product: of two rows the vector itself may not be needed
+        other = coordinates[0] * dot(element, basis[-1]) if len(coordinates) == 1 else dot(element, x)
+        coordinate = (product - other) * inverse
+        x = x + coordinate * element
+        coordinates.insert(0, coordinate)
+    return coordinates, x

@@ -10,7 +10,10 @@ from __future__ import annotations
 from jtik.symbolic.operations import Expression, atan2, cos, identity, if_else, sin, skew, sqrt, sumsqr, vertcat
 
 _SMALL = 1e-12
-"""|v|^2 below which 2 atan2(|v|, w) / |v| is its series about 0; the next term of the series is below 1e-24."""
+"""|v|^2 below which 2 atan2(|v|, w) / |v| is 2 (1 + |v|^2 / 6), the series of 2 asin(|v|) / |v| of a unit quaternion.
+
+Its next term is 3 / 20 |v|^4, below 1e-24. For `log_rate` it is the squared angle below which c is 1 / 12.
+"""
 
 
 def _largest_column(R: Expression) -> Expression:
@@ -54,5 +57,5 @@ def log(R: Expression) -> Expression:
     squared = sumsqr(v)
     small = squared < _SMALL
     length = sqrt(if_else(small, 1, squared))
-    ratio = if_else(small, 2 * (1 - squared / 3), 2 * atan2(length, w) / length)
+    ratio = if_else(small, 2 * (1 + squared / 6), 2 * atan2(length, w) / length)
     return ratio * v

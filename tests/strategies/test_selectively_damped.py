@@ -15,14 +15,15 @@ from ..conftest import dh_arm, planar, planar_jacobian, planar_points
 QUARTER = math.pi / 4
 
 
-def clamped(step, limit, soft):
-    angle = np.abs(step).max()
+def clamped(step, most, trust, soft):
+    """The joint that moves furthest brought to the share ``trust`` of its entry of ``most`` [rad or m]."""
+    motion = np.abs(step / most).max()
     if soft:
-        return step * limit / (limit + angle) if limit else 0 * step
-    return step if angle <= limit else step * limit / angle
+        return step * trust / (trust + motion) if trust else 0 * step
+    return step if motion <= trust else step * trust / motion
 
 
-def expected(J, e, *, effectors=None, soft=False, max_error=math.inf):
+def expected(J, e, *, effectors=None, soft=False, max_error=math.inf, most=QUARTER):
     """Buss and Kim's section 4, by numpy's singular value decomposition; minus the step."""
     effectors = [list(range(len(e)))] if effectors is None else [list(rows) for rows in effectors]
     e = e.copy()
@@ -34,11 +35,10 @@ def expected(J, e, *, effectors=None, soft=False, max_error=math.inf):
     for u, s, v in zip(U.T, sigma, Vt, strict=True):
         N = sum(np.linalg.norm(u[rows]) for rows in effectors)
         M = (reach @ np.abs(v)).sum() / s
-        gamma = QUARTER * min(1, N / M)
-        total += clamped((u @ e) / s * v, gamma, soft)
-    if soft:
-        return total if np.abs(total).max() <= QUARTER else clamped(total, QUARTER, True)
-    return clamped(total, QUARTER, False)
+        total += clamped((u @ e) / s * v, most, min(1, N / M), soft)
+    if soft and np.abs(total / most).max() <= 1:
+        return total
+    return clamped(total, most, 1, soft)
 
 
 def bare(**options):
@@ -112,14 +112,48 @@ def test_no_angle_of_a_step_is_larger_than_the_limit(bend, rng):
         assert np.abs(ik.step(q, rng.uniform(-8, 8, 2)).q - q).max() <= 0.3 * (1 + 1e-12)
 
 
-def test_prismatic_joints_are_not_clamped():
-    """A vehicle whose arm need not move arrives in one step."""
+@pytest.mark.parametrize("clamp", ["hard", "soft"])
+@pytest.mark.parametrize("longest", [0.1, 2.0, math.inf])
+def test_prismatic_joints_have_a_limit_of_their_own(longest, clamp, rng):
+    robot = jtik.Robot.vehicle(2)
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=bare(clamp=clamp, max_length=longest))
+    most = np.where(robot.rotational, QUARTER, longest)
+    for _ in range(10):
+        q, target = robot.random_configuration(rng), rng.uniform(-5, 5, 2)
+        seen = ik.solve(target, q0=q, max_iterations=0)
+        wanted = -expected(seen.jacobian, seen.error, soft=clamp == "soft", most=most)
+        assert ik.step(q, target).q - q == pytest.approx(wanted, rel=1e-7, abs=1e-9)
+
+
+def test_a_vehicle_whose_arm_need_not_move_arrives_at_once():
+    """10 m are the limit of a step."""
     robot = jtik.Robot.vehicle(1)
     ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=bare())
     q = np.zeros(robot.n)
-    away = robot.pose(q)[:2, 3] + [30.0, 0.0]
-    step = ik.step(q, away).q - q
-    assert step == pytest.approx([30.0] + [0.0] * (robot.n - 1), abs=1e-9)
+    for distance, wanted in [(9.0, 9.0), (30.0, 10.0)]:
+        step = ik.step(q, robot.pose(q)[:2, 3] + [distance, 0.0]).q - q
+        assert step == pytest.approx([wanted] + [0.0] * (robot.n - 1), abs=1e-9)
+
+
+def two_slides(angle):
+    """Two prismatic joints one after the other, at an ``angle`` to each other [rad]."""
+    axes = np.array([[1.0, 0.0, 0.0], [math.cos(angle), math.sin(angle), 0.0]])
+    joints = [
+        jtik.Joint("first", jtik.JointType.PRISMATIC, "base", "between", axis=axes[0]),
+        jtik.Joint("second", jtik.JointType.PRISMATIC, "between", "tip", axis=axes[1]),
+    ]
+    return jtik.Robot(joints, planar=True)
+
+
+@pytest.mark.parametrize("clamp", ["hard", "soft"])
+def test_a_weak_direction_that_moves_only_prismatic_joints_is_damped(clamp):
+    """The step along it tends to zero with the angle between the two, and is zero where they are parallel."""
+    lengths = []
+    for angle in (1e-1, 1e-3, 1e-5, 1e-7, 0.0):
+        ik = jtik.InverseKinematics(two_slides(angle), jtik.FrameTask("tip"), strategy=bare(clamp=clamp))
+        lengths.append(np.abs(ik.step([0.0, 0.0], [0.0, 1.0]).q).max())
+    assert lengths[0] == pytest.approx(0.5, rel=0.1)  # 10 m times the share that does not cancel
+    assert np.all(np.array(lengths[1:]) <= [6e-3, 6e-5, 6e-7, 0.0])
 
 
 def test_a_target_out_of_reach_ends_at_the_closest_posture():
@@ -131,7 +165,14 @@ def test_a_target_out_of_reach_ends_at_the_closest_posture():
 
 @pytest.mark.parametrize(
     ("option", "value"),
-    [("clamp", "firm"), ("max_angle", 0.0), ("max_angle", math.inf), ("max_error", 0.0), ("max_error", math.nan)],
+    [
+        ("clamp", "firm"),
+        ("max_angle", 0.0),
+        ("max_angle", math.inf),
+        ("max_length", 0.0),
+        ("max_error", 0.0),
+        ("max_error", math.nan),
+    ],
 )
 def test_options_are_checked(option, value):
     with pytest.raises(jtik.ArgumentError, match=option):

@@ -247,12 +247,28 @@ class TestTheStep:
             q, target = rng.uniform(-1, 1, 7), robot.pose(rng.uniform(-1, 1, 7))
             assert one.step(q, target).q == pytest.approx(other.step(q, target).q, abs=AGREE)
 
+    def test_the_scale_is_the_largest_with_a_third_of_the_joints_at_limits(self, rng):
+        robot = planar(10, lower=-1.0, upper=1.0)
+        ik = jtik.InverseKinematics(robot, jtik.FrameTask(), strategy=SNS(**BARE))
+        scaled = 0
+        for _ in range(60):
+            q = rng.uniform(-1, 1, 10)
+            at = rng.permutation(10)[:3]
+            q[at] = np.sign(q[at])
+            J, xdot = planar_jacobian(q), planar_jacobian(q) @ rng.normal(size=10) * rng.uniform(0.5, 3.0)
+            target = planar_points(q)[-1] + xdot
+            trace = ik.solve(target, q0=q, max_iterations=1, trace=True, jump_limit=9.0).trace
+            _, largest = best(J, xdot, -1.0 - q, 1.0 - q)
+            scaled += largest < 1
+            assert trace.scale_0 == pytest.approx([largest], abs=AGREE)
+        assert scaled > 10
+
     @pytest.mark.parametrize("criteria", [None, JointCentering()], ids=["alone", "centring"])
     @pytest.mark.parametrize("n", [4, 7])
     def test_both_strategies_take_the_same_steps(self, criteria, n, rng):
         """Starts inside, and with joints at their limits."""
         robot = planar(n, lower=-1.0, upper=1.0)
-        strategies = SNS(rounds=2 * n), SNSQP()
+        strategies = SNS(), SNSQP()
         one, other = (
             jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=criteria, strategy=s) for s in strategies
         )

@@ -15,11 +15,11 @@ from ..conftest import planar, planar_jacobian, planar_points
 BARE = {"backtracking": False, "q_limit": math.inf}
 
 
-def gradients(q, lower, upper, most):
+def gradients(q, lower, upper):
     """|dH/dq| by Chan and Dubey's (14), for joints with two limits."""
     with np.errstate(divide="ignore", invalid="ignore"):
         gradient = np.abs((upper - lower) ** 2 * (2 * q - upper - lower) / (4 * (upper - q) ** 2 * (q - lower) ** 2))
-    return np.minimum(np.where(np.isfinite(upper - lower), gradient, 0), most)
+    return np.where(np.isfinite(upper - lower), gradient, 0)
 
 
 def expected(J, e, weights):
@@ -32,8 +32,8 @@ def expected(J, e, weights):
 def replayed(q, target, lower, upper, count, most=1e4):
     before, visited = np.zeros(len(q)), [q]
     for _ in range(count):
-        gradient = gradients(q, lower, upper, most - 1)
-        weights = 1 + np.where(gradient >= before, gradient, 0)
+        gradient = gradients(q, lower, upper)
+        weights = np.where(gradient >= before, np.minimum(1 + gradient, most), 1)
         before = gradient
         q = q + expected(planar_jacobian(q), planar_points(q)[-1] - target, weights)
         visited.append(q)
@@ -54,9 +54,28 @@ def test_the_steps_of_a_whole_solve(most, rng):
         wanted = replayed(q0, target, -2.0, 2.0, len(visited) - 1, most)
         assert np.abs(wanted).max() < 2.0
         assert visited == pytest.approx(wanted, abs=1e-7)
-        growth = np.diff([gradients(q, -2.0, 2.0, most - 1) for q in visited], axis=0)
+        growth = np.diff([gradients(q, -2.0, 2.0) for q in visited], axis=0)
         freed += (growth < 0).sum()
     assert freed > 20
+
+
+@pytest.mark.parametrize("inside", [0.0, 1e-9, 1e-6, 1e-3, 5e-3])
+def test_a_joint_that_leaves_its_limit_is_free_in_the_second_step(inside, rng):
+    """Its derivative is still above the largest weight."""
+    robot = planar(5, lower=-2.0, upper=2.0)
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=WeightedLeastNorm(**BARE))
+    q = np.array([0.3, 2.0 - inside, -0.6, 0.4, 0.5])
+    # the tip moves as by this joint alone, inwards: with its weight it takes a small share of that
+    slow = planar_points(q)[-1] + planar_jacobian(q) @ np.array([0.0, -50.0, 0.0, 0.0, 0.0]) * 1e-4
+    ik.reset()
+    first = ik.step(q, slow).q
+    assert 2.0 - inside > first[1] > 2.0 - 1e-2
+    far = planar_points(first)[-1] + 0.2 * rng.standard_normal(2)
+    gradient, before = gradients(first, -2.0, 2.0), gradients(q, -2.0, 2.0)
+    assert gradient[1] > 1e4
+    weights = 1 + np.where(gradient >= before, gradient, 0)
+    wanted = expected(planar_jacobian(first), planar_points(first)[-1] - far, weights)
+    assert ik.step(first, far).q == pytest.approx(np.clip(first + wanted, -2.0, 2.0), abs=1e-9)
 
 
 @pytest.mark.parametrize("bend", [1.0, 1e-3, 1e-6])
@@ -66,7 +85,7 @@ def test_near_singular_poses_the_weighted_pseudo_inverse_is_the_same(bend, rng):
     q = np.append(0.4, bend * np.array([1.0, -0.6, 0.8]))
     J, p = planar_jacobian(q), planar_points(q)[-1]
     target = p + J @ (1e-2 * rng.uniform(-1, 1, 4))
-    wanted = expected(J, p - target, 1 + gradients(q, -1.5, 1.5, 1e4))
+    wanted = expected(J, p - target, 1 + gradients(q, -1.5, 1.5))
     ik.reset()
     assert ik.step(q, target).q - q == pytest.approx(wanted, rel=1e-5, abs=1e-9)
 
@@ -78,7 +97,7 @@ def test_a_straight_arm_makes_the_motion_that_is_possible():
     q = np.array([1.0, 0.0, 0.0])
     along, across = np.array([np.cos(1.0), np.sin(1.0)]), np.array([-np.sin(1.0), np.cos(1.0)])
     target = planar_points(q)[-1] + 0.3 * across - 0.2 * along
-    weights = 1 + gradients(q, -1.5, 1.5, 1e4)
+    weights = 1 + gradients(q, -1.5, 1.5)
     reach = across @ planar_jacobian(q)
     wanted = 0.3 * (reach / weights) / (reach @ (reach / weights))
     assert ik.step(q, target).q - q == pytest.approx(wanted, abs=1e-12)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from pathlib import Path
 
 import casadi
 import numpy as np
@@ -11,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+import jtik
 from jtik.symbolic.factorization import RANK_THRESHOLD, RowSpace
 
 EPS = np.finfo(float).eps
@@ -186,3 +188,95 @@ def test_the_null_space_part_is_a_projection_and_J_maps_it_to_zero(seed, digits)
     assert np.linalg.norm(J @ null) <= FACTOR * EPS / (last or 0.5) * np.linalg.norm(g)
     again = answers(J, np.zeros(3), null)[2]
     assert again == pytest.approx(null, abs=FACTOR * EPS / (last or 0.5) * np.linalg.norm(g))
+
+
+def with_condition(condition, m, n, rng):
+    """A random matrix whose singular values fall from 1 to the reciprocal of ``condition`` in equal ratios."""
+    U, _ = np.linalg.qr(rng.standard_normal((m, m)))
+    W, _ = np.linalg.qr(rng.standard_normal((n, n)))
+    return U @ np.diag(np.logspace(0, -np.log10(condition), m)) @ W[:m]
+
+
+def weak_row_first(condition, m, n, rng):
+    """Two nearly parallel rows, then a row along their difference: entries of L as large as the condition number."""
+    J = rng.standard_normal((m, n))
+    difference = J[1].copy()
+    J[1] = J[0] + difference / condition
+    J[2] += 3 * difference
+    return J
+
+
+def nearly_straight(condition, m, n, rng):
+    """An arm of n links that is bent by the reciprocal of ``condition``, along no coordinate axis."""
+    q = rng.uniform(-1, 1, n) / condition
+    q[0] += 0.7
+    return jtik.Robot.planar(n).jacobian(q, "tip")[:m]
+
+
+def residual(J, x, r):
+    """|J x - r| / |r| with more digits than the solution has."""
+    return float(np.linalg.norm(J.astype(np.longdouble) @ x - r) / np.linalg.norm(r))
+
+
+ILL_CONDITIONED = [(with_condition, 2, 10), (with_condition, 6, 7), (weak_row_first, 3, 7), (nearly_straight, 2, 10)]
+
+
+@pytest.mark.parametrize("digits", range(2, 8))
+@pytest.mark.parametrize(("matrix", "m", "n"), ILL_CONDITIONED)
+def test_residuals_grow_with_the_condition_number_and_not_with_its_square(matrix, m, n, digits, rng):
+    for _ in range(20):
+        J = matrix(10.0**digits, m, n, rng)
+        r, dual = rng.standard_normal((2, m))
+        _, sigma, V = np.linalg.svd(J, full_matrices=False)
+        g = V.T @ dual  # in the row space
+        x, image, null, multipliers, rank = answers(J, r, g)
+        slack = FACTOR * EPS * sigma[0] / sigma[-1]
+        assert rank == m
+        assert residual(J, x, r) <= slack
+        assert image == pytest.approx(r, abs=slack * np.linalg.norm(r))
+        assert residual(J.T, multipliers, g) <= slack
+        assert np.linalg.norm(null) <= slack * np.linalg.norm(g)
+
+
+def cholesky_solution(J, r):
+    """J' (J J')^-1 r."""
+    factor = np.linalg.cholesky(J @ J.T)
+    return J.T @ np.linalg.solve(factor.T, np.linalg.solve(factor, r))
+
+
+def condition_table(rng):
+    """Rows of the table in formulations/factorization.md: condition, then medians of |J x - r| / |r| of 6 x 7."""
+    rows = []
+    for digits in range(2, 9):
+        each = []
+        for _ in range(200):
+            J, r = with_condition(10.0**digits, 6, 7, rng), rng.standard_normal(6)
+            ours = answers(J, r, np.zeros(7))[0]
+            solutions = (ours, cholesky_solution(J, r), np.linalg.pinv(J, rcond=1e-15) @ r)
+            each.append([residual(J, x, r) for x in solutions])
+        rows.append([10.0**digits, *np.median(each, axis=0)])
+    return rows
+
+
+def test_the_table_of_residuals_in_the_derivation(rng):
+    text = (Path(__file__).parents[2] / "formulations" / "factorization.md").read_text()
+    printed = [[float(cell) for cell in line.split("|")[1:-1]] for line in text.splitlines() if line.startswith("| 1e")]
+    for line, computed in zip(printed, condition_table(rng), strict=True):
+        assert np.log10(line) == pytest.approx(np.log10(computed), abs=0.5)
+
+
+@pytest.mark.parametrize("digits", range(1, 7))
+@pytest.mark.parametrize(("m", "n", "rank"), [(2, 10, 1), (3, 7, 2), (6, 7, 3), (6, 12, 5)])
+def test_so_they_do_with_dependent_rows(m, n, rank, digits, rng):
+    for _ in range(20):
+        J = rng.standard_normal((m, rank)) @ with_condition(10.0**digits, rank, n, rng)
+        r, dual = rng.standard_normal((2, m))
+        U, sigma, V = np.linalg.svd(J)
+        U, sigma = U[:, :rank], sigma[:rank]
+        g = V[:rank].T @ dual[:rank]
+        x, image, _, multipliers, found = answers(J, r, g)
+        slack = FACTOR * EPS * sigma[0] / sigma[-1]
+        assert found == rank
+        assert J @ x == pytest.approx(U @ (U.T @ r), abs=slack * np.linalg.norm(r))
+        assert image == pytest.approx(U @ (U.T @ r), abs=slack * np.linalg.norm(r))
+        assert J.T @ multipliers == pytest.approx(g, abs=slack * np.linalg.norm(g))

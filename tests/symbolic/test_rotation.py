@@ -15,6 +15,7 @@ from jtik.symbolic import rotation
 
 from ..conftest import EXACT
 
+EPS = np.finfo(float).eps
 NEAR_PI = 1e-9
 """At pi - 1e-6 the matrix itself, rounded to 1e-16, fixes the axis only to 1e-16 / 1e-6 in the worst direction."""
 
@@ -63,6 +64,18 @@ def test_small_angles_keep_their_relative_accuracy(angle, rng):
         vector = angle * random_axis(rng)
         # the matrix holds the vector to the rounding of its unit diagonal at worst, its off-diagonal far better
         assert log(Turn.from_rotvec(vector).as_matrix()) == pytest.approx(vector, rel=1e-9, abs=1e-10 * angle)
+
+
+@pytest.mark.parametrize("angle", [1e-9, 1e-7, 5e-7, 1e-6, 1.5e-6, 1.99e-6, 2.01e-6, 3e-6, 1e-5])
+def test_the_series_at_small_angles_has_the_digits_of_the_matrix(angle, rng):
+    """Against Rodrigues' formula, exact to t^4 / 120, below 1e-22; the branch changes at 2e-6."""
+    for _ in range(20):
+        vector = angle * random_axis(rng)
+        x, y, z = vector
+        cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+        squared = vector @ vector
+        R = np.eye(3) + (1 - squared / 6) * cross + (1 - squared / 12) / 2 * cross @ cross
+        assert np.linalg.norm(log(R) - vector) <= 8 * EPS * angle
 
 
 def test_the_identity_has_no_rotation():

@@ -68,10 +68,10 @@ class DoglegStep(TaskStep):
         gradient = model.task_gradient_rows
         alpha = optimal_gain(gradient.squared_length, gradient.image)
         s = fmin(1, ratio(radius, alpha * sqrt(gradient.squared_length)))
-        transpose = (-alpha * s) * gradient
-        tt, tn, nn = transpose.squared_length, transpose.dot(newton), newton.squared_length
+        gain = -alpha * s  # of the transpose step
+        tt, tn, nn = gain * gradient.squared_length * gain, gain * gradient.dot(newton), newton.squared_length
         along = _along(tt, tn, nn, radius, s)
-        dogleg = (1 - along) * transpose + along * newton
+        dogleg = ((1 - along) * gain) * gradient + along * newton
         if exploring:
             dogleg = (1 - x) * dogleg + x * exploring
         return TaskDisplacement.along(dogleg, alpha)

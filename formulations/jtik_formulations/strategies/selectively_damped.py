@@ -38,7 +38,8 @@ class SelectivelyDampedStep(TaskStep):
 
     Attributes:
         clamp: clamp of each singular direction, "hard" or "soft".
-        max_angle: largest joint motion of a singular direction [rad].
+        max_angle: largest motion of a rotational joint [rad].
+        max_length: largest motion of a prismatic joint [m].
         max_error: largest error that a step aims to remove.
         effectors: rows of each end effector; None for one end effector with all rows.
         backtracking: fraction of the step that is taken.
@@ -46,6 +47,7 @@ class SelectivelyDampedStep(TaskStep):
 
     clamp: Clamp
     max_angle: float
+    max_length: float
     max_error: float
     effectors: tuple[tuple[int, ...], ...] | None
     backtracking: Backtracking
@@ -63,24 +65,36 @@ class SelectivelyDampedStep(TaskStep):
         for i, (component, row, squared) in enumerate(zip(components, svd.rows, svd.squared, strict=True)):
             wanted = sum(norm(svd.left[i][list(rows)]) for rows in effectors) if len(effectors) > 1 else 1
             moved = sum(fabs(row[j]) * effector_motion[j] for j in range(model.robot.n))
-            limit = self.max_angle * fmin(1, ratio(wanted * squared, moved))
+            trust = fmin(1, ratio(wanted * squared, moved))
             gain = ratio(component, squared + model.curvature)
-            gains.append(gain * self._scale(limit, fabs(gain) * _largest_rotation(model, row)))
+            gains.append(gain * self._scale(trust, fabs(gain) * self._motion(model, row)))
         full = svd.combined(gains)
-        scale = self._scale_of_sum(_largest_rotation(model, full)) * self.backtracking.fraction(state)
+        scale = self._scale_of_sum(self._motion(model, full)) * self.backtracking.fraction(state)
         return TaskDisplacement(scale * full, scale * svd.image(gains))
 
-    def _scale(self, limit: Expression, angle: Expression) -> Expression:
-        """The factor that brings an angle down to its limit."""
-        if self.clamp == "soft":
-            return ratio(limit, limit + angle)
-        return fmin(1, ratio(limit, angle))
+    def _motion(self, model: LocalModel, step: Expression) -> Expression:
+        """The motion of the joint that moves furthest, as a multiple of ``max_angle`` or ``max_length``."""
+        angle: Expression = 0
+        length: Expression = 0
+        joints = model.coordinates.to_joints(step)
+        for j, is_angle in enumerate(model.rotational):
+            if is_angle:
+                angle = fmax(angle, fabs(joints[j]))
+            else:
+                length = fmax(length, fabs(joints[j]))
+        return fmax(angle / self.max_angle, length / self.max_length)
 
-    def _scale_of_sum(self, angle: Expression) -> Expression:
+    def _scale(self, trust: Expression, motion: Expression) -> Expression:
+        """The factor that brings a motion down to ``trust``."""
+        if self.clamp == "soft":
+            return ratio(trust, trust + motion)
+        return fmin(1, ratio(trust, motion))
+
+    def _scale_of_sum(self, motion: Expression) -> Expression:
         """The same for the sum of the components; both clamps leave it unchanged while it is short enough."""
         if self.clamp == "soft":
-            return if_else(angle > self.max_angle, self.max_angle / (self.max_angle + angle), 1)
-        return fmin(1, ratio(self.max_angle, angle))
+            return if_else(motion > 1, 1 / (1 + motion), 1)
+        return fmin(1, ratio(1, motion))
 
     def _effectors(self, m: int) -> tuple[tuple[int, ...], ...]:
         if self.effectors is None:
@@ -105,15 +119,6 @@ class SelectivelyDampedStep(TaskStep):
         return self.backtracking.adapt(state, outcome)
 
 
-def _largest_rotation(model: LocalModel, step: Expression) -> Expression:
-    """The largest angle in a step [rad]; prismatic joints are not clamped."""
-    largest: Expression = 0
-    angles = model.coordinates.to_joints(step)
-    for j in model.rotational_entries:
-        largest = fmax(largest, fabs(angles[j]))
-    return largest
-
-
 @register_strategy("selectively_damped")
 @dataclass(frozen=True, kw_only=True)
 class SelectivelyDamped(Composition):
@@ -124,9 +129,10 @@ class SelectivelyDamped(Composition):
     effectors, and for targets that may be out of reach.
 
     Attributes:
-        clamp: "hard", as in the paper: an angle above its limit is brought to it. "soft", as in the code the
+        clamp: "hard", as in the paper: a motion above its limit is brought to it. "soft", as in the code the
             authors released: gamma / (gamma + angle) in place of min(1, gamma / angle), which shortens every step.
         max_angle: gamma_max, the largest angle of one step [rad].
+        max_length: the largest motion of a prismatic joint in one step [m]; math.inf for none.
         max_error: D_max: the residual of an effector counts as at most so long [m]; math.inf for as it is.
         effectors: which task rows belong to which effector, such as ((0, 1, 2), (3, 4, 5)) for the positions of two
             hands. None: all rows are of one.
@@ -138,6 +144,7 @@ class SelectivelyDamped(Composition):
 
     clamp: Clamp = "hard"
     max_angle: float = math.pi / 4
+    max_length: float = 10.0
     max_error: float = math.inf
     effectors: tuple[tuple[int, ...], ...] | None = None
     backtracking: bool = True
@@ -149,6 +156,8 @@ class SelectivelyDamped(Composition):
     def __post_init__(self) -> None:
         check_choice("clamp", self.clamp, ("hard", "soft"))
         check_positive("max_angle", self.max_angle)
+        if not self.max_length > 0:
+            raise ArgumentError("max_length", self.max_length, "a positive length [m], math.inf for none")
         if not self.max_error > 0:
             raise ArgumentError("max_error", self.max_error, "a positive length [m], math.inf for none")
         if self.effectors is not None:
@@ -159,6 +168,7 @@ class SelectivelyDamped(Composition):
         return SelectivelyDampedStep(
             clamp=self.clamp,
             max_angle=self.max_angle,
+            max_length=self.max_length,
             max_error=self.max_error,
             effectors=self.effectors,
             backtracking=Backtracking(self.backtracking),

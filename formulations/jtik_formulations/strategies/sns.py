@@ -15,6 +15,9 @@ from jtik_formulations.strategies._parts.task_scaling import ScaledDisplacement,
 
 Rule = Literal["optimal", "basic"]
 
+ROUNDS_PER_JOINT = 2
+"""Default rounds of the rule "optimal": enough in 5,000 random problems with a third of the joints at limits."""
+
 
 def sns(
     J: Expression,
@@ -39,7 +42,7 @@ def sns(
     n = J.shape[1]
     here: ScaledDisplacement = BasicSaturation.initial(lower, upper)
     if rule == "optimal":
-        here = Saturation.initial(lower, upper, rounds=2 * n if rounds is None else rounds)
+        here = Saturation.initial(lower, upper, rounds=rounds or ROUNDS_PER_JOINT * n)
     here = here.with_task(J, xdot)
     return here.x, here.scale
 
@@ -56,7 +59,8 @@ class SNS(TaskScaling):
     Attributes:
         rule: "optimal", or "basic": as first published, where joints once at a limit stay there for the step.
         rounds: how many joints may reach or leave a limit in a step of the rule "optimal", for each level and for the
-            criterion; n by default. If more would have to, the step is shorter than it could be.
+            criterion; 2 n by default. If more would have to, the step is shorter than it could be. n rounds halve the
+            work of a step.
         gain: share of the error to remove in a step, in (0, 1].
         damping: damping of the task near singular poses, lambda / V [1 / rad^2]; 0 for none.
         q_limit: largest motion of each rotational joint in a step [rad]; math.inf for no limit.
@@ -76,7 +80,7 @@ class SNS(TaskScaling):
         super().__post_init__()
         check_choice("rule", self.rule, ("optimal", "basic"))
         if self.rounds is not None and not (isinstance(self.rounds, int) and self.rounds > 0):
-            raise ArgumentError("rounds", self.rounds, "a positive integer, or None for one round for each joint")
+            raise ArgumentError("rounds", self.rounds, "a positive integer, or None for two rounds for each joint")
 
     def releases(self) -> bool:
         """The rule "optimal" does."""
@@ -86,4 +90,4 @@ class SNS(TaskScaling):
         """By the rule."""
         if self.rule == "basic":
             return BasicSaturation.initial(lower, upper)
-        return Saturation.initial(lower, upper, rounds=self.rounds or model.robot.n)
+        return Saturation.initial(lower, upper, rounds=self.rounds or ROUNDS_PER_JOINT * model.robot.n)

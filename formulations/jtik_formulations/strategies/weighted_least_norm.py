@@ -17,19 +17,21 @@ from jtik.types import Array
 from jtik_formulations.strategies._parts.scaled_step import ScaledComposition
 
 
-def limit_gradient(model: LocalModel, largest: float) -> Expression:
-    """|dH/dq_i| of Chan and Dubey's H = 1/4 sum (u - l)^2 / ((u - q)(q - l)), at most ``largest``, (n, 1) [1/rad].
+def limit_gradient(model: LocalModel) -> tuple[Expression, Expression]:
+    """Slopes |dH/dq_i| and offsets |2 q_i - u_i - l_i|, both (n, 1), of H = 1/4 sum (u - l)^2 / ((u - q)(q - l)).
 
-    0 in the middle of a joint's range, and for a joint without limits on both sides.
+    For fixed limits a slope [1/rad] rises and falls with its offset [rad], which is finite also at a limit. Both are 0
+    in the middle of a joint's range, and for a joint without limits on both sides.
     """
-    gradients: list[Expression] = [0] * model.robot.n
+    slopes: list[Expression] = [0] * model.robot.n
+    offsets: list[Expression] = [0] * model.robot.n
     for i, j in model.bounded:
         lower, upper, q = model.lower[i], model.upper[i], model.here.q[i]
         limited = is_finite(upper - lower)
         up, down = if_else(limited, upper - q, 1), if_else(limited, q - lower, 1)
-        gradient = ratio((up + down) ** 2 * fabs(down - up), 4 * up**2 * down**2)
-        gradients[j] = fmin(gradient, largest)
-    return vertcat(*gradients)
+        offsets[j] = fabs(down - up)
+        slopes[j] = ratio((up + down) ** 2 * offsets[j], 4 * up**2 * down**2)
+    return vertcat(*slopes), vertcat(*offsets)
 
 
 @register_strategy("weighted_least_norm")
@@ -61,13 +63,14 @@ class WeightedLeastNorm(ScaledComposition):
             raise ArgumentError("max_weight", self.max_weight, "a finite number, at least 1")
 
     def own_state(self, shape: Shape) -> Mapping[str, Array]:
-        """|dH/dq| before the last step taken."""
-        return {"limit_gradient": np.zeros(shape.n)}
+        """|2 q - u - l| before the last step taken."""
+        return {"limit_offset": np.zeros(shape.n)}
 
     def full_step(self, model: LocalModel, state: State) -> TaskDisplacement:
         """-W^-1 J' (J W^-1 J')^+ r by the pseudo-inverse of J W^-1/2."""
-        gradient, before = limit_gradient(model, self.max_weight - 1), state["limit_gradient"]
-        light = [1 / sqrt(1 + if_else(gradient[j] >= before[j], gradient[j], 0)) for j in range(model.robot.n)]
+        (slope, offset), before = limit_gradient(model), state["limit_offset"]
+        added = fmin(slope, self.max_weight - 1)
+        light = [1 / sqrt(1 + if_else(offset[j] >= before[j], added[j], 0)) for j in range(model.robot.n)]
         scaled = horzcat(*[light[j] * model.J_free[:, j] for j in range(model.robot.n)])
         if model.timed:
             multipliers = damped_multipliers(scaled, model.curvature, -model.here.residual)
@@ -76,7 +79,6 @@ class WeightedLeastNorm(ScaledComposition):
         return TaskDisplacement(vertcat(*light) * shortest.vector, shortest.image)
 
     def adapt_own_state(self, model: LocalModel, state: State, outcome: Outcome) -> State:
-        """The present |dH/dq| if the step is taken."""
-        gradient = limit_gradient(model, self.max_weight - 1)
-        before = state["limit_gradient"]
-        return {"limit_gradient": if_else(outcome.accepted, gradient, before) + zeros(model.robot.n)}
+        """The present |2 q - u - l| if the step is taken."""
+        _, offset = limit_gradient(model)
+        return {"limit_offset": if_else(outcome.accepted, offset, state["limit_offset"]) + zeros(model.robot.n)}
