@@ -256,6 +256,7 @@ class TestTheStep:
             at = rng.permutation(10)[:3]
             q[at] = np.sign(q[at])
             J, xdot = planar_jacobian(q), planar_jacobian(q) @ rng.normal(size=10) * rng.uniform(0.5, 3.0)
+            xdot *= min(1.0, 15.0 / np.linalg.norm(xdot))  # a step towards a distant target is made for a nearer one
             target = planar_points(q)[-1] + xdot
             trace = ik.solve(target, q0=q, max_iterations=1, trace=True, jump_limit=9.0).trace
             _, largest = best(J, xdot, -1.0 - q, 1.0 - q)
