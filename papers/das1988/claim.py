@@ -17,6 +17,9 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 
+AS_IT_TURNS = 1e9
+"""A ``jump_limit`` [rad] that only keeps a solve from bringing joints back by whole turns: a step is seen as it is."""
+
 Row = dict[str, str | float]
 """Values by column name; a row may lack columns of other rows."""
 

@@ -14,7 +14,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from claim import MEDIAN, Row, Script, Within, by_key, median, percent
+from claim import AS_IT_TURNS, MEDIAN, Row, Script, Within, by_key, median, percent
 
 import jtik
 from jtik import plotting
@@ -46,7 +46,7 @@ def follow(case: str, targets: int) -> tuple[np.ndarray, tuple[int, ...], tuple[
     ik = jtik.InverseKinematics(SCENE.robot, jtik.FrameTask("tip"), criteria=criteria, strategy=strategy)
     q, path, iterations, reached = np.array(SCENE.start), [], [], []
     for target in SCENE.path(targets):
-        solution = ik.solve(target, q0=q, max_iterations=1000)
+        solution = ik.solve(target, q0=q, max_iterations=1000, jump_limit=AS_IT_TURNS)
         q = solution.q
         path.append(q)
         iterations.append(solution.iterations)

@@ -16,7 +16,7 @@ import sys
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from claim import EXACT, MEDIAN, ROUNDING, SHARE, Row, Script, Within, by_key, median, percent
+from claim import AS_IT_TURNS, EXACT, MEDIAN, ROUNDING, SHARE, Row, Script, Within, by_key, median, percent
 
 import jtik
 from jtik_formulations import Hybrid, Transpose
@@ -61,7 +61,7 @@ def steps(robot: jtik.Robot, strategy: str, starts: list[tuple[Array, Array]]) -
     ik = jtik.InverseKinematics(robot, jtik.FrameTask(robot.frame(None)), strategy=STRATEGIES[strategy])
     found = []
     for q0, target in starts:
-        trace = ik.solve(target, q0=q0, max_iterations=1, trace=True).trace
+        trace = ik.solve(target, q0=q0, max_iterations=1, trace=True, jump_limit=AS_IT_TURNS).trace
         assert trace is not None
         found.append((trace.q[1] - trace.q[0], float(trace.predicted_decrease[0]), float(trace.V[0])))
     return found

@@ -15,7 +15,7 @@ import sys
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from claim import Row, Script, Within, by_key, median, percent
+from claim import AS_IT_TURNS, Row, Script, Within, by_key, median, percent
 from five_families import ARM
 
 import jtik
@@ -28,6 +28,10 @@ STRATEGIES = {
 }
 SIZES = (0.1, 0.01, 0.001)
 """Initial errors [m]."""
+
+
+ONE_STEP = {"max_iterations": 1, "trace": True, "position_tolerance": 1e-12, "jump_limit": AS_IT_TURNS}
+"""Options of a solve of which only the first step counts."""
 
 
 def steps(robot: jtik.Robot, task: jtik.FrameTask, draw: Callable[[np.random.Generator], tuple], count: int) -> Row:
@@ -47,7 +51,7 @@ def steps(robot: jtik.Robot, task: jtik.FrameTask, draw: Callable[[np.random.Gen
         q0, target = draw(rng)
         both = []
         for ik in solvers.values():
-            trace = ik.solve(target, q0=q0, max_iterations=1, trace=True, position_tolerance=1e-12).trace
+            trace = ik.solve(target, q0=q0, **ONE_STEP).trace
             assert trace is not None
             both.append(trace.q[1] - trace.q[0])
         differences.append(float(np.linalg.norm(both[0] - both[1]) / np.linalg.norm(both[1])))
