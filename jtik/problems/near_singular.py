@@ -173,17 +173,24 @@ def _target(
 
 
 def _along(task: FrameTask, robot: Robot, target: Any, rows: Array) -> Any:
-    """The target moved so that its error changes by -rows: positions in world axes, rotations in the target's axes."""
+    """The target moved so that its error changes by -rows, to first order, in the axes of the task's rows."""
     dimension = robot.dimension
     position = [] if task.kind == "orientation" else [*"xyz"[:dimension]]
     rotations = [] if task.kind == "position" else ["rz"] if dimension == 2 else ["rx", "ry", "rz"]
     names = position + rotations
     full = np.zeros(len(names))
     full[[names.index(name) for name in task.axes or names]] = rows
-    if dimension == 2 or task.kind == "position":
-        return float(target + full[0]) if task.kind == "orientation" else np.asarray(target) + full
-    moved = np.array(target)
-    moved[:3, :3] = moved[:3, :3] @ rotation_about(full[len(position) :])
+    if dimension == 2 and task.kind == "orientation":
+        return float(target + full[0])
+    moved = np.array(target, dtype=np.float64)
+    if position and task.error == "logarithm":
+        axes = rotation_about(np.array([0.0, 0.0, moved[2]]))[:2, :2] if dimension == 2 else moved[:3, :3]
+        full[:dimension] = axes @ full[:dimension]
+    if moved.ndim == 1:
+        moved[: len(full)] += full
+        return moved
+    if rotations:
+        moved[:3, :3] = moved[:3, :3] @ rotation_about(full[len(position) :])
     if position:
         moved[:3, 3] += full[:3]
     return moved

@@ -32,7 +32,7 @@ def target_of(task: Task, robot: Robot, q: Array) -> Any:
         if isinstance(task, RelativeFrameTask):
             pose = np.linalg.inv(robot.pose(q, task.reference)) @ pose
             pose[3] = 0, 0, 0, 1
-        return _kept(pose, task.kind, robot.dimension)
+        return _kept(pose, task.target_kind, robot.dimension)
     if isinstance(task, CenterOfMassTask):
         return robot.center_of_mass(q)
     if isinstance(task, (AxisTask, LookAtTask)):

@@ -24,8 +24,8 @@ ROUNDING = 1e-9
 class IndependentCheck:
     """Checks task errors and joint limits of answers.
 
-    Errors of `FrameTask` are computed with MuJoCo's kinematics. Errors of all other tasks are computed by the tasks
-    themselves.
+    Errors of `FrameTask` are computed with MuJoCo's kinematics: distances and angles, also where the task's own error
+    is a logarithm, unless that has only some rows. Errors of all other tasks are computed by the tasks themselves.
 
     Args:
         robot: the reduced robot.
@@ -45,7 +45,7 @@ class IndependentCheck:
         for task in tasks.tasks:
             place = slice(start, start + task.target_size(robot))
             start = place.stop
-            if model is not None and type(task) is FrameTask:
+            if model is not None and type(task) is FrameTask and (task.error == "separate" or task.axes is None):
                 self._parts.append((place, model.errors(robot, task)))
             else:
                 self.independent = False

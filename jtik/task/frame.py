@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike
 
 from jtik.robot import Kinematics
 from jtik.symbolic import Expression
-from jtik.task.placement import PlacementTask
+from jtik.task.placement import ErrorForm, PlacementTask
 from jtik.task.targets import Kind
 from jtik.task.weighted import Axes
 
@@ -42,9 +42,13 @@ class FrameTask(PlacementTask):
             position rows.
         priority: level for strategies with levels of priority; 0 is the highest.
         name: name of the task in a dict of targets; the name of the frame by default.
+        error: "separate" as above, or "logarithm": the logarithm of the motion from the target to the frame, as mink's
+            and pink's ``FrameTask`` have it, with all rows in the axes of the target, which are also the frame's. Its
+            position rows depend on the rotation, so kind "position" needs a pose as its target, too. Prefer "separate",
+            whose end effector moves straight to the target, and "logarithm" for the steps of mink.
 
     Raises:
-        ArgumentError: when the kind, the priority or the stiffness cannot be used.
+        ArgumentError: when the kind, the priority, the stiffness or ``error`` cannot be used.
     """
 
     def __init__(
@@ -56,8 +60,9 @@ class FrameTask(PlacementTask):
         stiffness: ArrayLike = 1.0,
         priority: int = 0,
         name: str | None = None,
+        error: ErrorForm = "separate",
     ) -> None:
-        super().__init__(frame, kind, axes=axes, stiffness=stiffness, priority=priority, name=name)
+        super().__init__(frame, kind, axes=axes, stiffness=stiffness, priority=priority, name=name, error=error)
 
     def __repr__(self) -> str:
         return f"FrameTask({self.frame!r}, kind={self.kind!r})"

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Literal
 
 from numpy.typing import ArrayLike
 
 from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
-from jtik.symbolic import Expression, atan2, cos, reshape, rotation, sin, vertcat
+from jtik.symbolic import Expression, atan2, cos, reshape, rigid_motion, rotation, sin, vertcat
 from jtik.task.base import TaskRows
 from jtik.task.targets import Kind, read_fast, read_placement, unused_part
 from jtik.task.weighted import Axes, WeightedTask, kept, named
 from jtik.types import Array
+
+ErrorForm = Literal["separate", "logarithm"]
+"""Position and orientation each for itself, or the logarithm of the motion from the target to the frame."""
 
 _POSE = "(4, 4), seven numbers (x, y, z, qw, qx, qy, qz), a pair (position, rotation), or an object with as_matrix()"
 _ACCEPTED = {
@@ -33,21 +36,38 @@ _ACCEPTED_IN_THE_PLANE = {
 class PlacementTask(WeightedTask):
     """Base of tasks on the position p [m] and the rotation R of a frame, in the base or in another frame.
 
-    Error: ``p(q) - p_target`` [m] and the logarithm of ``R_target' R(q)`` [rad]. On a planar robot a position is (x, y)
-    and an orientation is one angle, with an error in (-pi, pi]. A subclass defines (R, p) by `placement`.
+    Error "separate": ``p(q) - p_target`` [m] and the logarithm of ``R_target' R(q)`` [rad]. Error "logarithm": that of
+    the motion from the target's pose to (R, p). On a planar robot a position is (x, y) and an orientation is one angle,
+    with an error in (-pi, pi]. A subclass defines (R, p) by `placement`.
     """
 
     _renamed = MappingProxyType({"placed": "placement"})
 
     def __init__(
-        self, frame: str, kind: Kind, *, axes: Axes, stiffness: ArrayLike, priority: int, name: str | None
+        self,
+        frame: str,
+        kind: Kind,
+        *,
+        axes: Axes,
+        stiffness: ArrayLike,
+        priority: int,
+        name: str | None,
+        error: ErrorForm = "separate",
     ) -> None:
         if kind not in ("position", "orientation", "pose"):
             raise ArgumentError("kind", kind, "'position', 'orientation' or 'pose'")
+        if error not in ("separate", "logarithm"):
+            raise ArgumentError("error", error, "'separate' or 'logarithm'")
         super().__init__(stiffness=stiffness, priority=priority, name=name or frame)
         self.frame = frame
         self.kind: Kind = kind
         self.axes = named(axes)
+        self.error: ErrorForm = error
+
+    @property
+    def target_kind(self) -> Kind:
+        """The part of a pose that a target has: ``kind``, but a whole pose for the position part of a logarithm."""
+        return "pose" if self.error == "logarithm" and self.kind == "position" else self.kind
 
     def geometric_jacobian(self, kinematics: Kinematics) -> Expression | None:
         """The geometric Jacobian (6, n) of (R, p), in the axes of the target, linear rows first; None if not known."""
@@ -64,15 +84,15 @@ class PlacementTask(WeightedTask):
     def target_size(self, robot: Robot) -> int:
         """2 or 3 numbers of a position, 1 angle or 9 entries of R of an orientation, both of a pose."""
         position, orientation = (2, 1) if robot.dimension == 2 else (3, 9)
-        return {"position": position, "orientation": orientation, "pose": position + orientation}[self.kind]
+        return {"position": position, "orientation": orientation, "pose": position + orientation}[self.target_kind]
 
     def target_is_vector(self, robot: Robot) -> bool:
         """True for positions, and for every kind on a planar robot."""
-        return self.kind == "position" or robot.dimension == 2
+        return self.target_kind == "position" or robot.dimension == 2
 
     def accepted(self, robot: Robot) -> str:
         """What a target may be, for error messages."""
-        return (_ACCEPTED_IN_THE_PLANE if robot.dimension == 2 else _ACCEPTED)[self.kind]
+        return (_ACCEPTED_IN_THE_PLANE if robot.dimension == 2 else _ACCEPTED)[self.target_kind]
 
     def read_target(self, robot: Robot, target: Any) -> Array:
         """The numbers of a target in any form that `jtik.task.targets` reads.
@@ -80,26 +100,33 @@ class PlacementTask(WeightedTask):
         Raises:
             ArgumentError: for anything else.
         """
-        numbers = read_fast(target, self.kind) if robot.dimension == 3 else None
-        return read_placement(target, self.kind, robot.dimension, self.accepted(robot)) if numbers is None else numbers
+        kind = self.target_kind
+        numbers = read_fast(target, kind) if robot.dimension == 3 else None
+        return read_placement(target, kind, robot.dimension, self.accepted(robot)) if numbers is None else numbers
 
     def unused(self, robot: Robot, target: Any) -> str | None:
         """The orientation of a pose given to a position task, the position of a pose given to an orientation task."""
-        return unused_part(target, self.kind)
+        return unused_part(target, self.target_kind)
 
     def rows(self, kinematics: Kinematics, target: Expression) -> TaskRows:
-        """Position rows in the axes of the target's frame of reference, orientation rows in the axes of the target."""
+        """Position rows in the axes of the target's frame of reference, orientation rows in the axes of the target.
+
+        All rows of a logarithm are in the axes of the target.
+        """
         robot = kinematics.robot
         rows = self._kept(robot)
         R, p = self.placement(kinematics)
         split = 0 if self.kind == "orientation" else robot.dimension
-        parts = []
-        if self.kind != "orientation":
-            parts.append(p - target[:split])
-        if self.kind != "position":
-            parts.append(_orientation_error(R, target[split:], robot.dimension))
-        error = vertcat(*parts)
-        J = self._jacobian(kinematics, target, error) if robot.dimension == 3 else None
+        if self.error == "logarithm" and self.kind != "orientation":
+            error, J = self._logarithm(kinematics, target, R, p)
+        else:
+            parts = []
+            if self.kind != "orientation":
+                parts.append(p - target[:split])
+            if self.kind != "position":
+                parts.append(_orientation_error(R, target[split:], robot.dimension))
+            error = vertcat(*parts)
+            J = self._jacobian(kinematics, target, error) if robot.dimension == 3 else None
         return TaskRows(
             error=vertcat(*[error[row] for row in rows]),
             linear=tuple(row < split for row in rows),
@@ -114,6 +141,30 @@ class PlacementTask(WeightedTask):
         R_target = reshape(target[-9:], 3, 3)
         angular = rotation.log_rate(error[-3:]) @ R_target.T @ J[3:, :]
         return angular if self.kind == "orientation" else vertcat(J[:3, :], angular)
+
+    def _logarithm(
+        self, kinematics: Kinematics, target: Expression, R: Expression, p: Expression
+    ) -> tuple[Expression, Expression | None]:
+        """All rows of the logarithm of the motion from the target to (R, p), and in space their derivative."""
+        dimension = kinematics.robot.dimension
+        away, goal = p - target[:dimension], target[dimension:]
+        turn = _orientation_error(R, goal, dimension)
+        if dimension == 2:
+            c, s = cos(goal[0]), sin(goal[0])
+            away = vertcat(c * away[0] + s * away[1], c * away[1] - s * away[0])
+            moved = rigid_motion.log_translation_in_the_plane(turn, away)
+            return (moved if self.kind == "position" else vertcat(moved, turn)), None
+        R_target = reshape(goal, 3, 3)
+        away = R_target.T @ away
+        moved = rigid_motion.log_translation(turn, away)
+        J, linear, angular = self.geometric_jacobian(kinematics), None, None
+        if J is not None:
+            G = rotation.log_rate(turn)
+            angular = G @ R_target.T @ J[3:, :]
+            linear = G @ R_target.T @ J[:3, :] + rigid_motion.log_translation_rate(turn, away) @ angular
+        if self.kind == "position":
+            return moved, linear
+        return vertcat(moved, turn), None if linear is None else vertcat(linear, angular)
 
     def row_count(self, robot: Robot) -> int:
         """One row for each of ``axes``; all rows of the kind without ``axes``."""

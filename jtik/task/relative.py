@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression
-from jtik.task.placement import PlacementTask
+from jtik.task.placement import ErrorForm, PlacementTask
 from jtik.task.targets import Kind
 from jtik.task.weighted import Axes
 
@@ -30,9 +30,11 @@ class RelativeFrameTask(PlacementTask):
         stiffness: a positive scalar, one value for each row, or a symmetric positive definite matrix (m, m).
         priority: level for strategies with levels of priority; 0 is the highest.
         name: name of the task in a dict of targets; the name of ``frame`` by default.
+        error: "separate" as above, or "logarithm", as in `FrameTask`.
 
     Raises:
-        ArgumentError: when both frames are the same, or the kind, the priority or the stiffness cannot be used.
+        ArgumentError: when both frames are the same, or the kind, the priority, the stiffness or ``error`` cannot be
+            used.
     """
 
     def __init__(
@@ -45,10 +47,11 @@ class RelativeFrameTask(PlacementTask):
         stiffness: ArrayLike = 1.0,
         priority: int = 0,
         name: str | None = None,
+        error: ErrorForm = "separate",
     ) -> None:
         if reference == frame:
             raise ArgumentError("reference", reference, "a frame other than the one to bring to the target")
-        super().__init__(frame, kind, axes=axes, stiffness=stiffness, priority=priority, name=name)
+        super().__init__(frame, kind, axes=axes, stiffness=stiffness, priority=priority, name=name, error=error)
         self.reference = reference
 
     def __repr__(self) -> str:
