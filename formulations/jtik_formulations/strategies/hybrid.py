@@ -126,8 +126,10 @@ def _along(tt: Expression, tn: Expression, nn: Expression, radius: Expression, s
 class Hybrid(Composition):
     """The transpose step where Newton's is too long to be trusted, Newton's where it is not, a blend between.
 
-    The default. V never rises. It needs as few steps as Newton's method on ordinary targets, and converges where the
-    steps of Newton's method are too long: near singular poses and at the workspace boundary.
+    The default. Without a criterion V never rises; with one it does not outside the neighbourhood of the target, except
+    with the paper's rule for beta as printed (formulations/merit.md). It needs as few steps as Newton's method on
+    ordinary targets, and converges where the steps of Newton's method are too long: near singular poses and at the
+    workspace boundary.
 
     Attributes:
         q_limit: largest trust radius, a limit of Q, the norm of the rotational part of a step [rad].
