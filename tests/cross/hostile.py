@@ -68,7 +68,7 @@ class Setup:
         speed: largest velocity [rad/s] or [m/s], and largest acceleration or None.
         clear: whether it has clearances.
         safe: smallest distance allowed [m].
-        log: one entry for each call of the step with a record: where the step was made, q or the explorer, and the record.
+        log: one entry for each call of the step with a record: where it was made, q or the explorer, and the record.
     """
 
     name: str
