@@ -34,7 +34,8 @@ BACKTRACKING = Backtracking()
 """The fraction of a step that is taken where prismatic joints move too."""
 
 POOR, GOOD = 0.25, 0.75
-"""Ratios of actual to predicted decrease below which the radius shrinks, above which it grows (Powell 1970)."""
+"""Ratios of actual to predicted decrease below which the radius shrinks, above which it grows (Nocedal and
+Wright 2006, algorithm 4.1)."""
 
 EXPLORING = 0.03
 """Damping of an exploring step relative to V [1 / rad^2]."""
