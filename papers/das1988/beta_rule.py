@@ -1,9 +1,11 @@
-"""The rule for beta as printed, with the missing square root, and the merit function that replaces it.
+"""The rule for beta as printed, with a square root, and the merit function that replaces it.
 
-Appendix A sets beta_{k+1} = beta_k^2 |h_k|^2 / |h_{k+1}|^2 if that is below 1, so that V2 = |beta h|^2 / 2 falls. V2 is
-quadratic in beta, so the ratio squares itself from step to step. Three tests: an arm with constant |h|, for which the
-sequence is known; ten links among obstacles, to count how often and how soon the null-space motion stops before the
-criterion is stationary; and starts at the optimum of the criterion, where V2 = 0.
+Appendix A sets beta_{k+1} = beta_k^2 |h_k|^2 / |h_{k+1}|^2 if that is below 1, so that the first of the terms
+V2 = |beta h|^2 / 2 of steps k+1 and k is always smaller than the second. V2 is quadratic in beta, so the ratio does
+that, and squares itself from step to step; with its root the terms are equal. The paper's velocity is the whole one;
+here, as in jtik, it is h, so that the rule is about the null-space motion alone. Three tests: an arm with constant |h|,
+for which the sequence is known; ten links among obstacles, to count how often and how soon the null-space motion stops
+before the criterion is stationary; and starts at the optimum of the criterion, where V2 = 0.
 """
 
 from __future__ import annotations
@@ -23,6 +25,8 @@ FIELD = [jtik.Point((5.0, 4.5)), jtik.Point((6.0, -4.5))]
 """Obstacles at the boundary of the region in which the arm moves, so that no step ends close to one."""
 BETA_MAX = 0.3
 """Below the inverse of the largest curvature of the criteria on most of the path, so that a fixed beta converges."""
+CURVED = 1.0
+"""The inverse of the curvature of the criterion of zero angles."""
 ITERATIONS = 600
 FROZEN = 1e-6
 """|beta h| below which the null-space motion counts as stopped [rad]."""
@@ -31,6 +35,7 @@ UNFINISHED = 1e-3
 
 RULES: dict[str, ProjectedGradient] = {
     "paper": ProjectedGradient(rule="paper", beta_max=BETA_MAX),
+    "paper, beta 1": ProjectedGradient(rule="paper", beta_max=CURVED),
     "sqrt, no floor": ProjectedGradient(rule="sqrt", beta_max=BETA_MAX, floor=1e-12),
     "sqrt": ProjectedGradient(rule="sqrt", beta_max=BETA_MAX),
     "merit": ProjectedGradient(rule="merit", beta_max=BETA_MAX),
@@ -105,7 +110,7 @@ def compute(quick: bool) -> list[Row]:
     few = 6 if quick else 60
     rows = [constant(rule) for rule in ("paper", "sqrt")]
     rows += [solved(rule, few) for rule in RULES]
-    return rows + [solved(rule, few, at_optimum=True) for rule in RULES]
+    return rows + [solved(rule, few, at_optimum=True) for rule in RULES if rule != "paper, beta 1"]
 
 
 def statements(rows: Sequence[Row]) -> dict[str, bool]:
@@ -120,6 +125,11 @@ def statements(rows: Sequence[Row]) -> dict[str, bool]:
         "as printed, beta squares itself: 0.9^(2^k)": all(
             math.isclose(float(printed[f"beta_{k}"]), 0.9**2**k, rel_tol=1e-9) for k in range(7)
         ),
+        "as printed the first beta term is smaller than the second, with the root equal to it": all(
+            float(printed[f"beta_{k + 1}"]) < float(printed[f"beta_{k}"])
+            and math.isclose(float(root[f"beta_{k + 1}"]), float(root[f"beta_{k}"]), rel_tol=1e-9)
+            for k in range(6)
+        ),
         "with the root, beta is constant if |h| is": all(
             math.isclose(float(root[f"beta_{k}"]), 0.9, rel_tol=1e-9) for k in range(7)
         ),
@@ -127,6 +137,9 @@ def statements(rows: Sequence[Row]) -> dict[str, bool]:
             "ten links, paper", "frozen"
         )
         > 80,
+        "with a first beta of 1, the inverse of the curvature of H, fewer solves stop": 0
+        < of("ten links, paper, beta 1", "frozen")
+        < of("ten links, paper", "frozen"),
         "with the root or by merit it stops in none": all(
             of(f"ten links, {rule}", "frozen") == 0 for rule in ("sqrt", "merit")
         ),

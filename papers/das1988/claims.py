@@ -82,6 +82,15 @@ def claims(numbers: Mapping[str, Mapping[str, Row]]) -> str:
     return table(["claim", "where", "condition", "our number", "verdict", "script"], rows)
 
 
+def remarks(numbers: Mapping[str, Mapping[str, Row]]) -> str:
+    """The table of remarks, with the expected numbers inserted."""
+    rows = [
+        [each["what"], each["found"], each["number"].format(**numbers), f"[{each['script']}]({each['script']})"]
+        for each in listed()["remark"]
+    ]
+    return table(["remark", "what was found", "our number", "script"], rows)
+
+
 def beside(numbers: Mapping[str, Mapping[str, Row]]) -> str:
     """The table of the comparison with an earlier study."""
     rows = [
@@ -106,7 +115,7 @@ def families(numbers: Mapping[str, Mapping[str, Row]]) -> str:
 
 
 CELLS = ("iterations", "success", "rises")
-TABLES = {"claims": claims, "five families": families, "beside": beside}
+TABLES = {"claims": claims, "remarks": remarks, "five families": families, "beside": beside}
 
 
 def rendered(text: str) -> str:

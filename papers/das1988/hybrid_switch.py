@@ -84,7 +84,7 @@ STRATEGIES = {
     "transpose": Transpose(backtracking=False),
     "newton": Newton(backtracking=False),
     "switch": Switch(),
-    "dogleg": Hybrid(),
+    "dogleg": Hybrid(explore=False),
 }
 """The first three have no backtracking, so that the switch chooses between the first two."""
 

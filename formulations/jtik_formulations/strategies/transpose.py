@@ -67,7 +67,7 @@ class Transpose(Composition):
 
     Attributes:
         rule: ``"optimal"`` (alpha from S = I, then S, then the smaller alpha) or ``"paper"`` (as printed).
-        q_limit: limit of Q, the norm of the rotational part of a step [rad].
+        q_limit: limit of Q, the norm of the rotational part of a step [rad]; with ``rule="paper"`` of all its entries.
         backtracking: halve the step until V falls. Without it every step is taken.
         secondary: the null-space term.
 

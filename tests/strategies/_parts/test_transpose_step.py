@@ -76,6 +76,13 @@ class TestMixed:
             assert found["image"] == pytest.approx(J @ found["direction"])
         assert limited > 5
 
+    def test_as_printed_Q_is_of_all_joints(self, rng):
+        J, r = problem(rng)
+        free, found = (values(printed_step(quadratic_model(J, r, robot=CRANE), limit)) for limit in (1e9, 1e-3))
+        assert found["s"] == pytest.approx(1 / np.linalg.norm(free["gain"] * free["direction"]))
+        assert found["direction"] == pytest.approx(np.where(ROTATIONAL, found["s"], 1) * (J.T @ r))
+        assert found["gain"] == pytest.approx(minimize_scalar(V_along(J, r, found)).x)
+
     def test_where_nothing_is_limited_it_minimises_V_along_the_gradient(self, rng):
         J, r = problem(rng)
         found = values(cauchy_step(quadratic_model(J, r, robot=CRANE), 1e9))

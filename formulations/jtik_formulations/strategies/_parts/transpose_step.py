@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from jtik.strategy import LocalModel
-from jtik.symbolic import Expression, dot, fmin, if_else, ratio, sumsqr, vertcat
+from jtik.symbolic import Expression, dot, fmin, if_else, norm, ratio, sumsqr, vertcat
 
 
 def optimal_gain(decrease: Expression, image: Expression, curvature: Expression = 0) -> Expression:
@@ -59,10 +59,11 @@ def cauchy_step(model: LocalModel, limit: Expression) -> CauchyStep:
 def printed_step(model: LocalModel, limit: float) -> CauchyStep:
     """The step as the paper prints it: s = 1/Q whenever Q exceeds the limit, and S inside N and D.
 
-    On an all-revolute arm alpha(S) S does not depend on S, so the printed S changes nothing there.
+    Q is of all joints here, as printed. The null-space step, which the paper's Q contains as well, is left out. On an
+    all-revolute arm alpha(S) S does not depend on S, so the printed S changes nothing there.
     """
     J, g = model.J_free, model.task_gradient
-    Q = optimal_gain(sumsqr(g), J @ g) * model.rotation_norm(g)
+    Q = optimal_gain(sumsqr(g), J @ g) * norm(model.coordinates.to_joints(g))
     longer = limit < Q
     s = if_else(longer, 1 / if_else(longer, Q, 1), 1)
     limited = _scaled(model, s, g)
