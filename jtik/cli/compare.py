@@ -176,7 +176,7 @@ def _as_list(task: Any) -> list[jtik.Task]:
 
 def _counted(word: str, count: int) -> tuple[str, int]:
     kind, colon, number = word.partition(":")
-    if colon and not number.isdecimal():
+    if colon and not (number.isdecimal() and len(number) < 10):
         raise InputError(f"--problems {word}: accepted: KIND or KIND:COUNT")
     return kind, int(number) if colon else count
 

@@ -53,16 +53,21 @@ def require_pictures() -> None:
 
 
 def draw_solution(problem: DocumentProblem, solution: Solution) -> Figure:
-    """The robot from the start (light) to the solution (dark), with the way of its tip and the obstacles."""
+    """The robot from light to dark, with the way of its tip and the obstacles.
+
+    It shows the iterations; with restarts, whose iterations belong to several ways, the start and the solution.
+    """
     from jtik.study.figures.robot_drawing import RobotDrawing
     from jtik.study.figures.style import panels
 
-    assert solution.trace is not None
-    q = np.vstack([solution.trace.q, solution.q])
+    robot, q0 = problem.ik.robot, problem.options["q0"]
+    start = robot.home if q0 is None else robot.configuration(q0, argument="q0")
+    iterations = start if solution.restarts or solution.trace is None else solution.trace.q
+    q = np.vstack([iterations, solution.q])
     obstacles = [each for each in problem.obstacles if isinstance(each, Ball)]
-    drawing = RobotDrawing(problem.ik.robot, [q], obstacles)
+    drawing = RobotDrawing(robot, [q], obstacles)
     figure, axes = panels(1, 1, width=7.0, height=6.0, **drawing.projection)
-    drawing.draw(axes[0, 0], q, f"{problem.ik.robot.name}: {solution.status.name}")
+    drawing.draw(axes[0, 0], q, f"{robot.name}: {solution.status.name}")
     return figure
 
 

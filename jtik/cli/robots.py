@@ -24,7 +24,7 @@ LOADERS: dict[str, Callable[..., Robot]] = {"urdf": Robot.from_urdf, "mjcf": Rob
 
 KINDS = (*BUILDERS, *LOADERS)
 
-SUFFIXES = {".urdf": "urdf", ".xacro": "urdf", ".xml": "mjcf", ".mjcf": "mjcf"}
+SUFFIXES = {".urdf": "urdf", ".xacro": "urdf", ".xml": "mjcf"}
 """Kind of a file by its suffix."""
 
 MAX_LINKS = 1000
@@ -49,7 +49,7 @@ def robot_table(specification: str) -> dict[str, Any]:
         return {"kind": SUFFIXES[suffix], "path": specification}
     kind, colon, links = specification.partition(":")
     if kind not in ("planar", "vehicle"):
-        if not colon and kind and kind == Path(kind).name:
+        if not colon and kind and kind == Path(kind).stem:
             return {"kind": "builtin", "name": gallery.describe(kind).name}
         raise ArgumentError("robot", specification, ACCEPTED)
     try:
@@ -71,12 +71,13 @@ def read_robot(given: Any) -> Robot:
         if not isinstance(path, str):
             raise ArgumentError(f"{where} path", "nothing" if path is None else path, "the path of a file")
         return call(where, partial(LOADERS[kind], Path(path)), table)
-    _check_links(where, table.get("links"))
+    for key in ("links", "rows"):
+        _check_links(f"{where}: {key}", table.get(key))
     return call(where, BUILDERS[kind], table)
 
 
 def _check_links(where: str, links: Any) -> None:
-    """Raise InputError for more links than can be used."""
+    """Raise InputError for more links than can be used, given as their number or as a list."""
     number = links if isinstance(links, int) else len(links) if isinstance(links, list) else 0
     if number > MAX_LINKS:
-        raise InputError(f"{where}: links: given {number}; accepted: at most {MAX_LINKS} links")
+        raise InputError(f"{where}: given {number}; accepted: at most {MAX_LINKS} links")
