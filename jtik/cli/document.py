@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import inspect
 import json
+import re
 import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -37,6 +38,10 @@ _SOLVE = tuple(
     if name not in ("self", "target", "q0", "trace")
 )
 """Keys of the section [solve] that are arguments of InverseKinematics.solve."""
+
+
+MAX_DOTS = 100
+"""Most dots of a key of a TOML document."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +84,7 @@ def load(path: str | Path) -> dict[str, Any]:
     Files that it names are found from its own folder.
     """
     file = Path(path)
-    readers: dict[str, Callable[[str], Any]] = {".toml": tomllib.loads, ".json": json.loads}
+    readers: dict[str, Callable[[str], Any]] = {".toml": _read_toml, ".json": json.loads}
     if file.suffix not in readers:
         raise InputError(f"{file}: the name of a problem file ends in {' or '.join(readers)}")
     text = read_text(file)
@@ -90,6 +95,16 @@ def load(path: str | Path) -> dict[str, Any]:
     except RecursionError:
         raise InputError(f"{file}: nested too deeply") from None
     return _from_folder(dict(checked_table(str(file), document, KEYS)), file.parent)
+
+
+def _read_toml(text: str) -> Any:
+    """The document of a TOML text. Raises RecursionError for long dotted keys, whose time is quadratic."""
+    for line in text.splitlines():
+        parts = line.split("=")
+        keys = [re.split(r"[,{\[]", part)[-1] for part in parts[:-1]] or ([] if "," in line else [line])
+        if any(key.count(".") > MAX_DOTS for key in keys):
+            raise RecursionError
+    return tomllib.loads(text)
 
 
 def _from_folder(document: dict[str, Any], folder: Path) -> dict[str, Any]:

@@ -6,10 +6,12 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import jtik
+from jtik.cli import main
 
 from .conftest import Capture, refusal, without
 
@@ -97,7 +99,9 @@ def test_python_m_jtik_is_the_command_line() -> None:
         ("deep.json", "[" * 200_000),
         ("deeper.json", '{"robot": "planar:3", "target": ' + "[" * 900 + "]" * 900 + "}"),
         ("deep.toml", 'robot = "planar:3"\ntarget = ' + "[" * 200_000),
-        ("key.toml", ".".join(["a"] * 20_000) + " = 1\n"),
+        ("key.toml", ".".join(["a"] * 200_000) + " = 1\n"),
+        ("header.toml", f"[{'.'.join(['a'] * 200_000)}]\n"),
+        ("inline.toml", f"solve = {{ {'.'.join(['a'] * 200_000)} = 1 }}\n"),
         ("digits.json", '{"robot": "planar:3", "target": [1, ' + "9" * 5000 + "]}"),
         ("links.json", '{"robot": {"kind": "planar", "links": ' + "9" * 300 + '}, "target": [1, 1]}'),
         ("long.json", '{"robot": "planar:3", "target": [' + ", ".join(["1"] * 100_000) + "]}"),
