@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import importlib
 import json
 import os
 import subprocess
@@ -145,3 +146,24 @@ def test_a_file_that_cannot_be_written_costs_no_study(tmp_path, capsys) -> None:
     assert "hybrid" in out
     assert "rows.csv: Is a directory" in err
     assert (tmp_path / "r.html").exists()
+
+
+def test_what_was_done_before_an_interrupt_is_shown_and_written(tmp_path, capsys, monkeypatch) -> None:
+    def interrupted(units, progress, label):
+        yield next(iter(units))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(importlib.import_module("jtik.study.compare"), "watched", interrupted)
+    words = [
+        *STUDY.replace("reachable:2", "reachable:21").split(),
+        "damped",
+        "--json",
+        "--out",
+        str(tmp_path / "r.html"),
+    ]
+    assert main([*words, "--csv", str(tmp_path / "rows.csv")]) == 130
+    document = json.loads(capsys.readouterr().out)
+    assert document["complete"] is False
+    (row,) = document["table"]
+    assert (tmp_path / "r.html").exists()
+    assert len((tmp_path / "rows.csv").read_text().splitlines()) == row["cases"] + 1 < 22
