@@ -37,12 +37,13 @@ def watched(items: Counted[Item], progress: Progress, label: str) -> Iterator[It
 
 
 def _bar(items: Counted[Item], label: str) -> Iterator[Item]:
-    """The items with a bar on the terminal."""
+    """The items with a bar on the terminal, on stderr: what is printed on stdout may be read by a program."""
     try:
+        from rich.console import Console
         from rich.progress import track
     except ImportError as error:
         raise MissingExtraError("rich", "cli", "a progress bar") from error
-    return iter(track(items, description=label))
+    return iter(track(items, description=label, console=Console(stderr=True)))
 
 
 def _reported(items: Counted[Item], report: Callable[[int, int], None]) -> Iterator[Item]:

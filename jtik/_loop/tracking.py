@@ -62,6 +62,7 @@ def follow(
     linear = solutions[0].report.linear
     return Trajectory(
         times=dt * np.arange(1, len(solutions) + 1, dtype=np.float64),
+        start=q0.copy(),
         q=np.array([solution.q for solution in solutions]),
         dq=np.array(steps) / dt,
         error_norm=lengths(errors),
@@ -71,4 +72,5 @@ def follow(
         iterations=np.array([solution.iterations for solution in solutions], dtype=np.int64),
         seconds=np.array([solution.seconds for solution in solutions]),
         joint_names=robot.joint_names,
+        joint_sizes=tuple(joint.type.nq for joint in robot.independent_joints),
     )

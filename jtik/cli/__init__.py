@@ -1,18 +1,29 @@
-"""The command line: ``jtik list``, ``jtik solve``, ``jtik compare`` and ``jtik demo``."""
+"""The command line: ``jtik list``, ``jtik robot``, ``jtik solve``, ``jtik compare`` and ``jtik demo``."""
 
 from __future__ import annotations
 
 import argparse
+import os
 import sys
+import warnings
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
-from jtik.cli import catalogue, compare, solve
+from jtik.cli import catalogue, compare, robot, solve
 from jtik.cli.checks import InputError
 from jtik.errors import JtikError
 
 WRONG_INPUT = 2
 """Exit code for input that cannot be used."""
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C."""
+
+CLOSED = 141
+"""Exit code when what reads the output has ended, such as ``head``."""
+
+MAX_MESSAGE = 1500
+"""Most characters of an error: what was given may be long."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -26,17 +37,45 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; ``argv`` is ``sys.argv[1:]`` by default.
 
     Returns:
-        0 when all went well; 1 when a solve did not converge, or the demo did not reach a target; 2 for wrong input,
-        which one line on stderr explains; 130 after Ctrl-C in a comparison.
+        0 when all went well; 1 when a solve did not converge, the demo did not reach a target, a robot has warnings and
+        they are checked, or a file could not be written; 2 for wrong input, which one line on stderr explains; 130
+        after Ctrl-C.
     """
     words = sys.argv[1:] if argv is None else argv
-    try:
-        arguments = _parser().parse_args([_readable(word) for word in words])
-        code: int = arguments.run(arguments)
-    except (JtikError, OSError) as error:
-        print(f"jtik: {' '.join(str(error).split())}", file=sys.stderr)
-        return WRONG_INPUT
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", UserWarning)
+        warnings.showwarning = _show_warning
+        try:
+            arguments = _parser().parse_args([_readable(word) for word in words])
+            code: int = arguments.run(arguments)
+            sys.stdout.flush()
+        except BrokenPipeError:
+            sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115  # Python flushes it at the end
+            return CLOSED
+        except (JtikError, OSError) as error:
+            return _refuse(str(error))
+        except RecursionError:
+            return _refuse("the input is nested too deeply")
+        except MemoryError:
+            return _refuse("the input needs more memory than there is")
+        except KeyboardInterrupt:
+            print("jtik: interrupted", file=sys.stderr)
+            return INTERRUPTED
     return code
+
+
+def _refuse(message: str) -> int:
+    """Print one line on stderr, and return the exit code for wrong input."""
+    line = " ".join(message.split())
+    if len(line) > MAX_MESSAGE:
+        line = f"{line[: MAX_MESSAGE // 2]} ... {line[-MAX_MESSAGE // 2 :]}"
+    print(f"jtik: {line}", file=sys.stderr)
+    return WRONG_INPUT
+
+
+def _show_warning(message: Warning | str, *where: Any, **more: Any) -> None:
+    """Print a warning as one line on stderr, without the place in the source."""
+    print(f"jtik: warning: {' '.join(str(message).split())}", file=sys.stderr)
 
 
 def _readable(word: str) -> str:
@@ -55,10 +94,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"jtik {__version__}")
     commands = parser.add_subparsers(metavar="command", required=True, parser_class=_Parser)
 
-    what = "the registered strategies, secondary terms and criteria, and the built-in robots"
-    command = commands.add_parser("list", help=what, description=f"List {what}.")
-    command.set_defaults(run=catalogue.run)
-
+    catalogue.add_arguments(commands)
+    robot.add_arguments(commands)
     solve.add_arguments(commands)
     compare.add_arguments(commands)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 from typing import Any, TypeVar
 
 from jtik.errors import ArgumentError, JtikError, UnknownNameError
@@ -12,6 +13,9 @@ Table = Mapping[str, Any]
 """A table of a TOML document, or an object of a JSON document."""
 
 T = TypeVar("T")
+
+MAX_BYTES = 10_000_000
+"""Size of the largest file that is read as a document or as numbers."""
 
 
 class InputError(JtikError):
@@ -51,3 +55,30 @@ def call(where: str, make: Callable[..., T], options: Any) -> T:
         raise
     except (TypeError, ValueError) as error:  # such as a text in place of a number
         raise InputError(f"{where}: {error}") from error
+
+
+def read_text(path: Path) -> str:
+    """The text of a file. Raises InputError when there is none, it is too large, or it is no text."""
+    if not path.is_file():
+        raise InputError(f"{path}: {'not a file' if path.exists() else 'no such file'}")
+    with path.open("rb") as file:
+        content = file.read(MAX_BYTES + 1)
+    if len(content) > MAX_BYTES:
+        raise InputError(f"{path}: larger than {MAX_BYTES // 1_000_000} MB")
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: not UTF-8: {error}") from None
+
+
+def check_folder(*paths: str | None) -> None:
+    """Raise InputError unless the folder of every path exists."""
+    for path in paths:
+        if path and not Path(path).absolute().parent.is_dir():
+            raise InputError(f"{path}: no such folder")
+
+
+def check_suffix(option: str, path: str | None, accepted: Iterable[str]) -> None:
+    """Raise InputError unless the path has one of the suffixes."""
+    if path and Path(path).suffix.lower() not in accepted:
+        raise InputError(f"{option} {path}: accepted: a file name that ends in {', '.join(accepted)}")

@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+import json
+import shutil
+import sys
+from collections.abc import Iterable, Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
-from pathlib import Path
+from importlib.util import find_spec
 from typing import Any
 
 import jtik
-from jtik.cli.checks import InputError
+from jtik.cli import own_criteria
+from jtik.cli.checks import InputError, check_folder, check_suffix
 from jtik.cli.document import DocumentSetup, read_setup
+from jtik.cli.output import PICTURES, json_value, require_pictures, write_all
 from jtik.cli.problem_options import add_problem_options, problem_document
 from jtik.problems import ProblemSet
 from jtik.problems.collection import named
-from jtik.registry import strategies
+from jtik.registry import strategies, strategy_of
+from jtik.study import peers
+from jtik.study.comparison import Comparison
+from jtik.study.strategies import PEER
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C. The report has what was computed before."""
@@ -30,14 +38,17 @@ def add_arguments(commands: Any) -> None:
         "compare",
         help="compare strategies on the same problems",
         description="Compare strategies on the same problems, from the same starts, to the same tolerances.",
-        epilog="Exit code: 0 done, 2 wrong input, 130 interrupted. Lengths in m, angles in rad. The robot is planar:10 "
-        "and the task a position of its frame tip by default.",
+        epilog="Exit code: 0 done, 1 a file could not be written, 2 wrong input, 130 interrupted. Lengths in m, angles "
+        "in rad. The robot is planar:10 and the task a position of its tip by default. The table leaves out columns "
+        "that do not fit; --markdown, --json and --csv have all of them.",
     )
     add_problem_options(command, kind="position")
     what = (
         f"names that `jtik list` shows, or all; peer:NAME for another library (default: {' '.join(DEFAULT_STRATEGIES)})"
     )
-    command.add_argument("--strategies", nargs="+", metavar="NAME", default=list(DEFAULT_STRATEGIES), help=what)
+    command.add_argument(
+        "--strategies", "--strategy", nargs="+", metavar="NAME", default=list(DEFAULT_STRATEGIES), help=what
+    )
     command.add_argument(
         "--problems",
         nargs="+",
@@ -62,6 +73,8 @@ def add_arguments(commands: Any) -> None:
     command.add_argument("--save", metavar="FILE.npz", help="save the study here while it runs, and resume from it")
     command.add_argument("--csv", metavar="FILE", help="write every row to this file")
     command.add_argument("--markdown", action="store_true", help="print the table in Markdown")
+    command.add_argument("--json", action="store_true", help="print the table and the settings as JSON")
+    command.add_argument("--plot", metavar="FILE", help="draw the performance profiles: .png, .svg or .pdf")
     command.add_argument(
         "--out", metavar="FILE.html", default="jtik-compare.html", help="report (default: %(default)s)"
     )
@@ -70,17 +83,18 @@ def add_arguments(commands: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Compare, print the table, write the report."""
-    for path in (arguments.out, arguments.csv, arguments.save):
-        if path and not Path(path).absolute().parent.is_dir():
-            raise InputError(f"{path}: no such folder")
+    check_folder(arguments.out, arguments.csv, arguments.save, arguments.plot)
+    check_suffix("--plot", arguments.plot, PICTURES)
+    require_pictures()  # for the report
     if arguments.jobs < 1:
         raise InputError(f"--jobs {arguments.jobs}: accepted: a positive integer")
+    contenders = _contenders(arguments.strategies)
     setup, problems = _setup_and_problems(arguments)
-    with _executor(arguments.jobs) as executor:
+    with _executor(arguments.jobs, arguments.criterion or ()) as executor:
         found = jtik.compare(
             setup.robot,
             setup.tasks,
-            strategies=list(strategies) if arguments.strategies == ["all"] else arguments.strategies,
+            strategies=contenders,
             criteria=setup.criteria if setup.criteria.terms else None,
             problems=problems,
             count=arguments.count,
@@ -95,14 +109,49 @@ def run(arguments: argparse.Namespace) -> int:
             repeats=arguments.repeats,
             executor=executor,
             save=arguments.save,
-            progress=True,
+            progress=_shows_progress(),
         )
-    print(found.to_markdown() if arguments.markdown else found)
-    if arguments.csv:
-        found.to_csv(arguments.csv)
-    found.to_html(arguments.out)
-    print(f"written: {arguments.out}")
-    return 0 if found.complete else INTERRUPTED
+    _print(found, arguments)
+    written = write_all(
+        [
+            (arguments.csv, found.to_csv),
+            (arguments.plot, lambda path: found.plot_profile().savefig(path)),
+            (arguments.out, found.to_html),
+        ]
+    )
+    if written:
+        print(f"written: {arguments.out}", file=sys.stderr if arguments.json else sys.stdout)
+    return INTERRUPTED if not found.complete else 0 if written else 1
+
+
+def _print(found: Comparison, arguments: argparse.Namespace) -> None:
+    """Print the table, in the width of the terminal; 80 characters where it goes elsewhere."""
+    if arguments.json:
+        table = found.summary()
+        rows = [dict(zip(table, row, strict=True)) for row in zip(*table.values(), strict=True)]
+        document = {"complete": found.complete, "table": rows, "notes": found.notes, "settings": found.settings}
+        print(json.dumps(json_value({**document, "machine": found.machine}), indent=1))
+    elif arguments.markdown:
+        print(found.to_markdown())
+    else:
+        print(found.to_text(shutil.get_terminal_size().columns))
+
+
+def _contenders(names: list[str]) -> list[str]:
+    """The names of the contenders. Raises UnknownNameError or ArgumentError for one that does not exist."""
+    if names == ["all"]:
+        return list(strategies)
+    for name in names:
+        if name.startswith(PEER):
+            peers.named(name.removeprefix(PEER))
+        else:
+            strategy_of(name)
+    return names
+
+
+def _shows_progress() -> bool:
+    """Whether there is a terminal for a bar, and rich to draw it."""
+    return sys.stderr.isatty() and find_spec("rich") is not None
 
 
 def _setup_and_problems(arguments: argparse.Namespace) -> tuple[DocumentSetup, ProblemSet | dict[str, int]]:
@@ -127,16 +176,17 @@ def _as_list(task: Any) -> list[jtik.Task]:
 
 def _counted(word: str, count: int) -> tuple[str, int]:
     kind, colon, number = word.partition(":")
-    if colon and not number.isdecimal():
+    if colon and not (number.isdecimal() and len(number) < 10):
         raise InputError(f"--problems {word}: accepted: KIND or KIND:COUNT")
     return kind, int(number) if colon else count
 
 
 @contextmanager
-def _executor(jobs: int) -> Iterator[Executor | None]:
-    """An executor of several processes; None for one job."""
+def _executor(jobs: int, criteria: Iterable[str]) -> Iterator[Executor | None]:
+    """An executor of several processes, which know the user's own criteria; None for one job."""
     if jobs == 1:
         yield None
         return
-    with ProcessPoolExecutor(jobs) as pool:
+    files = [name.rpartition(":")[0] for name in criteria if own_criteria.is_own(name)]
+    with ProcessPoolExecutor(jobs, initializer=own_criteria.load_modules, initargs=(files,)) as pool:
         yield pool

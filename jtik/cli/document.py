@@ -1,43 +1,27 @@
 """A problem as a document: the keys of a TOML or JSON file, which the options of ``jtik solve`` can override.
 
-target = [6.0, 3.0]
-q0 = [0.1, 0.1, 0.1]
-strategy = "hybrid"                       # or a table: name, and options of that strategy
-
-[robot]
-kind = "planar"                           # planar, vehicle, dh or builtin, and the arguments of its builder
-links = 3
-
-[task]                                    # arguments of FrameTask; or type = "relative", "axis", "look_at" or
-frame = "tip"                             # "center_of_mass" and its arguments; or several [[task]], then the
-                                          # target is a table by their names
-
-[[criteria]]                              # name, weight, and options of that criterion
-name = "obstacle_avoidance"
-weight = 0.3
-options = { bodies = "both" }
-
-[obstacles]                               # for every criterion with obstacles
-circles = [[4.0, 2.0, 0.6]]               # x, y, radius [m]
-
-[solve]                                   # limits, and arguments of InverseKinematics.solve
-until = "stationary"
+docs/command_line.md describes the format.
 """
 
 from __future__ import annotations
 
 import inspect
 import json
+import re
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from jtik.cli.checks import InputError, Table, checked_table
-from jtik.cli.document_sections import read_criteria, read_obstacles, read_robot, read_strategy, read_tasks
+from jtik.cli.checks import InputError, Table, checked_table, read_text
+from jtik.cli.document_sections import read_criteria, read_obstacles, read_strategy, read_tasks
+from jtik.cli.own_criteria import is_own
+from jtik.cli.robots import SUFFIXES, read_robot
+from jtik.cli.values import start_of
 from jtik.criterion import CriterionSum
 from jtik.errors import ArgumentError
+from jtik.geometry import Obstacle
 from jtik.robot import Robot
 from jtik.solver import InverseKinematics
 from jtik.task import Task
@@ -45,12 +29,19 @@ from jtik.task import Task
 KEYS = ("robot", "task", "target", "q0", "strategy", "criteria", "obstacles", "solve")
 """Keys of a document."""
 
+_BUILD = ("limits", "compiled", "solver")
+"""Keys of the section [solve] that are arguments of InverseKinematics."""
+
 _SOLVE = tuple(
     name
     for name in inspect.signature(InverseKinematics.solve).parameters
     if name not in ("self", "target", "q0", "trace")
 )
-"""Keys of the section [solve]."""
+"""Keys of the section [solve] that are arguments of InverseKinematics.solve."""
+
+
+MAX_DOTS = 100
+"""Most dots of a key of a TOML document."""
 
 
 @dataclass(frozen=True)
@@ -61,11 +52,13 @@ class DocumentSetup:
         robot: the robot.
         tasks: the tasks.
         criteria: the weighted sum of the criteria; without terms where the document has none.
+        obstacles: the obstacles.
     """
 
     robot: Robot
     tasks: list[Task]
     criteria: CriterionSum
+    obstacles: list[Obstacle] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -76,26 +69,61 @@ class DocumentProblem:
         ik: the solver.
         target: the target of its task.
         options: the arguments of its ``solve``.
+        obstacles: the obstacles of its criteria.
     """
 
     ik: InverseKinematics
     target: Any
     options: Mapping[str, Any]
+    obstacles: list[Obstacle]
 
 
 def load(path: str | Path) -> dict[str, Any]:
-    """The document of a TOML or JSON file. Raises InputError when it is neither, or its syntax is wrong."""
+    """The document of a TOML or JSON file. Raises InputError when it is neither, or its syntax is wrong.
+
+    Files that it names are found from its own folder.
+    """
     file = Path(path)
-    readers: dict[str, Callable[[str], Any]] = {".toml": tomllib.loads, ".json": json.loads}
+    readers: dict[str, Callable[[str], Any]] = {".toml": _read_toml, ".json": json.loads}
     if file.suffix not in readers:
         raise InputError(f"{file}: the name of a problem file ends in {' or '.join(readers)}")
+    text = read_text(file)
     try:
-        document = readers[file.suffix](file.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{file}: no such file") from None
-    except ValueError as error:  # of both readers, and of the decoding
+        document = readers[file.suffix](text)
+    except ValueError as error:
         raise InputError(f"{file}: not valid {file.suffix[1:].upper()}: {error}") from None
-    return dict(checked_table(str(file), document, KEYS))
+    except RecursionError:
+        raise InputError(f"{file}: nested too deeply") from None
+    return _from_folder(dict(checked_table(str(file), document, KEYS)), file.parent)
+
+
+def _read_toml(text: str) -> Any:
+    """The document of a TOML text. Raises RecursionError for long dotted keys, whose time is quadratic."""
+    for line in text.splitlines():
+        parts = line.split("=")
+        keys = [re.split(r"[,{\[]", part)[-1] for part in parts[:-1]] or ([] if "," in line else [line])
+        if any(key.count(".") > MAX_DOTS for key in keys):
+            raise RecursionError
+    return tomllib.loads(text)
+
+
+def _from_folder(document: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """The document with its paths, those of a robot and of criteria, as seen from the working directory."""
+    robot = document.get("robot")
+    if isinstance(robot, str) and Path(robot).suffix.lower() in SUFFIXES:
+        document["robot"] = str(folder / robot)
+    elif isinstance(robot, dict) and isinstance(robot.get("path"), str):
+        document["robot"] = {**robot, "path": str(folder / robot["path"])}
+    criteria = document.get("criteria")
+    if isinstance(criteria, list):
+        document["criteria"] = [_placed(entry, folder) for entry in criteria]
+    return document
+
+
+def _placed(entry: Any, folder: Path) -> Any:
+    if isinstance(entry, dict) and isinstance(entry.get("name"), str):
+        return {**entry, "name": _placed(entry["name"], folder)}
+    return str(folder / entry) if isinstance(entry, str) and is_own(entry) else entry
 
 
 def read_setup(document: Table) -> DocumentSetup:
@@ -107,11 +135,10 @@ def read_setup(document: Table) -> DocumentSetup:
     checked_table("the problem", document, KEYS)
     if "robot" not in document:
         raise InputError(f"robot is missing; a problem needs one, and accepts {', '.join(KEYS)}")
-    return DocumentSetup(
-        read_robot(document["robot"]),
-        read_tasks(document.get("task", {})),
-        read_criteria(document.get("criteria", []), read_obstacles(document.get("obstacles", {}))),
-    )
+    robot = read_robot(document["robot"])
+    obstacles = read_obstacles(document.get("obstacles", {}), robot.dimension)
+    tasks = read_tasks(document.get("task", {}), robot)
+    return DocumentSetup(robot, tasks, read_criteria(document.get("criteria", []), obstacles), obstacles)
 
 
 def read(document: Table) -> DocumentProblem:
@@ -123,15 +150,12 @@ def read(document: Table) -> DocumentProblem:
     if "target" not in document:
         raise InputError(f"target is missing; a problem needs robot and target, and accepts {', '.join(KEYS)}")
     setup = read_setup(document)
-    options = dict(checked_table("[solve]", document.get("solve", {}), (*_SOLVE, "limits")))
-    limits = options.pop("limits", True)
-    if not isinstance(limits, bool):
-        raise ArgumentError("limits", limits, "true or false")
-    ik = InverseKinematics(
-        setup.robot,
-        setup.tasks,
-        criteria=setup.criteria,
-        strategy=read_strategy(document.get("strategy", "hybrid")),
-        limits=limits,
-    )
-    return DocumentProblem(ik, document["target"], {**options, "q0": document.get("q0")})
+    options = dict(checked_table("[solve]", document.get("solve", {}), (*_SOLVE, *_BUILD)))
+    build = {name: options.pop(name) for name in _BUILD if name in options}
+    for flag in ("limits", "compiled"):
+        if not isinstance(build.get(flag, True), bool):
+            raise ArgumentError(flag, build[flag], "true or false")
+    strategy = read_strategy(document.get("strategy", "hybrid"))
+    ik = InverseKinematics(setup.robot, setup.tasks, criteria=setup.criteria, strategy=strategy, **build)
+    q0 = start_of(ik.robot, document.get("q0"))
+    return DocumentProblem(ik, document["target"], {**options, "q0": q0}, setup.obstacles)

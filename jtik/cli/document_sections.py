@@ -1,27 +1,21 @@
-"""The sections of a problem document: robot, tasks, strategy, criteria and obstacles as objects of jtik."""
+"""The sections of a problem document: tasks, strategy, criteria and obstacles as objects of jtik."""
 
 from __future__ import annotations
 
 import inspect
+import warnings
 from collections.abc import Callable
 from typing import Any
 
 from jtik.cli.checks import InputError, Table, call, checked_name, checked_table
-from jtik.criterion import Criterion, CriterionSum
+from jtik.cli.own_criteria import is_own, own_criterion
+from jtik.criterion import Criterion, CriterionSum, FunctionCriterion
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.geometry import Circle, Obstacle, Point, Sphere
 from jtik.registry import criteria, strategies, strategy_of
-from jtik.robot import Robot, gallery
+from jtik.robot import Robot
 from jtik.strategy import Strategy
 from jtik.task import AxisTask, CenterOfMassTask, FrameTask, LookAtTask, RelativeFrameTask, Task
-
-ROBOTS: dict[str, Callable[..., Robot]] = {
-    "planar": Robot.planar,
-    "vehicle": Robot.vehicle,
-    "dh": Robot.from_dh,
-    "builtin": Robot.builtin,
-}
-"""Kinds of robots and the functions that build them."""
 
 TASKS: dict[str, Callable[..., Task]] = {
     "frame": FrameTask,
@@ -32,50 +26,20 @@ TASKS: dict[str, Callable[..., Task]] = {
 }
 """Types of tasks."""
 
-SHAPES = ("circles", "spheres", "points")
-"""Keys of the section [obstacles]."""
+SHAPES = ("circles", "spheres", "points", "balls")
+"""Keys of the section [obstacles]. A ball has a centre with as many coordinates as the robot, and perhaps a radius."""
 
 
-def robot_table(specification: str) -> dict[str, Any]:
-    """The table [robot] for a robot that is given as one text.
-
-    Args:
-        specification: ``planar:10``, ``planar:1,0.8,0.5``, ``vehicle:3`` or the name of a built-in robot.
-
-    Raises:
-        ArgumentError: when it is none of those.
-        UnknownNameError: when it is a name, but of no built-in robot.
-    """
-    accepted = "planar:10, planar:1,0.8,0.5, vehicle:3 or a built-in robot; other robots come from a file"
-    kind, colon, links = specification.partition(":")
-    if kind not in ("planar", "vehicle"):
-        if not colon and kind:
-            return {"kind": "builtin", "name": gallery.describe(kind).name}
-        raise ArgumentError("robot", specification, accepted)
-    try:
-        lengths = [float(length) for length in links.split(",")]
-    except ValueError:
-        raise ArgumentError("robot", specification, accepted) from None
-    return {"kind": kind, "links": int(links) if links.strip().isdecimal() else lengths}
-
-
-def read_robot(given: Any) -> Robot:
-    """The robot of a section [robot], or of its short form."""
-    table = dict(robot_table(given) if isinstance(given, str) else checked_table("[robot]", given))
-    kind = checked_name("[robot] kind", table.pop("kind", None), ROBOTS)
-    if kind not in ROBOTS:
-        raise UnknownNameError("robot kind", kind, ROBOTS)
-    return call(f"[robot] {kind}", ROBOTS[kind], table)
-
-
-def read_tasks(given: Any) -> list[Task]:
-    """The tasks of a section [task], or of several [[task]]."""
+def read_tasks(given: Any, robot: Robot) -> list[Task]:
+    """The tasks of a section [task], or of several [[task]]; a frame that is not named is the robot's tip."""
     tasks = []
     for entry in given if isinstance(given, list) else [given]:
         table = dict(checked_table("[task]", entry))
         kind = checked_name("[task] type", table.pop("type", "frame"), TASKS)
         if kind not in TASKS:
             raise UnknownNameError("task type", kind, TASKS)
+        if kind == "frame":
+            table = {"frame": robot.tip, **table}
         tasks.append(call("[task]", TASKS[kind], table))
     return tasks
 
@@ -91,10 +55,10 @@ def read_strategy(given: Any) -> Strategy:
 
 
 def read_criteria(given: Any, obstacles: list[Obstacle]) -> CriterionSum:
-    """The weighted sum of the sections [[criteria]]."""
+    """The weighted sum of the sections [[criteria]]. Warns of obstacles that no criterion takes."""
     if not isinstance(given, list):
         raise InputError("criteria: accepted: a list of tables with name, weight and options")
-    total = CriterionSum(())
+    total, taken = CriterionSum(()), not obstacles
     for entry in given:
         table = checked_table(
             "[[criteria]]", {"name": entry} if isinstance(entry, str) else entry, ("name", "weight", "options")
@@ -103,26 +67,39 @@ def read_criteria(given: Any, obstacles: list[Obstacle]) -> CriterionSum:
         weight = table.get("weight", 1.0)
         if not isinstance(weight, (int, float)):
             raise ArgumentError(f"weight of {name}", weight, "a finite number")
-        total = total + weight * _criterion(name, checked_table("options", table.get("options", {})), obstacles)
+        plugin = own_criterion(name) if is_own(name) else criteria[name]
+        taken = taken or _takes_obstacles(plugin)
+        total = total + weight * _criterion(name, plugin, checked_table("options", table.get("options", {})), obstacles)
+    if not taken:
+        able = [name for name, plugin in criteria.loaded().items() if _takes_obstacles(plugin)]
+        warnings.warn(f"no criterion takes the obstacles; those that do: {', '.join(able)}", stacklevel=2)
     return total
 
 
-def _criterion(name: str, options: Table, obstacles: list[Obstacle]) -> Criterion:
+def _takes_obstacles(plugin: Any) -> bool:
+    return isinstance(plugin, type) and "obstacles" in inspect.signature(plugin).parameters
+
+
+def _criterion(name: str, plugin: Criterion | type[Criterion], options: Table, obstacles: list[Obstacle]) -> Criterion:
     """One criterion; it gets the obstacles if it has that argument."""
-    plugin = criteria[name]
     where = f"criterion {name!r}"
+    if isinstance(plugin, FunctionCriterion):
+        return plugin(**options)
+    if isinstance(plugin, Criterion):
+        checked_table(where, options, ())
+        return plugin
     if "obstacles" in options:
-        raise InputError(f"{where}: obstacles belong in [obstacles], or in --circle, --sphere and --point")
-    wanted = inspect.signature(plugin).parameters.get("obstacles")
-    if wanted is None:
+        raise InputError(f"{where}: obstacles belong in [obstacles], or in --obstacle")
+    if not _takes_obstacles(plugin):
         return call(where, plugin, options)
+    wanted = inspect.signature(plugin).parameters["obstacles"]
     if not obstacles and wanted.default is wanted.empty:
-        raise InputError(f"{where} needs obstacles: [obstacles] in a file, or --circle, --sphere and --point")
+        raise InputError(f"{where} needs obstacles: [obstacles] in a file, or --obstacle, --circle, --sphere, --point")
     return call(where, plugin, {**options, "obstacles": obstacles} if obstacles else options)
 
 
-def read_obstacles(given: Any) -> list[Obstacle]:
-    """The obstacles of a section [obstacles]."""
+def read_obstacles(given: Any, dimension: int) -> list[Obstacle]:
+    """The obstacles of a section [obstacles]; ``dimension`` is that of the robot's positions."""
     table = checked_table("[obstacles]", given, SHAPES)
     makers: dict[str, tuple[Callable[..., Obstacle], int]] = {"circles": (Circle, 2), "spheres": (Sphere, 3)}
     found: list[Obstacle] = []
@@ -133,9 +110,13 @@ def read_obstacles(given: Any) -> list[Obstacle]:
             if shape == "points":
                 found.append(call("points", Point, {"center": row}))
                 continue
-            make, dimension = makers[shape]
-            if len(row) != dimension + 1:
-                names = ", ".join("xyz"[:dimension])
-                raise InputError(f"{shape}: given {row}; accepted: {names}, radius [m]")
+            make, count = makers[shape] if shape in makers else (makers["circles"], makers["spheres"])[dimension - 2]
+            if shape == "balls" and len(row) == count:
+                found.append(call(shape, Point, {"center": row}))
+                continue
+            if len(row) != count + 1:
+                names = ", ".join("xyz"[:count])
+                more = f", or {names} of a point" if shape == "balls" else ""
+                raise InputError(f"{shape}: given {row}; accepted: {names}, radius [m]{more}")
             found.append(call(shape, make, {"center": row[:-1], "radius": row[-1]}))
     return found

@@ -7,7 +7,7 @@ from typing import Any
 
 from jtik.cli.checks import InputError
 from jtik.cli.document import load
-from jtik.cli.document_sections import robot_table
+from jtik.cli.robots import robot_table
 
 SHAPES = {"circle": ("X", "Y", "RADIUS"), "sphere": ("X", "Y", "Z", "RADIUS"), "point": ("X",)}
 
@@ -15,15 +15,25 @@ SHAPES = {"circle": ("X", "Y", "RADIUS"), "sphere": ("X", "Y", "Z", "RADIUS"), "
 def add_problem_options(command: argparse.ArgumentParser, *, kind: str) -> None:
     """Add the options to a command; ``kind`` is the default kind of its task."""
     command.add_argument("--file", metavar="PROBLEM", help="a problem in TOML or JSON")
-    command.add_argument("--robot", metavar="SPEC", help="planar:10, planar:1,0.8,0.5, vehicle:3 or a built-in robot")
-    command.add_argument("--frame", help="frame to bring to the target (default: tip)")
+    what = "a file (.urdf, .xacro, .xml of MuJoCo), a built-in robot, planar:10, planar:1,0.8,0.5 or vehicle:3"
+    command.add_argument("--robot", metavar="SPEC", help=what)
+    command.add_argument("--frame", help="frame to bring to the target (default: the robot's tip)")
     command.add_argument("--kind", help=f"position, orientation or pose (default: {kind})")
     command.add_argument("--axes", nargs="+", metavar="AXIS", help="rows of the task to keep: x y z rx ry rz")
     command.add_argument(
         "--criterion",
         action="append",
         metavar="NAME[=WEIGHT]",
-        help="a criterion to minimise; may be repeated",
+        help="a criterion to minimise, registered or your own as module.py:name; may be repeated",
+    )
+    command.add_argument(
+        "--obstacle",
+        action="append",
+        nargs="+",
+        type=float,
+        metavar="NUMBER",
+        help="centre and radius of a circle or sphere to keep away from, for a criterion such as obstacle_avoidance; "
+        "without radius a point; may be repeated",
     )
     for shape, names in SHAPES.items():
         count: Any = len(names) if shape != "point" else "+"
@@ -45,6 +55,8 @@ def problem_document(arguments: argparse.Namespace) -> dict[str, Any]:
     if arguments.criterion is not None:
         document["criteria"] = [_weighted(text) for text in arguments.criterion]
     obstacles = {f"{shape}s": rows for shape in SHAPES if (rows := getattr(arguments, shape)) is not None}
+    if arguments.obstacle is not None:
+        obstacles["balls"] = arguments.obstacle
     if obstacles:
         document["obstacles"] = obstacles
     override(document, "task", arguments, ("frame", "kind", "axes"))
@@ -63,7 +75,8 @@ def override(document: dict[str, Any], section: str, arguments: argparse.Namespa
 
 
 def _weighted(text: str) -> dict[str, Any]:
-    name, equals, weight = text.partition("=")
+    name, equals, weight = text.rpartition("=")
+    name = name if equals else text
     try:
         return {"name": name, "weight": float(weight) if equals else 1.0}
     except ValueError:

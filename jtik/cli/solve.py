@@ -5,18 +5,29 @@ from __future__ import annotations
 import argparse
 import csv
 import json
-import math
-from collections.abc import Mapping
-from enum import Enum
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from jtik.cli.checks import InputError
+from jtik.cli.checks import check_folder, check_suffix
 from jtik.cli.document import DocumentProblem, read
+from jtik.cli.output import PICTURES, coordinates, draw_solution, json_value, require_pictures, write_all
 from jtik.cli.problem_options import add_problem_options, override, problem_document
-from jtik.result.solution import Solution, Trace
+from jtik.cli.values import POSES, read_start, read_values, size
+from jtik.result.solution import Solution
+
+OPTIONS = (
+    "until",
+    "max_iterations",
+    "restarts",
+    "best_of",
+    "seed",
+    "position_tolerance",
+    "orientation_tolerance",
+    "limits",
+    "compiled",
+    "solver",
+)
+"""Options that are keys of the section [solve]."""
 
 
 def add_arguments(commands: Any) -> None:
@@ -25,37 +36,62 @@ def add_arguments(commands: Any) -> None:
         "solve",
         help="joint positions for a target",
         description="Find joint positions for a target. Options override the values of a --file.",
-        epilog="Exit code: 0 converged, 1 ended otherwise, 2 wrong input. Lengths in m, angles in rad.",
+        epilog="Exit code: 0 converged, 1 ended otherwise or a file could not be written, 2 wrong input. Lengths in m, "
+        "angles in rad.",
     )
-    add_problem_options(command, kind="position")
-    command.add_argument("--target", nargs="+", type=float, metavar="NUMBER", help="such as X Y, or X Y Z")
-    command.add_argument("--q0", nargs="+", type=float, metavar="NUMBER", help="where to start (default: home)")
+    add_problem_options(command, kind="pose for 7 or 16 numbers, else position")
     command.add_argument(
-        "--strategy",
-        metavar="NAME",
-        help="a name or a pair such as newton+qp (default: hybrid)",
+        "--target",
+        nargs="+",
+        metavar="NUMBER",
+        help="X Y; X Y Z; X Y Z QW QX QY QZ; the 16 numbers of a pose (4, 4) row by row; or @FILE with such numbers",
     )
+    command.add_argument(
+        "--q0",
+        nargs="+",
+        metavar="START",
+        help="where to start: numbers, @FILE, home, mid (the middle of the limits) or a keyframe (default: home)",
+    )
+    command.add_argument("--strategy", metavar="NAME", help="a name or a pair such as hybrid+qp (default: hybrid)")
+    command.add_argument("--solver", metavar="NAME", help="what solves quadratic programs (default: daqp)")
+    command.add_argument("--restarts", type=int, metavar="N", help="number of further starts to try (default: 0)")
+    command.add_argument(
+        "--best-of", type=int, metavar="N", help="find N configurations, with --restarts; the best is q"
+    )
+    command.add_argument("--seed", type=int, metavar="N", help="seed of the restarts (default: 0)")
     command.add_argument("--until", choices=("stationary", "reached"), help="when to stop (default: stationary)")
     command.add_argument("--max-iterations", type=int, metavar="N", help="maximum number of iterations")
     command.add_argument("--position-tolerance", type=float, metavar="METRES")
     command.add_argument("--orientation-tolerance", type=float, metavar="RADIANS")
     command.add_argument("--no-limits", dest="limits", action="store_false", default=None, help="ignore joint limits")
+    command.add_argument("--compiled", action="store_true", default=None, help="the step as C, by a C compiler")
     command.add_argument("--trace", metavar="CSV", help="write every iteration to this file")
+    command.add_argument("--plot", metavar="FILE", help="draw the way to the solution: .png, .svg or .pdf")
+    command.add_argument("--out", metavar="FILE", help="write the solution: .json, or .csv with the joints as columns")
     command.add_argument("--json", action="store_true", help="print the solution as JSON")
     command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Solve, print the solution, and return 0 when it converged, else 1."""
+    check_folder(arguments.trace, arguments.plot, arguments.out)
+    check_suffix("--plot", arguments.plot, PICTURES)
+    check_suffix("--out", arguments.out, (".json", ".csv"))
+    if arguments.plot:
+        require_pictures()
     problem = read(_document(arguments))
-    if arguments.trace and not Path(arguments.trace).absolute().parent.is_dir():
-        raise InputError(f"{arguments.trace}: no such folder")
-    solution = problem.ik.solve(problem.target, trace=bool(arguments.trace), **problem.options)
-    if arguments.trace:
-        assert solution.trace is not None
-        _write_trace(Path(arguments.trace), solution.trace)
-    print(json.dumps(as_json(problem, solution), indent=1) if arguments.json else solution)
-    return 0 if solution.converged else 1
+    traced = bool(arguments.trace or arguments.plot)
+    solution = problem.ik.solve(problem.target, trace=traced, **problem.options)
+    document = as_json(problem, solution)
+    print(json.dumps(document, indent=1) if arguments.json else solution)
+    written = write_all(
+        [
+            (arguments.trace, lambda path: _write_trace(path, problem, solution)),
+            (arguments.out, lambda path: _write_solution(path, problem, solution, document)),
+            (arguments.plot, lambda path: draw_solution(problem, solution).savefig(path)),
+        ]
+    )
+    return 0 if solution.converged and written else 1
 
 
 SHOWN = (
@@ -95,50 +131,46 @@ def as_json(problem: DocumentProblem, solution: Solution) -> dict[str, Any]:
         "strategy": repr(problem.ik.strategy),
         "why": solution.status.value,
     }
-    return document | {name: _json_value(getattr(solution, name)) for name in SHOWN}
-
-
-def _json_value(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {str(key): _json_value(item) for key, item in value.items()}
-    if isinstance(value, np.ndarray):
-        return _json_value(value.tolist())
-    if isinstance(value, np.generic):
-        return _json_value(value.item())
-    if isinstance(value, (list, tuple)):
-        return [_json_value(item) for item in value]
-    if isinstance(value, Solution):
-        return {"q": _json_value(value.q), "status": value.status.name, "cost": _json_value(value.cost)}
-    if isinstance(value, Enum):
-        return value.name
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value if value is None or isinstance(value, (bool, int, str)) else repr(value)
+    return document | {name: json_value(getattr(solution, name)) for name in SHOWN}
 
 
 def _document(arguments: argparse.Namespace) -> dict[str, Any]:
     """The document of the file, overridden by the options."""
     document = problem_document(arguments)
-    for key in ("target", "q0", "strategy"):
-        if getattr(arguments, key) is not None:
-            document[key] = getattr(arguments, key)
-    override(
-        document,
-        "solve",
-        arguments,
-        ("until", "max_iterations", "position_tolerance", "orientation_tolerance", "limits"),
-    )
+    if arguments.strategy is not None:
+        document["strategy"] = arguments.strategy
+    if arguments.q0 is not None:
+        document["q0"] = read_start("--q0", arguments.q0)
+    if arguments.target is not None:
+        document["target"] = read_values("--target", arguments.target)
+        task = document.get("task", {})
+        if size(document["target"]) in POSES and isinstance(task, dict) and not task.keys() & {"kind", "type"}:
+            document["task"] = {**task, "kind": "pose"}
+    override(document, "solve", arguments, OPTIONS)
     return document
 
 
-def _write_trace(path: Path, trace: Trace) -> None:
-    """Write one row an iteration: q, the error, and the figures of the step from there. The last row has no step."""
-    steps, columns = len(trace), trace.q.shape[1]
+def _write_solution(path: Path, problem: DocumentProblem, solution: Solution, document: dict[str, Any]) -> None:
+    """Write the document, or a table: the solution and then its alternatives, with the joints as columns."""
+    if path.suffix.lower() == ".json":
+        path.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+        return
     with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["iteration", *(f"q{i}" for i in range(columns)), "error", *trace.figures])
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow([*coordinates(problem.ik.robot), "status", "position_error", "orientation_error", "cost"])
+        for each in (solution, *solution.alternatives):
+            figures = (each.position_error, each.orientation_error, each.cost)
+            writer.writerow([*each.q.tolist(), each.status.name, *map(float, figures)])
+
+
+def _write_trace(path: Path, problem: DocumentProblem, solution: Solution) -> None:
+    """Write one row an iteration: q, the error, and the figures of the step from there. The last row has no step."""
+    trace = solution.trace
+    assert trace is not None
+    steps, names = len(trace), list(trace.figures)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["iteration", *coordinates(problem.ik.robot), "error", *names])
         for k, (q, error) in enumerate(zip(trace.q, trace.error, strict=True)):
-            figures = (
-                [float(figure[k]) for figure in trace.figures.values()] if k < steps else [""] * len(trace.figures)
-            )
+            figures = [float(trace.figures[name][k]) if k < steps else "" for name in names]
             writer.writerow([k, *q.tolist(), float(error), *figures])

@@ -19,6 +19,7 @@ class Trajectory:
 
     Attributes:
         times: time of each row, (k,) [s]; the start is at time 0 and not a row.
+        start: configuration at time 0, (nq,); NaN from a file that does not have it.
         q: configurations, (k, nq) [rad] and [m].
         dq: mean velocity on the way to each row, (k, n) [rad/s] and [m/s].
         error_norm: norm of the task error at each target, [m] and [rad] together, (k,).
@@ -28,9 +29,12 @@ class Trajectory:
         iterations: steps tried for each target, (k,).
         seconds: wall time of each solve, (k,) [s].
         joint_names: the joints of q, in its order.
+        joint_sizes: how many numbers of q each joint has: 1, of a ball joint 4, of a free joint 7. Empty from a file
+            that does not have it, of a robot with such joints.
     """
 
     times: Array
+    start: Array
     q: Array
     dq: Array
     error_norm: Array
@@ -40,6 +44,7 @@ class Trajectory:
     iterations: NDArray[np.int64]
     seconds: Array
     joint_names: tuple[str, ...]
+    joint_sizes: tuple[int, ...]
 
     errors = RenamedAttribute("error_norm")
     statuses = RenamedAttribute("status")
@@ -63,13 +68,22 @@ class Trajectory:
         return f"Trajectory: {reached} of {len(self)} targets reached, {duration:.3g} s, largest error {worst:.3g}"
 
     def save(self, path: str | Path) -> None:
-        """Write it to a ``.npz`` or a ``.csv`` file; `load` reads both back to the last bit.
+        """Write it to a ``.csv``, a ``.json`` or a ``.npz`` file; `load` reads each back to the last bit.
+
+        A ``.csv`` is a table with one line of titles, as ``pandas.read_csv`` reads it. Its first row is the start, with
+        the status START. The columns are "time" [s], the position of each joint under the joint's name, its velocity
+        under "velocity.NAME", and then error_norm, position_error, orientation_error, status, iterations and seconds.
+        A ball or free joint has the columns "NAME[0]", "NAME[1]" and so on. The name of a joint that looks like one of
+        the other titles is followed by " (joint)".
+
+        A ``.json`` is an object with the attributes as keys, null for NaN.
 
         Args:
             path: file to write; its suffix determines the format.
 
         Raises:
-            ArgumentError: for another suffix.
+            ArgumentError: for another suffix, or for a ``.csv`` without `joint_sizes`.
+            OSError: when the file cannot be written.
         """
         from jtik.result.trajectory_file import save
 
@@ -80,7 +94,7 @@ class Trajectory:
         """Read a file that `save` wrote, in this version or an earlier one.
 
         Args:
-            path: a ``.npz`` or a ``.csv`` file.
+            path: a ``.csv``, a ``.json`` or a ``.npz`` file.
 
         Raises:
             ArgumentError: for another suffix, or a file that is not a trajectory.

@@ -1,22 +1,23 @@
-"""Files of trajectories: ``.npz`` archives and ``.csv`` tables."""
+"""Files of trajectories: ``.csv`` tables, ``.json`` objects and ``.npz`` archives."""
 
 from __future__ import annotations
 
-import csv
+import json
+import math
+from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jtik.errors import ArgumentError
+from jtik.result import trajectory_csv
 from jtik.result.status import Status
 from jtik.result.trajectory import Trajectory
 
 Column = NDArray[np.generic]
-
-JOINTS = "# joints: "
-"""Beginning of the first line of a ``.csv`` file; the names of the joints follow."""
 
 RENAMED = {"errors": "error_norm", "statuses": "status"}
 """Columns that files of earlier versions have under another name."""
@@ -24,38 +25,32 @@ RENAMED = {"errors": "error_norm", "statuses": "status"}
 ADDED = ("position_error", "orientation_error")
 """Columns that files of earlier versions do not have: NaN."""
 
-MATRICES = ("q", "dq")
-"""Columns with several numbers a row: one column each in a ``.csv`` file, such as ``q[0]``."""
-
 
 def save(trajectory: Trajectory, path: str | Path) -> None:
-    """Write a trajectory. Raises ArgumentError for a suffix other than ``.npz`` or ``.csv``."""
+    """Write a trajectory. Raises ArgumentError for a suffix other than those of `FORMATS`."""
     path = _file(path)
-    columns: dict[str, Column] = {field.name: getattr(trajectory, field.name) for field in fields(trajectory)}
+    columns: dict[str, Column] = {field.name: np.array(getattr(trajectory, field.name)) for field in fields(trajectory)}
     columns["status"] = np.array([status.name for status in trajectory.status])
-    columns["joint_names"] = np.array(trajectory.joint_names)
-    if path.suffix == ".npz":
-        np.savez(path, allow_pickle=False, **columns)
-    else:
-        _write_csv(path, columns)
+    FORMATS[path.suffix].write(path, columns)
 
 
 def load(path: str | Path) -> Trajectory:
     """Read a trajectory. Raises ArgumentError for another suffix or a file that is not a trajectory."""
     path = _file(path)
-    columns = _read_npz(path) if path.suffix == ".npz" else _read_csv(path)
+    columns = FORMATS[path.suffix].read(path)
     columns = {RENAMED.get(name, name): column for name, column in columns.items()}
-    if "times" in columns:
-        columns = {name: np.full(len(columns["times"]), np.nan) for name in ADDED} | columns
+    columns = {**_defaults(columns), **columns}
     missing = [field.name for field in fields(Trajectory) if field.name not in columns]
     if missing:
         raise ArgumentError("path", path, f"a file that Trajectory.save wrote; it lacks {', '.join(missing)}")
+    _check_shapes(path, columns)
     names = [str(name) for name in columns["status"]]
     unknown = sorted(set(names) - set(Status.__members__))
     if unknown:
         raise ArgumentError("path", f"{path} with status {unknown[0]!r}", f"one of {', '.join(Status.__members__)}")
     return Trajectory(
         times=columns["times"].astype(np.float64),
+        start=columns["start"].astype(np.float64),
         q=columns["q"].astype(np.float64),
         dq=columns["dq"].astype(np.float64),
         error_norm=columns["error_norm"].astype(np.float64),
@@ -65,30 +60,41 @@ def load(path: str | Path) -> Trajectory:
         iterations=columns["iterations"].astype(np.int64),
         seconds=columns["seconds"].astype(np.float64),
         joint_names=tuple(str(name) for name in columns["joint_names"]),
+        joint_sizes=tuple(int(size) for size in columns["joint_sizes"]),
     )
+
+
+def _check_shapes(path: Path, columns: dict[str, Column]) -> None:
+    """Raise ArgumentError unless the columns have one row for each target, and q one number for each of the joints."""
+    k, width = len(np.atleast_1d(columns["times"])), np.shape(columns["start"])
+    for name, column in columns.items():
+        matrix, joints = name in ("q", "dq"), name in ("start", "joint_names", "joint_sizes")
+        right = column.ndim == (2 if matrix else 1) and (joints or len(column) == k)
+        if not right or (name == "q" and column.shape[1:] != width):
+            raise ArgumentError("path", f"{path} with {name} of shape {column.shape}", "a file of Trajectory.save")
+
+
+def _defaults(columns: dict[str, Column]) -> dict[str, Column]:
+    """What files of earlier versions lack."""
+    found: dict[str, Column] = {}
+    if "times" in columns:
+        found |= {name: np.full(len(columns["times"]), np.nan) for name in ADDED}
+    if "q" in columns and "joint_names" in columns:
+        width, joints = columns["q"].shape[-1], len(columns["joint_names"])
+        found["start"] = np.full(width, np.nan)
+        found["joint_sizes"] = np.ones(joints if joints == width else 0, dtype=int)
+    return found
 
 
 def _file(path: str | Path) -> Path:
     path = Path(path)
-    if path.suffix not in (".npz", ".csv"):
-        raise ArgumentError("path", path, "a file name that ends in .npz or .csv")
+    if path.suffix not in FORMATS:
+        raise ArgumentError("path", path, f"a file name that ends in {', '.join(FORMATS)}")
     return path
 
 
-def _write_csv(path: Path, columns: dict[str, Column]) -> None:
-    """A first line with the joints, a line of column names, and one line a target."""
-    joints = columns.pop("joint_names")
-    table: dict[str, Column] = {}
-    for name, column in columns.items():
-        if name in MATRICES:
-            table |= {f"{name}[{i}]": column[:, i] for i in range(column.shape[1])}
-        else:
-            table[name] = column
-    with path.open("w", newline="", encoding="utf-8") as file:
-        file.write(f"{JOINTS}{','.join(joints.tolist())}\n")
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(table)
-        writer.writerows(zip(*[column.tolist() for column in table.values()], strict=True))
+def _write_npz(path: Path, columns: dict[str, Column]) -> None:
+    np.savez(path, allow_pickle=False, **columns)
 
 
 def _read_npz(path: Path) -> dict[str, Column]:
@@ -99,19 +105,35 @@ def _read_npz(path: Path) -> dict[str, Column]:
         raise ArgumentError("path", path, "a file that Trajectory.save wrote") from error
 
 
-def _read_csv(path: Path) -> dict[str, Column]:
-    with path.open(newline="", encoding="utf-8") as file:
-        first = file.readline().rstrip("\n")
-        if not first.startswith(JOINTS):
-            raise ArgumentError("path", path, f"a file that Trajectory.save wrote; its first line begins {JOINTS!r}")
-        header, *rows = list(csv.reader(file))
-    if any(len(row) != len(header) for row in rows):
-        raise ArgumentError("path", path, f"rows of {len(header)} values, one for each column")
-    table = dict(zip(header, np.array(rows).reshape(len(rows), len(header)).T, strict=True))
-    columns: dict[str, Column] = {name: column for name, column in table.items() if "[" not in name}
-    columns["joint_names"] = np.array(first.removeprefix(JOINTS).split(","))
-    for name in MATRICES:
-        entries = [table[key] for key in header if key.startswith(f"{name}[")]
-        if entries:
-            columns[name] = np.stack(entries, axis=1)
-    return columns
+def _write_json(path: Path, columns: dict[str, Column]) -> None:
+    document = {name: _finite(column.tolist()) for name, column in columns.items()}
+    path.write_text(json.dumps(document, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def _read_json(path: Path) -> dict[str, Column]:
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+        texts = ("status", "joint_names")
+        return {name: np.array(value, dtype=str if name in texts else float) for name, value in document.items()}
+    except (AttributeError, TypeError, ValueError, RecursionError) as error:  # not JSON, no object, other values
+        raise ArgumentError("path", path, f"a file that Trajectory.save wrote; {error}") from error
+
+
+def _finite(value: Any) -> Any:
+    """The value with null for what JSON has no number for."""
+    if isinstance(value, list):
+        return [_finite(each) for each in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+class _Format(NamedTuple):
+    write: Callable[[Path, dict[str, Column]], None]
+    read: Callable[[Path], dict[str, Column]]
+
+
+FORMATS = {
+    ".csv": _Format(trajectory_csv.write, trajectory_csv.read),
+    ".json": _Format(_write_json, _read_json),
+    ".npz": _Format(_write_npz, _read_npz),
+}
+"""How a trajectory is written and read, by the suffix of the file."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import html
+import textwrap
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -19,7 +20,7 @@ from jtik.result.solution import Trace
 from jtik.robot import Robot
 from jtik.study import tables
 from jtik.study.rows import COLUMNS, FAILURES, FALSE_SUCCESS, OLD_FALSE_SUCCESS, TEXTS
-from jtik.study.summary import summary
+from jtik.study.summary import DROPPED_FIRST, summary
 from jtik.task import Task
 from jtik.types import Array
 
@@ -129,6 +130,23 @@ class Comparison:
                 counts[f"{contender}: {status}: {note}" if new else f"{contender}: {note}"] += 1
         return dict(counts)
 
+    def to_text(self, width: int | None = None) -> str:
+        """The title, the summary table and the notes as text.
+
+        Args:
+            width: most characters of a line; None for no bound. Columns that do not fit are left out by the order in
+                `jtik.study.summary.DROPPED_FIRST`, and named below the table.
+        """
+        table: Mapping[str, Sequence[Any]] = self.summary()
+        dropped: list[str] = []
+        if width is not None:
+            table, dropped = tables.fitted(table, width, DROPPED_FIRST)
+        notes = [f"  left out: {', '.join(dropped)}"] if dropped else []
+        around = [[self._title()], [tables.text(table)], [*notes, *self._notes()]]
+        if width is not None:
+            around[::2] = [[_folded(line, width) for line in lines] for lines in around[::2]]
+        return "\n".join(line for lines in around for line in lines)
+
     def to_markdown(self, by: str | Sequence[str] | None = None) -> str:
         """The summary table in Markdown."""
         return tables.markdown(self.summary(by))
@@ -218,7 +236,7 @@ class Comparison:
         return read(path)
 
     def __repr__(self) -> str:
-        return "\n".join([self._title(), tables.text(self.summary()), *self._notes()])
+        return self.to_text()
 
     def _repr_html_(self) -> str:
         notes = "".join(f"<li>{html.escape(note.strip())}</li>" for note in self._notes())
@@ -282,6 +300,11 @@ def regret(columns: Mapping[str, NDArray[Any]]) -> Array:
     best = np.array([smallest.get(key, np.nan) for key in keys], dtype=float).reshape(len(keys))
     difference: Array = np.where(solved, H - best, np.nan)
     return difference
+
+
+def _folded(line: str, width: int) -> str:
+    """A line over several lines, the others indented."""
+    return textwrap.fill(line, max(width, 20), subsequent_indent="    ", drop_whitespace=True)
 
 
 def _pandas() -> Any:

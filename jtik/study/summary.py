@@ -65,6 +65,29 @@ SUMMARY_COLUMNS = (
 )
 """Success, compromise, errors, time per iteration, monotone and leakage include all cases; the others solved ones."""
 
+DROPPED_FIRST = (
+    "time 90 % [ms]",
+    "time 10 % [ms]",
+    "leakage",
+    "acceleration [rad/s^2]",
+    "drift [rad]",
+    "time/iteration [us]",
+    "condition",
+    "path length [rad]",
+    "monotone [%]",
+    "regret",
+    "limit margin [%]",
+    "H",
+    "clearance [m]",
+    "orientation error [rad]",
+    "position error [m]",
+    "compromise [%]",
+    "cases",
+    "iterations",
+    "time [ms]",
+)
+"""Columns that a narrow text leaves out, in this order; success stays."""
+
 
 def summary(columns: Columns, by: Sequence[str]) -> dict[str, list[Any]]:
     """Columns of the summary: the groups, the number of cases, and all figures that have values.

@@ -35,6 +35,27 @@ def text(table: Table) -> str:
     return "\n".join(aligned(line) for line in [*lines, *rows])
 
 
+def fitted(table: Table, width: int, dropped_first: Sequence[str]) -> tuple[Table, list[str]]:
+    """A table whose text has lines of at most ``width`` characters, if that can be.
+
+    Args:
+        table: the table.
+        width: most characters of a line.
+        dropped_first: titles of the columns that may be left out, in that order.
+
+    Returns:
+        The table, and the titles of the columns that were left out.
+    """
+    left, dropped = dict(table), []
+    for title in dropped_first:
+        if max(map(len, text(left).splitlines())) <= width:
+            break
+        if title in left:
+            del left[title]
+            dropped.append(title)
+    return left, [title for title in table if title in dropped]
+
+
 def markdown(table: Table) -> str:
     """A Markdown table."""
     marks = ["---" if word else "---:" for word in _words(table)]
