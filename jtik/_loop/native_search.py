@@ -101,7 +101,7 @@ class NativeSearch:
         self._context = np.array(at, dtype=np.uintp)
         self._count = len(memory) + 2, len(turns.indices)
         self._kept = (memory, inputs, limits)
-        self._call = getattr(ctypes.CDLL(library.path), f"{library.name}_search")
+        self._call = getattr(library.loaded, f"{library.name}_search")
         integer = ctypes.c_longlong
         self._call.argtypes = [ctypes.c_void_p, ctypes.c_void_p, integer, integer, integer, integer, ctypes.c_double]
         self._call.restype = integer
@@ -109,7 +109,7 @@ class NativeSearch:
         self._starts: tuple[Array | None, int | None] = (None, None)
         self._prepared_starts: Array | None = None
         self.run_prepared: Callable[[], int] = partial(self._call, self._address, None, 1, 0, 0, 0, math.inf)
-        self._batch = getattr(ctypes.CDLL(library.path), f"{library.name}_batch")
+        self._batch = getattr(library.loaded, f"{library.name}_batch")
         self._batch.argtypes = [*self._call.argtypes[:2], integer, integer, integer, ctypes.c_double, ctypes.c_void_p]
         self._batch.restype = None
 

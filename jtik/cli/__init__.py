@@ -1,4 +1,4 @@
-"""The command line: ``jtik list``, ``jtik solve``, ``jtik compare`` and ``jtik demo``."""
+"""The command line: ``jtik list``, ``jtik solve``, ``jtik compare``, ``jtik cache`` and ``jtik demo``."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from jtik.cli import catalogue, compare, solve
+from jtik.cli import cache, catalogue, compare, solve
 from jtik.cli.checks import InputError
 from jtik.errors import JtikError
 
@@ -61,6 +61,7 @@ def _parser() -> argparse.ArgumentParser:
 
     solve.add_arguments(commands)
     compare.add_arguments(commands)
+    cache.add_arguments(commands)
 
     what = "a ten-link arm moves between obstacles"
     command = commands.add_parser("demo", help=what, description="The demo: pictures, an animation, and results.")
