@@ -34,9 +34,10 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
     """Joint positions that achieve a task and minimise a criterion with the remaining degrees of freedom.
 
     Building one compiles the step of `solve`; before a control loop, `warm_up` builds the others. Targets, parameters
-    and tolerances are numbers that can change from call to call at no cost. It can be copied and pickled: the copy is
-    built from the same arguments, with the parameters as they are. Only one thread at a time can use it; make one for
-    each thread, for instance by `copy.deepcopy`.
+    and tolerances are numbers that can change from call to call at no cost. It can be copied and
+    pickled, with the parameters as they are. One thread at a time can use it, and no callback of a call of its own: a
+    solver that is in use raises JtikError. Make a copy for each thread: ``copy.copy(ik)`` shares the compiled
+    functions, and takes a few milliseconds.
 
     **Configurations.** A ``q`` belongs to `robot`, which has only the joints that move. A ``q`` of the full robot, or
     a dict from joint name to position, is accepted as well.
@@ -107,11 +108,14 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         terms: dict[str, Any] = {"criteria": CriterionSum.of(criteria), "clearances": clearances_of(clearances)}
         how: dict[str, Any] = {"solver": solver, "compiled": compiled, "null_space_rate": null_space_rate}
         how["weights"] = read_weights(self.robot, weights)
-        self._engine = Engine(self.robot, self.tasks, self.limits, self.strategy, **terms, **how)
-        self.parameters: Parameters = self._engine.problem.terms.parameters
-        self._stepping, self._solving = self._engine.stepping, self._engine.solving
+        self._run_on(Engine(self.robot, self.tasks, self.limits, self.strategy, **terms, **how))
         arguments = {"robot": robot, "task": self.tasks.tasks, "limits": self.limits, "strategy": self.strategy}
         self._fix({**arguments, **terms, **how, "joints": joints, "at": self._locked})
+
+    def _run_on(self, engine: Engine) -> None:
+        self._engine = engine
+        self.parameters: Parameters = engine.problem.terms.parameters
+        self._stepping, self._solving = engine.stepping, engine.solving
 
     def __repr__(self) -> str:
         problem = self._engine.problem

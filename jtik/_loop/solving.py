@@ -57,7 +57,6 @@ class Solving:
         self._robot, self._tasks, self._has_criterion = problem.robot, problem.tasks, problem.has_criterion
         self._runners, self._search, self._inspector = runners, search, inspector
         self._configurations, self._exclusive = configurations, exclusive
-        self._enter, self._leave = exclusive.acquire, exclusive.release
         self._memory = runners.memory
         self._target = self._memory.inputs.target
         self._vector_shape = self._target.shape if self._tasks.target_is_vector else None
@@ -68,9 +67,11 @@ class Solving:
     def solve(self, target: Any, q0: Any, options: Options, trace: bool) -> Solution:
         """Iterate to the target, as `InverseKinematics.solve` describes it."""
         begin = time.perf_counter()
-        if not self._enter(False):
+        exclusive = self._exclusive
+        if exclusive.busy:
             raise in_use()
         try:
+            exclusive.busy = True
             begun = None
             if options == self._prepared and not trace:
                 ended = self._solve_native(target, q0, begin)
@@ -97,7 +98,7 @@ class Solving:
                 solution.__dict__["alternatives"] = others
             return solution
         finally:
-            self._leave()
+            exclusive.busy = False
 
     def _solution(
         self, found: SearchResult, target: Any, options: Options, begin: float, jump: Jump | None = None
@@ -127,8 +128,12 @@ class Solving:
 
     def solve_batch(self, targets: Iterable[Any], q0: Any, options: Options, progress: Progress) -> SolutionBatch:
         """Solve for each target by itself, as `InverseKinematics.solve_batch` describes it."""
-        with self._exclusive:
-            given, numbers = read_targets(self._tasks, targets)
+        given, numbers = read_targets(self._tasks, targets)
+        exclusive = self._exclusive
+        if exclusive.busy:
+            raise in_use()
+        try:
+            exclusive.busy = True
             starts = self._configurations.starts(q0, len(numbers))
             search_options = self._read_options(options)
             table = np.array(numbers).reshape(len(numbers), len(self._target))
@@ -159,6 +164,8 @@ class Solving:
                 return self._inspector.report(entries[row].found.q.copy(), inputs, given[row])
 
             return collect(entries, targets=numbers, nq=self._robot.nq, inspect=inspect)
+        finally:
+            exclusive.busy = False
 
     def warm_up(self) -> None:
         """Build what a path runs."""
@@ -166,10 +173,14 @@ class Solving:
 
     def track(self, targets: Iterable[Any], q0: Any, dt: float, options: Options) -> Trajectory:
         """Follow a path of targets, as `InverseKinematics.track` describes it."""
-        with self._exclusive:
-            given, _ = read_targets(self._tasks, targets)
-            if not given:
-                raise ArgumentError("targets", "none", "at least one target")
+        given, _ = read_targets(self._tasks, targets)
+        if not given:
+            raise ArgumentError("targets", "none", "at least one target")
+        exclusive = self._exclusive
+        if exclusive.busy:
+            raise in_use()
+        try:
+            exclusive.busy = True
             start, dt = self._configurations.start(q0), positive_number("dt", dt)
             search_options, stationary = self._read_options(options), options[-1] != "reached"
             self._memory.inputs.settings[SETTING.null_space_again] = float(stationary)
@@ -185,6 +196,8 @@ class Solving:
                 return follow(self._robot, given, start, dt, box, solve, self._at_another_q)
             finally:
                 self._options = self._prepared = ()
+        finally:
+            exclusive.busy = False
 
     def _read_options(self, options: Options) -> SearchOptions:
         """The options of a search; the tolerances are written to the step's memory. Both only when they change."""
