@@ -5,12 +5,14 @@ from __future__ import annotations
 import copy
 import pickle
 from collections.abc import Mapping
-from typing import Any, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
-from jtik._loop.engine import Engine
 from jtik.criterion import Parameters
 from jtik.errors import ImmutableError, JtikError
 from jtik.types import Array
+
+if TYPE_CHECKING:
+    from jtik._loop.engine import Engine
 
 S = TypeVar("S", bound="FixedSolver")
 
@@ -35,6 +37,11 @@ class FixedSolver:
     def _fix(self, arguments: Mapping[str, Any]) -> None:
         """End the construction: from now on nothing can be assigned."""
         self._arguments = arguments
+
+    @property
+    def identity(self) -> tuple[Any, ...]:
+        """What its numbers depend on: the class, the arguments and the parameters."""
+        return type(self), self._arguments, dict(self.parameters)
 
     def __setattr__(self, attribute: str, value: object) -> None:
         if self._arguments is not None:

@@ -9,8 +9,8 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 import pytest
 
 import jtik
+from jtik._loop.fingerprint import fingerprint
 from jtik.study import Contender
-from jtik.study.fingerprint import fingerprint
 from jtik.study.serialization import PlanDeserializationError, SerializedPlan, run_serialized
 from jtik.testing import example_criterion
 
