@@ -61,7 +61,7 @@ class TestPickling:
             assert_same(jtik.compare(arm, task, **chosen), jtik.compare(arm, task, **chosen, executor=pool))
 
     def test_without_cloudpickle_a_lambda_is_refused_with_a_hint(self, arm, task, monkeypatch):
-        monkeypatch.setattr("jtik.study.serialization._pickler", lambda: pickle)
+        monkeypatch.setattr("jtik.study.serialization.pickler", lambda: pickle)
         norm = jtik.criterion(lambda q, robot: q.T @ q)
         with (
             ThreadPoolExecutor(1) as pool,
