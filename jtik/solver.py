@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable
+from concurrent.futures import Executor
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
@@ -12,7 +14,7 @@ from jtik._loop.control_loop import ControlLoop
 from jtik._loop.copying import FixedSolver
 from jtik._loop.engine import Engine
 from jtik._loop.locked_joints import LockedJoints
-from jtik._loop.options import Until
+from jtik._loop.options import Until, read_block, read_executor
 from jtik.constraints.clearance import Clearance, clearances_of
 from jtik.constraints.limits import Limits, limits_of
 from jtik.criterion import Criteria, CriterionSum, Parameters
@@ -34,9 +36,10 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
     """Joint positions that achieve a task and minimise a criterion with the remaining degrees of freedom.
 
     Building one compiles the step of `solve`; before a control loop, `warm_up` builds the others. Targets, parameters
-    and tolerances are numbers that can change from call to call at no cost. It can be copied and pickled: the copy is
-    built from the same arguments, with the parameters as they are. Only one thread at a time can use it; make one for
-    each thread, for instance by `copy.deepcopy`.
+    and tolerances are numbers that can change from call to call at no cost. It can be copied and
+    pickled, with the parameters as they are. One thread at a time can use it, and no callback of a call of its own: a
+    solver that is in use raises JtikError. Make a copy for each thread: ``copy.copy(ik)`` shares the compiled
+    functions, and takes a few milliseconds.
 
     **Configurations.** A ``q`` belongs to `robot`, which has only the joints that move. A ``q`` of the full robot, or
     a dict from joint name to position, is accepted as well.
@@ -107,11 +110,14 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         terms: dict[str, Any] = {"criteria": CriterionSum.of(criteria), "clearances": clearances_of(clearances)}
         how: dict[str, Any] = {"solver": solver, "compiled": compiled, "null_space_rate": null_space_rate}
         how["weights"] = read_weights(self.robot, weights)
-        self._engine = Engine(self.robot, self.tasks, self.limits, self.strategy, **terms, **how)
-        self.parameters: Parameters = self._engine.problem.terms.parameters
-        self._stepping, self._solving = self._engine.stepping, self._engine.solving
+        self._run_on(Engine(self.robot, self.tasks, self.limits, self.strategy, **terms, **how))
         arguments = {"robot": robot, "task": self.tasks.tasks, "limits": self.limits, "strategy": self.strategy}
         self._fix({**arguments, **terms, **how, "joints": joints, "at": self._locked})
+
+    def _run_on(self, engine: Engine) -> None:
+        self._engine = engine
+        self.parameters: Parameters = engine.problem.terms.parameters
+        self._stepping, self._solving = engine.stepping, engine.solving
 
     def __repr__(self) -> str:
         problem = self._engine.problem
@@ -171,8 +177,14 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         optimality_tolerance: float = 1e-6,
         until: Until = "stationary",
         progress: Progress = False,
+        executor: Executor | None = None,
+        block: int = 100,
+        save: str | Path | None = None,
     ) -> SolutionBatch:
         """Solve for many targets, each by itself, with the figures of all Solutions as arrays.
+
+        After Ctrl-C the result has the completed rows and ``complete=False``. On a full disk the batch is returned all
+        the same, and a warning says that it was not saved.
 
         Args:
             targets: the targets, each as in `solve`; an array (k, 4, 4) is k poses.
@@ -181,6 +193,10 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
             restarts, seed, max_iterations: of each solve, as in `solve`.
             position_tolerance, orientation_tolerance, optimality_tolerance, until: see the class.
             progress: True for a bar on the terminal, or a function called with (done, total).
+            executor: a `concurrent.futures.Executor` for parallel work, such as a process pool or Dask's
+                ``client.get_executor()``; the numbers are the same. None solves in this process.
+            block: number of targets that are sent to the executor at once.
+            save: a ``.npz`` file that is written while the batch runs. If it exists, the batch goes on from it.
 
         Raises:
             ArgumentError: for an argument of wrong shape, NaN or infinity, naming it, such as ``targets[3]``.
@@ -188,7 +204,8 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         """
         tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
         options = (restarts, seed, max_iterations, 1, None, tolerances, until)
-        return self._solving.solve_batch(targets, q0, options, progress)
+        place: dict[str, Any] = {"executor": read_executor(executor), "block": read_block(block), "save": save}
+        return self._solving.solve_batch(targets, q0, options, progress, solver=self, **place)
 
     def step(self, q: ArrayLike, target: Any, *, dt: float | None = None) -> Step:
         """One update from ``q``, for controllers; the state of the strategy is kept from call to call.
@@ -243,6 +260,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         orientation_tolerance: float = 1e-6,
         optimality_tolerance: float = 1e-6,
         until: Until = "reached",
+        progress: Progress = False,
     ) -> Trajectory:
         """Follow a path of targets; each solve starts where the last one ended.
 
@@ -256,9 +274,11 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
             dt: time from one target to the next [s].
             max_iterations: most steps to try for each target.
             position_tolerance, orientation_tolerance, optimality_tolerance, until: see the class.
+            progress: as in `solve_batch`.
 
         Raises:
             ArgumentError: for an argument of wrong shape, NaN or infinity, naming it.
+            MissingExtraError: for a bar without rich.
         """
         tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
-        return self._solving.track(targets, q0, dt, (0, None, max_iterations, 1, None, tolerances, until))
+        return self._solving.track(targets, q0, dt, (0, None, max_iterations, 1, None, tolerances, until), progress)

@@ -186,10 +186,22 @@ class TestRegistration:
         with pytest.raises(jtik.ArgumentError, match="strategy 'odd': given .*; accepted: a subclass of Strategy"):
             strategies().add("odd", plugin)
 
-    @pytest.mark.parametrize("name", ["", "newton+mine", 3, None])
-    def test_a_name_that_nobody_could_ask_for_is_refused(self, name):
-        with pytest.raises(jtik.ArgumentError, match=r"strategy name: given .*; accepted: a text .* without '\+'"):
-            jtik.register_strategy(name)(jtik.strategies["newton"])
+    @pytest.mark.parametrize("name", ["", " ", "a\nb", "newton+mine", 3, None, b"mine", ["mine"]])
+    @pytest.mark.parametrize("kind", ["strategy", "secondary", "criterion"])
+    def test_a_name_that_nobody_could_ask_for_is_refused_and_listings_stay(self, kind, name):
+        listed = {"strategy": jtik.strategies, "secondary": jtik.secondaries, "criterion": jtik.criteria}[kind]
+        before, plugin = repr(listed), next(iter(listed.values()))
+        with pytest.raises(jtik.ArgumentError, match=r" name: given .*; accepted: a text .* without '\+'"):
+            getattr(jtik, f"register_{kind}")(name)(plugin)
+        assert repr(listed) == before
+
+    def test_what_is_no_text_in_a_class_does_not_break_a_listing(self):
+        registry = strategies()
+        odd = type("Odd", (jtik.strategies["newton"],), {"summary": 5, "source": None, "__doc__": 7})
+        registry.add("odd", odd)
+        registry.add("bare", type("Bare", (odd,), {"summary": "", "__doc__": 7}))
+        assert "odd" in repr(registry)
+        assert "bare" in registry._repr_html_()
 
     @pytest.mark.parametrize("kind", ["strategy", "secondary", "criterion"])
     def test_a_decorator_without_a_name_is_refused(self, kind):

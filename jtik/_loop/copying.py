@@ -1,15 +1,18 @@
-"""Solvers that are fixed once built, and copied and pickled by the arguments they were built from."""
+"""Solvers that are fixed once built: a copy shares their functions, a pickle has the arguments they were built from."""
 
 from __future__ import annotations
 
 import copy
 import pickle
 from collections.abc import Mapping
-from typing import Any, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from jtik.criterion import Parameters
 from jtik.errors import ImmutableError, JtikError
 from jtik.types import Array
+
+if TYPE_CHECKING:
+    from jtik._loop.engine import Engine
 
 S = TypeVar("S", bound="FixedSolver")
 
@@ -18,18 +21,27 @@ INSTEAD = {"parameters": "assign ik.parameters[name]", "tasks": "build a new Inv
 
 
 class FixedSolver:
-    """Base of a solver: its attributes cannot be assigned, and a copy is built from its arguments and parameters.
+    """Base of a solver: its attributes cannot be assigned.
+
+    A copy shares the compiled functions and has memory of its own. A deep copy and a pickle are built from the
+    arguments and parameters.
 
     Attributes:
         parameters: the live parameters.
     """
 
     parameters: Parameters
+    _engine: Engine
     _arguments: Mapping[str, Any] | None = None
 
     def _fix(self, arguments: Mapping[str, Any]) -> None:
         """End the construction: from now on nothing can be assigned."""
         self._arguments = arguments
+
+    @property
+    def identity(self) -> tuple[Any, ...]:
+        """What its numbers depend on: the class, the arguments and the parameters."""
+        return type(self), self._arguments, dict(self.parameters)
 
     def __setattr__(self, attribute: str, value: object) -> None:
         if self._arguments is not None:
@@ -43,7 +55,15 @@ class FixedSolver:
         raise ImmutableError("this InverseKinematics", attribute, "build a new one")
 
     def __copy__(self) -> Self:
-        return _rebuilt(type(self), self._arguments or {}, self.parameters)
+        copied = object.__new__(type(self))
+        copied.__dict__.update({name: value for name, value in vars(self).items() if name != "_arguments"})
+        copied._run_on(self._engine.copied())
+        copied._fix(self._arguments or {})
+        return copied
+
+    def _run_on(self, engine: Engine) -> None:
+        """Take an engine as one's own."""
+        raise NotImplementedError
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
         return _rebuilt(type(self), copy.deepcopy(dict(self._arguments or {}), memo), self.parameters)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from jtik._loop.arguments import ConfigurationReader
 from jtik._loop.attempts import Attempts
 from jtik._loop.criterion_escape import CriterionEscape, Escapes, StepEscape
-from jtik._loop.exclusive_use import ExclusiveUse
+from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
 from jtik._loop.minimum_certificate import MinimumCertificate
 from jtik._loop.native_search import NativeSearch
@@ -48,6 +48,7 @@ class Engine:
         compiled: whether the step runs as generated C.
         null_space_rate: rate of the motion in the null space in timed steps [1/s].
         weights: weights of the velocity entries (n,); None for none.
+        original: the problem of an engine of the same arguments, whose functions are used; None for a new one.
 
     Attributes:
         problem: robot, tasks, criteria and clearances.
@@ -75,13 +76,24 @@ class Engine:
         compiled: bool,
         null_space_rate: float,
         weights: Array | None = None,
+        original: SymbolicProblem | None = None,
     ) -> None:
         if not isinstance(compiled, bool):
             raise ArgumentError("compiled", compiled, "True or False: whether the step is compiled as C")
         bounds, terms = limits.of(robot), CriterionTerms.of(robot, criteria, clearances)
-        self.problem = problem = SymbolicProblem(
-            robot, tasks, terms, bounds.bounded, clearances, WeightedCoordinates.of(weights)
-        )
+        if original is None:
+            coordinates = WeightedCoordinates.of(weights)
+            problem = SymbolicProblem(robot, tasks, terms, bounds.bounded, clearances, coordinates)
+        else:
+            problem = original.copied(terms)
+        self.problem, self._arguments = problem, (robot, tasks, limits, strategy)
+        self._options: dict[str, Any] = {
+            "criteria": criteria,
+            "clearances": clearances,
+            "solver": solver,
+            "compiled": compiled,
+        }
+        self._options |= {"null_space_rate": null_space_rate, "weights": weights}
         self._strategy = strategy
         if clearances and not CheckedCall(strategy, strategy, "supports_clearances").flag():
             given = f"{list(clearances)!r} with strategy={strategy!r}"
@@ -131,13 +143,25 @@ class Engine:
             problem, self.runners, self.search, self.configurations, inspector=inspector, exclusive=self._exclusive
         )
 
+    def copied(self) -> Engine:
+        """An engine with the functions of this one, memory of its own, and the parameters as they are."""
+        engine = Engine(*self._arguments, **self._options, original=self.problem)
+        engine.memory.inputs.parameters[:] = self.memory.inputs.parameters
+        return engine
+
     def warm_up(self) -> None:
         """Build what is otherwise built when it is first needed, as `InverseKinematics.warm_up` describes it."""
-        with self._exclusive:
+        exclusive = self._exclusive
+        if exclusive.busy:
+            raise in_use()
+        try:
+            exclusive.busy = True
             self.stepping.warm_up()
             self.solving.warm_up()
             self._escape.warm_up()
             self._inspector.warm_up()
+        finally:
+            exclusive.busy = False
 
     def build(self, q: Any, target: Any, qp: str | None) -> qpsolvers.Problem:
         """A quadratic program of a first step, as `InverseKinematics.build` describes it."""
@@ -146,9 +170,15 @@ class Engine:
         if parts is None:
             accepted = "one that uses quadratic programs, such as 'newton+qp' with a criterion"
             raise ArgumentError("strategy", self._strategy, accepted)
-        with self._exclusive:
+        exclusive = self._exclusive
+        if exclusive.busy:
+            raise in_use()
+        try:
+            exclusive.busy = True
             self.memory.inputs.target[:] = self.problem.tasks.read_target(target)
             start = self.configurations.clamped(self.configurations.read("q", q))
             numbers = parts.numeric_qp(qp, [start, *self.runners.step_inputs, runner.first_state])
             problem: qpsolvers.Problem = as_problem(numbers)[0]
             return problem
+        finally:
+            exclusive.busy = False

@@ -56,8 +56,7 @@ class FullTurns:
             for i in [robot.q_slice(joint.name).start]
             if upper[i] - lower[i] >= TURN - SHORT_OF_A_TURN
         ]
-        error = CompiledFunction(problem.error) if candidates else None
-        periodic = [i for i in candidates if error and _is_periodic(problem, error, i)]
+        periodic = problem.once("periodic", lambda: _periodic(problem, candidates))
         self.indices: NDArray[np.int64] = np.array(periodic, dtype=np.int64)
         self.lower, self.upper = lower[self.indices], upper[self.indices]
         self.free = lower.copy(), upper.copy()
@@ -86,6 +85,12 @@ def _followers_turn(robot: Robot, leader: str) -> bool:
         joint.type is JointType.REVOLUTE and joint.mimic is not None and float(joint.mimic.multiplier).is_integer()
         for joint in followers
     )
+
+
+def _periodic(problem: SymbolicProblem, candidates: list[int]) -> list[int]:
+    """The candidates by a full turn of which the task error does not change."""
+    error = CompiledFunction(problem.error) if candidates else None
+    return [i for i in candidates if error and _is_periodic(problem, error, i)]
 
 
 def _is_periodic(problem: SymbolicProblem, error: CompiledFunction, i: int) -> bool:

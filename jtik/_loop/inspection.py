@@ -41,7 +41,7 @@ class Inspector:
     ) -> None:
         self._problem, self._runners = problem, runners
         self._lowest_curvature, self._certificate = escape.lowest_curvature, certificate
-        self._evaluate = CompiledFunction(problem.report())
+        self._evaluate = CompiledFunction(problem.once("report", problem.report))
         self._error = CompiledFunction(problem.error)
         self._task_alone = TaskAlone(problem, self._error_for)
         self._linear = np.array(problem.linear, dtype=bool)
@@ -58,7 +58,7 @@ class Inspector:
 
     @cached_property
     def _hessian(self) -> CompiledFunction:
-        return CompiledFunction(self._problem.hessian())
+        return CompiledFunction(self._problem.once("hessian", self._problem.hessian))
 
     def warm_up(self) -> None:
         """Build the functions that a `status` needs."""

@@ -26,13 +26,21 @@ class MinimumCertificate:
         self._last = (b"", False)  # a search and the status of its end ask for the same configuration
         self._built: Future[Function] | None = None
         if compiled and problem.has_criterion:
-            compiler = ThreadPoolExecutor(1)
-            self._built = compiler.submit(to_c, strict_minimum(problem))
-            compiler.shutdown(wait=False)
+            self._built = problem.once("compiled strict_minimum", self._compiling)
+
+    def _compiling(self) -> Future[Function]:
+        """The function, which a thread compiles."""
+        compiler = ThreadPoolExecutor(1)
+        built = compiler.submit(to_c, strict_minimum(self._problem))
+        compiler.shutdown(wait=False)
+        return built
 
     @cached_property
     def _function(self) -> CompiledFunction:
-        return CompiledFunction(self._built.result() if self._built else strict_minimum(self._problem))
+        problem = self._problem
+        if self._built:
+            return CompiledFunction(self._built.result())
+        return CompiledFunction(problem.once("strict_minimum", lambda: strict_minimum(problem)))
 
     def warm_up(self) -> None:
         """Build the function now."""

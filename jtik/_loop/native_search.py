@@ -24,6 +24,9 @@ from jtik._step.stopping import Code
 from jtik.symbolic.compile import Library
 from jtik.types import Array
 
+MOST_ROWS = 4096
+"""Most targets of one call: memory for all that are left is not needed again and again."""
+
 
 class Tally(NamedTuple):
     """The counts of a search in C, in their order in memory.
@@ -101,7 +104,7 @@ class NativeSearch:
         self._context = np.array(at, dtype=np.uintp)
         self._count = len(memory) + 2, len(turns.indices)
         self._kept = (memory, inputs, limits)
-        self._call = getattr(ctypes.CDLL(library.path), f"{library.name}_search")
+        self._call = getattr(library.loaded, f"{library.name}_search")
         integer = ctypes.c_longlong
         self._call.argtypes = [ctypes.c_void_p, ctypes.c_void_p, integer, integer, integer, integer, ctypes.c_double]
         self._call.restype = integer
@@ -109,9 +112,9 @@ class NativeSearch:
         self._starts: tuple[Array | None, int | None] = (None, None)
         self._prepared_starts: Array | None = None
         self.run_prepared: Callable[[], int] = partial(self._call, self._address, None, 1, 0, 0, 0, math.inf)
-        self._batch = getattr(ctypes.CDLL(library.path), f"{library.name}_batch")
+        self._batch = getattr(library.loaded, f"{library.name}_batch")
         self._batch.argtypes = [*self._call.argtypes[:2], integer, integer, integer, ctypes.c_double, ctypes.c_void_p]
-        self._batch.restype = None
+        self._batch.restype = integer
 
     @property
     def turning(self) -> bool:
@@ -197,20 +200,24 @@ class NativeSearch:
         limit: int,
         patience: float,
     ) -> NativeBatch:
-        """Search for each row of ``targets`` (k, size), from ``q0``: (1, nq) for all, or (k, nq)."""
-        count = len(targets)
+        """Search for the first rows of ``targets`` (k, size), from ``q0``: (1, nq) for all, or (k, nq).
+
+        It ends after the target that it is at when a tenth of a second is over; at least one.
+        """
+        count = min(len(targets), MOST_ROWS)
         found = NativeBatch(
             q=np.zeros((count, len(self.q0))),
             errors=np.zeros((count, 2)),
             seconds=np.zeros(count),
             tallies=np.zeros((count, 3), dtype=np.int64),
         )
-        arrays = [np.ascontiguousarray(targets), np.ascontiguousarray(q0), *found]
+        arrays = [np.ascontiguousarray(targets[:count]), np.ascontiguousarray(q0), *found]
         sizes = [count, targets.shape[1], len(self.q0) if len(q0) > 1 else 0]
         table = np.array([*_addresses(arrays), *sizes], dtype=np.uintp)
         starts_at = self._address_of(starts)
-        self._batch(self._address, starts_at, first, max(last, 0), limit, patience, table.ctypes.data)
-        return found
+        done = self._batch(self._address, starts_at, first, max(last, 0), limit, patience, table.ctypes.data)
+        q, errors, seconds, tallies = found
+        return NativeBatch(q[:done], errors[:done], seconds[:done], tallies[:done])
 
 
 def _addresses(arrays: list[Any]) -> list[int]:

@@ -10,6 +10,11 @@ from jtik._step.vector_layout import VectorLayout
 LOOK, EXHAUSTED, UNREADABLE = -1, -2, -3
 """What the search in C returns besides the code of a call."""
 
+BUDGET = 0.1
+"""Time after which a call of C returns, unfinished, so that Python can obey Ctrl-C [s]."""
+
+CHECKED = 1024
+"""Calls of one attempt after which the time is read."""
 
 _SOURCE = r"""
 #include <math.h>
@@ -46,9 +51,15 @@ static int JTIK_NAME_turned(void** at, double* q) {
   return 0;
 }
 
+static double JTIK_NAME_seconds(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
 /* Attempts number from to last of a search, until one reaches the target; row 0 of starts is attempt number first.
-   Returns its code; or JTIK_LOOK: the search in Python takes over this attempt; or JTIK_EXHAUSTED: none reached it;
-   or JTIK_UNREADABLE: q0 is not finite. */
+   Returns its code; or JTIK_LOOK: the search in Python takes over this attempt; or JTIK_EXHAUSTED: none reached it, or
+   the time JTIK_BUDGET is over, and the attempts after tally[1] are left; or JTIK_UNREADABLE: q0 is not finite. */
 CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const double* starts, long long first, long long from,
                                                 long long last, long long limit, double patience) {
   const double** arg = (const double**)at[0];
@@ -71,6 +82,7 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const double* starts,
     if (!(q0[j] - q0[j] == 0)) return JTIK_UNREADABLE;
   }
   const int several = starts != 0;
+  const double end = limit > JTIK_CHECKED || several ? JTIK_NAME_seconds() + JTIK_BUDGET : 0;
   for (long long number = from; number <= last; ++number) {
     long long k = 0, here = 0, code = 0;
     memcpy(q[0], number ? starts + (number - first) * (long long)at[13] : q0, nq);
@@ -86,11 +98,13 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const double* starts,
       here = 1 - here;
       ++k;
       code = (long long)outcome[JTIK_CODE];
+      if (k % JTIK_CHECKED == 0 && code == 0 && k < limit && JTIK_NAME_seconds() > end) break; /* Python goes on */
     }
     tally[1] = number;
     tally[2] = here;
     tally[3] = k;
     tally[5] = code;
+    if (code == 0 && k < limit) return JTIK_LOOK;
     if (code == JTIK_STALLED && (k == 1 || !several)) return JTIK_LOOK;
     if (code == JTIK_SLOW && !several) return JTIK_LOOK;
     if (code != 0 && !outcome[JTIK_TRIED]) --k; /* the call stopped before it tried a step: not an iteration */
@@ -109,12 +123,14 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const double* starts,
       tally[4] = number;
       memcpy((double*)at[21], q[here], nq);
     }
+    if (number < last && JTIK_NAME_seconds() > end) break;
   }
   return JTIK_EXHAUSTED;
 }
 
-/* The same for a table of targets, one after the other, each from its row of starts (stride 0: the same for all). */
-CASADI_SYMBOL_EXPORT void JTIK_NAME_batch(void** at, const double* starts, long long first, long long last,
+/* The same for a table of targets, one after the other, each from its row of starts (stride 0: the same for all).
+   Returns how many are done when the time is over. */
+CASADI_SYMBOL_EXPORT long long JTIK_NAME_batch(void** at, const double* starts, long long first, long long last,
                                           long long limit, double patience, void** table) {
   const double* targets = (const double*)table[0];
   const double* from = (const double*)table[1];
@@ -126,9 +142,9 @@ CASADI_SYMBOL_EXPORT void JTIK_NAME_batch(void** at, const double* starts, long 
   double* target = (double*)((const double**)at[0])[JTIK_TARGET];
   double* outcome = (double*)at[8];
   long long* tally = (long long*)at[11];
-  struct timespec begin, end;
+  double before = JTIK_NAME_seconds();
+  const double end = before + JTIK_BUDGET;
   for (size_t i = 0; i < count; ++i) {
-    clock_gettime(CLOCK_MONOTONIC, &begin);
     memcpy(target, targets + i * size, size * sizeof(double));
     memcpy((double*)at[12], from + i * stride, nq * sizeof(double));
     tallies[3 * i] = JTIK_NAME_search(at, starts, first, 0, last, limit, patience);
@@ -137,9 +153,12 @@ CASADI_SYMBOL_EXPORT void JTIK_NAME_batch(void** at, const double* starts, long 
     memcpy(ends + i * nq, (double*)at[4 + tally[2]], nq * sizeof(double));
     errors[2 * i] = outcome[JTIK_POSITION_ERROR];
     errors[2 * i + 1] = outcome[JTIK_ORIENTATION_ERROR];
-    clock_gettime(CLOCK_MONOTONIC, &end);
-    seconds[i] = (double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec);
+    const double now = JTIK_NAME_seconds();
+    seconds[i] = now - before;
+    before = now;
+    if (now > end) return (long long)i + 1;
   }
+  return (long long)count;
 }
 """
 
@@ -148,6 +167,7 @@ def source(state: VectorLayout) -> str:
     """The C code for a step whose state has this layout; every index in it comes from the named structures."""
     first = 1  # q is argument 0
     constants = {
+        "CHECKED": CHECKED,
         "LOOK": LOOK,
         "EXHAUSTED": EXHAUSTED,
         "UNREADABLE": UNREADABLE,
@@ -161,7 +181,7 @@ def source(state: VectorLayout) -> str:
         "ORIENTATION_TOLERANCE": SETTING.orientation_tolerance,
         **{name.upper(): index for name, index in OUTCOME._asdict().items()},
     }
-    numbers = {"TURN": TURN, "ROUNDING": ROUNDING}
+    numbers = {"TURN": TURN, "ROUNDING": ROUNDING, "BUDGET": BUDGET}
     exact = "".join(f"\n#define JTIK_{name} {value!r}" for name, value in numbers.items())
     defined = exact + "\n" + "\n".join(f"#define JTIK_{name} {int(value)}" for name, value in constants.items())
     return f"\n{defined}\n{_SOURCE}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import sys
 import warnings
+from concurrent.futures import Executor
 from typing import Literal
 
 import numpy as np
@@ -53,12 +54,12 @@ def read_until(until: str) -> Until:
         return until  # type: ignore[return-value]
     if until == "steady":
         message = 'until="steady" is deprecated: use until="stationary"'
-        warnings.warn(message, DeprecationWarning, stacklevel=_callers_level())
+        warnings.warn(message, DeprecationWarning, stacklevel=callers_level())
         return "stationary"
     raise ArgumentError("until", until, "'stationary' or 'reached'")
 
 
-def _callers_level() -> int:
+def callers_level() -> int:
     """The ``stacklevel`` of the first line outside this package, seen from the function that calls this one."""
     level, frame = 1, sys._getframe(1)
     while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("jtik."):
@@ -85,6 +86,18 @@ def read_search_options(
         accepted = "1 without restarts; with restarts=100, for instance, any number of distinct configurations"
         raise ArgumentError("best_of", best_of, accepted)
     return options
+
+
+def read_executor(executor: object) -> Executor | None:
+    """An executor or None. Raises ArgumentError for anything else."""
+    if executor is None or isinstance(executor, Executor):
+        return executor
+    raise ArgumentError("executor", executor, "a concurrent.futures.Executor, or None")
+
+
+def read_block(block: int) -> int:
+    """A positive number of targets. Raises ArgumentError for anything else."""
+    return _count("block", block, least=1)
 
 
 def _count(argument: str, value: int, least: int = 0) -> int:

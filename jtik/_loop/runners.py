@@ -18,7 +18,9 @@ from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.limits import Bounds
 from jtik.constraints.step_box import StepBox, box_function
 from jtik.qp import Backend
+from jtik.qp.call import PythonCall
 from jtik.strategy import Strategy
+from jtik.symbolic import Function
 from jtik.symbolic.compile import to_c
 from jtik.types import Array
 
@@ -61,13 +63,12 @@ class Runners:
         self.turns = FullTurns(problem, bounds.lower, bounds.upper)
         lower, upper = self.turns.free
         self.search_inputs = memory.inputs._replace(lower=lower, upper=upper)
-        box = box_function(bounds)
         with ThreadPoolExecutor(1) as compiler:
-            compiled_box = compiler.submit(to_c, box) if compiled else None  # while the step is compiled
+            box = compiler.submit(self._built_box) if compiled else None  # while the step is compiled
             self.solve = self._runner(self._fused(), self.search_inputs)
         if can_explore(problem, strategy):
             self.solve.explorer = lambda: self.exploring
-        self._box_function = compiled_box.result() if compiled_box else box
+        self._box_function = box.result() if box else self._built_box()
         self.step_is_built = strategy.evaluates_candidate(problem.has_criterion) or bool(problem.clearances)
         self.step_inputs = memory.inputs._replace(settings=np.array(Settings()))
 
@@ -151,8 +152,12 @@ class Runners:
     def _search_runner(self, problem: SymbolicProblem, *, recorded: bool = False) -> Runner:
         """A runner of a search that explores where the strategy does."""
         explores = can_explore(problem, self._strategy)
-        fused = fused_step(problem, self._strategy, backend=self._backend, recorded=recorded, explores=explores)
-        return self._runner(fused, self.search_inputs)
+
+        def build() -> FusedStep:
+            return fused_step(problem, self._strategy, backend=self._backend, recorded=recorded, explores=explores)
+
+        name = f"search step, {recorded=}, {explores=}"
+        return self._runner(problem.once(name, build, keep=_can_be_shared), self.search_inputs)
 
     def _runner(self, fused: FusedStep, inputs: Inputs[Array]) -> Runner:
         return Runner(fused, inputs, self._problem.robot.nq)
@@ -161,9 +166,19 @@ class Runners:
         runner.start(self._problem.robot.neutral)
         return runner
 
+    def _built_box(self) -> Function:
+        def build() -> Function:
+            box = box_function(self._bounds)
+            return to_c(box) if self._compiled else box
+
+        return self._problem.once("box", build)
+
     def _fused(self, *, evaluated: bool = False) -> FusedStep:
-        fused = fused_step(self._problem, self._strategy, backend=self._backend, evaluated=evaluated)
-        return fused.compiled(native_source.source(fused.state)) if self._compiled else fused
+        def build() -> FusedStep:
+            fused = fused_step(self._problem, self._strategy, backend=self._backend, evaluated=evaluated)
+            return fused.compiled(native_source.source(fused.state)) if self._compiled else fused
+
+        return self._problem.once(f"step, {evaluated=}", build, keep=_can_be_shared)
 
     @cached_property
     def _evaluated(self) -> FusedStep:
@@ -173,5 +188,14 @@ class Runners:
     @cached_property
     def _timed(self) -> FusedStep:
         """The fused step of a duration."""
-        fused = fused_step(self._problem, self._strategy, backend=self._backend, timed=True)
-        return fused.compiled() if self._compiled else fused
+
+        def build() -> FusedStep:
+            fused = fused_step(self._problem, self._strategy, backend=self._backend, timed=True)
+            return fused.compiled() if self._compiled else fused
+
+        return self._problem.once("timed step", build, keep=_can_be_shared)
+
+
+def _can_be_shared(fused: FusedStep) -> bool:
+    """Whether solvers of several threads can use the functions of a step: what runs in Python may keep a state."""
+    return fused.parts is None or not any(isinstance(call, PythonCall) for call in fused.parts.calls)

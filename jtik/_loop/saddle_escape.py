@@ -17,7 +17,7 @@ from jtik._step.clearances import clearance_model
 from jtik._step.inputs import Inputs
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.limits import AT_LIMIT
-from jtik.symbolic import function, sumsqr, symbol
+from jtik.symbolic import Function, function, sumsqr, symbol
 from jtik.symbolic.compile import CompiledFunction
 from jtik.types import Array
 
@@ -49,19 +49,25 @@ class SaddleEscape:
 
     @cached_property
     def _curvature(self) -> CompiledFunction:
-        return CompiledFunction(self._problem.curvature())
+        return CompiledFunction(self._problem.once("curvature", self._problem.curvature))
 
     @cached_property
     def _moved(self) -> CompiledFunction:
+        return CompiledFunction(self._problem.once("moved", self._moved_function))
+
+    def _moved_function(self) -> Function:
         """(q, v, target) -> q + v and V at it."""
         q, target, _ = self._problem.symbols()
         v = symbol("v", self._problem.robot.n)
         moved_q = self._problem.robot.integrate(q, v)
         V = sumsqr(self._problem.residual(moved_q, target)) / 2
-        return CompiledFunction(function("moved", [q, v, target], [moved_q, V], cse=False))
+        return function("moved", [q, v, target], [moved_q, V], cse=False)
 
     @cached_property
     def _clearances_hold(self) -> CompiledFunction:
+        return CompiledFunction(self._problem.once("clearances_hold", self._clearances_hold_function))
+
+    def _clearances_hold_function(self) -> Function:
         """(q, v, parameters, lower, upper) -> 1 where clearances hold all the way from q to q + v."""
         problem = self._problem
         q, _, parameters = problem.symbols()
@@ -69,7 +75,7 @@ class SaddleEscape:
         limits = symbol("lower", problem.robot.nq), symbol("upper", problem.robot.nq)
         model = clearance_model(problem, q, problem.clearance(q, parameters), parameters, limits)
         keeps = model.keeps(problem.coordinates.from_joints(v))
-        return CompiledFunction(function("clearances_hold", [q, v, parameters, *limits], [keeps]))
+        return function("clearances_hold", [q, v, parameters, *limits], [keeps])
 
     def warm_up(self) -> None:
         """Build the functions now."""

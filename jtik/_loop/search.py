@@ -272,25 +272,34 @@ class Search:
 
     def find_all(
         self, targets: Array, q0: Array, options: SearchOptions
-    ) -> list[tuple[SearchResult | None, float]] | None:
-        """Searches for each row of ``targets`` in one call, with their times [s]; None without the search in C.
+    ) -> Iterator[tuple[SearchResult | None, float]] | None:
+        """Searches for each row of ``targets`` in C, with their times [s]; None without the search in C.
 
-        A row without a result needs `find`.
+        A row without a result needs `find`. Ctrl-C is obeyed after a tenth of a second.
         """
         if self.native is None or (len(q0) > 1 and self._restarts.depend_on_start):
             return None
+        return self._found_all(self.native, targets, q0, options)
+
+    def _found_all(
+        self, native: NativeSearch, targets: Array, q0: Array, options: SearchOptions
+    ) -> Iterator[tuple[SearchResult | None, float]]:
         starts, first, last = self._starts(0, options, q0[0], None)
-        patience = PATIENCE if options.restarts else patience_of(self.native.runner, math.inf)
-        batch = self.native.batch(targets, q0, starts, first, min(last, options.restarts), options.limit, patience)
-        found: list[tuple[SearchResult | None, float]] = []
-        rows = zip(batch.q, batch.errors.tolist(), batch.seconds.tolist(), batch.tallies.tolist(), strict=True)
-        for target, (q, errors, seconds, (code, iterations, number)) in zip(targets, rows, strict=True):
-            if code == Code.DONE and self._attempts.can_go_on(q, target):
-                code = -1  # the search in Python leaves it
-            last_code = _CODES[code] if code >= 0 else Code.STALLED
-            known = (errors[0], errors[1]) if last_code is Code.DONE else None
-            found.append((None if code < 0 else SearchResult(q, last_code, iterations, 0, number, known), seconds))
-        return found
+        patience = PATIENCE if options.restarts else patience_of(native.runner, math.inf)
+        begin = 0
+        while begin < len(targets):
+            own = q0[begin:] if len(q0) > 1 else q0
+            batch = native.batch(
+                targets[begin:], own, starts, first, min(last, options.restarts), options.limit, patience
+            )
+            rows = zip(batch.q, batch.errors.tolist(), batch.seconds.tolist(), batch.tallies.tolist(), strict=True)
+            for target, (q, errors, seconds, (code, iterations, number)) in zip(targets[begin:], rows, strict=False):
+                if code == Code.DONE and self._attempts.can_go_on(q, target):
+                    code = -1  # the search in Python leaves it
+                last_code = _CODES[code] if code >= 0 else Code.STALLED
+                known = (errors[0], errors[1]) if last_code is Code.DONE else None
+                yield (None if code < 0 else SearchResult(q, last_code, iterations, 0, number, known), seconds)
+            begin += len(batch.q)
 
 
 def _result(runner: Runner, ended: Ended, iterations: int, escapes: int, restarts: int) -> SearchResult:

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from jtik._loop.arguments import ConfigurationReader, read_targets
-from jtik._loop.batch import BatchEntry, collect
+from jtik._loop.batch import BatchEntry, collect, solved
+from jtik._loop.batch_file import BatchFile
+from jtik._loop.batch_pool import BatchPool
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
 from jtik._loop.jump import Jump
@@ -34,6 +38,9 @@ from jtik.result.solution import Solution
 from jtik.result.status import Status, is_success
 from jtik.result.trajectory import Trajectory
 from jtik.types import Array
+
+if TYPE_CHECKING:
+    from jtik._loop.copying import FixedSolver
 
 Options = tuple[int, int | None, int, int, float | None, tuple[float, float, float], str]
 """restarts, seed, max_iterations, best_of, jump_limit, tolerances of position, orientation and optimality, until."""
@@ -57,7 +64,6 @@ class Solving:
         self._robot, self._tasks, self._has_criterion = problem.robot, problem.tasks, problem.has_criterion
         self._runners, self._search, self._inspector = runners, search, inspector
         self._configurations, self._exclusive = configurations, exclusive
-        self._enter, self._leave = exclusive.acquire, exclusive.release
         self._memory = runners.memory
         self._target = self._memory.inputs.target
         self._vector_shape = self._target.shape if self._tasks.target_is_vector else None
@@ -68,9 +74,11 @@ class Solving:
     def solve(self, target: Any, q0: Any, options: Options, trace: bool) -> Solution:
         """Iterate to the target, as `InverseKinematics.solve` describes it."""
         begin = time.perf_counter()
-        if not self._enter(False):
+        exclusive = self._exclusive
+        if exclusive.busy:
             raise in_use()
         try:
+            exclusive.busy = True
             begun = None
             if options == self._prepared and not trace:
                 ended = self._solve_native(target, q0, begin)
@@ -97,7 +105,7 @@ class Solving:
                 solution.__dict__["alternatives"] = others
             return solution
         finally:
-            self._leave()
+            exclusive.busy = False
 
     def _solution(
         self, found: SearchResult, target: Any, options: Options, begin: float, jump: Jump | None = None
@@ -125,51 +133,115 @@ class Solving:
             alternatives=(),
         )
 
-    def solve_batch(self, targets: Iterable[Any], q0: Any, options: Options, progress: Progress) -> SolutionBatch:
+    def solve_batch(
+        self,
+        targets: Iterable[Any],
+        q0: Any,
+        options: Options,
+        progress: Progress,
+        *,
+        solver: FixedSolver,
+        executor: Executor | None,
+        block: int,
+        save: str | Path | None,
+    ) -> SolutionBatch:
         """Solve for each target by itself, as `InverseKinematics.solve_batch` describes it."""
-        with self._exclusive:
-            given, numbers = read_targets(self._tasks, targets)
+        given, numbers = read_targets(self._tasks, targets)
+        exclusive = self._exclusive
+        if exclusive.busy:
+            raise in_use()
+        try:
+            exclusive.busy = True
             starts = self._configurations.starts(q0, len(numbers))
-            search_options = self._read_options(options)
-            table = np.array(numbers).reshape(len(numbers), len(self._target))
-            native = self._search.find_all(table, np.array(starts), search_options) if progress is False else None
+            self._read_options(options)
+            identity = (solver.identity, numbers, starts, options)
+            file = BatchFile(save, identity, len(numbers), self._robot.nq)
+            pool = None
+            if executor is not None:
+                pool = BatchPool(executor, solver, block, numbers=numbers, starts=starts, options=options)
 
-            def solve(i: int) -> BatchEntry:
-                begin = time.perf_counter()
-                self._target[:] = numbers[i]
-                found, seconds = native[i] if native else (None, 0.0)
-                if found is None:
-                    found = self._search_in_memory(starts[i % len(starts)], search_options, self._runners.solve)
-                errors = found.errors or self._inspector.errors(found.q, self._memory.inputs)
-                diagnose: Callable[[], Status]
-                if _missed(found._replace(errors=errors), options):
-                    converged = False
-                    diagnose = partial(self._inspector.snapshot(found.q, given[i]).status, found.code)
-                else:
-                    status = self._inspector.current(found.q).status(found.code)
-                    converged, diagnose = is_success(status, options[-1]), partial(Status, status)
-                return BatchEntry(found, diagnose, converged, errors, seconds + time.perf_counter() - begin)
+            def solve(missing: list[int]) -> Iterator[BatchEntry]:
+                return self._entries(missing, given, numbers, starts, options)
 
-            entries = [solve(i) for i in watched(range(len(numbers)), progress, "targets")]
+            entries = solved(len(numbers), solve, pool=pool, file=file, progress=progress)
             memory = self._memory.numbers.copy()
 
-            def inspect(row: int) -> Report:
+            def inspect(i: int, q: Array) -> Report:
                 inputs = memory.copy()
-                self._memory.views(inputs).target[:] = numbers[row]
-                return self._inspector.report(entries[row].found.q.copy(), inputs, given[row])
+                self._memory.views(inputs).target[:] = numbers[i]
+                return self._inspector.report(q, inputs, given[i])
 
             return collect(entries, targets=numbers, nq=self._robot.nq, inspect=inspect)
+        finally:
+            exclusive.busy = False
+
+    def solve_numbers(self, numbers: list[Array], starts: list[Array], options: Options) -> list[BatchEntry]:
+        """The entries of targets that are numbers, as another process can read them."""
+        exclusive = self._exclusive
+        if exclusive.busy:
+            raise in_use()
+        try:
+            exclusive.busy = True
+            entries = self._entries(list(range(len(numbers))), numbers, numbers, starts, options)
+            return [entry.settled() for entry in entries]
+        finally:
+            exclusive.busy = False
+
+    def _entries(
+        self, chosen: list[int], given: Sequence[Any], numbers: list[Array], starts: list[Array], options: Options
+    ) -> Iterator[BatchEntry]:
+        """The entries of the targets with these numbers, one after the other.
+
+        Args:
+            chosen: the numbers.
+            given: all targets as they were given.
+            numbers: all targets as numbers.
+            starts: where each solve begins; one configuration for all, or one for each.
+            options: the options of the solves.
+        """
+        search_options = self._read_options(options)
+        table = np.array([numbers[i] for i in chosen]).reshape(len(chosen), len(self._target))
+        own = starts if len(starts) == 1 else [starts[i] for i in chosen]
+        native = self._search.find_all(table, np.array(own), search_options) if chosen else None
+        for k, i in enumerate(chosen):
+            found, seconds = next(native) if native else (None, 0.0)
+            begin = time.perf_counter()
+            self._target[:] = numbers[i]
+            if found is None:
+                found = self._search_in_memory(own[k % len(own)], search_options, self._runners.solve)
+            errors = found.errors or self._inspector.errors(found.q, self._memory.inputs)
+            diagnose: Callable[[], Status]
+            if _missed(found._replace(errors=errors), options):
+                converged = False
+                diagnose = partial(self._inspector.snapshot(found.q, given[i]).status, found.code)
+            else:
+                status = self._inspector.current(found.q).status(found.code)
+                converged, diagnose = is_success(status, options[-1]), partial(Status, status)
+            yield BatchEntry(
+                found.q,
+                diagnose,
+                converged,
+                errors,
+                found.iterations,
+                found.escapes,
+                found.restarts,
+                seconds + time.perf_counter() - begin,
+            )
 
     def warm_up(self) -> None:
         """Build what a path runs."""
         _ = self._runners.track
 
-    def track(self, targets: Iterable[Any], q0: Any, dt: float, options: Options) -> Trajectory:
+    def track(self, targets: Iterable[Any], q0: Any, dt: float, options: Options, progress: Progress) -> Trajectory:
         """Follow a path of targets, as `InverseKinematics.track` describes it."""
-        with self._exclusive:
-            given, _ = read_targets(self._tasks, targets)
-            if not given:
-                raise ArgumentError("targets", "none", "at least one target")
+        given, _ = read_targets(self._tasks, targets)
+        if not given:
+            raise ArgumentError("targets", "none", "at least one target")
+        exclusive = self._exclusive
+        if exclusive.busy:
+            raise in_use()
+        try:
+            exclusive.busy = True
             start, dt = self._configurations.start(q0), positive_number("dt", dt)
             search_options, stationary = self._read_options(options), options[-1] != "reached"
             self._memory.inputs.settings[SETTING.null_space_again] = float(stationary)
@@ -182,9 +254,12 @@ class Solving:
                 return self._solution(found, target, options, begin)
 
             try:
-                return follow(self._robot, given, start, dt, box, solve, self._at_another_q)
+                path = watched(given, progress, "targets")
+                return follow(self._robot, path, start, dt, box, solve, self._at_another_q)
             finally:
                 self._options = self._prepared = ()
+        finally:
+            exclusive.busy = False
 
     def _read_options(self, options: Options) -> SearchOptions:
         """The options of a search; the tolerances are written to the step's memory. Both only when they change."""

@@ -42,7 +42,7 @@ class Stepping:
         self._read, self._vector = configurations.read, configurations.vector
         self._escape, self._inspector = escape, inspector
         self._criterion_escape = criterion_escape if criterion_escape.possible else None
-        self._enter, self._leave = exclusive.acquire, exclusive.release
+        self._exclusive = exclusive
         self._target = runners.memory.inputs.target
         # a target of this shape is copied without a check; arguments are checked after a step that is not finite
         self._vector_shape = self._target.shape if tasks.target_is_vector else None
@@ -58,9 +58,11 @@ class Stepping:
 
     def step(self, q: Any, target: Any, dt: float | None) -> Step:
         """One update, as `InverseKinematics.step` describes it."""
-        if not self._enter(False):
+        exclusive = self._exclusive
+        if exclusive.busy:
             raise in_use()
         try:
+            exclusive.busy = True
             if dt is None:
                 runner, box = self._untimed or self._first(), None
             else:
@@ -116,13 +118,15 @@ class Stepping:
                 box.moved(after)
             return _new_tuple(Step, (after.copy(), position, orientation, moved, done, escaped))
         finally:
-            self._leave()
+            exclusive.busy = False
 
     def reset(self) -> None:
         """Forget the state of the strategy and the last step."""
-        if not self._enter(False):
+        exclusive = self._exclusive
+        if exclusive.busy:
             raise in_use()
         try:
+            exclusive.busy = True
             if self._untimed is not None:
                 self._untimed.start(self._robot.neutral)
             if self._timed is not None:
@@ -130,7 +134,7 @@ class Stepping:
                 runner.start(self._robot.neutral)
                 box.rest()
         finally:
-            self._leave()
+            exclusive.busy = False
 
     def _first(self) -> Runner:
         self._untimed = self._runners.step

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -21,7 +21,7 @@ Moved = Callable[[Solution, Array], Solution]
 
 def follow(
     robot: Robot,
-    targets: Sequence[Any],
+    targets: Iterable[Any],
     q0: Array,
     dt: float,
     box: StepBox,

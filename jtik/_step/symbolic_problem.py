@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -27,6 +29,8 @@ from jtik.symbolic import (
     zeros,
 )
 from jtik.task import TaskStack
+
+T = TypeVar("T")
 
 
 class SymbolicProblem:
@@ -65,6 +69,7 @@ class SymbolicProblem:
         coordinates: WeightedCoordinates = UNWEIGHTED,
     ) -> None:
         self.robot, self.tasks, self.terms, self.bounded = robot, tasks, terms, bounded
+        self._built: dict[tuple[Any, ...], Any] = {}
         self.coordinates = coordinates
         q, target, parameters = self.symbols()
         kinematics = robot.at(q)
@@ -129,6 +134,29 @@ class SymbolicProblem:
         """(q index, v index) of all joints that can have a limit: revolute and prismatic ones."""
         pairs = zip(self.robot.scalar_q.tolist(), self.robot.scalar_v.tolist(), strict=True)
         return tuple(pairs)
+
+    def once(self, name: str, build: Callable[[], T], *, keep: Callable[[T], bool] | None = None) -> T:
+        """What ``build`` returns, which is built once for this problem and its copies.
+
+        Args:
+            name: its name, unique among what is built of problems.
+            build: builds something that has no memory, such as a function.
+            keep: whether the copies may share it; None for always.
+        """
+        key = (name, self.bounded)
+        if key in self._built:
+            found: T = self._built[key]
+            return found
+        built = build()
+        if keep is None or keep(built):
+            self._built[key] = built
+        return built
+
+    def copied(self, terms: CriterionTerms) -> SymbolicProblem:
+        """The same problem with terms, equal to its own, whose live parameters are others."""
+        problem = copy.copy(self)
+        problem.terms = terms
+        return problem
 
     def with_limits(self) -> SymbolicProblem:
         """The same problem in which every joint of `scalar` has a limit."""

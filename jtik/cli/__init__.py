@@ -1,4 +1,4 @@
-"""The command line: ``jtik list``, ``jtik robot``, ``jtik solve``, ``jtik compare`` and ``jtik demo``."""
+"""The command line: ``jtik list``, ``robot``, ``solve``, ``compare``, ``cache`` and ``demo``."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
-from jtik.cli import catalogue, compare, robot, solve
+from jtik.cli import cache, catalogue, compare, robot, solve
 from jtik.cli.checks import InputError
 from jtik.errors import JtikError
 
@@ -98,6 +98,7 @@ def _parser() -> argparse.ArgumentParser:
     robot.add_arguments(commands)
     solve.add_arguments(commands)
     compare.add_arguments(commands)
+    cache.add_arguments(commands)
 
     what = "a ten-link arm moves between obstacles"
     command = commands.add_parser("demo", help=what, description="The demo: pictures, an animation, and results.")

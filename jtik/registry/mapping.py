@@ -73,8 +73,8 @@ class Registry(Mapping[str, type[T]], Generic[T]):
         return registered
 
     def check_name(self, name: object) -> None:
-        """Raise ArgumentError when ``name`` is no text, empty, or has the ``+`` of pairs."""
-        if not isinstance(name, str) or not name or "+" in name:
+        """Raise ArgumentError when ``name`` is no text that a listing can show, or has the ``+`` of pairs."""
+        if not isinstance(name, str) or not name.strip() or not name.isprintable() or "+" in name:
             raise ArgumentError(f"{self._kind} name", repr(name), "a text of at least one character, without '+'")
 
     def __getitem__(self, name: str) -> type[T]:

@@ -37,7 +37,7 @@ def rows(registered: Mapping[str, type]) -> list[TableRow]:
     """One row a class, in the mapping's order."""
     found = []
     for name, plugin in registered.items():
-        summary = getattr(plugin, "summary", "") or (plugin.__doc__ or "").strip().partition("\n")[0]
+        summary = getattr(plugin, "summary", "") or str(plugin.__doc__ or "").strip().partition("\n")[0]
         found.append(TableRow(name, _one_line(summary), _one_line(getattr(plugin, "source", ""))))
     return found
 

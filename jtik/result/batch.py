@@ -35,6 +35,8 @@ class SolutionBatch:
         restarts: how many other starting configurations were tried, (k,).
         seconds: wall time of each solve, (k,) [s].
         targets: the numbers that each was solved for, (k, target size).
+        indices: the number of each row's target among those given, (k,); 0, 1, 2 ... of a complete batch.
+        complete: whether all targets are included; False after Ctrl-C.
         inspect: function that computes the report of a row.
     """
 
@@ -48,6 +50,8 @@ class SolutionBatch:
     restarts: NDArray[np.int64]
     seconds: Array
     targets: Array
+    indices: NDArray[np.int64]
+    complete: bool
     inspect: Callable[[int], Report]
 
     statuses = RenamedAttribute("status")
@@ -93,7 +97,8 @@ class SolutionBatch:
 
     def __repr__(self) -> str:
         lines = [
-            f"SolutionBatch: {int(self.converged.sum())} of {len(self)} solved, {1e3 * self.seconds.sum():.3g} ms",
+            f"SolutionBatch: {int(self.converged.sum())} of {len(self)} solved, {1e3 * self.seconds.sum():.3g} ms"
+            + ("" if self.complete else "; incomplete"),
             *(f"  {count:6}  {status.value}" for status, count in Counter(self.status).most_common()),
         ]
         if len(self):

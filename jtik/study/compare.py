@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik._loop.options import Until, read_search_options, read_settings
+from jtik._loop.fingerprint import fingerprint
+from jtik._loop.options import Until, read_executor, read_search_options, read_settings
 from jtik.constraints.clearance import Clearance, clearances_of
 from jtik.criterion.base import Criterion, CriterionSum
 from jtik.errors import ArgumentError
@@ -22,7 +23,6 @@ from jtik.progress import Progress, watched
 from jtik.robot import Robot
 from jtik.study.comparison import Comparison
 from jtik.study.contender import Setting
-from jtik.study.fingerprint import fingerprint
 from jtik.study.metrics import measures_of
 from jtik.study.result_file import ResultFile
 from jtik.study.schedule import Schedule
@@ -146,8 +146,7 @@ def compare(
         traces=_counted("traces", traces, 0),
         block=_counted("block", block, 1),
     )
-    if executor is not None and not isinstance(executor, Executor):
-        raise ArgumentError("executor", executor, "a concurrent.futures.Executor, or None")
+    read_executor(executor)
     runner = _checked_runner(plan)
     machine = _machine()
     known = {"settings": _settings(plan), "machine": machine, "fingerprint": _fingerprint(plan, machine)}

@@ -152,11 +152,15 @@ class Comparison:
         return tables.markdown(self.summary(by))
 
     def to_csv(self, path: str | Path) -> None:
-        """Write all rows to a file without loss of precision. Raises OSError if it cannot be written."""
+        """Write all rows to a file without loss of precision. Raises OSError if it cannot be written.
+
+        Text that a spreadsheet would take for a formula, such as a name ``=cmd``, begins with an apostrophe.
+        """
         with Path(path).open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(self.columns)
-            writer.writerows(zip(*[column.tolist() for column in self.columns.values()], strict=True))
+            columns = [map(tables.spreadsheet_text, column.tolist()) for column in self.columns.values()]
+            writer.writerows(zip(*columns, strict=True))
 
     def to_html(self, path: str | Path) -> None:
         """Write a self-contained report with tables, figures and settings.

@@ -2,25 +2,34 @@
 
 from __future__ import annotations
 
-import json
-import os
 import time
-import zipfile
+import warnings
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik._loop.options import callers_level
 from jtik.errors import ArgumentError
 from jtik.problems import ProblemSet
+from jtik.result.archive import checked_path, read_archive, write_archive
 from jtik.result.solution import Trace
+from jtik.robot import Robot
 from jtik.study.comparison import Comparison, assembled
 from jtik.study.plain_data import DescriptionError, as_data, from_data
-from jtik.study.rows import COLUMNS, Row
+from jtik.study.rows import COLUMNS, TEXTS, Row
 from jtik.study.work_units import StudyPlan, UnitResult
+from jtik.symbolic import symbol
+from jtik.task import Task, TaskStack
 from jtik.types import Array
+
+ACCEPTED = "a file that Comparison.save or jtik.compare(save=...) wrote"
+
+SHOWN = 200
+"""Longest part of an error's text that is repeated, in characters."""
 
 FORMAT = 1
 """Version of the file format."""
@@ -32,18 +41,8 @@ SHARE = 0.05
 """Largest share of the time that is spent on writing."""
 
 
-def checked_path(path: str | Path, argument: str = "path") -> Path:
-    """The path. Raises ArgumentError unless it ends in .npz and its folder exists."""
-    path = Path(path)
-    if path.suffix != ".npz":
-        raise ArgumentError(argument, str(path), "a file name that ends in .npz")
-    if not path.parent.is_dir():
-        raise ArgumentError(argument, str(path), "a file in an existing folder")
-    return path
-
-
 def write(comparison: Comparison, path: str | Path) -> None:
-    """Write to a temporary file and rename it, so that a reader finds either the old or the new file."""
+    """Write a file that `read` reads."""
     path = checked_path(path)
     try:
         tasks = as_data(comparison.tasks)
@@ -65,28 +64,26 @@ def write(comparison: Comparison, path: str | Path) -> None:
     arrays["answers"] = comparison.answers
     arrays |= {f"trace/{i}": _serialized(trace) for i, trace in enumerate(comparison.traces.values())}
     arrays |= {f"path/{i}": postures for i, postures in enumerate(comparison.paths.values())}
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        with temporary.open("wb") as file:
-            np.savez(file, allow_pickle=False, header=np.array(json.dumps(header)), **arrays)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    write_archive(path, header, arrays)
 
 
-def read(path: str | Path) -> Comparison:
+def read(path: str | Path, argument: str = "path") -> Comparison:
     """Read a file of `write`. Raises ArgumentError for any other file."""
-    path = checked_path(path)
-    accepted = "a file that Comparison.save or jtik.compare(save=...) wrote"
-    try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-            arrays = dict(archive)
-        header = json.loads(str(arrays.pop("header")))
-        version = header["format"]
-    except (ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
-        raise ArgumentError("path", str(path), accepted) from error
+    path = checked_path(path, argument)
+    header, arrays = read_archive(path, argument, ACCEPTED)
+    version = header.get("format")
+    if version is None or "problems" not in header:
+        raise ArgumentError(argument, f"{path}, which holds no study", ACCEPTED)
     if version != FORMAT:
-        raise ArgumentError("path", f"{path} of format {version}", f"format {FORMAT}")
+        raise ArgumentError(argument, f"{path} of format {version}", f"format {FORMAT}")
+    try:
+        return _checked(_comparison(header, arrays))
+    except Exception as error:  # what is built from a file that somebody has changed may raise anything
+        given = f"{path}, whose parts do not fit together ({type(error).__name__}: {str(error)[:SHOWN]})"
+        raise ArgumentError(argument, given, ACCEPTED) from error
+
+
+def _comparison(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Comparison:
     traces = {
         (contender, criteria, case): _unpacked(arrays[f"trace/{i}"], figures)
         for i, (contender, criteria, case, figures) in enumerate(header["traces"])
@@ -104,6 +101,31 @@ def read(path: str | Path) -> Comparison:
         complete=header["complete"],
         fingerprint=header["fingerprint"],
     )
+
+
+def _checked(found: Comparison) -> Comparison:
+    """The comparison. Raises some error where its parts have wrong types or sizes, or cannot be shown."""
+    _require(isinstance(found.robot, Robot), "robot")
+    _require(isinstance(found.tasks, tuple) and all(isinstance(task, Task) for task in found.tasks), "tasks")
+    _require(isinstance(found.settings, dict) and isinstance(found.machine, dict), "settings")
+    _require(isinstance(found.complete, bool) and isinstance(found.fingerprint, str), "fingerprint")
+    rows = len(found.answers)
+    _require(found.answers.shape == (rows, found.robot.nq) and found.answers.dtype == np.float64, "answers")
+    for name, column in found.columns.items():
+        kind = "U" if name in TEXTS else "b" if name == "success" else "f"
+        _require(column.shape == (rows,) and column.dtype.kind == kind, name)
+    for postures in found.paths.values():
+        _require(postures.ndim == 2 and postures.shape[1] == found.robot.nq, "paths")
+    if found.tasks:
+        stack = TaskStack.of(found.robot, found.tasks)
+        stack.rows(found.robot.at(symbol("q", found.robot.nq)), symbol("target", stack.target_size))
+    _ = repr(found), found.settings.get("study")
+    return found
+
+
+def _require(fits: bool, part: str) -> None:
+    if not fits:
+        raise ValueError(f"its {part}")
 
 
 def _serialized(trace: Trace) -> Array:
@@ -146,17 +168,26 @@ class ResultFile:
     def add(self, result: UnitResult) -> None:
         """Add a result, and write all results unless the last write was recent."""
         self.results.append(result)
-        if self._path is not None and time.monotonic() - self._written > self._pause:
-            self.write()
-
-    def write(self) -> None:
-        """Write all results if there are new ones."""
-        if self._path is None or (self._count == len(self.results) and self._path.exists()):
+        if self._path is None or time.monotonic() - self._written <= self._pause:
             return
         begin = time.monotonic()
-        write(self.comparison(), self._path)
+        with suppress(OSError):  # perhaps there is room later; the last write reports it
+            self._write(self._path)
         self._written = time.monotonic()
         self._pause = max(PAUSE, (self._written - begin) / SHARE)
+
+    def write(self) -> None:
+        """Write all results if there are new ones; a warning says why where that is not possible."""
+        if self._path is None or (self._count == len(self.results) and self._path.exists()):
+            return
+        try:
+            self._write(self._path)
+        except OSError as error:
+            advice = "Comparison.save writes it elsewhere"
+            warnings.warn(f"the study was not saved: {error}; {advice}", RuntimeWarning, stacklevel=callers_level())
+
+    def _write(self, path: Path) -> None:
+        write(self.comparison(), path)
         self._count = len(self.results)
 
     def comparison(self) -> Comparison:
@@ -166,7 +197,7 @@ class ResultFile:
 
     def _finished_units(self, path: Path) -> list[UnitResult]:
         """The units that are complete in a file."""
-        found = read(path)
+        found = read(path, "save")
         if found.fingerprint != self._known["fingerprint"]:
             given = f"{path}, which holds another study: {found.settings.get('study', found)}"
             raise ArgumentError("save", given, "a file of the same study, or a new file")

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import hashlib
-import importlib
 import pickle
 import threading
 from dataclasses import dataclass
 from typing import Any
 
+from jtik._loop.pickling import PICKLABLE, pickler
 from jtik.errors import ArgumentError, JtikError
 from jtik.study.case_run import reason
 from jtik.study.unit_runner import UnitRunner
 from jtik.study.work_units import StudyPlan, UnitResult, WorkUnit
-
-PICKLABLE = (
-    "classes and functions defined at the top level of a module, which another process can import; "
-    "or install cloudpickle, which also supports lambdas and those defined in a notebook"
-)
 
 
 @dataclass(frozen=True)
@@ -39,11 +34,11 @@ class SerializedPlan:
         Raises:
             ArgumentError: naming the robot, task, criterion or strategy that cannot be pickled.
         """
-        pickler = _pickler()
+        module = pickler()
         try:
-            data = pickler.dumps(plan, protocol=pickle.HIGHEST_PROTOCOL)
+            data = module.dumps(plan, protocol=pickle.HIGHEST_PROTOCOL)
         except Exception as error:
-            argument, given = _unpicklable_part(plan, pickler)
+            argument, given = _unpicklable_part(plan, module)
             raise ArgumentError(argument, f"{given}, which cannot be pickled: {reason(error)}", PICKLABLE) from error
         return cls(hashlib.sha256(data).hexdigest(), data)
 
@@ -87,14 +82,7 @@ def run_serialized(serialized: SerializedPlan, unit: WorkUnit) -> UnitResult:
         return _runners[serialized.name].run(unit)
 
 
-def _pickler() -> Any:
-    try:
-        return importlib.import_module("cloudpickle")
-    except ImportError:
-        return pickle
-
-
-def _unpicklable_part(plan: StudyPlan, pickler: Any) -> tuple[str, str]:
+def _unpicklable_part(plan: StudyPlan, module: Any) -> tuple[str, str]:
     """The first part of a plan that cannot be pickled: its argument and its text."""
     parts: list[tuple[str, Any]] = [("robot", plan.setting.robot), ("task", plan.setting.task)]
     parts += [(f"criteria[{label!r}]", criteria) for label, criteria in plan.criteria.items()]
@@ -102,7 +90,7 @@ def _unpicklable_part(plan: StudyPlan, pickler: Any) -> tuple[str, str]:
     parts += [("clearances", clearance) for clearance in plan.setting.clearances]
     for argument, part in parts:
         try:
-            pickler.dumps(part)
+            module.dumps(part)
         except Exception:
             return argument, repr(part)
     return "executor", "a study"

@@ -4,8 +4,15 @@ from __future__ import annotations
 
 import html
 import math
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
+
+_MARKUP = re.compile(r"([\\`*_\[\]|~])")
+"""Characters that Markdown reads as mark-up within a cell."""
+
+_FORMULA = ("=", "+", "-", "@")
+"""First characters of what a spreadsheet reads as a formula."""
 
 Table = Mapping[str, Sequence[Any]]
 
@@ -57,10 +64,20 @@ def fitted(table: Table, width: int, dropped_first: Sequence[str]) -> tuple[Tabl
 
 
 def markdown(table: Table) -> str:
-    """A Markdown table."""
+    """A Markdown table. What names have of Markdown and HTML is shown as it is written."""
     marks = ["---" if word else "---:" for word in _words(table)]
-    lines = [[title.replace("|", "\\|") for title in table], marks, *_rows(table)]
-    return "\n".join(f"| {' | '.join(each.replace(chr(10), ' ') for each in line)} |" for line in lines) + "\n"
+    lines = [[_as_written(each) for each in line] for line in [list(table), *_rows(table)]]
+    return "\n".join(f"| {' | '.join(line)} |" for line in [lines[0], marks, *lines[1:]]) + "\n"
+
+
+def _as_written(text: str) -> str:
+    """Text in which Markdown and HTML see no mark-up."""
+    return _MARKUP.sub(r"\\\1", html.escape(" ".join(text.split()), quote=False))
+
+
+def spreadsheet_text(value: Any) -> Any:
+    """A value for a table that a spreadsheet opens: text that it would take for a formula begins with an apostrophe."""
+    return f"'{value}" if isinstance(value, str) and value.lstrip().startswith(_FORMULA) else value
 
 
 def markup(table: Table) -> str:

@@ -7,22 +7,22 @@ evaluated as generated C instead of on CasADi's virtual machine.
 
 from __future__ import annotations
 
+import ctypes
 import hashlib
-import importlib.util
-import os
-import shutil
-import subprocess
+import platform
 import sys
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple, cast
 
 import numpy as np
 
-from jtik.errors import JtikError
+from jtik.symbolic import library_cache
+from jtik.symbolic.c_compiler import OPTIONS, CompilerError, compile_library, compiler, version
 from jtik.symbolic.operations import Function, c_source, external
 from jtik.types import Array
+
+__all__ = ["CompiledFunction", "CompilerError", "Library", "bind", "library", "to_c"]
 
 
 def bind(function: Function, arguments: list[Array], results: list[Array]) -> Callable[[], None]:
@@ -68,34 +68,19 @@ class CompiledFunction:
         )
 
 
-class CompilerError(JtikError):
-    """No C compiler was found, or it could not compile the generated code.
-
-    Attributes:
-        command: the command that was run, or the option that needs a compiler.
-        output: what the compiler printed, or what to install.
-    """
-
-    def __init__(self, command: str, output: str) -> None:
-        super().__init__(command, output)
-        self.command = command
-        self.output = output
-
-    def __str__(self) -> str:
-        return f"{self.command}: {self.output}"
-
-
 class Library(NamedTuple):
     """A function in generated C.
 
     Attributes:
         function: the function as CasADi calls it.
         name: its name in the library.
+        loaded: the shared library, whose other functions are called through ctypes.
         path: path of the shared library.
     """
 
     function: Function
     name: str
+    loaded: ctypes.CDLL
     path: str
 
 
@@ -110,45 +95,41 @@ def to_c(function: Function) -> Function:
 def library(function: Function, beside: str = "") -> Library:
     """The function as a shared library of generated C.
 
-    Compiling takes about a second. Libraries are kept in the user's cache folder (``$XDG_CACHE_HOME/jtik``) under
-    the hash of their code, so that an unchanged function is compiled once. The compiler is ``$CC``, ``cc``, ``gcc``,
-    ``clang`` or the package ``ziglang``.
+    Compiling takes about a second. Libraries are kept in the user's cache folder (``$XDG_CACHE_HOME/jtik``, see
+    `jtik.symbolic.library_cache`) under the hash of their code, the compiler and its version, the machine and the
+    version of jtik, so that an unchanged function is compiled once. The compiler is ``$CC``, ``cc``, ``gcc``, ``clang``
+    or the package ``ziglang``.
 
     Args:
         function: the function.
         beside: more C source for the same library; it calls the function JTIK_NAME.
 
     Raises:
-        CompilerError: when there is no compiler, or it fails.
+        CompilerError: when there is no compiler, it fails, or the library cannot be stored or loaded.
     """
-    command = [*_compiler(), "-O2"]
+    command = compiler()
     source = c_source(function) + beside
-    name = "jtik_" + hashlib.sha256(" ".join([*command, source]).encode()).hexdigest()[:16]
-    folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "jtik"
-    path = folder / f"{name}.so"
-    if not path.exists():
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=folder) as scratch:
-            code, built = Path(scratch) / f"{name}.c", Path(scratch) / path.name
-            # the prefix keeps the symbols of several libraries, and libc's own "step", apart
-            code.write_text(source.replace(function.name(), name).replace("JTIK_NAME", name))
-            call = [*command, "-shared", "-fPIC", str(code), "-o", str(built), "-lm"]
-            try:
-                run = subprocess.run(call, capture_output=True, text=True, check=False)
-            except OSError as error:
-                raise CompilerError(" ".join(command), str(error)) from error
-            if run.returncode:
-                raise CompilerError(" ".join(command), run.stderr.strip())
-            built.replace(path)
-    return Library(external(name, str(path)), name, str(path))
+    machine = (sys.platform, platform.machine(), sys.maxsize, sys.modules["jtik"].__version__)
+    depends = repr((command, OPTIONS, version(command), machine, source))
+    name = "jtik_" + hashlib.sha256(depends.encode()).hexdigest()[:32]
+
+    def build(scratch: Path) -> Path:
+        code, built = scratch / f"{name}.c", scratch / f"{name}.so"
+        # the prefix keeps the symbols of several libraries, and libc's own "step", apart
+        code.write_text(source.replace(function.name(), name).replace("JTIK_NAME", name), encoding="utf-8")
+        compile_library(command, code, built)
+        return built
+
+    path = library_cache.find_or_build(name, build)
+    try:
+        return _loaded(name, path)
+    except (OSError, RuntimeError) as error:
+        if not path.exists():  # another process has just deleted it
+            return _loaded(name, library_cache.find_or_build(name, build))
+        library_cache.forget(path)
+        reason = f"{' '.join(str(error).split())}; the folder is another one with XDG_CACHE_HOME"
+        raise CompilerError(f"{path}, made by {' '.join(command)}, cannot be loaded", reason) from error
 
 
-def _compiler() -> list[str]:
-    if os.environ.get("CC"):
-        return os.environ["CC"].split()
-    for name in ("cc", "gcc", "clang"):
-        if shutil.which(name):
-            return [name]
-    if importlib.util.find_spec("ziglang"):
-        return [sys.executable, "-m", "ziglang", "cc"]
-    raise CompilerError("compiled=True", "no C compiler found; install one, or: pip install ziglang")
+def _loaded(name: str, path: Path) -> Library:
+    return Library(external(name, str(path)), name, ctypes.CDLL(str(path)), str(path))

@@ -98,6 +98,24 @@ def test_a_copy_begins_its_steps_anew():
     assert copy.copy(ik).step(q, target).q.tolist() == first.q.tolist()
 
 
+@pytest.mark.parametrize("name", SOLVERS)
+def test_a_copy_builds_neither_problem_nor_step_again(name, monkeypatch):
+    ik = original(name)
+    ik.warm_up()
+    ik.solve(aimed(ik), trace=True)
+
+    def refuse(*_, **__):
+        raise AssertionError("it is built again")
+
+    monkeypatch.setattr("jtik._step.symbolic_problem.SymbolicProblem.__init__", refuse)
+    monkeypatch.setattr("jtik._loop.runners.fused_step", refuse)
+    monkeypatch.setattr("jtik._loop.runners.box_function", refuse)
+    copied = copy.copy(ik)
+    copied.warm_up()
+    assert copied.solve(aimed(ik)).status is ik.solve(aimed(ik)).status
+    assert len(copied.solve(aimed(ik), trace=True).trace) > 0
+
+
 def test_only_a_deep_copy_has_a_robot_of_its_own():
     ik = SOLVERS["plain"]()
     assert copy.copy(ik).robot is ik.robot

@@ -1,9 +1,11 @@
-"""One thread at a time: a second one is refused, and finds what it asked for once the first is done."""
+"""One call at a time: a second one is refused, of another thread or within the first, and is made once that is done."""
 
 from __future__ import annotations
 
 import copy
+import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -14,7 +16,10 @@ from jtik_formulations import JointCentering
 from ..conftest import planar
 from .conftest import solver
 
-IN_USE = "this InverseKinematics is in use by another thread: make one for each thread, for instance by copy.deepcopy"
+IN_USE = (
+    "this InverseKinematics is in use, by another thread or by the call from which this one was made: "
+    "one solver a thread, and another one within a callback; copy.copy(ik) is cheap"
+)
 Q0 = [0.3, 0.4, 0.5]
 
 
@@ -70,15 +75,115 @@ def test_the_first_thread_is_not_disturbed():
     assert np.array_equal(other.batch.q, alone.q)
 
 
-def test_one_thread_may_solve_from_within_its_own_progress():
+@pytest.mark.parametrize("name", CALLS)
+def test_a_callback_cannot_use_the_solver_that_calls_it(name):
+    ik = solver(planar(3), criteria=JointCentering(), strategy="newton+qp")
+    targets, met = [(1.0, 1.5), (2.0, 1.0)], []
+    alone = ik.solve_batch(targets, q0=Q0)
+
+    def report(done, total):
+        with pytest.raises(jtik.JtikError) as caught:
+            CALLS[name](ik)
+        met.append(str(caught.value))
+
+    batch = ik.solve_batch(targets, q0=Q0, progress=report)
+    assert met == [IN_USE, IN_USE]
+    assert np.array_equal(batch.q, alone.q)
+
+
+def test_a_callback_can_use_a_copy_with_other_tolerances():
     ik, found = solver(planar(3)), []
-    batch = ik.solve_batch(
-        [(1.0, 1.5), (2.0, 1.0)],
-        q0=Q0,
-        progress=lambda done, total: found.append(ik.solve((2.5, 0.5), q0=Q0).converged),
+    targets = [(1.0, 1.5), (2.0, 1.0), (0.5, 1.0)]
+    alone = ik.solve_batch(targets, q0=Q0)
+
+    def report(done, total):
+        found.append(copy.copy(ik).solve((2.5, 0.5), q0=Q0, position_tolerance=0.1, max_iterations=3).iterations)
+
+    batch = ik.solve_batch(targets, q0=Q0, progress=report)
+    assert len(found) == 3
+    assert np.array_equal(batch.q, alone.q)
+
+
+def test_targets_may_be_computed_by_the_solver_itself():
+    ik = solver(planar(3))
+    batch = ik.solve_batch((ik.solve((1.0, y), q0=Q0).q[:2] for y in (1.0, 1.5)), q0=Q0)
+    assert len(batch) == 2
+
+
+@pytest.mark.parametrize("compiled", [False, True])
+def test_of_several_threads_each_gets_the_right_answer_or_an_error(compiled):
+    ik = jtik.InverseKinematics(jtik.Robot.planar(4), jtik.FrameTask(kind="position"), compiled=compiled)
+    targets = np.random.default_rng(0).uniform(-2.0, 2.0, (400, 2))
+    right, refused, wrong = [], [], []
+
+    def run(own):
+        for target in own:
+            try:
+                solution = ik.solve(target, q0=np.full(4, 0.3))
+            except jtik.JtikError as error:
+                refused.append(str(error))
+                continue
+            reached = np.linalg.norm(ik.robot.position(solution.q)[:2] - target) < 1e-5
+            (right if reached == solution.converged else wrong).append(target)
+
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    try:
+        threads = [threading.Thread(target=run, args=(targets[k::4],)) for k in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(60)
+    finally:
+        sys.setswitchinterval(before)
+    assert wrong == []
+    assert right
+    assert set(refused) <= {IN_USE}
+    assert len(right) + len(refused) == len(targets)
+
+
+def test_copies_in_several_threads_give_the_numbers_of_one():
+    ik = jtik.InverseKinematics(
+        jtik.Robot.planar(4), jtik.FrameTask(kind="position"), criteria=JointCentering(), strategy="weighted_qp"
     )
-    assert found == [True, True]
-    assert np.array_equal(batch.q, ik.solve_batch([(1.0, 1.5), (2.0, 1.0)], q0=Q0).q)
+    targets = np.random.default_rng(0).uniform(-2.0, 2.0, (40, 2))
+    alone = [ik.solve(target, q0=np.full(4, 0.3)) for target in targets]
+    with ThreadPoolExecutor(4) as pool:
+        parts = list(pool.map(lambda own: [copy.copy(ik).solve(t, q0=np.full(4, 0.3)) for t in own], [targets] * 4))
+    for part in parts:
+        for one, other in zip(part, alone, strict=True):
+            assert np.array_equal(one.q, other.q)
+            assert (one.status, one.iterations) == (other.status, other.iterations)
+
+
+@pytest.mark.parametrize("name", ["solve", "step", "solve_batch", "track", "reset"])
+def test_an_interrupt_leaves_a_solver_that_can_be_used(name):
+    """Wherever Ctrl-C arrives in a call, the next one is not refused."""
+    ik = solver(planar(3), criteria=JointCentering())
+    CALLS[name](ik)  # builds what is built on demand
+    for moment in range(10**6):
+        count = 0
+
+        def interrupt(frame, event, argument, moment=moment):
+            nonlocal count
+            if "jtik" in frame.f_code.co_filename and "tests" not in frame.f_code.co_filename:
+                count += 1
+                if count == moment + 1:
+                    raise KeyboardInterrupt
+
+        sys.setprofile(interrupt)
+        try:
+            CALLS[name](ik)
+        except KeyboardInterrupt:
+            interrupted = True
+        else:
+            interrupted = False
+        finally:
+            sys.setprofile(None)
+        ik.step(Q0, (1.0, 1.5))
+        if not interrupted:
+            break
+    assert moment > 2
 
 
 def test_after_an_error_it_can_be_used_again():
@@ -107,6 +212,6 @@ def test_a_solution_can_be_read_while_another_thread_solves():
 def test_copies_solve_at_the_same_time():
 
     ik = solver(planar(3))
-    copied = copy.deepcopy(ik)
+    copied = copy.copy(ik)
     with Meanwhile(ik):
         assert copied.solve((1.0, 1.5), q0=Q0).converged

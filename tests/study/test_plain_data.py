@@ -7,8 +7,8 @@ import json
 import pytest
 
 import jtik
+from jtik._loop.fingerprint import fingerprint
 from jtik.robot.masses_and_shapes import Mass
-from jtik.study.fingerprint import fingerprint
 from jtik.study.plain_data import DescriptionError, as_data, from_data
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.study.fingerprint import fingerprint
+from jtik._loop.fingerprint import fingerprint
 from jtik.task import Task, TaskRows
 from jtik_formulations import JointCentering
 

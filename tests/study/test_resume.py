@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import errno
+import os
+import signal
+import subprocess
+import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
 
 import jtik
-from jtik.study import unit_runner
+from jtik.study import result_file, unit_runner
 from jtik_formulations import Damped, JointCentering, ObstacleAvoidance
 
 TWO = ["hybrid", "damped"]
@@ -123,3 +130,79 @@ def test_a_file_without_a_study_is_refused_and_unchanged(arm, task, tmp_path):
     for invalid in (tmp_path / "study.csv", tmp_path / "nowhere" / "study.npz"):
         with pytest.raises(jtik.ArgumentError, match="save"):
             jtik.compare(arm, task, **options(), save=invalid)
+
+
+@pytest.mark.parametrize("pause", [0.0, 5.0])
+def test_a_full_disk_does_not_cost_the_study(arm, task, tmp_path, monkeypatch, assert_same, pause):
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    complete = jtik.compare(arm, task, **options())
+    monkeypatch.setattr(result_file, "write_archive", full)
+    monkeypatch.setattr(result_file, "PAUSE", pause)
+    with pytest.warns(RuntimeWarning, match="the study was not saved: .*No space left.*Comparison.save") as warned:
+        study = jtik.compare(arm, task, **options(), save=tmp_path / "study.npz")
+    assert [each.filename for each in warned] == [__file__]
+    assert_same(study, complete)
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="mounts need root")
+def test_a_disk_that_is_full_keeps_no_part_of_a_file(arm, task, tmp_path, assert_same):
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", str(tmp_path)], capture_output=True, check=False
+    )
+    if mounted.returncode:
+        pytest.skip(f"no mount: {mounted.stderr.decode(errors='replace')}")
+    try:
+        with pytest.warns(RuntimeWarning, match="No space left"):
+            study = jtik.compare(arm, task, **options(), save=tmp_path / "study.npz")
+        assert list(tmp_path.iterdir()) == []
+        with pytest.raises(OSError, match="No space left"):
+            study.save(tmp_path / "study.npz")
+        assert list(tmp_path.iterdir()) == []
+    finally:
+        subprocess.run(["umount", "-l", str(tmp_path)], check=True)
+    assert_same(study, jtik.compare(arm, task, **options()))
+
+
+KILLED = """
+import sys
+import jtik
+from jtik.study import result_file
+result_file.PAUSE, result_file.SHARE = 0.0, 1e9
+arm = jtik.Robot.planar(4)
+print("ready", flush=True)
+jtik.compare(
+    arm, jtik.FrameTask("tip", kind="position"), strategies=["hybrid", "damped"], count=40, block=1, repeats=1,
+    save=sys.argv[1],
+)
+"""
+
+
+@pytest.mark.slow
+def test_a_study_that_is_killed_ten_times_is_found_again(tmp_path):
+    path, found = tmp_path / "study.npz", [0]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(each for each in sys.path if each)}
+    setting = {"strategies": TWO, "count": 40, "block": 1, "repeats": 1}
+    arm, task = jtik.Robot.planar(4), jtik.FrameTask("tip", kind="position")
+    expected = jtik.compare(arm, task, **setting)
+    for moment in np.random.default_rng(0).uniform(0.0, 0.6, 10):
+        call = [sys.executable, "-c", KILLED, str(path)]
+        with subprocess.Popen(call, stdout=subprocess.PIPE, env=environment) as process:
+            process.stdout.readline()
+            time.sleep(moment)
+            process.send_signal(signal.SIGKILL)
+        if path.exists():
+            kept = jtik.Comparison.load(path)
+            found.append(len(kept))
+            for contender in kept.contenders:
+                rows = expected.rows(contender=contender)
+                index = {name: row for row, name in zip(rows, expected.columns["case"][rows], strict=True)}
+                own = kept.rows(contender=contender)
+                wanted = [index[name] for name in kept.columns["case"][own]]
+                np.testing.assert_array_equal(kept.answers[own], expected.answers[wanted])
+    assert found == sorted(found)
+    assert found[-1] > 0
+    again = jtik.compare(arm, task, **setting, save=path)
+    assert again.complete
+    np.testing.assert_array_equal(again.answers, expected.answers)

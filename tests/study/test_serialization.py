@@ -9,8 +9,8 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 import pytest
 
 import jtik
+from jtik._loop.fingerprint import fingerprint
 from jtik.study import Contender
-from jtik.study.fingerprint import fingerprint
 from jtik.study.serialization import PlanDeserializationError, SerializedPlan, run_serialized
 from jtik.testing import example_criterion
 
@@ -61,7 +61,7 @@ class TestPickling:
             assert_same(jtik.compare(arm, task, **chosen), jtik.compare(arm, task, **chosen, executor=pool))
 
     def test_without_cloudpickle_a_lambda_is_refused_with_a_hint(self, arm, task, monkeypatch):
-        monkeypatch.setattr("jtik.study.serialization._pickler", lambda: pickle)
+        monkeypatch.setattr("jtik.study.serialization.pickler", lambda: pickle)
         norm = jtik.criterion(lambda q, robot: q.T @ q)
         with (
             ThreadPoolExecutor(1) as pool,

@@ -47,7 +47,7 @@ class MeshFile:
         """Its vertices (n, 3) [m] in the geom's frame; none when its file is missing or MuJoCo cannot read it."""
         if self.vertices.size:
             return self.vertices * self.scale
-        path = next((path for path in self.paths if path.is_file()), None)
+        path = next(filter(_is_file, self.paths), None)
         return np.zeros((0, 3)) if path is None else _read(path, self.scale)
 
 
@@ -62,10 +62,20 @@ def _candidates(file: str, folder: Path, meshdir: str) -> Iterator[Path]:
         yield folder / file
         return
     inside = Path(address[2].lstrip("/"))
+    if not inside.parts:  # an address of no file
+        return
     for above in (folder, *folder.parents):
         yield above / inside
         if above.name == inside.parts[0]:
             yield above.joinpath(*inside.parts[1:])
+
+
+def _is_file(path: Path) -> bool:
+    """Whether there is such a file; a name that the system refuses, for instance as too long, names none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
 
 
 def _read(path: Path, scale: Array) -> Array:

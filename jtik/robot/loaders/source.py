@@ -11,6 +11,7 @@ from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
 from jtik.errors import ArgumentError, RobotFileError
+from jtik.robot.loaders.reading import read_description
 
 PathOrText: TypeAlias = str | PathLike[str]
 """A path, or XML itself: text that starts with "<"."""
@@ -55,11 +56,7 @@ def open_source(path_or_xml: PathOrText, *, kind: str, root: str) -> Source:
         return _checked(Source(label, None, text, _parsed(label, text.encode(), "utf-8")), kind, root)
     path = Path(path_or_xml)
     label = str(path)
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        accepted = f"the path of a file that can be read, or {kind} text, which starts with '<'"
-        raise RobotFileError(label, "", f"{error.strerror or error}; accepted: {accepted}") from error
+    content = read_description(path, kind)
     return _checked(Source(label, path, None, _parsed(label, content)), kind, root)
 
 

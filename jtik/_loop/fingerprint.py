@@ -1,7 +1,7 @@
-"""Fingerprint of a study: a hash of its robot, tasks, criteria, contenders, problems and options.
+"""Fingerprint of a study or a batch: a hash of everything that its numbers depend on.
 
-A saved study is resumed only if the fingerprints agree. The hash is that of the values. The bytes of a pickle would not
-do, because they can differ for equal values.
+What was saved is resumed only if the fingerprints agree. The hash is that of the values. The bytes of a pickle would
+not do, because they can differ for equal values.
 """
 
 from __future__ import annotations

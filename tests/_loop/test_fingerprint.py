@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.study.fingerprint import fingerprint
+from jtik._loop.fingerprint import fingerprint
 from jtik_formulations import Damped, JointCentering, ObstacleAvoidance
 
 
@@ -47,7 +47,7 @@ class TestFingerprint:
         import sys
 
         code = (
-            "import jtik; from jtik.study.fingerprint import fingerprint; from jtik_formulations import Damped;"
+            "import jtik; from jtik._loop.fingerprint import fingerprint; from jtik_formulations import Damped;"
             "print(fingerprint(jtik.Robot.planar(3), jtik.FrameTask('tip'), Damped(), frozenset('abc')))"
         )
         run = [sys.executable, "-c", f"import sys; sys.path[:0] = {sys.path!r}; {code}"]

@@ -1,0 +1,119 @@
+"""The C compiler of the machine: which one it is, its version, and a call of it whose every failure is one error."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from functools import lru_cache
+from pathlib import Path
+
+from jtik.errors import JtikError
+
+OPTIONS = ("-O2",)
+"""Options of every call: -O3 and -march make no generated step faster."""
+
+SHOWN = 2000
+"""Longest part of a compiler's output in an error, in characters: the end, where the reason is."""
+
+
+class CompilerError(JtikError):
+    """There is no usable C compiler, it failed, or its library cannot be stored or loaded.
+
+    Attributes:
+        command: the command that was run, or what else failed.
+        output: what the compiler printed, or the reason.
+    """
+
+    def __init__(self, command: str, output: str) -> None:
+        super().__init__(command, output)
+        self.command = command
+        self.output = output
+
+    def __str__(self) -> str:
+        return f"{self.command}: {self.output}"
+
+
+def compiler() -> tuple[str, ...]:
+    """The command of the compiler: ``$CC``, ``cc``, ``gcc``, ``clang``, or that of the package ``ziglang``.
+
+    Raises:
+        CompilerError: when there is none, or ``$CC`` is no command.
+    """
+    own = os.environ.get("CC", "")
+    if own.strip():
+        try:
+            return tuple(shlex.split(own, posix=os.name != "nt"))
+        except ValueError as error:
+            raise CompilerError(f"CC={own}", f"not a command: {error}") from error
+    for name in ("cc", "gcc", "clang"):
+        found = shutil.which(name)
+        if found:
+            return (found,)
+    if importlib.util.find_spec("ziglang"):
+        return (sys.executable, "-m", "ziglang", "cc")
+    raise CompilerError("compiled=True", "no C compiler found; install one, or: pip install ziglang")
+
+
+def version(command: tuple[str, ...]) -> str:
+    """What the compiler prints about its version, once a process; empty where it cannot be run."""
+    try:
+        return _version(command)
+    except CompilerError:  # compiling tells more
+        return ""
+
+
+@lru_cache(maxsize=8)
+def _version(command: tuple[str, ...]) -> str:
+    return _run([*command, "--version"])
+
+
+def compile_library(command: tuple[str, ...], code: Path, built: Path) -> None:
+    """Compile a file of C to a shared library.
+
+    Raises:
+        CompilerError: when the compiler cannot be run or fails, or what it wrote is no complete library.
+    """
+    _run([*command, *OPTIONS, "-shared", "-fPIC", str(code), "-o", str(built), "-lm"], said=[*command, *OPTIONS])
+    try:
+        data = built.read_bytes()
+    except OSError as error:
+        raise CompilerError(
+            shlex.join([*command, *OPTIONS]), f"the compiler reported success, but there is no library: {error}"
+        ) from error
+    if not is_complete(data):
+        reason = f"the compiler reported success, but its {len(data)} bytes are no complete shared library"
+        raise CompilerError(shlex.join([*command, *OPTIONS]), reason)
+
+
+def is_complete(data: bytes) -> bool:
+    """Whether a shared library begins as one and, where it is an ELF file, is as long as its headers say."""
+    if data[:4] != b"\x7fELF":
+        return data[:2] == b"MZ" or data[:4] in (b"\xcf\xfa\xed\xfe", b"\xca\xfe\xba\xbe")
+    if len(data) < 64:
+        return False
+    order = "little" if data[5] == 1 else "big"
+
+    def number(at: int, size: int) -> int:
+        return int.from_bytes(data[at : at + size], order)  # type: ignore[arg-type]
+
+    wide = data[4] == 2
+    sections = number(40, 8) if wide else number(32, 4)
+    size, count = (number(58, 2), number(60, 2)) if wide else (number(46, 2), number(48, 2))
+    return sections > 0 and sections + size * count <= len(data)
+
+
+def _run(call: list[str], said: list[str] | None = None) -> str:
+    """What a command prints to stdout. Raises CompilerError, with the command as ``said``, when it fails."""
+    name = shlex.join(said or call)
+    try:
+        run = subprocess.run(call, capture_output=True, check=False, stdin=subprocess.DEVNULL)
+    except (OSError, ValueError) as error:
+        raise CompilerError(name, str(error)) from error
+    if run.returncode:
+        output = (run.stderr.strip() or run.stdout.strip()).decode(errors="replace")
+        raise CompilerError(name, output[-SHOWN:] or f"exit status {run.returncode}, without a message")
+    return run.stdout.decode(errors="replace")
