@@ -35,10 +35,16 @@ from jtik.result.status import Status, is_success
 from jtik.result.trajectory import Trajectory
 from jtik.types import Array
 
-Options = tuple[int, int | None, int, int, float | None, tuple[float, float, float], str]
+Options = tuple[int, int | None, int, int, float | None, float, float, float, str]
 """restarts, seed, max_iterations, best_of, jump_limit, tolerances of position, orientation and optimality, until."""
 
+OF_SEARCH, OF_STEP = slice(5), slice(5, None)
+"""Which options are those of the search, and which are settings of its steps."""
+
 _FLOAT = np.dtype(np.float64)
+
+_UNREAD = (UNREADABLE, Code.NOT_FINITE)
+"""What the native search returns, too, for a q0 that was copied unread and is not finite, or too large."""
 
 
 class Solving:
@@ -62,6 +68,7 @@ class Solving:
         self._target = self._memory.inputs.target
         self._vector_shape = self._target.shape if self._tasks.target_is_vector else None
         self._options: tuple[Any, ...] = ()
+        self._kinds: list[type] = []
         self._prepared: tuple[Any, ...] = ()
         self._search_options = SearchOptions(0, 0, 0)
 
@@ -72,7 +79,7 @@ class Solving:
             raise in_use()
         try:
             begun = None
-            if options == self._prepared and not trace:
+            if self._known(options, self._prepared) and not trace:
                 ended = self._solve_native(target, q0, begin)
                 if isinstance(ended, Solution):
                     return ended
@@ -186,13 +193,17 @@ class Solving:
             finally:
                 self._options = self._prepared = ()
 
+    def _known(self, options: Options, checked: tuple[Any, ...]) -> bool:
+        """Whether the options are those that have been checked, of the same types: True equals 1, and is none."""
+        return [*map(type, options)] == self._kinds and options == checked
+
     def _read_options(self, options: Options) -> SearchOptions:
         """The options of a search; the tolerances are written to the step's memory. Both only when they change."""
-        if self._options != options:
+        if not self._known(options, self._options):
             self._options = self._prepared = ()
-            self._search_options = read_search_options(*options[:-2])
-            self._memory.inputs.settings[:] = read_settings(*options[-2], options[-1])
-            self._options = options
+            self._search_options = read_search_options(*options[OF_SEARCH])
+            self._memory.inputs.settings[:] = read_settings(*options[OF_STEP])
+            self._options, self._kinds = options, [*map(type, options)]
             if not self._has_criterion and self._search.prepare(self._search_options):
                 self._prepared = options
         return self._search_options
@@ -207,6 +218,8 @@ class Solving:
         native, start = self._search.native, self._robot.home if q0 is None else q0
         if native is None or type(start) is not np.ndarray or start.shape != native.q0.shape:
             return None
+        if start.dtype is not _FLOAT or not self._configurations.vector:
+            start = self._configurations.start(start)
         if type(target) is np.ndarray and target.dtype is _FLOAT and target.shape == self._vector_shape:
             self._target[:] = target  # not checked: if it is not finite, the search does not end in DONE
         else:
@@ -214,7 +227,7 @@ class Solving:
         native.q0[:] = start
         returned = native.run_prepared()
         if returned != Code.DONE:
-            return returned if returned != UNREADABLE else None
+            return returned if returned not in _UNREAD else None
         iterations, restarts, at = native.counts.tolist()
         q = native.runner.q[at].copy()
         return Solution.of(
@@ -225,7 +238,7 @@ class Solving:
             escapes=0,
             restarts=restarts,
             seconds=time.perf_counter() - begin,
-            inspect=partial(self._inspector.report, q, self._memory.numbers.copy(), target),
+            inspect=partial(self._inspector.report, q.copy(), self._memory.numbers.copy(), target),
             trace=None,
         )
 
@@ -254,5 +267,5 @@ class Solving:
 
 def _missed(found: SearchResult, options: Options) -> bool:
     """Whether the errors alone show that the target is not reached, so that the status need not be computed."""
-    position, orientation, _ = options[-2]
+    position, orientation = options[5:7]
     return found.errors is not None and (found.errors[0] > position or found.errors[1] > orientation)
