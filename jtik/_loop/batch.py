@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jtik._loop.search import SearchResult
+from jtik._loop.arrivals import SearchResult
 from jtik.result.batch import SolutionBatch
 from jtik.result.report import Report
 from jtik.result.status import Status

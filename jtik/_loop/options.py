@@ -53,7 +53,7 @@ def read_until(until: str) -> Until:
         ArgumentError: for anything else.
     """
     if not isinstance(until, str):
-        raise ArgumentError("until", until, "'stationary' or 'reached'")
+        raise ArgumentError("until", repr(until), "'stationary' or 'reached'")
     if until == "stationary" or until == "reached":
         return until  # type: ignore[return-value]
     if until == "steady":

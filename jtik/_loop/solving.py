@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from jtik._loop.arguments import ConfigurationReader, read_targets
+from jtik._loop.arrivals import SearchResult
 from jtik._loop.batch import BatchEntry, collect
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
@@ -20,7 +21,7 @@ from jtik._loop.native_source import UNREADABLE
 from jtik._loop.options import read_search_options, read_settings
 from jtik._loop.runner import Runner
 from jtik._loop.runners import Runners
-from jtik._loop.search import Search, SearchOptions, SearchResult
+from jtik._loop.search import Search, SearchOptions
 from jtik._loop.trace_recorder import TraceRecorder
 from jtik._loop.tracking import follow
 from jtik._step.inputs import SETTING
@@ -37,9 +38,6 @@ from jtik.types import Array
 
 Options = tuple[int, int | None, int, int, float | None, float, float, float, str]
 """restarts, seed, max_iterations, best_of, jump_limit, tolerances of position, orientation and optimality, until."""
-
-OF_SEARCH, OF_STEP = slice(5), slice(5, None)
-"""Which options are those of the search, and which are settings of its steps."""
 
 _FLOAT = np.dtype(np.float64)
 
@@ -90,12 +88,12 @@ class Solving:
             jump = None
             if search_options.jump_limit < math.inf:
                 self._configurations.check_within_limits(start, "q0")
-                jump = Jump(self._robot, start, search_options.jump_limit, self._search.box)
+                jump = self._search.jump(start, search_options.jump_limit)
             recorder = None
             if trace:
                 recorder = TraceRecorder(self._runners.traced_limited_solve if jump else self._runners.traced_solve)
             runner = recorder.runner if recorder else self._runners.limited_solve if jump else self._runners.solve
-            found = self._search_in_memory(start, search_options, runner, recorder, begun)
+            found = self._search_in_memory(start, search_options, runner, recorder, begun, jump)
             solution = self._solution(found, target, options, begin, jump)
             if recorder:
                 solution.__dict__["trace"] = recorder.trace(found.q, self._error)
@@ -114,7 +112,7 @@ class Solving:
 
         def diagnose() -> Status:
             status = inspection.status(found.code)
-            return jump.status(status, found.q, inspection) if jump else status
+            return jump.status(status, inspection.q, inspection) if jump else status
 
         fields: dict[str, Any] = {"converged": False, "diagnose": diagnose}
         if not _missed(found, options):
@@ -201,8 +199,8 @@ class Solving:
         """The options of a search; the tolerances are written to the step's memory. Both only when they change."""
         if not self._known(options, self._options):
             self._options = self._prepared = ()
-            self._search_options = read_search_options(*options[OF_SEARCH])
-            self._memory.inputs.settings[:] = read_settings(*options[OF_STEP])
+            self._search_options = read_search_options(*options[:5])
+            self._memory.inputs.settings[:] = read_settings(*options[5:])
             self._options, self._kinds = options, [*map(type, options)]
             if not self._has_criterion and self._search.prepare(self._search_options):
                 self._prepared = options
@@ -249,11 +247,12 @@ class Solving:
         runner: Runner,
         recorder: TraceRecorder | None = None,
         begun: int | None = None,
+        jump: Jump | None = None,
     ) -> SearchResult:
         """Search for the target that is in memory."""
         if recorder or search_options.limit == 0:  # otherwise the first step clamps it
             start = self._configurations.clamped(start, runner.inputs.lower, runner.inputs.upper)
-        return self._search.find(runner, start, search_options, recorder, begun=begun)
+        return self._search.find(runner, start, search_options, recorder, begun=begun, jump=jump)
 
     def _error(self, q: Array) -> Array:
         """The task error at q for the target that is in memory, (m,)."""
