@@ -82,6 +82,7 @@ class Engine:
         self.problem = problem = SymbolicProblem(
             robot, tasks, terms, bounds.bounded, clearances, WeightedCoordinates.of(weights)
         )
+        problem.locked = bounds.locked
         self._strategy = strategy
         if clearances and not CheckedCall(strategy, strategy, "supports_clearances").flag():
             given = f"{list(clearances)!r} with strategy={strategy!r}"
