@@ -161,7 +161,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
             ArgumentError: for an argument of wrong shape, NaN or infinity, naming it.
         """
         tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
-        options = (restarts, seed, max_iterations, best_of, jump_limit, tolerances, until)
+        options = (restarts, seed, max_iterations, best_of, jump_limit, *tolerances, until)
         return self._solving.solve(target, q0, options, trace)
 
     def solve_batch(
@@ -203,7 +203,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
             MissingExtraError: for a bar without rich.
         """
         tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
-        options = (restarts, seed, max_iterations, 1, None, tolerances, until)
+        options = (restarts, seed, max_iterations, 1, None, *tolerances, until)
         place: dict[str, Any] = {"executor": read_executor(executor), "block": read_block(block), "save": save}
         return self._solving.solve_batch(targets, q0, options, progress, solver=self, **place)
 
@@ -281,4 +281,4 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
             MissingExtraError: for a bar without rich.
         """
         tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
-        return self._solving.track(targets, q0, dt, (0, None, max_iterations, 1, None, tolerances, until), progress)
+        return self._solving.track(targets, q0, dt, (0, None, max_iterations, 1, None, *tolerances, until), progress)

@@ -40,7 +40,7 @@ class ConfigurationReader:
         """
         if self.vector and type(q) is np.ndarray and q.shape == self._shape and q.dtype == np.float64:
             usual: Array = q
-            if math.isfinite(usual.sum()):
+            if math.isfinite(sum(usual.tolist())):
                 return usual
         elif self.vector and type(q) is list and len(q) == self._shape[0] and {*map(type, q)} == {float}:
             numbers: Array = np.array(q)
@@ -54,7 +54,12 @@ class ConfigurationReader:
         Raises:
             ArgumentError: for a configuration that `read` refuses.
         """
-        return self._robot.home if q0 is None else self.read("q0", q0)
+        return self._robot.home if q0 is None else self._read_start("q0", q0)
+
+    def _read_start(self, argument: str, q0: Any) -> Array:
+        """The configuration as `read` gives it; clamped to the limits where its sum is too large for a number."""
+        q = self.read(argument, q0)
+        return q if math.isfinite(sum(q.tolist())) else self.clamped(q)
 
     def starts(self, q0: Any, count: int) -> list[Array]:
         """Where ``count`` solves start: one configuration for all, or one for each.
@@ -67,7 +72,7 @@ class ConfigurationReader:
         if len(q0) != count:
             accepted = f"one configuration of shape {self._shape} for all targets, or {count}, one for each"
             raise ArgumentError("q0", f"{len(q0)} configurations", accepted)
-        return [self.read(f"q0[{i}]", row) for i, row in enumerate(q0)]
+        return [self._read_start(f"q0[{i}]", row) for i, row in enumerate(q0)]
 
     def clamped(self, q: Array, lower: Array | None = None, upper: Array | None = None) -> Array:
         """A copy of the configuration, clamped to the limits, or to others."""

@@ -7,15 +7,18 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from jtik._loop.criterion_escape import Escapes
 from jtik._loop.full_turns import FullTurns
 from jtik._loop.runner import Runner
 from jtik._loop.trace_recorder import TraceRecorder
 from jtik._step.exploration import STUCK
-from jtik._step.inputs import Inputs
+from jtik._step.inputs import Inputs, Settings
 from jtik._step.stopping import OUTCOME, Code
 from jtik._step.symbolic_problem import SymbolicProblem
+from jtik.result.length import length
+from jtik.symbolic import function
 from jtik.symbolic.compile import CompiledFunction
 from jtik.types import Array
 
@@ -49,6 +52,7 @@ class Attempts:
 
     def __init__(self, problem: SymbolicProblem, escapes: Escapes, turns: FullTurns, inputs: Inputs[Array]) -> None:
         self._problem, self._escapes, self._turns, self._inputs = problem, escapes, turns, inputs
+        self._linear = np.array(problem.linear, dtype=bool)
 
     @cached_property
     def _criterion(self) -> CompiledFunction:
@@ -57,6 +61,25 @@ class Attempts:
     def criterion(self, q: Array) -> float:
         """H at q."""
         return float(self._criterion(q, self._inputs.parameters)[0][0, 0])
+
+    @cached_property
+    def _error(self) -> CompiledFunction:
+        problem = self._problem
+        q, target, _ = problem.symbols()
+        both = [problem.error(q, target), problem.residual(q, target)]
+        return CompiledFunction(function("errors", [q, target], both))
+
+    def on_target(self, q: Array) -> bool:
+        """Whether q is on the target, within the tolerances."""
+        return within_tolerances(self._error(q, self._inputs.target)[0][:, 0], self._linear, self._inputs)
+
+    def level_errors(self, q: Array) -> tuple[float, ...]:
+        """Norm of the residual of each level of priority at q, the highest first; 0 of a level on its target."""
+        error, residual = (each[:, 0] for each in self._error(q, self._inputs.target))
+        return tuple(
+            0.0 if within_tolerances(error[rows], self._linear[rows], self._inputs) else length(residual[rows])
+            for rows in map(list, self._problem.levels)
+        )
 
     def run(
         self, runner: Runner, q0: Array, limit: int, recorder: TraceRecorder | None, patience: float = math.inf
@@ -165,6 +188,13 @@ class Attempts:
         finally:
             lower[where], upper[where] = -np.inf, np.inf
         return Ended(again.code, ended.calls + again.calls, ended.escapes + again.escapes)
+
+
+def within_tolerances(error: Array, linear: NDArray[np.bool_], inputs: Inputs[Array]) -> bool:
+    """Whether the rows of an error, in [m] where ``linear`` and else in [rad], are within the tolerances."""
+    settings = Settings(*inputs.settings.tolist())
+    on_position = length(error[linear]) <= settings.position_tolerance
+    return bool(on_position and length(error[~linear]) <= settings.orientation_tolerance)
 
 
 def patience_of(runner: Runner, patience: float) -> float:

@@ -86,6 +86,7 @@ class Engine:
             problem = SymbolicProblem(robot, tasks, terms, bounds.bounded, clearances, coordinates)
         else:
             problem = original.copied(terms)
+        problem.locked = bounds.locked
         self.problem, self._arguments = problem, (robot, tasks, limits, strategy)
         self._options: dict[str, Any] = {
             "criteria": criteria,
@@ -125,7 +126,9 @@ class Engine:
         criterion = CriterionEscape(problem, inspector, escape)
         turns, has_criterion = self.runners.turns, problem.has_criterion
         attempts = Attempts(problem, Escapes(escape, criterion), turns, self.runners.search_inputs)
-        self.search = Search(robot, attempts, turns, self.runners.search_inputs, has_criterion=has_criterion)
+        by_level = len(problem.levels) > 1 and self.runners.respects_priority
+        search_inputs = self.runners.search_inputs
+        self.search = Search(robot, attempts, turns, search_inputs, has_criterion=has_criterion, by_level=by_level)
         runner = self.runners.solve
         if runner.fused.library:
             self.search.native = NativeSearch(runner.fused.library, runner, turns, has_criterion=has_criterion)

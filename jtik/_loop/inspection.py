@@ -69,7 +69,7 @@ class Inspector:
             _ = self._hessian
 
     def snapshot(self, q: Array, target: Any, box: tuple[Array, Array] | None = None) -> Inspection:
-        """The inspection of ``q`` for the target and parameters as they are now, whatever is solved next.
+        """The inspection of ``q`` for the target and parameters as they are now, whatever is solved or changed next.
 
         Args:
             q: configuration, (nq,).
@@ -80,7 +80,7 @@ class Inspector:
         if box is not None:
             inputs = self._runners.memory.views(numbers)
             inputs.lower[:], inputs.upper[:] = box
-        return Inspection(self, q, numbers, target)
+        return Inspection(self, q.copy(), numbers, target)
 
     def current(self, q: Array) -> Inspection:
         """The inspection of ``q``, to be used before the inputs change."""
@@ -244,15 +244,19 @@ class Inspector:
 
 
 class Inspection:
-    """The report and the status of one configuration, computed when needed. Calling it returns its `report`."""
+    """The report and the status of one configuration, computed when needed. Calling it returns its `report`.
+
+    Attributes:
+        q: the configuration, (nq,).
+    """
 
     def __init__(self, inspector: Inspector, q: Array, numbers: Array, target: Any) -> None:
-        self._inspector, self._q, self._numbers, self._target = inspector, q, numbers, target
+        self._inspector, self.q, self._numbers, self._target = inspector, q, numbers, target
 
     @cached_property
     def report(self) -> Report:
         """Task and criteria at the configuration, as numbers."""
-        return self._inspector.report(self._q, self._numbers, self._target)
+        return self._inspector.report(self.q, self._numbers, self._target)
 
     def __call__(self) -> Report:
         """The `report`."""
@@ -260,4 +264,4 @@ class Inspection:
 
     def status(self, code: Code) -> Status:
         """Why a solve whose last code was ``code`` ended at the configuration."""
-        return self._inspector.status(self._q, code, self._numbers, self)
+        return self._inspector.status(self.q, code, self._numbers, self)

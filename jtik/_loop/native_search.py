@@ -165,7 +165,7 @@ class NativeSearch:
         """
         self.q0[:] = q0
         if ends.best is not None:
-            self._best_V[0] = ends.best[0]
+            self._best_V[0] = ends.best[0][0]
         number, last = numbers
         table = self._address_of(starts)
         return int(self._call(self._address, table, first, number, max(last, 0), limit, patience))
@@ -178,7 +178,7 @@ class NativeSearch:
         if ends.first is None and (tally.number > 0 or exhausted):
             ends.first = self._first.copy()
         if tally.best >= 0:
-            ends.best = float(self._best_V[0]), tally.best, self._best.copy()
+            ends.best = (float(self._best_V[0]),), tally.best, self._best.copy()
         finished = returned >= 0
         before = tally.iterations - (tally.calls if finished else 0)
         code = None if exhausted else _CODES[tally.code]

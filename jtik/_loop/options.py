@@ -16,6 +16,9 @@ from jtik.errors import ArgumentError, positive_number
 
 Until = Literal["stationary", "reached"]
 
+MOST = sys.maxsize
+"""Largest number of calls or restarts: more are never made, and C cannot count them."""
+
 
 def read_settings(position: float, orientation: float, optimality: float, until: str) -> Settings:
     """Tolerances and when to stop.
@@ -50,6 +53,8 @@ def read_until(until: str) -> Until:
     Raises:
         ArgumentError: for anything else.
     """
+    if not isinstance(until, str):
+        raise ArgumentError("until", repr(until), "'stationary' or 'reached'")
     if until == "stationary" or until == "reached":
         return until  # type: ignore[return-value]
     if until == "steady":
@@ -76,8 +81,8 @@ def read_search_options(
         ArgumentError: for a value that cannot be used, naming it.
     """
     options = SearchOptions(
-        limit=_count("max_iterations", max_iterations),
-        restarts=_count("restarts", restarts),
+        limit=min(_count("max_iterations", max_iterations), MOST),
+        restarts=min(_count("restarts", restarts), MOST),
         seed=0 if seed is None else _count("seed", seed),
         best_of=_count("best_of", best_of, least=1),
         jump_limit=math.inf if jump_limit is None else positive_number("jump_limit", jump_limit),

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from jtik._loop.jump import Jump
 from jtik.robot import JointType, Robot
 from jtik.types import Array
 
@@ -42,16 +43,14 @@ class RestartConfigurations:
         """Whether they depend on where a search began."""
         return self._unlimited is not None
 
-    def block(
-        self, seed: int, number: int, start: Array, box: tuple[Array, Array] | None = None
-    ) -> tuple[Array, int, int]:
+    def block(self, seed: int, number: int, start: Array, jump: Jump | None = None) -> tuple[Array, int, int]:
         """The block that contains restart ``number``, 1 for the first.
 
         Args:
             seed: the seed.
             number: the restart.
             start: where the search began, (nq,).
-            box: limits (nq,) and (nq,) within which to draw instead of those of the robot; None for those.
+            jump: the jump limit within which to draw; None for the limits of the robot.
 
         Returns:
             The configurations, (BLOCK, nq), contiguous; and the numbers of the first and the last.
@@ -59,8 +58,8 @@ class RestartConfigurations:
         index = (number - 1) // BLOCK
         first = 1 + index * BLOCK
         drawn = self._block(seed, index)
-        if box is not None:
-            drawn = self._within(*box, drawn, np.random.default_rng([seed, index]))
+        if jump is not None:
+            drawn = jump.drawn(drawn, np.random.default_rng([seed, index]))
         elif self._unlimited is not None:
             drawn = self._about(start, drawn)
         return drawn, first, first + BLOCK - 1
@@ -96,11 +95,4 @@ class RestartConfigurations:
                 rows[:, i] = upper[i] - np.abs(upper[i] - (start[i] + drawn[:, i] - (upper[i] - REACH)))
             else:
                 rows[:, i] = start[i] + drawn[:, i]
-        return rows
-
-    def _within(self, lower: Array, upper: Array, drawn: Array, generator: np.random.Generator) -> Array:
-        """Configurations whose entries with two limits are uniform within a box; the others are those of ``drawn``."""
-        bounded = np.isfinite(lower) & np.isfinite(upper)
-        rows = drawn.copy()
-        rows[:, bounded] = generator.uniform(lower[bounded], upper[bounded], (len(rows), int(bounded.sum())))
         return rows

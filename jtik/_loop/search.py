@@ -15,9 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from jtik._loop.arrivals import Arrivals, SearchResult
 from jtik._loop.attempts import Attempts, Ended, patience_of
-from jtik._loop.ends import Ends
+from jtik._loop.ends import Ends, smaller
 from jtik._loop.full_turns import FullTurns
+from jtik._loop.jump import Jump
 from jtik._loop.native_search import NativeSearch
 from jtik._loop.restarts import RestartConfigurations
 from jtik._loop.runner import Runner
@@ -29,9 +31,6 @@ from jtik.types import Array
 
 PATIENCE = 4.0
 """Calls without progress after which an attempt that a restart can replace ends."""
-
-DISTINCT = 1e-2
-"""Two configurations are distinct where a joint differs by more than this [rad] or [m]."""
 
 
 class SearchOptions(NamedTuple):
@@ -52,28 +51,6 @@ class SearchOptions(NamedTuple):
     jump_limit: float = math.inf
 
 
-class SearchResult(NamedTuple):
-    """Where a search ended.
-
-    Attributes:
-        q: configuration, (nq,).
-        code: code of the last call.
-        iterations: calls that tried a step.
-        escapes: saddle escapes.
-        restarts: restarts used.
-        errors: norms of position [m] and orientation [rad] rows at q; None where the last call did not give them.
-        alternatives: the other arrivals of a search for several, the best first.
-    """
-
-    q: Array
-    code: Code
-    iterations: int
-    escapes: int
-    restarts: int
-    errors: tuple[float, float] | None = None
-    alternatives: tuple[SearchResult, ...] = ()
-
-
 class Search:
     """Attempts with a runner's memory; the inputs, such as the target, are read from the memory that the steps use.
 
@@ -83,16 +60,24 @@ class Search:
         turns: the joints that can turn all the way round.
         inputs: the inputs of the search, in which the limits of these joints are infinite.
         has_criterion: whether there is a criterion.
+        by_level: whether failed attempts are compared by their levels of priority.
 
     Attributes:
         native: the search in C, where the step runs as generated C.
     """
 
     def __init__(
-        self, robot: Robot, attempts: Attempts, turns: FullTurns, inputs: Inputs[Array], *, has_criterion: bool
+        self,
+        robot: Robot,
+        attempts: Attempts,
+        turns: FullTurns,
+        inputs: Inputs[Array],
+        *,
+        has_criterion: bool,
+        by_level: bool = False,
     ) -> None:
         self._robot, self._attempts, self._turns, self._inputs = robot, attempts, turns, inputs
-        self._has_criterion = has_criterion
+        self._has_criterion, self._by_level = has_criterion, by_level
         self._restarts = RestartConfigurations(robot)
         self.native: NativeSearch | None = None
 
@@ -104,6 +89,7 @@ class Search:
         recorder: TraceRecorder | None = None,
         *,
         begun: int | None = None,
+        jump: Jump | None = None,
     ) -> SearchResult:
         """Search from ``q0`` (nq,), then from the restart configurations.
 
@@ -113,24 +99,21 @@ class Search:
             options: the options.
             recorder: records the calls; None for none.
             begun: what ``native.run_prepared()`` returned, where it has run the first attempts with these options.
+            jump: the jump limit, where there is one.
         """
         if runner.inputs.lower is not self._inputs.lower:
             ended = self._attempts.run(runner, q0, options.limit, recorder)
             return _result(runner, ended, ended.calls, ended.escapes, 0)
-        if options.jump_limit == math.inf:
+        if jump is None:
             return self._find(runner, q0, options, recorder, begun)
-        box = self.box(q0, options.jump_limit)
-        with self._within(box):
-            return self._find(runner, q0, options, recorder, begun, box)
+        with self._within(jump.box):
+            return self._find(runner, q0, options, recorder, begun, jump)
 
-    def box(self, q0: Array, jump_limit: float) -> tuple[Array, Array]:
-        """Lower and upper limits (nq,) of a search in which no revolute or prismatic joint goes further from ``q0``."""
+    def jump(self, q0: Array, limit: float) -> Jump:
+        """The jump limit of a search from ``q0`` (nq,) [rad] or [m]."""
         lower, upper = self._inputs.lower.copy(), self._inputs.upper.copy()
         lower[self._turns.indices], upper[self._turns.indices] = self._turns.lower, self._turns.upper
-        scalar = self._robot.scalar_q
-        lower[scalar] = np.maximum(lower[scalar], q0[scalar] - jump_limit)
-        upper[scalar] = np.minimum(upper[scalar], q0[scalar] + jump_limit)
-        return lower, upper
+        return Jump(self._robot, q0, limit, lower, upper)
 
     def _find(
         self,
@@ -139,25 +122,28 @@ class Search:
         options: SearchOptions,
         recorder: TraceRecorder | None,
         begun: int | None,
-        box: tuple[Array, Array] | None = None,
+        jump: Jump | None = None,
     ) -> SearchResult:
-        """`find` for a runner of the search; ``box`` are limits that replace those of the robot."""
+        """`find` for a runner of the search; the limits of ``jump`` replace those of the robot."""
         limit, restarts = options.limit, options.restarts
         patience = PATIENCE if restarts else math.inf
         native = self.native if self.native and runner is self.native.runner and recorder is None else None
-        ends, arrivals = Ends(), list[SearchResult]()
+        ends, arrivals = Ends(), self._arrivals(q0)
         iterations, escapes, number = 0, 0, 0
         while number <= restarts:
-            starts, first, last = self._starts(number, options, q0, box)
+            starts, first, last = self._starts(number, options, q0, jump)
             finished = False  # whether the search in C has brought the joints back
             if native:
-                last = min(last, restarts)
+                last = number if self._by_level else min(last, restarts)
+                of_these = Ends() if self._by_level else ends
                 if begun is None:
                     own = patience_of(runner, patience)
-                    begun = native.find(q0, starts, first, (number, last), ends, limit, own)
-                end, begun = native.end(begun, ends), None
+                    begun = native.find(q0, starts, first, (number, last), of_these, limit, own)
+                end, begun = native.end(begun, of_these), None
                 iterations, number = iterations + end.iterations, end.number
                 if end.code is None:
+                    if self._by_level:
+                        ends.add(number, self._errors(runner), runner.q[runner.at])
                     number = last + 1
                     continue
                 finished, ended = end.finished, Ended(end.code, end.calls, 0)
@@ -171,36 +157,49 @@ class Search:
                 ended = self._attempts.run(runner, start, limit, recorder, patience)
             reached = self._reached(runner, ended)
             if (reached or not restarts) and not finished:
-                ended = self._bring_back(runner, ended, q0, limit, recorder, box)
+                ended = self._bring_back(runner, ended, q0, limit, recorder, jump)
                 reached = self._reached(runner, ended)
+            if jump is not None and reached:
+                reached = jump.holds(runner.q[runner.at])
             iterations, escapes = iterations + ended.calls, escapes + ended.escapes
             if reached or not restarts:
-                arrivals = self._with_arrival(arrivals, _result(runner, ended, iterations, escapes, number))
-                if len(arrivals) >= options.best_of or not restarts:
+                arrivals.add(_result(runner, ended, iterations, escapes, number))
+                if len(arrivals.found) >= options.best_of or not restarts:
                     break
             else:
-                ends.add(number, runner.view[OUTCOME.V], runner.q[runner.at])
+                ends.add(number, self._errors(runner), runner.q[runner.at])
             number += 1
-        if arrivals:
-            return self._best(arrivals, q0, iterations, escapes, min(number, restarts))
-        finals: list[tuple[float, SearchResult]] = []
+        if arrivals.found:
+            return arrivals.best(iterations, escapes, min(number, restarts))
+        final: tuple[tuple[float, ...], SearchResult] | None = None
         for q in ends.to_continue():  # the attempt from the caller's q0 too: it may still reach the target
             ended = self._attempts.run(runner, q, limit, recorder)
-            ended = self._bring_back(runner, ended, q0, limit, recorder, box)
+            ended = self._bring_back(runner, ended, q0, limit, recorder, jump)
             iterations, escapes = iterations + ended.calls, escapes + ended.escapes
-            finals.append((runner.view[OUTCOME.V], _result(runner, ended, iterations, escapes, restarts)))
+            errors = self._errors(runner)
+            if final is None or smaller(errors, final[0]):
+                final = errors, _result(runner, ended, iterations, escapes, restarts)
             if ended.code is Code.DONE:
                 break
-        _, result = min(finals, key=lambda final: final[0])
-        return result._replace(iterations=iterations, escapes=escapes)
+        assert final is not None
+        return final[1]._replace(iterations=iterations, escapes=escapes)
+
+    def _arrivals(self, q0: Array) -> Arrivals:
+        """The arrivals of a search from ``q0``, none yet."""
+        attempts, robot = self._attempts, self._robot
+
+        def distance(q: Array) -> float:
+            return float(np.linalg.norm(robot.difference(q0, q)))
+
+        return Arrivals(robot, self._turns, attempts.criterion if self._has_criterion else distance, attempts.on_target)
 
     def _starts(
-        self, number: int, options: SearchOptions, q0: Array, box: tuple[Array, Array] | None
+        self, number: int, options: SearchOptions, q0: Array, jump: Jump | None
     ) -> tuple[Array | None, int, int]:
         """The restarts around attempt ``number``: their configurations, and the numbers of the first and the last."""
         if not options.restarts:
             return None, 1, 0
-        return self._restarts.block(options.seed, max(number, 1), q0, box)
+        return self._restarts.block(options.seed, max(number, 1), q0, jump)
 
     def _bring_back(
         self,
@@ -209,10 +208,10 @@ class Search:
         q0: Array,
         limit: int,
         recorder: TraceRecorder | None,
-        box: tuple[Array, Array] | None,
+        jump: Jump | None,
     ) -> Ended:
         """The end of an attempt with every joint within its limits."""
-        if box is not None or not self._turns.indices.size:
+        if jump is not None or not self._turns.indices.size:
             return ended
         return self._attempts.bring_back(runner, ended, q0, limit, recorder)
 
@@ -225,25 +224,11 @@ class Search:
         )
         return ended.code is Code.DONE or (ended.calls > 0 and on_target)
 
-    def _with_arrival(self, arrivals: list[SearchResult], arrival: SearchResult) -> list[SearchResult]:
-        """The arrivals with another one, where it is distinct from them."""
-        differences = (self._robot.difference(known.q, arrival.q) for known in arrivals)
-        return arrivals if any(np.abs(d).max() <= DISTINCT for d in differences) else [*arrivals, arrival]
-
-    def _best(
-        self, arrivals: list[SearchResult], q0: Array, iterations: int, escapes: int, restarts: int
-    ) -> SearchResult:
-        """The arrival with the smallest criterion, or without one that nearest to ``q0``, with the others."""
-        if len(arrivals) == 1:
-            return arrivals[0]._replace(iterations=iterations, escapes=escapes)
-
-        def cost(arrival: SearchResult) -> float:
-            if self._has_criterion:
-                return self._attempts.criterion(arrival.q)
-            return float(np.linalg.norm(self._robot.difference(q0, arrival.q)))
-
-        best, *others = sorted(arrivals, key=cost)
-        return best._replace(iterations=iterations, escapes=escapes, restarts=restarts, alternatives=tuple(others))
+    def _errors(self, runner: Runner) -> tuple[float, ...]:
+        """The error where an attempt has ended, as `Ends` compares it."""
+        if self._by_level:
+            return self._attempts.level_errors(runner.q[runner.at])
+        return (runner.view[OUTCOME.V],)
 
     @contextmanager
     def _within(self, box: tuple[Array, Array]) -> Iterator[None]:
@@ -262,7 +247,7 @@ class Search:
 
     def prepare(self, options: SearchOptions) -> bool:
         """Set ``native.run_prepared()`` to search with these options; False where it cannot."""
-        plain = options.best_of == 1 and options.jump_limit == math.inf
+        plain = options.best_of == 1 and options.jump_limit == math.inf and not (self._by_level and options.restarts)
         if self.native is None or not plain or self._restarts.depend_on_start or options.limit == 0:
             return False
         starts, first, last = self._starts(0, options, self.native.q0, None)

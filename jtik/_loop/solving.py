@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from jtik._loop.arguments import ConfigurationReader, read_targets
+from jtik._loop.arrivals import SearchResult
 from jtik._loop.batch import BatchEntry, collect, solved
 from jtik._loop.batch_file import BatchFile
 from jtik._loop.batch_pool import BatchPool
@@ -24,7 +25,7 @@ from jtik._loop.native_source import UNREADABLE
 from jtik._loop.options import read_search_options, read_settings
 from jtik._loop.runner import Runner
 from jtik._loop.runners import Runners
-from jtik._loop.search import Search, SearchOptions, SearchResult
+from jtik._loop.search import Search, SearchOptions
 from jtik._loop.trace_recorder import TraceRecorder
 from jtik._loop.tracking import follow
 from jtik._step.inputs import SETTING
@@ -42,10 +43,13 @@ from jtik.types import Array
 if TYPE_CHECKING:
     from jtik._loop.copying import FixedSolver
 
-Options = tuple[int, int | None, int, int, float | None, tuple[float, float, float], str]
+Options = tuple[int, int | None, int, int, float | None, float, float, float, str]
 """restarts, seed, max_iterations, best_of, jump_limit, tolerances of position, orientation and optimality, until."""
 
 _FLOAT = np.dtype(np.float64)
+
+_UNREAD = (UNREADABLE, Code.NOT_FINITE)
+"""What the native search returns, too, for a q0 that was copied unread and is not finite, or too large."""
 
 
 class Solving:
@@ -68,6 +72,7 @@ class Solving:
         self._target = self._memory.inputs.target
         self._vector_shape = self._target.shape if self._tasks.target_is_vector else None
         self._options: tuple[Any, ...] = ()
+        self._kinds: list[type] = []
         self._prepared: tuple[Any, ...] = ()
         self._search_options = SearchOptions(0, 0, 0)
 
@@ -80,7 +85,7 @@ class Solving:
         try:
             exclusive.busy = True
             begun = None
-            if options == self._prepared and not trace:
+            if self._known(options, self._prepared) and not trace:
                 ended = self._solve_native(target, q0, begin)
                 if isinstance(ended, Solution):
                     return ended
@@ -91,12 +96,12 @@ class Solving:
             jump = None
             if search_options.jump_limit < math.inf:
                 self._configurations.check_within_limits(start, "q0")
-                jump = Jump(self._robot, start, search_options.jump_limit, self._search.box)
+                jump = self._search.jump(start, search_options.jump_limit)
             recorder = None
             if trace:
                 recorder = TraceRecorder(self._runners.traced_limited_solve if jump else self._runners.traced_solve)
             runner = recorder.runner if recorder else self._runners.limited_solve if jump else self._runners.solve
-            found = self._search_in_memory(start, search_options, runner, recorder, begun)
+            found = self._search_in_memory(start, search_options, runner, recorder, begun, jump)
             solution = self._solution(found, target, options, begin, jump)
             if recorder:
                 solution.__dict__["trace"] = recorder.trace(found.q, self._error)
@@ -115,7 +120,7 @@ class Solving:
 
         def diagnose() -> Status:
             status = inspection.status(found.code)
-            return jump.status(status, found.q, inspection) if jump else status
+            return jump.status(status, inspection.q, inspection) if jump else status
 
         fields: dict[str, Any] = {"converged": False, "diagnose": diagnose}
         if not _missed(found, options):
@@ -261,13 +266,17 @@ class Solving:
         finally:
             exclusive.busy = False
 
+    def _known(self, options: Options, checked: tuple[Any, ...]) -> bool:
+        """Whether the options are those that have been checked, of the same types: True equals 1, and is none."""
+        return [*map(type, options)] == self._kinds and options == checked
+
     def _read_options(self, options: Options) -> SearchOptions:
         """The options of a search; the tolerances are written to the step's memory. Both only when they change."""
-        if self._options != options:
+        if not self._known(options, self._options):
             self._options = self._prepared = ()
-            self._search_options = read_search_options(*options[:-2])
-            self._memory.inputs.settings[:] = read_settings(*options[-2], options[-1])
-            self._options = options
+            self._search_options = read_search_options(*options[:5])
+            self._memory.inputs.settings[:] = read_settings(*options[5:])
+            self._options, self._kinds = options, [*map(type, options)]
             if not self._has_criterion and self._search.prepare(self._search_options):
                 self._prepared = options
         return self._search_options
@@ -282,6 +291,8 @@ class Solving:
         native, start = self._search.native, self._robot.home if q0 is None else q0
         if native is None or type(start) is not np.ndarray or start.shape != native.q0.shape:
             return None
+        if start.dtype is not _FLOAT or not self._configurations.vector:
+            start = self._configurations.start(start)
         if type(target) is np.ndarray and target.dtype is _FLOAT and target.shape == self._vector_shape:
             self._target[:] = target  # not checked: if it is not finite, the search does not end in DONE
         else:
@@ -289,7 +300,7 @@ class Solving:
         native.q0[:] = start
         returned = native.run_prepared()
         if returned != Code.DONE:
-            return returned if returned != UNREADABLE else None
+            return returned if returned not in _UNREAD else None
         iterations, restarts, at = native.counts.tolist()
         q = native.runner.q[at].copy()
         return Solution.of(
@@ -300,7 +311,7 @@ class Solving:
             escapes=0,
             restarts=restarts,
             seconds=time.perf_counter() - begin,
-            inspect=partial(self._inspector.report, q, self._memory.numbers.copy(), target),
+            inspect=partial(self._inspector.report, q.copy(), self._memory.numbers.copy(), target),
             trace=None,
         )
 
@@ -311,11 +322,12 @@ class Solving:
         runner: Runner,
         recorder: TraceRecorder | None = None,
         begun: int | None = None,
+        jump: Jump | None = None,
     ) -> SearchResult:
         """Search for the target that is in memory."""
         if recorder or search_options.limit == 0:  # otherwise the first step clamps it
             start = self._configurations.clamped(start, runner.inputs.lower, runner.inputs.upper)
-        return self._search.find(runner, start, search_options, recorder, begun=begun)
+        return self._search.find(runner, start, search_options, recorder, begun=begun, jump=jump)
 
     def _error(self, q: Array) -> Array:
         """The task error at q for the target that is in memory, (m,)."""
@@ -329,5 +341,5 @@ class Solving:
 
 def _missed(found: SearchResult, options: Options) -> bool:
     """Whether the errors alone show that the target is not reached, so that the status need not be computed."""
-    position, orientation, _ = options[-2]
+    position, orientation = options[5:7]
     return found.errors is not None and (found.errors[0] > position or found.errors[1] > orientation)

@@ -12,7 +12,20 @@ from jtik._step.inputs import Inputs, Settings
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.qp.recorder import QPRecorder
 from jtik.strategy import Evaluation, LocalModel
-from jtik.symbolic import TINY, Expression, fmax, if_else, is_finite, ratio, sqrt, substitute, sumsqr, symbol
+from jtik.symbolic import (
+    TINY,
+    Expression,
+    fmax,
+    horzcat,
+    if_else,
+    is_finite,
+    ratio,
+    sqrt,
+    substitute,
+    sumsqr,
+    symbol,
+    zeros,
+)
 from jtik.symbolic.factorization import squared_length
 
 NEIGHBOURHOOD = 0.02
@@ -150,12 +163,20 @@ def _parts(problem: SymbolicProblem, q: Expression, target: Expression, paramete
     """The `Linearized.parts`."""
     at = symbol("at", problem.robot.nq)
     H = problem.criterion(at, parameters)
-    by = problem.coordinates
-    J, gradient = by.jacobian(problem.residual_jacobian(at, target)), by.gradient(problem.gradient(H, at))
+    J = _movable(problem, problem.residual_jacobian(at, target))
+    gradient = _movable(problem, problem.gradient(H, at).T).T
     parts = [problem.residual(at, target), J, H, gradient]
     if problem.unshifted:
         parts.append(problem.unshifted(at, target))
     if problem.clearances:
         distances, of_distances, figures = problem.clearance(at, parameters)
-        parts += [distances, by.jacobian(of_distances), figures]
+        parts += [distances, _movable(problem, of_distances), figures]
     return [q, *[substitute(part, at, q) for part in parts]]
+
+
+def _movable(problem: SymbolicProblem, J: Expression) -> Expression:
+    """A derivative by dq (m, n) in the coordinates of the step, with zeros for the joints that their limits lock."""
+    J = problem.coordinates.jacobian(J)
+    if not problem.locked:
+        return J
+    return horzcat(*[zeros(J.shape[0]) if j in problem.locked else J[:, j] for j in range(J.shape[1])])

@@ -41,6 +41,7 @@ class SymbolicProblem:
         tasks: its tasks.
         terms: its criteria.
         bounded: (q index, v index) of the joints that have a limit.
+        locked: velocity entries of the joints that their limits lock; a step is made as if they were not there.
         clearances: its clearances.
         coordinates: of the displacements of a step, from the joint weights; the functions below are without them.
         linear: for each task row, whether it is a length [m] rather than an angle [rad].
@@ -71,6 +72,7 @@ class SymbolicProblem:
         self.robot, self.tasks, self.terms, self.bounded = robot, tasks, terms, bounded
         self._built: dict[tuple[Any, ...], Any] = {}
         self.coordinates = coordinates
+        self.locked: tuple[int, ...] = ()
         q, target, parameters = self.symbols()
         kinematics = robot.at(q)
         rows = tasks.rows(kinematics, target)

@@ -122,6 +122,12 @@ class Bounds:
         )
 
     @property
+    def locked(self) -> tuple[int, ...]:
+        """Velocity entries of the revolute and prismatic joints whose lower limit is their upper limit."""
+        fixed = self.upper - self.lower <= AT_LIMIT
+        return tuple(int(j) for i, j in zip(self.robot.scalar_q, self.robot.scalar_v, strict=True) if fixed[i])
+
+    @property
     def unboxed(self) -> NDArray[np.intp]:
         """Velocity entries of ball and free joints that have a limit, which no box on q can express."""
         limited = np.minimum(self.velocity, self.acceleration) < math.inf

@@ -80,7 +80,7 @@ def test_a_progress_bar_is_shown_only_on_request(capsys, monkeypatch):
     ik.solve_batch([(1.0, 1.0)])
     assert capsys.readouterr() == ("", "")
     ik.solve_batch([(1.0, 1.0)], progress=True)
-    assert "targets" in capsys.readouterr().out
+    assert "targets" in capsys.readouterr().err
     monkeypatch.setitem(sys.modules, "rich.progress", None)
     with pytest.raises(jtik.MissingExtraError, match="rich"):
         ik.solve_batch([(1.0, 1.0)], progress=True)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import jtik
+from jtik._loop.jump import Jump
 from jtik._loop.restarts import BLOCK, RestartConfigurations
 from jtik.robot import Joint, JointType, Robot
 
@@ -76,7 +77,8 @@ def test_a_prismatic_joint_with_one_limit_is_drawn_about_the_start_and_within_it
 
 def test_within_other_limits():
     low, high = np.full(7, 0.2), np.full(7, 0.3)
-    drawn, _, _ = RestartConfigurations(ARM).block(0, 1, np.zeros(7), (low, high))
+    jump = Jump(ARM, np.full(7, 0.25), 0.05, ARM.lower, ARM.upper)
+    drawn, _, _ = RestartConfigurations(ARM).block(0, 1, np.zeros(7), jump)
     assert (low <= drawn).all()
     assert (drawn <= high).all()
     assert len(np.unique(drawn)) == drawn.size

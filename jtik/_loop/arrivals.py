@@ -1,0 +1,86 @@
+"""Where the attempts of a search arrived at the target: which arrivals are distinct, and which is the best."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from jtik._loop.full_turns import TURN, FullTurns
+from jtik._step.stopping import Code
+from jtik.robot import Robot
+from jtik.types import Array
+
+DISTINCT = 1e-2
+"""Two configurations are distinct where a joint differs by more than this [rad] or [m]."""
+
+BETWEEN = (0.25, 0.5, 0.75)
+"""Where on the way from one arrival to another the error is evaluated."""
+
+
+class SearchResult(NamedTuple):
+    """Where a search ended.
+
+    Attributes:
+        q: configuration, (nq,).
+        code: code of the last call.
+        iterations: calls that tried a step.
+        escapes: saddle escapes.
+        restarts: restarts used.
+        errors: norms of position [m] and orientation [rad] rows at q; None where the last call did not give them.
+        alternatives: the other arrivals of a search for several, the best first.
+    """
+
+    q: Array
+    code: Code
+    iterations: int
+    escapes: int
+    restarts: int
+    errors: tuple[float, float] | None = None
+    alternatives: tuple[SearchResult, ...] = ()
+
+
+class Arrivals:
+    """The distinct arrivals of one search (formulations/restarts.md).
+
+    Two arrivals are one where no joint differs by more than `DISTINCT`, apart from whole turns of the joints that can
+    turn, or where the robot stays on target all the way from one to the other, as along the weak direction of a nearly
+    singular pose. Of these the one with the smaller cost is kept.
+
+    Args:
+        robot: the robot.
+        turns: the joints that can turn all the way round.
+        cost: of a configuration: the criterion, or without one the distance from where the search began.
+        on_target: whether a configuration is on target.
+    """
+
+    def __init__(
+        self, robot: Robot, turns: FullTurns, cost: Callable[[Array], float], on_target: Callable[[Array], bool]
+    ) -> None:
+        self._robot, self._cost, self._on_target = robot, cost, on_target
+        v_of_q = dict(zip(robot.scalar_q.tolist(), robot.scalar_v.tolist(), strict=True))
+        self._turning = [v_of_q[i] for i in turns.indices.tolist()]
+        self.found: list[SearchResult] = []
+
+    def add(self, arrival: SearchResult) -> None:
+        """Another arrival."""
+        for i, known in enumerate(self.found):
+            if self._is_one(known.q, arrival.q):
+                if self._cost(arrival.q) < self._cost(known.q):
+                    self.found[i] = arrival
+                return
+        self.found.append(arrival)
+
+    def best(self, iterations: int, escapes: int, restarts: int) -> SearchResult:
+        """The arrival with the smallest cost, with the others; the figures are those of the whole search."""
+        first, *others = self.found if len(self.found) == 1 else sorted(self.found, key=lambda each: self._cost(each.q))
+        alternatives = tuple(others)
+        return first._replace(iterations=iterations, escapes=escapes, restarts=restarts, alternatives=alternatives)
+
+    def _is_one(self, q: Array, other: Array) -> bool:
+        v = np.array(self._robot.difference(q, other))
+        v[self._turning] -= TURN * np.rint(v[self._turning] / TURN)
+        if np.abs(v).max() <= DISTINCT:
+            return True
+        return all(self._on_target(np.asarray(self._robot.integrate(q, share * v))) for share in BETWEEN)
