@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.errors import ImmutableError, finite_array
+from jtik.arguments import finite_array
+from jtik.errors import ImmutableError
 from jtik.symbolic.compile import CompilerError
 
 ERRORS = [

@@ -19,6 +19,7 @@ from jtik._loop.solving import Solving
 from jtik._loop.stepping import Stepping
 from jtik._step.inputs import InputMemory
 from jtik._step.symbolic_problem import SymbolicProblem
+from jtik.arguments import flag, text
 from jtik.constraints import Clearance, Limits
 from jtik.criterion import CriterionSum, CriterionTerms
 from jtik.errors import ArgumentError
@@ -76,8 +77,7 @@ class Engine:
         null_space_rate: float,
         weights: Array | None = None,
     ) -> None:
-        if not isinstance(compiled, bool):
-            raise ArgumentError("compiled", compiled, "True or False: whether the step is compiled as C")
+        compiled = flag("compiled", compiled, "whether the step is compiled as C")
         bounds, terms = limits.of(robot), CriterionTerms.of(robot, criteria, clearances)
         self.problem = problem = SymbolicProblem(
             robot, tasks, terms, bounds.bounded, clearances, WeightedCoordinates.of(weights)
@@ -146,6 +146,8 @@ class Engine:
         if parts is None:
             accepted = "one that uses quadratic programs, such as 'newton+qp' with a criterion"
             raise ArgumentError("strategy", self._strategy, accepted)
+        if qp is not None:
+            text("qp", qp, "the name of a quadratic program, or None for the first")
         with self._exclusive:
             self.memory.inputs.target[:] = self.problem.tasks.read_target(target)
             start = self.configurations.clamped(self.configurations.read("q", q))

@@ -7,11 +7,10 @@ import sys
 import warnings
 from typing import Literal
 
-import numpy as np
-
 from jtik._loop.search import SearchOptions
 from jtik._step.inputs import Settings
-from jtik.errors import ArgumentError, positive_number
+from jtik.arguments import integer, positive_number, positive_or_infinite
+from jtik.errors import ArgumentError
 
 Until = Literal["stationary", "reached"]
 
@@ -36,11 +35,8 @@ def read_rate(argument: str, rate: object) -> float:
     Raises:
         ArgumentError: for anything else.
     """
-    if isinstance(rate, (int, float, np.integer, np.floating)) and not isinstance(rate, bool) and rate > 0:
-        return float(rate)
-    raise ArgumentError(
-        argument, repr(rate), "a positive rate [1/s]; math.inf for steps as long as the strategy proposes"
-    )
+    accepted = "a positive rate [1/s]; math.inf for steps as long as the strategy proposes"
+    return positive_or_infinite(argument, rate, accepted)
 
 
 def read_until(until: str) -> Until:
@@ -49,6 +45,8 @@ def read_until(until: str) -> Until:
     Raises:
         ArgumentError: for anything else.
     """
+    if not isinstance(until, str):
+        raise ArgumentError("until", repr(until), "'stationary' or 'reached'")
     if until == "stationary" or until == "reached":
         return until  # type: ignore[return-value]
     if until == "steady":
@@ -75,21 +73,13 @@ def read_search_options(
         ArgumentError: for a value that cannot be used, naming it.
     """
     options = SearchOptions(
-        limit=_count("max_iterations", max_iterations),
-        restarts=_count("restarts", restarts),
-        seed=0 if seed is None else _count("seed", seed),
-        best_of=_count("best_of", best_of, least=1),
+        limit=integer("max_iterations", max_iterations),
+        restarts=integer("restarts", restarts),
+        seed=0 if seed is None else integer("seed", seed),
+        best_of=integer("best_of", best_of, least=1),
         jump_limit=math.inf if jump_limit is None else positive_number("jump_limit", jump_limit),
     )
     if options.best_of > 1 and not options.restarts:
         accepted = "1 without restarts; with restarts=100, for instance, any number of distinct configurations"
         raise ArgumentError("best_of", best_of, accepted)
     return options
-
-
-def _count(argument: str, value: int, least: int = 0) -> int:
-    if type(value) is int and value >= least:
-        return value
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-        raise ArgumentError(argument, value, "a positive integer" if least else "a non-negative integer")
-    return int(value)

@@ -26,8 +26,9 @@ from jtik._loop.tracking import follow
 from jtik._step.inputs import SETTING
 from jtik._step.stopping import Code
 from jtik._step.symbolic_problem import SymbolicProblem
-from jtik.errors import ArgumentError, positive_number
-from jtik.progress import Progress, watched
+from jtik.arguments import flag, positive_number
+from jtik.errors import ArgumentError
+from jtik.progress import Progress, read_progress, watched
 from jtik.result.batch import SolutionBatch
 from jtik.result.report import Report
 from jtik.result.solution import Solution
@@ -68,6 +69,8 @@ class Solving:
     def solve(self, target: Any, q0: Any, options: Options, trace: bool) -> Solution:
         """Iterate to the target, as `InverseKinematics.solve` describes it."""
         begin = time.perf_counter()
+        if trace is not False:
+            trace = flag("trace", trace, "whether every iteration is kept in solution.trace")
         if not self._enter(False):
             raise in_use()
         try:
@@ -132,6 +135,7 @@ class Solving:
             starts = self._configurations.starts(q0, len(numbers))
             search_options = self._read_options(options)
             table = np.array(numbers).reshape(len(numbers), len(self._target))
+            progress = read_progress(progress)
             native = self._search.find_all(table, np.array(starts), search_options) if progress is False else None
 
             def solve(i: int) -> BatchEntry:

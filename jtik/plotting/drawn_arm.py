@@ -7,7 +7,8 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import finite_array
+from jtik.errors import ArgumentError
 from jtik.plotting.figure import Axes, points_per_metre
 from jtik.plotting.skeleton import Skeleton
 from jtik.plotting.style import BACKGROUND, COLORMAP, INK, LINK_WIDTH, shades

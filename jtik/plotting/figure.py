@@ -13,7 +13,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, MissingExtraError, finite_array
+from jtik.arguments import finite_array
+from jtik.errors import ArgumentError, MissingExtraError
 from jtik.geometry import Obstacle
 from jtik.plotting.style import BACKGROUND, MARGIN, MUTED, THIN
 

@@ -7,7 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import finite_array
+from jtik.errors import ArgumentError
 from jtik.geometry import Obstacle
 from jtik.plotting.drawn_arm import draw_postures
 from jtik.plotting.figure import Figure, Window, blank_figure, label_axes, window_around

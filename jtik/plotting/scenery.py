@@ -7,7 +7,8 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import finite_array
+from jtik.errors import ArgumentError
 from jtik.geometry import Obstacle
 from jtik.plotting.figure import Axes
 from jtik.plotting.style import BACKGROUND, INK, LINK_WIDTH, OBSTACLE_EDGE, OBSTACLE_FACE

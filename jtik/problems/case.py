@@ -9,7 +9,8 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, UnknownNameError, finite_array, positive_number
+from jtik.arguments import finite_array, positive_number
+from jtik.errors import ArgumentError, UnknownNameError
 from jtik.problems.plain_values import frozen_array, frozen_target, plain_target
 from jtik.robot import Robot
 from jtik.task import Task

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, positive_number
+from jtik.arguments import positive_number
+from jtik.errors import ArgumentError
 from jtik.problems import reach
 from jtik.problems.case import Case, ProblemSet
 from jtik.problems.position_task import PositionTask

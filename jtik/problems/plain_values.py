@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import finite_array
+from jtik.errors import ArgumentError
 from jtik.types import Array
 
 

@@ -7,7 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import finite_array
+from jtik.errors import ArgumentError
 from jtik.geometry import Ball, Circle, Sphere
 from jtik.problems import reach
 from jtik.problems.bodies import Bodies

@@ -9,7 +9,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from jtik.errors import ArgumentError, JtikError, finite_array
+from jtik.arguments import finite_array
+from jtik.errors import ArgumentError, JtikError
 from jtik.symbolic import Function, has_conic
 from jtik.types import Array
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from jtik.errors import ArgumentError, several
+from jtik.arguments import names
+from jtik.errors import ArgumentError
 from jtik.robot import Robot
 from jtik.task import Task, TaskStack
 
@@ -13,11 +14,7 @@ def joints_of(given: object) -> str | tuple[str, ...] | None:
     """The argument ``joints`` of a solver. Raises ArgumentError for what is neither a name nor several."""
     if given is None or isinstance(given, str):
         return given
-    accepted = 'names of joints, "all", or None for those on which the tasks depend'
-    names = several("joints", given, accepted)
-    if not all(isinstance(name, str) for name in names):
-        raise ArgumentError("joints", list(names), accepted)
-    return names
+    return names("joints", given, 'names of joints, "all", or None for those on which the tasks depend')
 
 
 def reduced(
