@@ -180,6 +180,14 @@ def path(argument: str, value: object, accepted: str = "the path of a file: a te
     raise ArgumentError(argument, repr(value), accepted)
 
 
+def existing_file(argument: str, value: object) -> Path:
+    """The path of a file that exists."""
+    found = path(argument, value)
+    if not found.is_file():
+        raise ArgumentError(argument, str(found), "the path of a file that exists")
+    return found
+
+
 def random_generator(argument: str, value: object) -> np.random.Generator:
     """A random generator itself, or that of a seed."""
     if isinstance(value, np.random.Generator):
@@ -236,12 +244,13 @@ def numeric_array(value: object) -> Array | None:
     return None if raw is None else np.array(raw, dtype=np.float64)
 
 
-def shape_of(value: object) -> tuple[int, ...] | None:
+def shape_of(value: Any) -> tuple[int, ...] | None:
     """The shape of what may be an array; None for what has none, such as a ragged list."""
     try:
-        return np.shape(value)  # type: ignore[arg-type]
+        shape: tuple[int, ...] = np.shape(value)
     except Exception:  # what the conversion of an object of another library raises
         return None
+    return shape
 
 
 def _number(argument: str, value: object, accepted: str, valid: Callable[[float], bool]) -> float:

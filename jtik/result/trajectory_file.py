@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik.arguments import existing_file
+from jtik.arguments import path as read_path
 from jtik.errors import ArgumentError
 from jtik.result.status import Status
 from jtik.result.trajectory import Trajectory
@@ -42,7 +44,7 @@ def save(trajectory: Trajectory, path: str | Path) -> None:
 
 def load(path: str | Path) -> Trajectory:
     """Read a trajectory. Raises ArgumentError for another suffix or a file that is not a trajectory."""
-    path = _file(path)
+    path = existing_file("path", _file(path))
     columns = _read_npz(path) if path.suffix == ".npz" else _read_csv(path)
     columns = {RENAMED.get(name, name): column for name, column in columns.items()}
     if "times" in columns:
@@ -69,7 +71,7 @@ def load(path: str | Path) -> Trajectory:
 
 
 def _file(path: str | Path) -> Path:
-    path = Path(path)
+    path = read_path("path", path)
     if path.suffix not in (".npz", ".csv"):
         raise ArgumentError("path", path, "a file name that ends in .npz or .csv")
     return path

@@ -71,7 +71,8 @@ def read_options(options: Any) -> None:
         ArgumentError: for a value that the annotation does not allow, naming the option.
         UnknownNameError: for a name that is not registered.
     """
-    for name, reader in _readers(type(options)).items():
+    cls: type = type(options)
+    for name, reader in _readers(cls).items():
         given = getattr(options, name)
         read = reader(name, given)
         if read is not given:

@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik.arguments import existing_file
+from jtik.arguments import path as read_path
 from jtik.errors import ArgumentError
 from jtik.problems import ProblemSet
 from jtik.result.solution import Trace
@@ -34,7 +36,7 @@ SHARE = 0.05
 
 def checked_path(path: str | Path, argument: str = "path") -> Path:
     """The path. Raises ArgumentError unless it ends in .npz and its folder exists."""
-    path = Path(path)
+    path = read_path(argument, path)
     if path.suffix != ".npz":
         raise ArgumentError(argument, str(path), "a file name that ends in .npz")
     if not path.parent.is_dir():
@@ -76,7 +78,7 @@ def write(comparison: Comparison, path: str | Path) -> None:
 
 def read(path: str | Path) -> Comparison:
     """Read a file of `write`. Raises ArgumentError for any other file."""
-    path = checked_path(path)
+    path = existing_file("path", checked_path(path))
     accepted = "a file that Comparison.save or jtik.compare(save=...) wrote"
     try:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:

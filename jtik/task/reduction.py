@@ -35,6 +35,7 @@ def reduced(
     """
     if robot.n == 0:
         raise ArgumentError("robot", robot, "a robot with joints that move")
+    at = None if at is None else robot.configuration(at, argument="at")
     stack = TaskStack.of(robot, task)
     moving = stack.moving_joints()
     if not moving:

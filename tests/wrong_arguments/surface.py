@@ -52,6 +52,15 @@ OPTIONAL_Q = CONFIGURATION | "None"
 ONE_EACH = _limits = NUMBER | ("inf", "nan")
 
 
+MJCF = '<mujoco><worldbody><body name="b"><joint name="j"/><geom size="1"/></body></worldbody></mujoco>'
+
+
+def compiled_model() -> Any:
+    import mujoco
+
+    return mujoco.MjModel.from_xml_string(MJCF)
+
+
 def nothing() -> dict[str, Any]:
     return {}
 
@@ -157,13 +166,14 @@ ROBOT: dict[str, Entry] = {
     ),
     "Robot.from_mjcf": Entry(
         jtik.Robot.from_mjcf,
-        fixed(
-            path_or_xml='<mujoco><worldbody><body name="b"><joint name="j"/>'
-            '<geom size="1"/></body></worldbody></mujoco>'
-        ),
+        fixed(path_or_xml=MJCF),
         {"path_or_xml": NOTHING, "tip": NOTHING | "None", "name": TEXT | "None"},
     ),
-    "Robot.from_mujoco": Entry(jtik.Robot.from_mujoco, nothing, {"model": NOTHING}),
+    "Robot.from_mujoco": Entry(
+        jtik.Robot.from_mujoco,
+        lambda: {"model": compiled_model()},
+        {"model": NOTHING, "tip": NOTHING | "None", "name": TEXT | "None"},
+    ),
     "Robot.builtin": Entry(jtik.Robot.builtin, nothing, {"name": NOTHING}),
     "Robot.subset": Entry(ARM.subset, fixed(joints=["joint1"]), {"joints": NOTHING, "at": OPTIONAL_Q}),
     "Robot.at": Entry(ARM.at, nothing, {"q": NOTHING}),
@@ -472,9 +482,20 @@ def of_registered() -> dict[str, Entry]:
 
 
 SMALL = ProblemSet("small", (Case(name="one", kind="own", q0=[0.3, 0.2], targets=[(1.0, 1.0)]),))
+SCENE = Case(
+    name="scene",
+    kind="scene",
+    q0=[0.3, 0.2],
+    targets=[(1.0, 1.0)],
+    parameters={"obstacle_avoidance.centers": [[1.5, 0.0]], "obstacle_avoidance.radii": [0.1]},
+)
 DRAWN = {"robot": NOTHING, "task": NOTHING, "count": POSITIVE_COUNT, "seed": COUNT, "joints": JOINTS, "at": OPTIONAL_Q}
 STARTED = {**DRAWN, "q0": OPTIONAL_Q}
 ON_PATH = {**STARTED, "dt": POSITIVE}
+
+
+FITS = (NOTHING | "None").without("0.5", "1.5", "2")
+"""A size, which may be too large for the arm."""
 
 
 def drawn(generator: Callable[..., Any], **kinds: Kind) -> Entry:
@@ -489,15 +510,15 @@ PROBLEMS: dict[str, Entry] = {
     "near_limits": Entry(
         jtik.problems.near_limits,
         lambda: {"robot": jtik.Robot.planar(2, lower=-2, upper=2), "task": jtik.FrameTask(), "count": 1},
-        {**STARTED, "share": Kind(frozenset())},
+        {**STARTED, "share": SHARE},
     ),
-    "circle": drawn(jtik.problems.circle, **ON_PATH, radius=Kind(frozenset({"None", "0.5"})), points=Kind(frozenset())),
-    "line": drawn(jtik.problems.line, **ON_PATH, length=POSITIVE | "None", back=FLAG, points=POSITIVE_COUNT),
+    "circle": drawn(jtik.problems.circle, **ON_PATH, radius=FITS, points=POSITIVE_COUNT),
+    "line": drawn(jtik.problems.line, **ON_PATH, length=FITS, back=FLAG, points=POSITIVE_COUNT),
     "lissajous": drawn(
         jtik.problems.lissajous,
-        **ON_PATH,
-        amplitude=Kind(frozenset({"None", "0.5"})),
-        points=Kind(frozenset()),
+        **{**ON_PATH, "q0": OPTIONAL_Q.without("{}")},
+        amplitude=FITS,
+        points=POSITIVE_COUNT,
         frequencies=NOTHING,
     ),
     "path": Entry(
@@ -521,9 +542,9 @@ PROBLEMS: dict[str, Entry] = {
         **STARTED,
         obstacles=POSITIVE_COUNT,
         radius=NOTHING,
-        clearance=Kind(frozenset({"0"})),
+        clearance=(NOTHING | "0").without("0.5", "1.5", "2"),
         shapes=NOTHING,
-        criteria=NAME,
+        criteria=NAME | "text array",
     ),
     "five_families": Entry(jtik.problems.five_families, nothing, {"count": POSITIVE_COUNT.without("2")}),
     "named": Entry(jtik.problems.named, nothing, {"name": NOTHING}),
@@ -548,7 +569,7 @@ PROBLEMS: dict[str, Entry] = {
         fixed(name="set", cases=SMALL.cases),
         {"name": NAME, "cases": Kind(frozenset({"[]"})), "seed": COUNT | "None", "origin": TEXT},
     ),
-    "obstacles_of": Entry(jtik.problems.obstacles_of, nothing, {"case": NOTHING}),
+    "obstacles_of": Entry(jtik.problems.obstacles_of, lambda: {"case": SCENE}, {"case": NOTHING, "criterion": NOTHING}),
 }
 
 STUDY: dict[str, Entry] = {
@@ -565,7 +586,7 @@ STUDY: dict[str, Entry] = {
         {
             "robot": NOTHING,
             "task": NOTHING,
-            "strategies": NAME,
+            "strategies": NAME | "text array",
             "criteria": Kind(frozenset({"None", "[]"})),
             "problems": NOTHING,
             "count": POSITIVE_COUNT,
