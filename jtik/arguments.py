@@ -209,11 +209,7 @@ def finite_array(argument: str, value: object, shape: Shape, accepted: str | Non
     if not _fits(raw.shape, shape):
         raise ArgumentError(argument, f"shape {raw.shape}", wanted)
     array = np.array(raw, dtype=np.float64)
-    if not np.isfinite(array).all():
-        where = [tuple(int(i) for i in index) for index in np.argwhere(~np.isfinite(array))]
-        first = where[0] if len(where[0]) != 1 else where[0][0]
-        place = f" at index {first}" if array.ndim else ""
-        raise ArgumentError(argument, f"{array[where[0]]}{place}", wanted)
+    _check_entries(argument, array, np.isfinite(array), wanted)
     return array
 
 
@@ -233,8 +229,9 @@ def array_of(
     if not any(_fits(raw.shape, shape) for shape in shapes):
         raise ArgumentError(argument, value if raw.ndim == 0 else f"shape {raw.shape}", accepted)
     array = np.array(raw, dtype=np.float64)
-    if not array.size or not np.all(valid(array)):
+    if not array.size:
         raise ArgumentError(argument, value, accepted)
+    _check_entries(argument, array, valid(array), accepted)
     return array
 
 
@@ -306,6 +303,15 @@ def _is_ragged(value: object) -> bool:
     if not isinstance(value, (list, tuple)):
         return False
     return len({shape_of(each) for each in value}) > 1 or any(_is_ragged(each) for each in value)
+
+
+def _check_entries(argument: str, array: Array, valid: Any, accepted: str) -> None:
+    """Raise ArgumentError, with the first entry that is not valid and its place, unless all are."""
+    if np.all(valid):
+        return
+    first = tuple(int(i) for i in np.argwhere(~np.asarray(valid))[0])
+    place = f" at index {first[0] if len(first) == 1 else first}" if first else ""
+    raise ArgumentError(argument, f"{array[first]}{place}", accepted)
 
 
 def _fits(given: tuple[int, ...], shape: Shape) -> bool:

@@ -32,7 +32,7 @@ class WeightedTask(Task):
     def __init__(self, *, stiffness: ArrayLike, priority: int, name: str) -> None:
         self.priority = integer("priority", priority, accepted="a non-negative integer; 0 is the highest level")
         self.name = read_name("name", name)
-        accepted = "a positive scalar, positive values, one for each row, or a square matrix"
+        accepted = "a positive scalar, a positive value for each row, or a symmetric positive definite matrix"
         self.stiffness = array_of("stiffness", stiffness, [(), (None,), (None, None)], accepted)
         rows, *columns = self.stiffness.shape or (1,)
         positive = bool(columns) or bool((self.stiffness > 0).all())
@@ -60,7 +60,7 @@ class WeightedTask(Task):
 
 def named(axes: Axes) -> tuple[str, ...] | None:
     """``axes`` as a tuple. Raises ArgumentError when it is neither names nor None."""
-    accepted = "names of rows such as 'xy' or ('x', 'rz'), or None for all"
+    accepted = "distinct names from x, y, z, rx, ry, rz, such as 'xy' or ('x', 'rz'), or None for all"
     if axes is None:
         return None
     chosen = names("axes", [*axes] if isinstance(axes, str) else several("axes", axes, accepted), accepted)
