@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.arguments import finite_array
+from jtik.arguments import finite_array, instances
 from jtik.errors import ArgumentError
 from jtik.geometry import Obstacle
 from jtik.plotting.drawn_arm import draw_postures
@@ -40,12 +40,12 @@ def posture_figure(
         ArgumentError: when the robot is not planar or an argument has another shape.
         MissingExtraError: when matplotlib is not installed.
     """
-    skeleton, discs = Skeleton(robot), list(obstacles)
+    skeleton, discs = Skeleton(robot), instances("obstacles", obstacles, Obstacle, "points and circles")
     if robot.dimension != 2:
         raise ArgumentError("robot", robot, "a planar robot")
     links = skeleton.links(configurations).reshape(-1, 2)
     seen = links if path is None else np.concatenate([links, finite_array("path", path, (None, 2))])
-    figure, axes = blank_figure(window or window_around(seen, discs), width)
+    figure, axes = blank_figure(window_around(seen, discs) if window is None else window, width)
     label_axes(axes)
     draw_obstacles(axes, discs)
     if path is not None:

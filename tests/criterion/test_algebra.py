@@ -67,7 +67,7 @@ class TestSums:
                 multiply()
 
     def test_a_product_of_two_criteria_is_refused(self):
-        with pytest.raises(jtik.ArgumentError, match="weight: given JointCentering\(\); accepted: one finite"):
+        with pytest.raises(jtik.ArgumentError, match=r"weight: given JointCentering\(\); accepted: one finite"):
             JointCentering() * JointCentering()
 
     def test_a_weight_that_overflows_is_refused(self):

@@ -9,7 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import jtik
+from jtik import plotting
+from jtik.interop.mujoco_model import to_mujoco
+from jtik.interop.urdf import to_urdf
 from jtik.problems import Case, ProblemSet
+from jtik.qp import Conic, PersistentOSQP, QPSolversBackend, backend_of
 from jtik.robot import DHRow, Mass, Mimic
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
@@ -615,6 +619,96 @@ STUDY: dict[str, Entry] = {
     "Trajectory.load": Entry(jtik.Trajectory.load, nothing, {"path": NOTHING}),
 }
 
+PLOTTED = {"robot": ARM, "configurations": [[0.3, 0.2]]}
+
+
+def axes() -> Any:
+    return plotting.blank_figure((-2.0, 2.0, -2.0, 2.0), 4.0)[1]
+
+
+OBSTACLES = Kind(frozenset({"[]"}))
+PLOTTING: dict[str, Entry] = {
+    "posture_figure": Entry(
+        plotting.posture_figure,
+        fixed(**PLOTTED, width=4.0),
+        {
+            "robot": NOTHING,
+            "configurations": NOTHING,
+            "obstacles": OBSTACLES,
+            "path": NOTHING | "None",
+            "window": NOTHING | "None",
+            "width": POSITIVE,
+        },
+    ),
+    "draw_postures": Entry(
+        plotting.draw_postures,
+        lambda: {"axes": axes(), **PLOTTED},
+        {"robot": NOTHING, "configurations": NOTHING, "colormap": NOTHING, "width": POSITIVE},
+    ),
+    "DrawnArm": Entry(plotting.DrawnArm, lambda: {"axes": axes(), "robot": ARM}, {"robot": NOTHING, "width": POSITIVE}),
+    "Skeleton": Entry(plotting.Skeleton, nothing, {"robot": NOTHING}),
+    "draw_base": Entry(plotting.draw_base, lambda: {"axes": axes()}, {"position": NOTHING, "size": POSITIVE}),
+    "draw_obstacles": Entry(plotting.draw_obstacles, lambda: {"axes": axes()}, {"obstacles": OBSTACLES}),
+    "draw_path": Entry(plotting.draw_path, lambda: {"axes": axes()}, {"points": NOTHING}),
+    "blank_figure": Entry(
+        plotting.blank_figure, fixed(window=(0.0, 1.0, 0.0, 1.0), width=4.0), {"window": NOTHING, "width": POSITIVE}
+    ),
+    "new_figure": Entry(plotting.new_figure, fixed(size=(2.0, 2.0)), {"size": NOTHING}),
+    "shades": Entry(plotting.shades, fixed(count=2), {"count": COUNT, "colormap": NOTHING}),
+    "window_around": Entry(
+        plotting.window_around,
+        fixed(points=[[0.0, 1.0], [1.0, 0.0]]),
+        {"points": NOTHING, "obstacles": OBSTACLES, "margin": NON_NEGATIVE},
+    ),
+    "write_animation": Entry(
+        plotting.write_animation,
+        lambda: {"path": MISSING / "a.gif", "figure": None, "draw": print, "frames": 2},
+        {
+            "path": NOTHING.without("'x'"),
+            "draw": NOTHING.without("class"),
+            "frames": POSITIVE_COUNT.without("2"),
+            "seconds": POSITIVE.without(*POSITIVE.accepted),
+            "hold": POSITIVE.without(*POSITIVE.accepted),
+        },
+    ),
+}
+
+TESTING: dict[str, Entry] = {
+    "check_criterion": Entry(
+        jtik.testing.check_criterion,
+        lambda: {"criterion": JointCentering(), "robot": ARM, "samples": 1},
+        {"robot": NOTHING, "samples": COUNT | "[]", "rng": COUNT},
+    ),
+    "check_strategy": Entry(
+        jtik.testing.check_strategy,
+        fixed(strategy="newton"),
+        {
+            "strategy": NOTHING,
+            "samples": POSITIVE_COUNT.without("2"),
+            "rng": COUNT.without("0", "2"),
+            "monotone": (FLAG | "None").without("True", "None"),
+            "tolerance": POSITIVE.without(*POSITIVE.accepted),
+            "max_iterations": POSITIVE_COUNT.without("2"),
+        },
+    ),
+}
+
+BACKENDS: dict[str, Entry] = {
+    "Conic": Entry(Conic, nothing, {"name": NOTHING, "accuracy": POSITIVE | "None"}),
+    "QPSolversBackend": Entry(QPSolversBackend, fixed(name="daqp"), {"name": NOTHING, "accuracy": POSITIVE | "None"}),
+    "PersistentOSQP": Entry(PersistentOSQP, nothing, {"accuracy": POSITIVE | "None"}),
+    "backend_of": Entry(backend_of, nothing, {"solver": NOTHING | "None"}),
+}
+
+INTEROP: dict[str, Entry] = {
+    "to_urdf": Entry(
+        to_urdf,
+        fixed(robot=ARM),
+        {"robot": NOTHING, "revolute_limit": POSITIVE | "None", "frame": NOTHING | "None"},
+    ),
+    "to_mujoco": Entry(to_mujoco, fixed(robot=SPATIAL), {"robot": NOTHING, "obstacles": OBSTACLES}),
+}
+
 ENTRIES: dict[str, Entry] = {
     **ROBOT,
     **TASKS,
@@ -625,4 +719,8 @@ ENTRIES: dict[str, Entry] = {
     **of_registered(),
     **PROBLEMS,
     **STUDY,
+    **PLOTTING,
+    **TESTING,
+    **BACKENDS,
+    **INTEROP,
 }
