@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence, Set
 from numbers import Real
 from pathlib import Path
@@ -123,11 +124,14 @@ def choice(argument: str, value: object, choices: Sequence[str]) -> str:
 
 
 def names(argument: str, value: object, accepted: str = "a name, or several") -> tuple[str, ...]:
-    """One name, or several in a list or another collection."""
+    """One name, or several in a list or another collection; none of them twice."""
     given = (value,) if isinstance(value, str) else several(argument, value, accepted, ordered=False)
     for each in given:
         if not isinstance(each, str):
-            raise ArgumentError(argument, given, accepted)
+            raise ArgumentError(argument, list(given), accepted)
+    repeated = [each for each, count in Counter(given).items() if count > 1]
+    if repeated:
+        raise ArgumentError(argument, f"{repeated[0]!r} more than once", f"{accepted}; each name once")
     return given
 
 

@@ -86,9 +86,11 @@ def test_words_and_names():
 def test_names():
     for value in ("a", ["a"], ("a",), {"a"}, (each for each in "a"), np.array(["a"])):
         assert arguments.names("joints", value) == ("a",)
-    for value in (5, None, [5], ["a", None], {"a": 1}, b"a", str):
+    for value in (5, None, [5], ["a", None], {"a": 1}, b"a", str, ["a", "b", "a"]):
         with pytest.raises(jtik.ArgumentError, match="joints: given .*accepted: a name, or several"):
             arguments.names("joints", value)
+    with pytest.raises(jtik.ArgumentError, match="joints: given 'a' more than once; .*each name once"):
+        arguments.names("joints", ["a", "b", "a"])
 
 
 def test_several():

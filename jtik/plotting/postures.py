@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.arguments import finite_array, instances
+from jtik.arguments import array_of, finite_array, instances
 from jtik.errors import ArgumentError
 from jtik.geometry import Obstacle
 from jtik.plotting.drawn_arm import draw_postures
@@ -43,12 +43,14 @@ def posture_figure(
     skeleton, discs = Skeleton(robot), instances("obstacles", obstacles, Obstacle, "points and circles")
     if robot.dimension != 2:
         raise ArgumentError("robot", robot, "a planar robot")
-    links = skeleton.links(configurations).reshape(-1, 2)
+    shapes = [(robot.nq,), (None, robot.nq)]
+    table = array_of("configurations", configurations, shapes, f"shape ({robot.nq},) or (any, {robot.nq})")
+    links = skeleton.links(table).reshape(-1, 2)
     seen = links if path is None else np.concatenate([links, finite_array("path", path, (None, 2))])
     figure, axes = blank_figure(window_around(seen, discs) if window is None else window, width)
     label_axes(axes)
     draw_obstacles(axes, discs)
     if path is not None:
         draw_path(axes, path)
-    draw_postures(axes, skeleton, np.atleast_2d(np.asarray(configurations, dtype=float)))
+    draw_postures(axes, skeleton, np.atleast_2d(table))
     return figure

@@ -45,7 +45,7 @@ class StrategyContender(Contender):
         label: str | None = None,
     ) -> None:
         if not isinstance(strategy, (str, Strategy)) or strategy == "":
-            raise ArgumentError("strategies", strategy, "a name, a jtik.Strategy, or a jtik.study.Contender")
+            raise ArgumentError("strategy", strategy, "a name, or a jtik.Strategy")
         if not (solver is None or isinstance(solver, Backend)):
             read_name("solver", solver, "the name of a solver of quadratic programs, a jtik.qp.Backend, or None")
         if compiled is not None:
@@ -161,6 +161,8 @@ def _contender(given: Any) -> tuple[str, Contender]:
             return given, peers.named(given.removeprefix(PEER))
         except UnknownNameError as error:
             return given, UnknownContender(given, error)
+    if not isinstance(given, (str, Strategy)) or given == "":
+        raise ArgumentError("strategies", given, "a name, a jtik.Strategy, or a jtik.study.Contender")
     contender = StrategyContender(given)
     return contender.label, contender
 

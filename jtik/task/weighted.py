@@ -63,7 +63,7 @@ def named(axes: Axes) -> tuple[str, ...] | None:
     accepted = "distinct names from x, y, z, rx, ry, rz, such as 'xy' or ('x', 'rz'), or None for all"
     if axes is None:
         return None
-    chosen = names("axes", [*axes] if isinstance(axes, str) else several("axes", axes, accepted), accepted)
+    chosen = names("axes", tuple(axes) if isinstance(axes, str) else several("axes", axes, accepted), accepted)
     if not chosen:
         raise ArgumentError("axes", axes, accepted)
     return chosen
