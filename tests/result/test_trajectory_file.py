@@ -60,7 +60,7 @@ def test_other_files_are_refused(path, tmp_path):
         suffix = ".npz" if name in "cd" else ".csv"
         with pytest.raises(jtik.ArgumentError, match=f"{name}{suffix}"):
             jtik.Trajectory.load(tmp_path / f"{name}{suffix}")
-    with pytest.raises(FileNotFoundError):
+    with pytest.raises(jtik.ArgumentError, match="missing.csv; accepted: the path of a file that exists"):
         jtik.Trajectory.load(tmp_path / "missing.csv")
 
 
