@@ -49,14 +49,14 @@ class UnknownNameError(JtikError, KeyError):
         self.name = name
         self.known = tuple(known)
         lowered = {str(one).lower(): one for one in reversed(self.known)}
-        matches = difflib.get_close_matches(name.lower(), lowered, n=1) if isinstance(name, str) else []
+        matches = difflib.get_close_matches(str(name).lower(), lowered, n=1)
         self.closest: str | None = lowered[matches[0]] if matches else None
         super().__init__(kind, name, self.known)
 
     def __str__(self) -> str:
         hint = f"; did you mean {self.closest!r}?" if self.closest is not None else ""
         listed = ", ".join(self.known) if self.known else "none"
-        return f"unknown {self.kind} {_shown(self.name)}{hint} (known: {listed})"
+        return f"unknown {self.kind} {self.name!r}{hint} (known: {listed})"
 
 
 class MissingExtraError(JtikError, ImportError):

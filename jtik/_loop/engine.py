@@ -19,7 +19,7 @@ from jtik._loop.solving import Solving
 from jtik._loop.stepping import Stepping
 from jtik._step.inputs import InputMemory
 from jtik._step.symbolic_problem import SymbolicProblem
-from jtik.arguments import flag, text
+from jtik.arguments import flag
 from jtik.constraints import Clearance, Limits
 from jtik.criterion import CriterionSum, CriterionTerms
 from jtik.errors import ArgumentError
@@ -146,8 +146,6 @@ class Engine:
         if parts is None:
             accepted = "one that uses quadratic programs, such as 'newton+qp' with a criterion"
             raise ArgumentError("strategy", self._strategy, accepted)
-        if qp is not None:
-            text("qp", qp, "the name of a quadratic program, or None for the first")
         with self._exclusive:
             self.memory.inputs.target[:] = self.problem.tasks.read_target(target)
             start = self.configurations.clamped(self.configurations.read("q", q))
