@@ -229,6 +229,8 @@ def array_of(
         accepted: what is accepted, for the message.
         valid: which numbers are accepted; by default the finite ones.
     """
+    if isinstance(value, (str, bytes)) or value is None:
+        raise ArgumentError(argument, value, accepted)
     raw = _numeric(argument, value, accepted)
     if not any(_fits(raw.shape, shape) for shape in shapes):
         raise ArgumentError(argument, value if raw.ndim == 0 else f"shape {raw.shape}", accepted)
