@@ -155,7 +155,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
             ArgumentError: for an argument of wrong shape, NaN or infinity, naming it.
         """
         tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
-        options = (restarts, seed, max_iterations, best_of, jump_limit, tolerances, until)
+        options = (restarts, seed, max_iterations, best_of, jump_limit, *tolerances, until)
         return self._solving.solve(target, q0, options, trace)
 
     def solve_batch(
@@ -187,7 +187,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
             MissingExtraError: for a bar without rich.
         """
         tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
-        options = (restarts, seed, max_iterations, 1, None, tolerances, until)
+        options = (restarts, seed, max_iterations, 1, None, *tolerances, until)
         return self._solving.solve_batch(targets, q0, options, progress)
 
     def step(self, q: ArrayLike, target: Any, *, dt: float | None = None) -> Step:
@@ -261,4 +261,4 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
             ArgumentError: for an argument of wrong shape, NaN or infinity, naming it.
         """
         tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
-        return self._solving.track(targets, q0, dt, (0, None, max_iterations, 1, None, tolerances, until))
+        return self._solving.track(targets, q0, dt, (0, None, max_iterations, 1, None, *tolerances, until))

@@ -36,7 +36,7 @@ from jtik.result.status import Status, is_success
 from jtik.result.trajectory import Trajectory
 from jtik.types import Array
 
-Options = tuple[int, int | None, int, int, float | None, tuple[float, float, float], str]
+Options = tuple[int, int | None, int, int, float | None, float, float, float, str]
 """restarts, seed, max_iterations, best_of, jump_limit, tolerances of position, orientation and optimality, until."""
 
 _FLOAT = np.dtype(np.float64)
@@ -63,6 +63,7 @@ class Solving:
         self._target = self._memory.inputs.target
         self._vector_shape = self._target.shape if self._tasks.target_is_vector else None
         self._options: tuple[Any, ...] = ()
+        self._kinds: list[type] = []
         self._prepared: tuple[Any, ...] = ()
         self._search_options = SearchOptions(0, 0, 0)
 
@@ -75,7 +76,7 @@ class Solving:
             raise in_use()
         try:
             begun = None
-            if options == self._prepared and not trace:
+            if self._known(options, self._prepared) and not trace:
                 ended = self._solve_native(target, q0, begin)
                 if isinstance(ended, Solution):
                     return ended
@@ -190,13 +191,17 @@ class Solving:
             finally:
                 self._options = self._prepared = ()
 
+    def _known(self, options: Options, checked: tuple[Any, ...]) -> bool:
+        """Whether the options are those that have been checked, of the same types: True equals 1, and is none."""
+        return [*map(type, options)] == self._kinds and options == checked
+
     def _read_options(self, options: Options) -> SearchOptions:
         """The options of a search; the tolerances are written to the step's memory. Both only when they change."""
-        if self._options != options:
+        if not self._known(options, self._options):
             self._options = self._prepared = ()
-            self._search_options = read_search_options(*options[:-2])
-            self._memory.inputs.settings[:] = read_settings(*options[-2], options[-1])
-            self._options = options
+            self._search_options = read_search_options(*options[:5])
+            self._memory.inputs.settings[:] = read_settings(*options[5:])
+            self._options, self._kinds = options, [*map(type, options)]
             if not self._has_criterion and self._search.prepare(self._search_options):
                 self._prepared = options
         return self._search_options
@@ -258,5 +263,5 @@ class Solving:
 
 def _missed(found: SearchResult, options: Options) -> bool:
     """Whether the errors alone show that the target is not reached, so that the status need not be computed."""
-    position, orientation, _ = options[-2]
+    position, orientation = options[5:7]
     return found.errors is not None and (found.errors[0] > position or found.errors[1] > orientation)
