@@ -1,4 +1,4 @@
-"""Errors of jtik, and the check of arguments that are arrays.
+"""Errors of jtik.
 
 Every error derives from `JtikError`, so ``except JtikError`` catches all of them and nothing else. Each keeps its data
 as attributes. Its message contains what would have been accepted.
@@ -7,13 +7,7 @@ as attributes. Its message contains what would have been accepted.
 from __future__ import annotations
 
 import difflib
-import math
 from collections.abc import Iterable
-from typing import Any
-
-import numpy as np
-
-from jtik.types import Array
 
 
 class JtikError(Exception):
@@ -36,7 +30,7 @@ class ArgumentError(JtikError, ValueError):
         self.accepted = accepted
 
     def __str__(self) -> str:
-        shown = self.given if isinstance(self.given, str) else repr(self.given)
+        shown = self.given if isinstance(self.given, str) else _shown(self.given)
         return f"{self.argument}: given {shown}; accepted: {self.accepted}"
 
 
@@ -122,65 +116,14 @@ class ImmutableError(JtikError, AttributeError):
         return f"{self.owner} is immutable: {self.attribute!r} cannot be changed; {self.instead} instead"
 
 
-def finite_array(argument: str, value: object, shape: tuple[int | None, ...]) -> Array:
-    """A float64 copy of an argument, with a check of its shape and that all numbers are finite.
+LONGEST_SHOWN = 1000
+"""Length at which the text of a value is cut in a message."""
 
-    Args:
-        argument: name of the argument, for the error.
-        value: a scalar, a nested sequence or an array of numbers.
-        shape: the wanted shape; None for an axis of any length.
 
-    Raises:
-        ArgumentError: when ``value`` is not numeric, has another shape, or holds NaN or infinity.
-    """
-    wanted = _shape_text(shape)
+def _shown(value: object) -> str:
+    """The text of a value in a message, whatever its ``repr`` raises or returns."""
     try:
-        raw = np.asarray(value)
-    except ValueError as error:
-        raise ArgumentError(argument, f"a ragged {type(value).__name__}", wanted) from error
-    if raw.dtype.kind not in "fiub":
-        raise ArgumentError(argument, f"non-numeric {type(value).__name__}", wanted)
-    fits = raw.ndim == len(shape) and all(w is None or w == g for w, g in zip(shape, raw.shape, strict=True))
-    if not fits:
-        raise ArgumentError(argument, f"shape {raw.shape}", wanted)
-    array = np.array(raw, dtype=np.float64)
-    if not np.isfinite(array).all():
-        where = [tuple(int(i) for i in index) for index in np.argwhere(~np.isfinite(array))]
-        first = where[0] if len(where[0]) != 1 else where[0][0]
-        place = f" at index {first}" if array.ndim else ""
-        raise ArgumentError(argument, f"{array[where[0]]}{place}", wanted)
-    return array
-
-
-def several(argument: str, given: Any, accepted: str) -> tuple[Any, ...]:
-    """What an iterable holds. Raises ArgumentError for what is no iterable."""
-    try:
-        return tuple(given)
-    except TypeError:
-        raise ArgumentError(argument, given, accepted) from None
-
-
-def positive_number(argument: str, value: float) -> float:
-    """The value as a float.
-
-    Raises:
-        ArgumentError: unless it is finite and positive.
-    """
-    if type(value) is float and 0.0 < value < math.inf:
-        return value
-    accepted = "a positive number"
-    try:
-        number = float(finite_array(argument, value, ()))
-    except ArgumentError as error:
-        raise ArgumentError(argument, error.given, accepted) from None
-    if isinstance(value, bool) or not number > 0:
-        raise ArgumentError(argument, value, accepted)
-    return number
-
-
-def _shape_text(shape: tuple[int | None, ...]) -> str:
-    """What is accepted, as a text."""
-    if not shape:
-        return "one finite number"
-    sizes = ", ".join("any" if size is None else str(size) for size in shape)
-    return f"finite numbers of shape ({sizes}{',' if len(shape) == 1 else ''})"
+        shown = repr(value)
+    except Exception:  # such as that of an integer of very many digits
+        return f"<{type(value).__name__}>"
+    return shown if len(shown) <= LONGEST_SHOWN else f"{shown[:LONGEST_SHOWN]}..."

@@ -10,7 +10,8 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import array_of, finite_array, non_negative_number, positive_number, several
+from jtik.errors import ArgumentError
 from jtik.symbolic import TINY, Expression, dot, fmax, fmin, norm, sumsqr
 from jtik.types import Array
 
@@ -34,15 +35,10 @@ class Ball(Solid):
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
 
     def __init__(self, center: ArrayLike, radius: float = 0.0) -> None:
-        array = np.array(center, dtype=float)
-        sizes = " or ".join(f"({size},)" for size in self.dimensions)
-        if array.shape not in [(size,) for size in self.dimensions] or not np.all(np.isfinite(array)):
-            raise ArgumentError("center", center, f"finite coordinates [m] of shape {sizes}")
-        length = float(finite_array("radius", radius, ()))
-        if length < 0:
-            raise ArgumentError("radius", radius, "a non-negative finite length [m]")
-        array.setflags(write=False)
-        object.__setattr__(self, "center", array)
+        shapes = [(size,) for size in self.dimensions]
+        accepted = f"finite coordinates [m] of shape {' or '.join(map(str, shapes))}"
+        object.__setattr__(self, "center", _read_only(array_of("center", center, shapes, accepted)))
+        length = non_negative_number("radius", radius, "a non-negative finite length [m]")
         object.__setattr__(self, "radius", length)
 
     def __repr__(self) -> str:
@@ -110,7 +106,7 @@ class _Rounded(Solid):
     def __post_init__(self) -> None:
         for name in ("start", "end"):
             object.__setattr__(self, name, _read_only(finite_array(name, getattr(self, name), (3,))))
-        object.__setattr__(self, "radius", _positive("radius", self.radius))
+        object.__setattr__(self, "radius", positive_number("radius", self.radius, "a positive length [m]"))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return partial(type(self), self.start, self.end, self.radius), ()
@@ -195,13 +191,6 @@ def _read_only(array: Array) -> Array:
     return array
 
 
-def _positive(argument: str, value: object) -> float:
-    length = float(finite_array(argument, value, ()))
-    if length <= 0:
-        raise ArgumentError(argument, value, "a positive length [m]")
-    return length
-
-
 Obstacle: TypeAlias = Ball
 
 
@@ -211,10 +200,10 @@ def centers_and_radii(obstacles: Iterable[Obstacle], dimension: int) -> tuple[Ar
     Raises:
         ArgumentError: when one is not a point, circle or sphere of that dimension.
     """
-    chosen = list(obstacles)
+    accepted = "jtik.Point or jtik.Circle with center (2,)" if dimension == 2 else "jtik.Point or jtik.Sphere"
+    chosen = several("obstacles", obstacles, accepted)
     for obstacle in chosen:
         if not isinstance(obstacle, Ball) or obstacle.center.shape != (dimension,):
-            accepted = "jtik.Point or jtik.Circle with center (2,)" if dimension == 2 else "jtik.Point or jtik.Sphere"
             raise ArgumentError("obstacles", obstacle, f"{accepted} on this {dimension}-dimensional robot")
     centers = np.array([obstacle.center for obstacle in chosen]).reshape(-1, dimension)
     return centers, np.array([obstacle.radius for obstacle in chosen])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Protocol, TypeVar
 
+from jtik.arguments import flag
 from jtik.errors import MissingExtraError
 
 Item = TypeVar("Item")
@@ -20,6 +21,13 @@ class Counted(Protocol[Item_co]):
     def __iter__(self) -> Iterator[Item_co]: ...
 
 
+def read_progress(progress: object) -> Progress:
+    """The argument ``progress``. Raises ArgumentError unless it is True, False or a function."""
+    if callable(progress):
+        return progress
+    return flag("progress", progress, "whether there is a bar on the terminal; or a function of (done, total)")
+
+
 def watched(items: Counted[Item], progress: Progress, label: str) -> Iterator[Item]:
     """The items one by one; after each, ``progress`` is informed.
 
@@ -29,11 +37,12 @@ def watched(items: Counted[Item], progress: Progress, label: str) -> Iterator[It
         label: text beside the bar.
 
     Raises:
+        ArgumentError: when ``progress`` is something else.
         MissingExtraError: when a bar is wanted and rich is not installed.
     """
-    if progress is False:
-        return iter(items)
-    return _bar(items, label) if progress is True else _reported(items, progress)
+    if callable(progress):
+        return _reported(items, progress)
+    return _bar(items, label) if read_progress(progress) is True else iter(items)
 
 
 def _bar(items: Counted[Item], label: str) -> Iterator[Item]:

@@ -14,7 +14,8 @@ from jtik._loop.control_loop import ControlLoop
 from jtik._loop.copying import FixedSolver
 from jtik._loop.engine import Engine
 from jtik._loop.locked_joints import LockedJoints
-from jtik._loop.options import Until, read_block, read_executor
+from jtik._loop.options import Until, read_executor
+from jtik.arguments import positive_integer
 from jtik.constraints.clearance import Clearance, clearances_of
 from jtik.constraints.limits import Limits, limits_of
 from jtik.criterion import Criteria, CriterionSum, Parameters
@@ -204,7 +205,11 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         """
         tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
         options = (restarts, seed, max_iterations, 1, None, *tolerances, until)
-        place: dict[str, Any] = {"executor": read_executor(executor), "block": read_block(block), "save": save}
+        place: dict[str, Any] = {
+            "executor": read_executor(executor),
+            "block": positive_integer("block", block),
+            "save": save,
+        }
         return self._solving.solve_batch(targets, q0, options, progress, solver=self, **place)
 
     def step(self, q: ArrayLike, target: Any, *, dt: float | None = None) -> Step:

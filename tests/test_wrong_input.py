@@ -14,6 +14,7 @@ import pytest
 import jtik
 
 PANDA = jtik.Robot.builtin("panda")
+ONE = jtik.FrameTask("tip")
 STRETCHED = np.diag([2.0, 2.0, 2.0, 1.0])
 MIRRORED = np.diag([1.0, 1.0, -1.0, 1.0])
 SHEARED = np.array([[1.0, 0.1, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
@@ -61,6 +62,15 @@ class TestFiles:
             jtik.Robot.from_urdf(path)
         assert (caught.value.file, caught.value.element) == (str(path), "joint 'j'")
 
+    @pytest.mark.parametrize("load", [jtik.Trajectory.load, jtik.study.Comparison.load])
+    def test_a_file_that_does_not_exist_is_named(self, load, tmp_path):
+        for path in (tmp_path / "missing.npz", tmp_path / "folder.npz"):
+            (tmp_path / "folder.npz").mkdir(exist_ok=True)
+            with pytest.raises(
+                jtik.ArgumentError, match=f"path: given {path}; accepted: the path of a file that exists"
+            ):
+                load(path)
+
 
 class TestNames:
     @pytest.mark.parametrize(
@@ -99,6 +109,11 @@ class TestSubsets:
             jtik.ArgumentError, match=r"joints: given \[\]; accepted: at least one on which the tasks depend"
         ):
             jtik.InverseKinematics(PANDA, jtik.FrameTask("tip"), joints=[])
+
+    @pytest.mark.parametrize("build", [PANDA.subset, lambda joints: jtik.InverseKinematics(PANDA, ONE, joints=joints)])
+    def test_a_joint_that_is_named_twice(self, build):
+        with pytest.raises(jtik.ArgumentError, match="joints: given 'panda_joint2' more than once"):
+            build(["panda_joint2", "panda_joint3", "panda_joint2"])
 
     def test_one_joint_may_come_without_a_list(self):
         ik = jtik.InverseKinematics(PANDA, jtik.FrameTask("tip"), joints="panda_joint2")

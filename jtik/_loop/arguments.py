@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from jtik.arguments import several, shape_of
 from jtik.constraints.limits import AT_LIMIT
 from jtik.errors import ArgumentError
 from jtik.robot import Robot
@@ -97,7 +98,7 @@ def _several(q: Any) -> bool:
     """Whether these are several configurations rather than one."""
     if isinstance(q, (list, tuple)):
         return any(hasattr(row, "__len__") and not isinstance(row, str) for row in q)
-    return not isinstance(q, Mapping) and np.ndim(q) > 1
+    return not isinstance(q, Mapping) and len(shape_of(q) or ()) > 1
 
 
 def read_targets(tasks: TaskStack, targets: Iterable[Any]) -> tuple[list[Any], list[Array]]:
@@ -106,7 +107,7 @@ def read_targets(tasks: TaskStack, targets: Iterable[Any]) -> tuple[list[Any], l
     Raises:
         ArgumentError: naming the target, such as ``targets[3]``.
     """
-    given = list(targets)
+    given = list(several("targets", targets, "a list of targets, or an array with one target a row"))
     numbers = []
     for i, target in enumerate(given):
         try:

@@ -19,6 +19,7 @@ from jtik._loop.solving import Solving
 from jtik._loop.stepping import Stepping
 from jtik._step.inputs import InputMemory
 from jtik._step.symbolic_problem import SymbolicProblem
+from jtik.arguments import flag
 from jtik.constraints import Clearance, Limits
 from jtik.criterion import CriterionSum, CriterionTerms
 from jtik.errors import ArgumentError
@@ -78,8 +79,7 @@ class Engine:
         weights: Array | None = None,
         original: SymbolicProblem | None = None,
     ) -> None:
-        if not isinstance(compiled, bool):
-            raise ArgumentError("compiled", compiled, "True or False: whether the step is compiled as C")
+        compiled = flag("compiled", compiled, "whether the step is compiled as C")
         bounds, terms = limits.of(robot), CriterionTerms.of(robot, criteria, clearances)
         if original is None:
             coordinates = WeightedCoordinates.of(weights)

@@ -8,11 +8,10 @@ import warnings
 from concurrent.futures import Executor
 from typing import Literal
 
-import numpy as np
-
 from jtik._loop.search import SearchOptions
 from jtik._step.inputs import Settings
-from jtik.errors import ArgumentError, positive_number
+from jtik.arguments import integer, positive_number, positive_or_infinite
+from jtik.errors import ArgumentError
 
 Until = Literal["stationary", "reached"]
 
@@ -40,11 +39,8 @@ def read_rate(argument: str, rate: object) -> float:
     Raises:
         ArgumentError: for anything else.
     """
-    if isinstance(rate, (int, float, np.integer, np.floating)) and not isinstance(rate, bool) and rate > 0:
-        return float(rate)
-    raise ArgumentError(
-        argument, repr(rate), "a positive rate [1/s]; math.inf for steps as long as the strategy proposes"
-    )
+    accepted = "a positive rate [1/s]; math.inf for steps as long as the strategy proposes"
+    return positive_or_infinite(argument, rate, accepted)
 
 
 def read_until(until: str) -> Until:
@@ -81,10 +77,10 @@ def read_search_options(
         ArgumentError: for a value that cannot be used, naming it.
     """
     options = SearchOptions(
-        limit=min(_count("max_iterations", max_iterations), MOST),
-        restarts=min(_count("restarts", restarts), MOST),
-        seed=0 if seed is None else _count("seed", seed),
-        best_of=_count("best_of", best_of, least=1),
+        limit=min(integer("max_iterations", max_iterations), MOST),
+        restarts=min(integer("restarts", restarts), MOST),
+        seed=0 if seed is None else integer("seed", seed),
+        best_of=integer("best_of", best_of, least=1),
         jump_limit=math.inf if jump_limit is None else positive_number("jump_limit", jump_limit),
     )
     if options.best_of > 1 and not options.restarts:
@@ -98,16 +94,3 @@ def read_executor(executor: object) -> Executor | None:
     if executor is None or isinstance(executor, Executor):
         return executor
     raise ArgumentError("executor", executor, "a concurrent.futures.Executor, or None")
-
-
-def read_block(block: int) -> int:
-    """A positive number of targets. Raises ArgumentError for anything else."""
-    return _count("block", block, least=1)
-
-
-def _count(argument: str, value: int, least: int = 0) -> int:
-    if type(value) is int and value >= least:
-        return value
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-        raise ArgumentError(argument, value, "a positive integer" if least else "a non-negative integer")
-    return int(value)

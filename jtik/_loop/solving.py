@@ -31,8 +31,9 @@ from jtik._loop.tracking import follow
 from jtik._step.inputs import SETTING
 from jtik._step.stopping import Code
 from jtik._step.symbolic_problem import SymbolicProblem
-from jtik.errors import ArgumentError, positive_number
-from jtik.progress import Progress, watched
+from jtik.arguments import flag, positive_number
+from jtik.errors import ArgumentError
+from jtik.progress import Progress, read_progress, watched
 from jtik.result.batch import SolutionBatch
 from jtik.result.report import Report
 from jtik.result.solution import Solution
@@ -79,6 +80,8 @@ class Solving:
     def solve(self, target: Any, q0: Any, options: Options, trace: bool) -> Solution:
         """Iterate to the target, as `InverseKinematics.solve` describes it."""
         begin = time.perf_counter()
+        if trace is not False:
+            trace = flag("trace", trace, "whether every iteration is kept in solution.trace")
         exclusive = self._exclusive
         if exclusive.busy:
             raise in_use()
@@ -152,6 +155,7 @@ class Solving:
     ) -> SolutionBatch:
         """Solve for each target by itself, as `InverseKinematics.solve_batch` describes it."""
         given, numbers = read_targets(self._tasks, targets)
+        progress = read_progress(progress)
         exclusive = self._exclusive
         if exclusive.busy:
             raise in_use()

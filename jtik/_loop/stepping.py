@@ -20,6 +20,7 @@ from jtik.result.step import Step
 from jtik.robot import Robot
 from jtik.task import TaskStack
 
+_FLOAT = np.dtype(np.float64)
 _new_tuple = tuple.__new__
 
 
@@ -67,13 +68,13 @@ class Stepping:
                 runner, box = self._untimed or self._first(), None
             else:
                 runner, box = self._timed or self._first_timed()
-            if type(target) is np.ndarray and target.shape == self._vector_shape:
+            if type(target) is np.ndarray and target.dtype == _FLOAT and target.shape == self._vector_shape:
                 self._target[:] = target
             else:
                 self._target[:] = self._tasks.read_target(target)
             at = runner.at
             memory = runner.q[at]
-            if self._vector and type(q) is np.ndarray and q.shape == memory.shape:
+            if self._vector and type(q) is np.ndarray and q.dtype == _FLOAT and q.shape == memory.shape:
                 memory[:] = q
             else:
                 memory[:] = self._read("q", q)

@@ -15,8 +15,9 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jtik import arguments
 from jtik.constraints.motion_bound import MotionBound
-from jtik.errors import ArgumentError, finite_array, several
+from jtik.errors import ArgumentError
 from jtik.robot import UNWEIGHTED, Kinematics, Robot, WeightedCoordinates
 from jtik.symbolic import Expression, fmax, fmin, if_else, mmin, sum1, vertcat
 
@@ -98,24 +99,25 @@ class Clearance:
         if recover is not None:
             warnings.warn("Clearance(recover=) is now called restore=", DeprecationWarning, stacklevel=2)
             restore = recover
-        if not isinstance(measure, Measure):
+        if isinstance(measure, type) or not isinstance(measure, Measure):
             raise ArgumentError("measure", measure, "a criterion with distances(), such as ObstacleAvoidance")
-        if not isinstance(restore, (bool, np.bool_)):
-            raise ArgumentError("restore", restore, "True or False: whether distances that are too small are restored")
-        self.measure, self.name, self.restore = measure, name, bool(restore)
-        self.safe, self.margin = float(finite_array("safe", safe, ())), float(finite_array("margin", margin, ()))
-        self.influence, self.gain = float(influence), float(finite_array("gain", gain, ()))
-        if self.safe < 0:
-            raise ArgumentError("safe", safe, "a non-negative distance [m]")
-        if not self.margin > 0:
-            raise ArgumentError("margin", margin, "a positive distance [m]")
+        self.measure, self.name = measure, arguments.name("name", name)
+        self.restore = arguments.flag("restore", restore, "whether distances that are too small are restored")
+        self.safe = arguments.non_negative_number("safe", safe, "a non-negative distance [m]")
+        self.margin = arguments.positive_number("margin", margin, "a positive distance [m]")
+        accepted = f"a distance above safe + margin = {self.safe + self.margin:g} m"
+        self.influence = arguments.positive_or_infinite("influence", influence, accepted)
         if not self.influence > self.safe + self.margin:
-            raise ArgumentError("influence", influence, f"a distance above safe + margin = {safe + margin:g} m")
-        if not 0 < self.gain <= 1:
-            raise ArgumentError("gain", gain, "a number in (0, 1]")
+            raise ArgumentError("influence", influence, accepted)
+        self.gain = arguments.share("gain", gain)
 
     def __repr__(self) -> str:
         return f"Clearance({self.measure!r}, safe={self.safe:g})"
+
+    @property
+    def non_negative_parameters(self) -> tuple[str, ...]:
+        """Names of the live parameters that no negative number can be assigned to."""
+        return ("safe", "influence", *getattr(self.measure, "non_negative_parameters", ()))
 
     def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
         """Its own, and those of the measure."""
@@ -126,12 +128,7 @@ class Clearance:
 def clearances_of(given: Clearance | Iterable[Clearance] | None) -> tuple[Clearance, ...]:
     """The clearances, each with a name of its own. Raises ArgumentError for anything else."""
     accepted = "a jtik.Clearance, several, or None"
-    found = (
-        (given,) if isinstance(given, Clearance) else several("clearances", () if given is None else given, accepted)
-    )
-    for clearance in found:
-        if not isinstance(clearance, Clearance):
-            raise ArgumentError("clearances", clearance, accepted)
+    found = () if given is None else arguments.instances("clearances", given, Clearance, accepted)
     names = [clearance.name for clearance in found]
     if len(set(names)) != len(names):
         raise ArgumentError("clearances", names, "a name each: Clearance(..., name=...)")

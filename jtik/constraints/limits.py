@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from numbers import Real
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik.arguments import array_of, flag, share
 from jtik.errors import ArgumentError
 from jtik.robot import Robot
 from jtik.types import Array
@@ -55,13 +55,8 @@ class Limits:
     acceleration: Speeds | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.position, (bool, np.bool_)):
-            raise ArgumentError("position", self.position, "True or False: whether position limits hold")
-        object.__setattr__(self, "position", bool(self.position))
-        gain = self.position_gain
-        if isinstance(gain, (bool, np.bool_)) or not (isinstance(gain, Real) and 0 < gain <= 1):
-            raise ArgumentError("position_gain", repr(gain), "a number in (0, 1]")
-        object.__setattr__(self, "position_gain", float(gain))
+        object.__setattr__(self, "position", flag("position", self.position, "whether position limits hold"))
+        object.__setattr__(self, "position_gain", share("position_gain", self.position_gain))
         if isinstance(self.velocity, (bool, np.bool_)):
             object.__setattr__(self, "velocity", bool(self.velocity))
         else:
@@ -143,21 +138,14 @@ def limits_of(limits: object) -> Limits:
     """
     if isinstance(limits, Limits):
         return limits
-    if isinstance(limits, (bool, np.bool_)):
-        return Limits(position=bool(limits))
-    accepted = "True or False: whether the robot's position limits hold; or a jtik.Limits"
-    raise ArgumentError("limits", limits, accepted)
+    return Limits(position=flag("limits", limits, "whether the robot's position limits hold; or a jtik.Limits"))
 
 
 def _positive(argument: str, value: object, accepted: str) -> float | tuple[float, ...]:
     """One positive number, or several; infinity is one."""
-    try:
-        given = np.asarray(value)
-    except ValueError as error:
-        raise ArgumentError(argument, f"a ragged {type(value).__name__}", accepted) from error
-    if given.dtype.kind not in "fiu" or given.ndim > 1 or not (given > 0).all():
+    numbers = array_of(argument, value, [(), (None,)], accepted, lambda x: x > 0)
+    if not numbers.size:
         raise ArgumentError(argument, value, accepted)
-    numbers = given.astype(float)
     return tuple(numbers.tolist()) if numbers.ndim else float(numbers)
 
 

@@ -10,8 +10,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik.arguments import positive_number
 from jtik.constraints.limits import Bounds
-from jtik.errors import positive_number
 from jtik.symbolic import Expression, Function, fmax, fmin, function, sqrt, symbol, vertcat
 from jtik.symbolic.compile import bind
 from jtik.types import Array

@@ -15,10 +15,11 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jtik.arguments import number, several
 from jtik.criterion import evaluation
 from jtik.criterion.criteria_argument import hint, registered
 from jtik.criterion.tracing import CriterionError
-from jtik.errors import ArgumentError, UnknownNameError, finite_array
+from jtik.errors import ArgumentError, UnknownNameError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, is_symbolic
 
@@ -49,16 +50,16 @@ class _Algebra:
         return self * -1
 
     def __mul__(self, weight: float) -> CriterionSum:
-        factor = float(finite_array("weight", weight, ()))
+        factor = number("weight", weight)
         return _weighted((factor * own, criterion) for own, criterion in _terms(self))
 
     __rmul__ = __mul__
 
     def __truediv__(self, divisor: float) -> CriterionSum:
-        number = float(finite_array("divisor", divisor, ()))
-        if number == 0:
+        ratio = number("divisor", divisor, "a finite number other than 0")
+        if ratio == 0:
             raise ArgumentError("divisor", divisor, "a finite number other than 0")
-        return _weighted((own / number, criterion) for own, criterion in _terms(self))
+        return _weighted((own / ratio, criterion) for own, criterion in _terms(self))
 
 
 class Criterion(_Algebra, ABC):
@@ -76,12 +77,14 @@ class Criterion(_Algebra, ABC):
         source: the paper it comes from.
         joint_parameters: names of the live parameters with one number for each entry of q, as `Robot.joint_values`
             returns them; they can also be assigned as numbers of the full robot, or as a dict by joint name.
+        non_negative_parameters: names of the live parameters that no negative number can be assigned to.
     """
 
     name: str
     summary: ClassVar[str] = ""
     source: ClassVar[str] = ""
     joint_parameters: ClassVar[tuple[str, ...]] = ()
+    non_negative_parameters: ClassVar[tuple[str, ...]] = ()
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
@@ -136,9 +139,21 @@ class CriterionSum(_Algebra):
 
     Attributes:
         terms: (weight, criterion) of each criterion.
+
+    Raises:
+        ArgumentError: for anything else.
     """
 
     terms: tuple[tuple[float, Criterion], ...]
+
+    def __post_init__(self) -> None:
+        accepted = "pairs of a weight, a finite number, and a jtik.Criterion"
+        terms = []
+        for pair in several("terms", self.terms, accepted):
+            if not isinstance(pair, (tuple, list)) or len(pair) != 2 or not isinstance(pair[1], Criterion):
+                raise ArgumentError("terms", pair, accepted)
+            terms.append((number("weight", pair[0]), pair[1]))
+        object.__setattr__(self, "terms", tuple(terms))
 
     @classmethod
     def of(cls, criteria: Criteria) -> CriterionSum:
@@ -231,7 +246,7 @@ class CriterionSum(_Algebra):
         for name, first, criterion in self.named():
             weight = rest.pop(f"{name}.weight", first)
             if not is_symbolic(weight):
-                weight = float(finite_array(f"{name}.weight", weight, ()))
+                weight = number(f"{name}.weight", weight)
             full = {parameter: f"{name}.{parameter}" for parameter in criterion.parameters(robot)}
             own = {parameter: rest.pop(text) for parameter, text in full.items() if text in rest}
             result.append((weight, criterion, own))
@@ -257,4 +272,4 @@ def _terms(summand: Any) -> tuple[tuple[float, Criterion], ...]:
 
 def _weighted(terms: Any) -> CriterionSum:
     """The sum of these (weight, criterion). Raises ArgumentError for a weight that is not finite."""
-    return CriterionSum(tuple((float(finite_array("weight", weight, ())), criterion) for weight, criterion in terms))
+    return CriterionSum(tuple(terms))

@@ -91,10 +91,14 @@ def criterion(function: Callable[..., Any]) -> FunctionCriterion:
     """
     accepted = "a function f(q, robot, *, parameter=first_value, ...)"
     name = getattr(function, "__name__", None)
-    if not callable(function) or not isinstance(name, str):
+    if not callable(function) or not isinstance(name, str) or isinstance(function, type):
         raise ArgumentError("function", function, accepted)
+    try:
+        signature = inspect.signature(function)
+    except ValueError:  # a function written in C
+        raise ArgumentError("function", function, accepted) from None
     positional, defaults = 0, {}
-    for parameter in inspect.signature(function).parameters.values():
+    for parameter in signature.parameters.values():
         if parameter.kind is parameter.KEYWORD_ONLY and parameter.default is not parameter.empty:
             defaults[parameter.name] = parameter.default
         elif parameter.kind in (parameter.POSITIONAL_ONLY, parameter.POSITIONAL_OR_KEYWORD):

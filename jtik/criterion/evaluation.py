@@ -20,6 +20,7 @@ class Evaluable(Parametric, Protocol):
     """A criterion as the evaluation uses it."""
 
     joint_parameters: ClassVar[tuple[str, ...]]
+    non_negative_parameters: ClassVar[tuple[str, ...]]
 
     def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
         """H as an expression."""
@@ -116,7 +117,7 @@ def _forget(entries: dict[int, _Entry], key: int, reference: weakref.ref[Evaluab
 def _column(criterion: Evaluable, robot: Robot, given: Mapping[str, Any]) -> tuple[Parameters, Any]:
     """The parameters with their shapes, and all values in one column."""
     first = first_values(criterion, robot)
-    parameters = Parameters(first, robot, criterion.joint_parameters)
+    parameters = Parameters(first, robot, criterion.joint_parameters, criterion.non_negative_parameters)
     symbolic = {name: each for name, each in given.items() if is_symbolic(each)}
     for name, each in given.items():
         if name not in parameters:

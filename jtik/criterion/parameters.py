@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jtik.arguments import numeric_array
 from jtik.criterion.tracing import CriterionError
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.robot import Robot
@@ -29,9 +30,10 @@ class Parametric(Protocol):
 
 
 class JointParametric(Parametric, Protocol):
-    """An object some of whose live parameters have one number for each entry of q."""
+    """An object some of whose live parameters have one number for each entry of q, or are not negative."""
 
     joint_parameters: ClassVar[tuple[str, ...]]
+    non_negative_parameters: ClassVar[tuple[str, ...]]
 
 
 def first_values(criterion: JointParametric, robot: Robot) -> Mapping[str, ArrayLike]:
@@ -70,6 +72,7 @@ class Parameters(MutableMapping[str, Array]):
         values: first values by name: finite scalars, vectors or matrices.
         robot: the robot whose joints the parameters of the joints belong to.
         of_joints: names of the parameters with one number for each entry of q.
+        non_negative: names of the parameters that no negative number can be assigned to.
 
     Attributes:
         memory: all values in one vector, matrices columns first; the compiled functions read it.
@@ -80,8 +83,14 @@ class Parameters(MutableMapping[str, Array]):
         UnknownNameError: when a name is read or assigned that does not exist.
     """
 
-    def __init__(self, values: Mapping[str, ArrayLike], robot: Robot, of_joints: Collection[str] = ()) -> None:
-        self._robot, self._of_joints = robot, frozenset(of_joints)
+    def __init__(
+        self,
+        values: Mapping[str, ArrayLike],
+        robot: Robot,
+        of_joints: Collection[str] = (),
+        non_negative: Collection[str] = (),
+    ) -> None:
+        self._robot, self._of_joints, self._non_negative = robot, frozenset(of_joints), frozenset(non_negative)
         self._shapes: dict[str, tuple[int, ...]] = {}
         self._slices: dict[str, slice] = {}
         flat: list[Array] = []
@@ -114,6 +123,8 @@ class Parameters(MutableMapping[str, Array]):
         if array is None or array.shape not in ((), shape):
             accepted = f"finite numbers of shape {shape}, or one finite number for all of them" if shape else ""
             raise ArgumentError(name, value, accepted or "one finite number, shape ()")
+        if name in self._non_negative and (array < 0).any():
+            raise ArgumentError(name, value, "non-negative numbers")
         self.memory[self._slices[name]] = array.ravel(order="F")
 
     def __delitem__(self, name: str) -> None:
@@ -149,11 +160,5 @@ class Parameters(MutableMapping[str, Array]):
 
 def _finite(value: Any) -> Array | None:
     """The numbers given as an array of float64; None where they are not numeric or not finite."""
-    try:
-        raw = np.asarray(value)
-    except (TypeError, ValueError):  # an expression, a ragged sequence
-        return None
-    if raw.dtype.kind not in "fiub":
-        return None
-    array = np.array(raw, dtype=float)
-    return array if np.isfinite(array).all() else None
+    array = numeric_array(value)
+    return array if array is not None and np.isfinite(array).all() else None

@@ -40,7 +40,7 @@ class CriterionTerms:
         """Reads the first value of every parameter, of the criteria and of ``others`` that share the mapping."""
         named = CriterionSum.of(criteria).named()
         values: dict[str, ArrayLike] = {}
-        of_joints: set[str] = set()
+        of_joints, non_negative = set[str](), set[str]()
         for name, weight, criterion in named:
             values[f"{name}.weight"] = weight
             own = first_values(criterion, robot)
@@ -48,6 +48,7 @@ class CriterionTerms:
                 given = f"{type(criterion).__name__}.parameters with 'weight'"
                 raise ArgumentError(f"criterion {name!r}", given, "another name: it is that of the criterion's weight")
             of_joints |= {f"{name}.{parameter}" for parameter in criterion.joint_parameters}
+            non_negative |= {f"{name}.{parameter}" for parameter in criterion.non_negative_parameters}
             for parameter, value in own.items():
                 values[f"{name}.{parameter}"] = value
         for other in others:
@@ -55,7 +56,8 @@ class CriterionTerms:
                 if f"{other.name}.{parameter}" in values:
                     raise ArgumentError("name", other.name, "a name that no criterion has")
                 values[f"{other.name}.{parameter}"] = value
-        return cls(robot, tuple(named), Parameters(values, robot, of_joints))
+            non_negative |= {f"{other.name}.{each}" for each in getattr(other, "non_negative_parameters", ())}
+        return cls(robot, tuple(named), Parameters(values, robot, of_joints, non_negative))
 
     def own(self, of: Parametric, column: Expression) -> dict[str, Expression]:
         """The parameters of one of ``others`` within the column of all, in their own shapes."""

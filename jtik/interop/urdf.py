@@ -10,6 +10,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
+from jtik.arguments import instance, positive_number
 from jtik.errors import ArgumentError
 from jtik.robot import Joint, JointType, Robot
 from jtik.robot.masses_and_shapes import Mass
@@ -45,8 +46,9 @@ def to_urdf(
     if turn is not None:
         warnings.warn("to_urdf(turn=) is now to_urdf(revolute_limit=)", DeprecationWarning, stacklevel=2)
         revolute_limit = turn
-    if revolute_limit is not None and not 0 < revolute_limit < math.inf:
-        raise ArgumentError("revolute_limit", revolute_limit, "a positive angle [rad], or None")
+    instance("robot", robot, Robot, "a jtik.Robot")
+    if revolute_limit is not None:
+        revolute_limit = positive_number("revolute_limit", revolute_limit, "a positive angle [rad], or None")
     joints = robot.joints if frame is None else _chain(robot, frame)
     frames = [robot.base, *(joint.child for joint in joints)]
     root = Element("robot", name=robot.name)

@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from jtik.errors import MissingExtraError
+from jtik.arguments import path as read_path
+from jtik.arguments import positive_integer, positive_number
+from jtik.errors import ArgumentError, MissingExtraError
 from jtik.plotting.figure import Figure
 
 
@@ -33,6 +35,10 @@ def write_animation(
     Raises:
         MissingExtraError: when pillow is not installed.
     """
+    path, frames = read_path("path", path), positive_integer("frames", frames)
+    seconds, hold = positive_number("seconds", seconds), positive_number("hold", hold)
+    if not callable(draw):
+        raise ArgumentError("draw", draw, "a function that is called with the number of a frame")
     try:
         from PIL import Image
     except ImportError as error:

@@ -7,7 +7,8 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import finite_array, positive_number
+from jtik.errors import ArgumentError
 from jtik.plotting.figure import Axes, points_per_metre
 from jtik.plotting.skeleton import Skeleton
 from jtik.plotting.style import BACKGROUND, COLORMAP, INK, LINK_WIDTH, shades
@@ -46,7 +47,7 @@ class DrawnArm:
         self._skeleton = robot if isinstance(robot, Skeleton) else Skeleton(robot)
         if self._skeleton.robot.dimension != 2:
             raise ArgumentError("robot", self._skeleton.robot, "a planar robot")
-        thick = width * points_per_metre(axes)
+        thick = positive_number("width", width) * points_per_metre(axes)
         outline = [(BACKGROUND, thick + 1.8)] if halo else []
         self._links = [
             axes.add_collection(

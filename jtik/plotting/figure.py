@@ -13,7 +13,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, MissingExtraError, finite_array
+from jtik.arguments import finite_array, instances, non_negative_number, positive_number, shape_of
+from jtik.errors import ArgumentError, MissingExtraError
 from jtik.geometry import Obstacle
 from jtik.plotting.style import BACKGROUND, MARGIN, MUTED, THIN
 
@@ -37,12 +38,15 @@ def new_figure(size: tuple[float, float], **options: Any) -> Figure:
     Raises:
         MissingExtraError: when matplotlib is not installed.
     """
+    width, height = finite_array("size", size, (2,), "width and height [inch], positive").tolist()
+    if not (width > 0 and height > 0):
+        raise ArgumentError("size", size, "width and height [inch], positive")
     try:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
     except ImportError as error:
         raise MissingExtraError("matplotlib", "plot", "a picture") from error
-    return _picture(Figure, FigureCanvasAgg)(figsize=size, facecolor=BACKGROUND, **options)
+    return _picture(Figure, FigureCanvasAgg)(figsize=(width, height), facecolor=BACKGROUND, **options)
 
 
 def blank_figure(window: Window, width: float = 16.0) -> tuple[Figure, Axes]:
@@ -59,6 +63,7 @@ def blank_figure(window: Window, width: float = 16.0) -> tuple[Figure, Axes]:
         ArgumentError: when the window is empty.
         MissingExtraError: when matplotlib is not installed.
     """
+    width = positive_number("width", width)
     left, right, bottom, top = finite_array("window", window, (4,)).tolist()
     if not (left < right and bottom < top):
         raise ArgumentError("window", window, "(left, right, bottom, top) [m] with left < right, bottom < top")
@@ -106,8 +111,13 @@ def window_around(points: ArrayLike, obstacles: Iterable[Obstacle] = (), margin:
     Returns:
         (left, right, bottom, top) [m].
     """
-    flat = np.asarray(points, dtype=float).reshape(-1, 2)
-    discs = list(obstacles)
+    shape = shape_of(points) or ()
+    flat = finite_array("points", points, (*[None] * (len(shape) - 1), 2), "finite positions of shape (..., 2)")
+    flat = flat.reshape(-1, 2)
+    discs = instances("obstacles", obstacles, Obstacle, "points and circles")
+    margin = non_negative_number("margin", margin)
+    if not len(flat) and not discs:
+        raise ArgumentError("points", "none", "at least one position or obstacle")
     low = np.min([*flat, *(disc.center - disc.radius for disc in discs)], axis=0)
     high = np.max([*flat, *(disc.center + disc.radius for disc in discs)], axis=0)
     border = margin * max(float((high - low).max()), 1e-6)

@@ -7,7 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import array_of, finite_array, instances
+from jtik.errors import ArgumentError
 from jtik.geometry import Obstacle
 from jtik.plotting.drawn_arm import draw_postures
 from jtik.plotting.figure import Figure, Window, blank_figure, label_axes, window_around
@@ -39,15 +40,17 @@ def posture_figure(
         ArgumentError: when the robot is not planar or an argument has another shape.
         MissingExtraError: when matplotlib is not installed.
     """
-    skeleton, discs = Skeleton(robot), list(obstacles)
+    skeleton, discs = Skeleton(robot), instances("obstacles", obstacles, Obstacle, "points and circles")
     if robot.dimension != 2:
         raise ArgumentError("robot", robot, "a planar robot")
-    links = skeleton.links(configurations).reshape(-1, 2)
+    shapes = [(robot.nq,), (None, robot.nq)]
+    table = array_of("configurations", configurations, shapes, f"shape ({robot.nq},) or (any, {robot.nq})")
+    links = skeleton.links(table).reshape(-1, 2)
     seen = links if path is None else np.concatenate([links, finite_array("path", path, (None, 2))])
-    figure, axes = blank_figure(window or window_around(seen, discs), width)
+    figure, axes = blank_figure(window_around(seen, discs) if window is None else window, width)
     label_axes(axes)
     draw_obstacles(axes, discs)
     if path is not None:
         draw_path(axes, path)
-    draw_postures(axes, skeleton, np.atleast_2d(np.asarray(configurations, dtype=float)))
+    draw_postures(axes, skeleton, np.atleast_2d(table))
     return figure

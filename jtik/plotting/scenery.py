@@ -7,7 +7,8 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import finite_array, instances, positive_number
+from jtik.errors import ArgumentError
 from jtik.geometry import Obstacle
 from jtik.plotting.figure import Axes
 from jtik.plotting.style import BACKGROUND, INK, LINK_WIDTH, OBSTACLE_EDGE, OBSTACLE_FACE
@@ -25,7 +26,7 @@ def draw_obstacles(axes: Axes, obstacles: Iterable[Obstacle]) -> None:
     """
     from matplotlib.patches import Circle
 
-    for obstacle in obstacles:
+    for obstacle in instances("obstacles", obstacles, Obstacle, "points and circles with center (2,)"):
         if obstacle.center.shape != (2,):
             raise ArgumentError("obstacles", obstacle, "points and circles with center (2,)")
         if obstacle.radius > 0:
@@ -60,6 +61,6 @@ def draw_base(axes: Axes, position: ArrayLike = (0.0, 0.0), size: float = LINK_W
     """
     from matplotlib.patches import Circle
 
-    x, y = finite_array("position", position, (2,))
+    (x, y), size = finite_array("position", position, (2,)), positive_number("size", size)
     axes.add_patch(Circle((x, y), 1.5 * size, facecolor=INK, edgecolor=BACKGROUND, linewidth=1.5, zorder=5))
     axes.add_patch(Circle((x, y), 0.45 * size, facecolor=BACKGROUND, zorder=5.1))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError
+from jtik.arguments import array_of, instance
 from jtik.robot import Robot
 from jtik.symbolic import function, symbol, vertcat
 from jtik.types import Array
@@ -22,7 +22,7 @@ class Skeleton:
     """
 
     def __init__(self, robot: Robot) -> None:
-        self.robot = robot
+        self.robot = instance("robot", robot, Robot, "a jtik.Robot")
         q = symbol("q", robot.nq)
         kinematics = robot.at(q)
         ends = [kinematics.position(frame) for pair in robot.segments for frame in pair]
@@ -40,9 +40,7 @@ class Skeleton:
         Raises:
             ArgumentError: when q has another shape.
         """
-        array = np.asarray(q, dtype=float)
         robot = self.robot
-        if array.ndim not in (1, 2) or array.shape[-1] != robot.nq:
-            raise ArgumentError("q", f"shape {array.shape}", f"shape ({robot.nq},) or (any, {robot.nq})")
+        array = array_of("q", q, [(robot.nq,), (None, robot.nq)], f"shape ({robot.nq},) or (any, {robot.nq})")
         ends = self._function(array.reshape(-1, robot.nq).T).full().T
         return np.array(ends).reshape(*array.shape[:-1], len(robot.segments), 2, robot.dimension)

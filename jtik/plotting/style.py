@@ -6,6 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from jtik.arguments import integer
+from jtik.errors import ArgumentError
+
 COLORMAP = "YlGnBu"
 """The colour map of a sequence of postures."""
 
@@ -34,5 +37,8 @@ def shades(count: int, colormap: str = COLORMAP) -> list[Any]:
     """
     import matplotlib
 
+    count = integer("count", count)
+    if not isinstance(colormap, str) or colormap not in matplotlib.colormaps:
+        raise ArgumentError("colormap", repr(colormap), "the name of a colour map of matplotlib")
     chosen = matplotlib.colormaps[colormap]
     return [chosen(LIGHTEST + (1 - LIGHTEST) * share) for share in np.linspace(1, 0, count)[::-1]]

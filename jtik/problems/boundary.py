@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import number
+from jtik.errors import ArgumentError
 from jtik.problems.case import Case, ProblemSet
 from jtik.problems.position_task import PositionTask
 from jtik.problems.problem_setup import MAX_ITERATIONS, ProblemSetup, draw_set
@@ -73,7 +74,7 @@ def boundary(
     """
     setup = ProblemSetup(robot, task, joints, at)
     position_task, starts = PositionTask.of(setup), StartSampler(setup, q0)
-    part = float(finite_array("share", share, ()))
+    part = number("share", share, "a number between 0 and 1")
     if not 0 < part < 1:
         raise ArgumentError("share", share, "a number between 0 and 1")
     bounded(position_task)

@@ -9,7 +9,9 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, UnknownNameError, finite_array, positive_number
+from jtik.arguments import finite_array, flag, instance, integer, mapping, number, positive_number, several, text
+from jtik.arguments import name as read_name
+from jtik.errors import ArgumentError, UnknownNameError
 from jtik.problems.plain_values import frozen_array, frozen_target, plain_target
 from jtik.robot import Robot
 from jtik.task import Task
@@ -55,27 +57,31 @@ class Case:
 
     def __post_init__(self) -> None:
         for argument in ("name", "kind"):
-            if not isinstance(getattr(self, argument), str) or not getattr(self, argument):
-                raise ArgumentError(argument, getattr(self, argument), "a non-empty string")
+            read_name(argument, getattr(self, argument), "a non-empty string")
+        text("origin", self.origin)
         q0 = finite_array("q0", self.q0, (None,))
         q0.flags.writeable = False
-        if isinstance(self.targets, (str, Mapping)) or not isinstance(self.targets, Iterable):
-            raise ArgumentError("targets", self.targets, "a sequence of targets; for a single target: targets=[target]")
-        targets = tuple(frozen_target(f"targets[{i}]", target) for i, target in enumerate(self.targets))
+        given = several("targets", self.targets, "a sequence of targets; for a single target: targets=[target]")
+        targets = tuple(frozen_target(f"targets[{i}]", target) for i, target in enumerate(given))
         if not targets:
             raise ArgumentError("targets", "none", "at least one target")
-        if self.closed and len(targets) < 3:
+        closed = flag("closed", self.closed, "whether the path ends at its first target")
+        if closed and len(targets) < 3:
             raise ArgumentError("closed", True, f"False for {len(targets)} targets: a closed path needs at least three")
         own = {
             "q0": q0,
             "targets": targets,
             "dt": None if self.dt is None else positive_number("dt", self.dt),
-            "closed": bool(self.closed),
+            "closed": closed,
             "parameters": {
-                str(key): frozen_array(f"parameters[{key!r}]", value) for key, value in self.parameters.items()
+                str(key): frozen_array(f"parameters[{key!r}]", value)
+                for key, value in mapping("parameters", self.parameters, "a dict from name to values").items()
             },
-            "reachable": None if self.reachable is None else bool(self.reachable),
-            "known": {str(key): float(finite_array(f"known[{key!r}]", x, ())) for key, x in self.known.items()},
+            "reachable": None if self.reachable is None else flag("reachable", self.reachable, "or None if unknown"),
+            "known": {
+                str(key): number(f"known[{key!r}]", x)
+                for key, x in mapping("known", self.known, "a dict from name to number").items()
+            },
         }
         for attribute, value in own.items():
             object.__setattr__(self, attribute, value)
@@ -143,7 +149,11 @@ class ProblemSet(Sequence[Case]):
     origin: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "cases", tuple(self.cases))
+        read_name("name", self.name)
+        text("origin", self.origin)
+        if self.seed is not None:
+            object.__setattr__(self, "seed", integer("seed", self.seed))
+        object.__setattr__(self, "cases", several("cases", self.cases, "a list of jtik.problems.Case"))
         seen: set[str] = set()
         for i, case in enumerate(self.cases):
             if not isinstance(case, Case):
@@ -224,7 +234,7 @@ class ProblemSet(Sequence[Case]):
         Raises:
             ArgumentError: naming the first value that does not fit, such as ``problems['circle-000'].q0``.
         """
-        robot, tasks = reduced(robot, task, joints, at)
+        robot, tasks = reduced(instance("robot", robot, Robot, "a jtik.Robot"), task, joints, at)
         for case in self.cases:
             _checked(case, "q0", lambda case=case: robot.configuration(case.q0))  # type: ignore[misc]
             for i, target in enumerate(case.targets):

@@ -10,7 +10,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from jtik.errors import ArgumentError, UnknownNameError
+from jtik.arguments import positive_integer, text
+from jtik.errors import UnknownNameError
 from jtik.problems.case import Case, ProblemSet, case_name
 from jtik.types import Array
 
@@ -72,10 +73,9 @@ def family(name: str, count: int = 200) -> ProblemSet:
         UnknownNameError: for an unknown family.
         ArgumentError: unless count is a positive integer.
     """
-    if name not in FAMILIES:
+    if text("name", name, "the name of a family") not in FAMILIES:
         raise UnknownNameError("family", name, FAMILIES)
-    if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 1:
-        raise ArgumentError("count", count, "a positive integer")
+    count = positive_integer("count", count)
     place, error = list(FAMILIES).index(name), SMALLEST_ERROR.get(name, 0.0)
     origin = "five families of ten unit links, papers/das1988"
     cases = []

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jtik.arguments import flag
 from jtik.problems.case import ProblemSet
 from jtik.problems.path_problem import Curve, closed_exactly, path_problems
 from jtik.robot import Robot
@@ -70,6 +71,7 @@ def line(
     Raises:
         ArgumentError: if no task has a position, no line can be followed, or an argument is invalid.
     """
+    back = flag("back", back, "whether the path returns to its first target")
     curve = replace(CURVE, shape=_there_and_back, closed=True) if back else CURVE
     return path_problems(
         robot,

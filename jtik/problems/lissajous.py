@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jtik.arguments import integer, several
 from jtik.errors import ArgumentError
 from jtik.problems.case import ProblemSet
 from jtik.problems.path_problem import Curve, angles, closed_exactly, path_problems
@@ -70,10 +71,11 @@ def lissajous(
         ArgumentError: if no task has two coordinates of a position, no figure can be followed, or an argument is
             invalid.
     """
-    numbers = np.asarray(frequencies)
-    if numbers.shape != (2,) or numbers.dtype.kind not in "iu" or numbers.min() < 1:
-        raise ArgumentError("frequencies", frequencies, "two positive integers, such as (1, 2)")
-    first, second = (int(number) for number in numbers)
+    accepted = "two positive integers, such as (1, 2)"
+    numbers = [integer("frequencies", each, 1, accepted) for each in several("frequencies", frequencies, accepted)]
+    if len(numbers) != 2:
+        raise ArgumentError("frequencies", frequencies, accepted)
+    first, second = numbers
     curve = replace(CURVE, shape=partial(_shape, frequencies=(first, second)))
     return path_problems(
         robot,

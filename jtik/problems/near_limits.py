@@ -7,7 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import number
+from jtik.errors import ArgumentError
 from jtik.problems.case import Case, ProblemSet
 from jtik.problems.problem_setup import ProblemSetup, draw_set
 from jtik.problems.start_sampler import StartSampler
@@ -48,7 +49,7 @@ def near_limits(
     """
     setup = ProblemSetup(robot, task, joints, at)
     starts, arm = StartSampler(setup, q0), setup.robot
-    part = float(finite_array("share", share, ()))
+    part = number("share", share, "a share of the range in (0, 0.5]")
     if not 0 < part <= 0.5:
         raise ArgumentError("share", share, "a share of the range in (0, 0.5]")
     width = arm.upper - arm.lower

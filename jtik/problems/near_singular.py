@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import finite_array
+from jtik.errors import ArgumentError
 from jtik.problems import reach
 from jtik.problems.case import Case, ProblemSet
 from jtik.problems.problem_setup import ProblemSetup, draw_set

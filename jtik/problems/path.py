@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jtik.arguments import mapping, several
 from jtik.problems.case import Case, ProblemSet
 from jtik.problems.problem_setup import ProblemSetup
 from jtik.robot import Robot
@@ -52,7 +53,8 @@ def path(
     """
     setup = ProblemSetup(robot, task, joints, at)
     arm = setup.robot
-    given = tuple(targets)
+    given = several("targets", targets, "a list of targets")
+    named = {} if parameters is None else mapping("parameters", parameters, "a dict from name to values, or None")
     start = arm.home if q0 is None else arm.configuration(q0, argument="q0")
 
     def made(start: Any) -> ProblemSet:
@@ -63,7 +65,7 @@ def path(
             targets=given,
             dt=dt,
             closed=closed,
-            parameters={key: np.asarray(value) for key, value in (parameters or {}).items()},
+            parameters=named,
             origin=origin,
         )
         return ProblemSet(name, (case,), origin=origin)

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, positive_number
+from jtik.arguments import integer, positive_number
+from jtik.errors import ArgumentError
 from jtik.problems import reach
 from jtik.problems.case import Case, ProblemSet
 from jtik.problems.position_task import PositionTask
@@ -87,8 +88,7 @@ def path_problems(
     """
     setup = ProblemSetup(robot, task, joints, at)
     position_task, starts = PositionTask.of(setup, dimensions=curve.dimensions), StartSampler(setup, q0)
-    if isinstance(points, bool) or not isinstance(points, (int, np.integer)) or points < 2:
-        raise ArgumentError("points", points, "an integer of at least 2")
+    points = integer("points", points, 2, "an integer of at least 2")
     argument, given = size
     fixed = None if given is None else positive_number(argument, given)
     dt = positive_number("dt", dt)
@@ -99,7 +99,7 @@ def path_problems(
         for _ in range(ATTEMPTS):
             start = starts.draw(generator)
             own = extent * shrunk * generator.uniform(*curve.sizes) if fixed is None else fixed
-            offsets = curve.shape(int(points), own) @ position_task.basis(generator, curve.dimensions).T
+            offsets = curve.shape(points, own) @ position_task.basis(generator, curve.dimensions).T
             begin = setup.target_at(start)
             targets = [position_task.moved(begin, offset) for offset in offsets]
             if follows(setup, start, targets):

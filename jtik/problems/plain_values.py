@@ -7,17 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import finite_array, shape_of
 from jtik.types import Array
 
 
 def frozen_array(argument: str, value: object) -> Array:
     """A read-only float64 copy of any shape. Raises ArgumentError unless all entries are finite numbers."""
-    try:
-        rank = np.ndim(value)  # type: ignore[arg-type]
-    except ValueError:  # ragged
-        raise ArgumentError(argument, f"a ragged {type(value).__name__}", "finite numbers") from None
-    array = finite_array(argument, value, (None,) * rank)
+    shape = shape_of(value)
+    array = finite_array(argument, value, (None,) * len(shape or ()), "finite numbers")
     array.flags.writeable = False
     return array
 
@@ -30,7 +27,7 @@ def frozen_target(argument: str, target: Any) -> Any:
     """
     if isinstance(target, Mapping):
         return {str(name): frozen_target(f"{argument}[{name!r}]", value) for name, value in target.items()}
-    if hasattr(target, "as_matrix"):
+    if hasattr(target, "as_matrix") and not isinstance(target, type):
         target = target.as_matrix()
     if _is_pair(target):
         return tuple(frozen_array(argument, part) for part in target)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError
+from jtik.arguments import instance, integer, positive_integer
 from jtik.problems.case import Case, ProblemSet, case_name
 from jtik.problems.target_of import target_of
 from jtik.robot import Robot
@@ -49,8 +49,7 @@ class ProblemSetup:
         joints: str | Iterable[str] | None = None,
         at: ArrayLike | None = None,
     ) -> None:
-        if not isinstance(robot, Robot):
-            raise ArgumentError("robot", robot, "a jtik.Robot")
+        instance("robot", robot, Robot, "a jtik.Robot")
         self.robot, self.tasks = reduced(robot, task, joints, at)
 
     def target_at(self, q: Array) -> Any:
@@ -125,9 +124,7 @@ def draw_set(
     Raises:
         ArgumentError: unless count is a positive integer and seed a non-negative one.
     """
-    for argument, value, smallest in (("count", count, 1), ("seed", seed, 0)):
-        if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < smallest:
-            raise ArgumentError(argument, value, "a positive integer" if smallest else "a non-negative integer")
+    count, seed = positive_integer("count", count), integer("seed", seed)
     stream = zlib.crc32(kind.encode())
-    cases = [draw(case_name(kind, i), np.random.default_rng([int(seed), stream, i])) for i in range(count)]
-    return ProblemSet(kind, tuple(cases), int(seed), origin)
+    cases = [draw(case_name(kind, i), np.random.default_rng([seed, stream, i])) for i in range(count)]
+    return ProblemSet(kind, tuple(cases), seed, origin)

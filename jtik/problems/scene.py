@@ -7,7 +7,9 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import finite_array, flag, instance, non_negative_number, positive_integer, text
+from jtik.arguments import names as read_names
+from jtik.errors import ArgumentError
 from jtik.geometry import Ball, Circle, Sphere
 from jtik.problems import reach
 from jtik.problems.bodies import Bodies
@@ -73,17 +75,17 @@ def scene(
         ArgumentError: if the obstacles cannot be placed, the robot has no solids, or an argument is invalid.
     """
     setup = ProblemSetup(robot, task, joints, at)
+    shapes = flag("shapes", shapes, "whether links are the robot's solids")
     starts, bodies = StartSampler(setup, q0), Bodies(setup.robot, shapes=shapes)
-    if isinstance(obstacles, bool) or not isinstance(obstacles, (int, np.integer)) or obstacles < 1:
-        raise ArgumentError("obstacles", obstacles, "a positive integer")
+    obstacles = positive_integer("obstacles", obstacles)
     low, high = finite_array("radius", radius, (2,)).tolist()
     if not 0 < low <= high:
         raise ArgumentError("radius", radius, "two positive shares of the robot's size, in ascending order")
-    share = float(finite_array("clearance", clearance, ()))
-    if share < 0:
-        raise ArgumentError("clearance", clearance, "a non-negative share of the robot's size")
+    share = non_negative_number("clearance", clearance, "a non-negative share of the robot's size")
     size = reach.size(setup.robot, setup.robot.tip)
-    names = (criteria,) if isinstance(criteria, str) else tuple(criteria)
+    names = read_names("criteria", criteria, "names of criteria or clearances")
+    if not all(names) or not names:
+        raise ArgumentError("criteria", criteria, "names of criteria or clearances")
     origin = f"{obstacles} obstacles between start and goal, at least {100 * share:g} % of the robot's size from both"
 
     def place(start: Array, goal: Array, generator: np.random.Generator) -> tuple[Array, float] | None:
@@ -139,6 +141,8 @@ def obstacles_of(case: Case, criterion: str = "obstacle_avoidance") -> tuple[Bal
     Raises:
         ArgumentError: if the case has no obstacles under that name.
     """
+    instance("case", case, Case, "a jtik.problems.Case")
+    text("criterion", criterion, "the name of a criterion")
     keys = [f"{criterion}.centers", f"{criterion}.radii"]
     if not all(key in case.parameters for key in keys):
         raise ArgumentError("case", f"{case!r} with parameters {list(case.parameters)}", f"a case with {keys}")

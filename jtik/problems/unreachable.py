@@ -8,7 +8,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import finite_array
+from jtik.errors import ArgumentError
 from jtik.problems.case import Case, ProblemSet
 from jtik.problems.position_task import PositionTask
 from jtik.problems.problem_setup import ProblemSetup, draw_set

@@ -9,7 +9,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from jtik.errors import ArgumentError, JtikError, finite_array
+from jtik.arguments import positive_number
+from jtik.errors import JtikError
 from jtik.symbolic import Function, has_conic
 from jtik.types import Array
 
@@ -122,10 +123,7 @@ def accuracy_of(given: float | None, default: float) -> float:
     """
     if given is None:
         return default
-    accuracy = float(finite_array("accuracy", given, ()))
-    if not accuracy > 0:
-        raise ArgumentError("accuracy", given, "a positive number")
-    return accuracy
+    return positive_number("accuracy", given)
 
 
 def trial_qp() -> NumericQP:

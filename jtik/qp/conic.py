@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from jtik.arguments import name as read_name
 from jtik.qp.backend import EXCLUDED, PLUGINS, BackendError, FusedBackend, accuracy_of
 from jtik.qp.qpsolvers_backend import QPSolversBackend
 from jtik.symbolic import Function, conic, has_conic
@@ -35,6 +36,7 @@ class Conic(FusedBackend):
     """
 
     def __init__(self, name: str = "daqp", *, accuracy: float | None = None, **options: Any) -> None:
+        read_name("name", name, "the name of a conic plugin of CasADi")
         if name in EXCLUDED or not has_conic(name):
             usable = [plugin for plugin in PLUGINS if plugin not in EXCLUDED and has_conic(plugin)]
             raise BackendError(name, f"is no usable plugin of this CasADi; use one of {', '.join(usable)}")

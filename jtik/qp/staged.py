@@ -17,6 +17,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from jtik.arguments import text
 from jtik.errors import UnknownNameError
 from jtik.qp.backend import Backend, FusedBackend, NumericQP
 from jtik.qp.call import (
@@ -143,6 +144,8 @@ class Staged:
         Raises:
             UnknownNameError: if there is no such QP.
         """
+        if name is not None:
+            text("qp", name, "the name of a quadratic program, or None for the first")
         names = [call.name for call in self.calls if isinstance(call, QPCall)]
         names += [each.call.name for each in self.preparations]
         if not names or (name is not None and name not in names):

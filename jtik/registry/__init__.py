@@ -21,7 +21,7 @@ from jtik.registry.decorators import (
 )
 from jtik.registry.mapping import Registry
 from jtik.registry.plugins import PluginError
-from jtik.registry.strategy_argument import strategy_of, supporting_clearances
+from jtik.registry.strategy_argument import secondary_of, strategy_of, supporting_clearances
 
 __all__ = [
     "PluginError",
@@ -31,6 +31,7 @@ __all__ = [
     "register_secondary",
     "register_strategy",
     "secondaries",
+    "secondary_of",
     "strategies",
     "strategy_of",
     "supporting_clearances",

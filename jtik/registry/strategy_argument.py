@@ -32,8 +32,8 @@ def strategy_of(given: str | Strategy) -> Strategy:
         name, plus, secondary = given.partition("+")
         strategy = strategies[name]
         if not plus:
-            return _with_defaults(f"strategies[{name!r}]", strategy)
-        term = _with_defaults(f"secondaries[{secondary!r}]", secondaries[secondary])
+            return _with_defaults("strategy", f"strategies[{name!r}]", strategy)
+        term = secondary_of("strategy", secondary)
         if not _takes_secondary(strategy):
             raise ArgumentError("strategy", given, f"a strategy with a secondary term before '+', not {name!r}")
         return strategy(secondary=term)  # type: ignore[call-arg]
@@ -43,6 +43,17 @@ def strategy_of(given: str | Strategy) -> Strategy:
             "strategy", f"the class {given.__name__}", f"an object of it, {given.__name__}(); or {names}"
         )
     raise ArgumentError("strategy", given, names)
+
+
+def secondary_of(argument: str, name: str) -> SecondaryTerm:
+    """The registered secondary term ``name`` with its defaults.
+
+    Raises:
+        UnknownNameError: when no secondary term has the name.
+        PluginError: when the name is a third party's and its plugin cannot be loaded.
+        ArgumentError: when its class needs arguments, naming ``argument``.
+    """
+    return _with_defaults(argument, f"secondaries[{name!r}]", secondaries[name])
 
 
 def supporting_clearances() -> str:
@@ -75,14 +86,14 @@ def _supports(plugin: type[Strategy] | type[SecondaryTerm], **options: Any) -> b
         return False
 
 
-def _with_defaults(name: str, plugin: type[T]) -> T:
+def _with_defaults(argument: str, name: str, plugin: type[T]) -> T:
     """An object of the registered class ``name``. Raises ArgumentError if it needs arguments."""
     if inspect.isabstract(plugin):
         methods = " and ".join(sorted(plugin.__abstractmethods__))  # type: ignore[attr-defined]
-        raise ArgumentError("strategy", f"{plugin.__name__}, which is abstract", f"a class that defines {methods}")
+        raise ArgumentError(argument, f"{plugin.__name__}, which is abstract", f"a class that defines {methods}")
     missing = required_arguments(plugin)
     if missing:
         call = f"({', '.join(f'{argument}=...' for argument in missing)})"
         accepted = f"an object: jtik.{name}{call}, that is {plugin.__name__}{call}"
-        raise ArgumentError("strategy", f"{plugin.__name__}, which needs {' and '.join(missing)}", accepted)
+        raise ArgumentError(argument, f"{plugin.__name__}, which needs {' and '.join(missing)}", accepted)
     return plugin()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import os
-import stat
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik.arguments import existing_file
+from jtik.arguments import path as read_path
 from jtik.errors import ArgumentError
 
 LARGEST = 4 * 2**30
@@ -28,13 +29,9 @@ SMALL = 2**20
 
 def checked_path(path: str | Path, argument: str = "path") -> Path:
     """The path. Raises ArgumentError unless it ends in .npz and its folder exists."""
-    accepted = "a file name that ends in .npz"
-    try:
-        path = Path(path)
-    except TypeError as error:
-        raise ArgumentError(argument, path, accepted) from error
+    path = read_path(argument, path)
     if path.suffix != ".npz" or "\0" in str(path):
-        raise ArgumentError(argument, repr(str(path)), accepted)
+        raise ArgumentError(argument, repr(str(path)), "a file name that ends in .npz")
     if not path.parent.is_dir():
         raise ArgumentError(argument, str(path), "a file in an existing folder")
     return path
@@ -64,9 +61,9 @@ def read_archive(path: Path, argument: str, accepted: str) -> tuple[dict[str, An
         ArgumentError: for any other file, one that is no regular file, and one that would fill the memory.
         OSError: when it cannot be read.
     """
-    if not stat.S_ISREG(path.stat().st_mode):
+    if path.exists() and not path.is_file():
         raise ArgumentError(argument, f"{path}, which is no regular file", accepted)
-    with path.open("rb") as file:
+    with existing_file(argument, path).open("rb") as file:
         try:
             with zipfile.ZipFile(file) as members:
                 _check_sizes(members.infolist(), path, argument, accepted)

@@ -12,6 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik.arguments import existing_file
+from jtik.arguments import path as read_path
 from jtik.errors import ArgumentError
 from jtik.result import trajectory_csv
 from jtik.result.status import Status
@@ -36,7 +38,7 @@ def save(trajectory: Trajectory, path: str | Path) -> None:
 
 def load(path: str | Path) -> Trajectory:
     """Read a trajectory. Raises ArgumentError for another suffix or a file that is not a trajectory."""
-    path = _file(path)
+    path = existing_file("path", _file(path))
     columns = FORMATS[path.suffix].read(path)
     columns = {RENAMED.get(name, name): column for name, column in columns.items()}
     columns = {**_defaults(columns), **columns}
@@ -87,7 +89,7 @@ def _defaults(columns: dict[str, Column]) -> dict[str, Column]:
 
 
 def _file(path: str | Path) -> Path:
-    path = Path(path)
+    path = read_path("path", path)
     if path.suffix not in FORMATS:
         raise ArgumentError("path", path, f"a file name that ends in {', '.join(FORMATS)}")
     return path

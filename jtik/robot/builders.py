@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from jtik.arguments import flag, text
 from jtik.errors import ArgumentError, RobotFileError
 from jtik.robot import gallery
 from jtik.robot.chains import dh_joints, planar_joints, vehicle_joints
@@ -51,7 +52,7 @@ class Builders:
             ArgumentError: when a length is not positive or limits are crossed.
         """
         joints = planar_joints(links, (lower, upper, velocity_limit))
-        return cls(joints, name=name or f"planar{len(joints) - 1}", planar=True)
+        return cls(joints, name=_named(name, f"planar{len(joints) - 1}"), planar=True)
 
     @classmethod
     def from_dh(
@@ -120,7 +121,7 @@ class Builders:
         arm = (lower, upper, velocity_limit)
         carriage = (vehicle_lower, vehicle_upper, vehicle_velocity_limit)
         joints = vehicle_joints(links, heading, arm, carriage)
-        return cls(joints, name=name or f"vehicle{len(joints) - 1}", planar=True)
+        return cls(joints, name=_named(name, f"vehicle{len(joints) - 1}"), planar=True)
 
     @classmethod
     def from_urdf(
@@ -154,6 +155,8 @@ class Builders:
             UserWarning: when a joint mimics one that it cannot follow; it is then independent.
         """
         from jtik.robot.loaders import load_urdf
+
+        flag("free_base", free_base, "whether the root link moves freely")
 
         return cls._described(load_urdf(path_or_xml, free_base=free_base), tip, name)
 
@@ -207,8 +210,9 @@ class Builders:
         if description.notes:
             warnings.warn(f"{description.label}: {'; '.join(description.notes)}", stacklevel=3)
         arguments = description.arguments()
+        name, tip = _named(name, description.name), None if tip is None else text("tip", tip, "a frame, or None")
         try:
-            return cls(**arguments, name=name or description.name, tip=description.tip if tip is None else tip)
+            return cls(**arguments, name=name, tip=description.tip if tip is None else tip)
         except ArgumentError as error:
             raise RobotFileError(description.label, "", str(error)) from error
 
@@ -228,4 +232,9 @@ class Builders:
         Raises:
             UnknownNameError: when there is no such robot; it suggests the closest name.
         """
-        return cls(**gallery.describe(name).arguments())
+        return cls(**gallery.describe(text("name", name, "the name of a robot")).arguments())
+
+
+def _named(name: str | None, default: str) -> str:
+    """The argument ``name``; the default for None or an empty text."""
+    return (None if name is None else text("name", name, "the name of the robot, or None")) or default

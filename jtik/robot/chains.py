@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Iterable
 from typing import TypeAlias, get_args
 
 import numpy as np
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import array_of, choice, finite_array, flag, integer, several, shape_of
+from jtik.errors import ArgumentError
 from jtik.robot.dh import JOINT_TYPES, Convention, DHRowLike, as_row, translation
 from jtik.robot.joint_type import JointType
 from jtik.robot.tree import Joint
@@ -49,6 +49,7 @@ def arm_joints(parent: str, lengths: Array, bounds: JointBounds) -> list[Joint]:
 
 def vehicle_joints(links: object, heading: bool, arm: JointBounds, carriage: JointBounds) -> list[Joint]:
     """The joints of a planar vehicle and its arm; see `Robot.vehicle`."""
+    heading = flag("heading", heading, "whether the vehicle rotates")
     names = ["x", "y", "heading"] if heading else ["x", "y"]
     frames = ["slide_x", "slide_y", "vehicle"] if heading else ["slide_x", "vehicle"]
     axes = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0])
@@ -74,12 +75,12 @@ def vehicle_joints(links: object, heading: bool, arm: JointBounds, carriage: Joi
 
 def dh_joints(rows: Iterable[DHRowLike], convention: Convention, base: object, tool: object) -> list[Joint]:
     """The joints of a Denavit-Hartenberg chain; see `Robot.from_dh`."""
-    if convention not in get_args(Convention):
-        raise ArgumentError("convention", convention, " or ".join(repr(c) for c in get_args(Convention)))
+    choice("convention", convention, get_args(Convention))
     before = np.eye(4) if base is None else finite_array("base", base, (4, 4))
     joints = []
     parent = "base"
-    for index, given in enumerate(rows, start=1):
+    accepted = "for each joint a jtik.robot.DHRow, a dict with its fields, or (a, alpha, d, theta)"
+    for index, given in enumerate(several("rows", rows, accepted), start=1):
         row = as_row(index, given)
         child = f"link{index}"
         joints.append(
@@ -101,16 +102,10 @@ def dh_joints(rows: Iterable[DHRowLike], convention: Convention, base: object, t
 
 def _lengths(links: object) -> Array:
     accepted = "a number of links >= 1, or a sequence of positive lengths [m]"
-    if np.ndim(links) == 0:  # type: ignore[arg-type]
-        try:
-            count = operator.index(links)  # type: ignore[arg-type]
-        except TypeError as error:
-            raise ArgumentError("links", links, accepted) from error
-        if count < 1:
-            raise ArgumentError("links", links, accepted)
-        return np.ones(count)
-    lengths = finite_array("links", links, (None,))
-    if lengths.size == 0 or lengths.min() <= 0:
+    if shape_of(links) == ():
+        return np.ones(integer("links", links, 1, accepted))
+    lengths = array_of("links", links, [(None,)], accepted, lambda x: (x > 0) & np.isfinite(x))
+    if lengths.size == 0:
         raise ArgumentError("links", lengths.tolist(), accepted)
     return lengths
 
@@ -119,8 +114,7 @@ def _spread(arguments: tuple[str, str, str], bounds: JointBounds, count: int) ->
     """The bounds of each of ``count`` joints."""
     columns = []
     for argument, bound in zip(arguments, bounds, strict=True):
-        values = np.asarray(bound)
-        if values.dtype.kind not in "fiub" or values.shape not in ((), (count,)):
-            raise ArgumentError(argument, bound, f"one number, or {count} numbers, one for each joint")
+        accepted = f"one number, or {count} numbers, one for each joint"
+        values = array_of(argument, bound, [(), (count,)], accepted, lambda x: True)
         columns.append(np.broadcast_to(values, count).tolist())
     return list(zip(*columns, strict=True))

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, UnknownNameError, finite_array
+from jtik.arguments import finite_array
+from jtik.arguments import shape_of as _shape
+from jtik.errors import ArgumentError, UnknownNameError
 from jtik.types import Array
 
 if TYPE_CHECKING:
@@ -44,16 +46,18 @@ def read_configuration(space: ConfigurationSpace, q: Any, argument: str) -> Arra
 
 def read_joint_values(space: ConfigurationSpace, values: Any, argument: str, default: ArrayLike) -> Array:
     """One number for each entry of q, (nq,); see `ConfigurationSpace.joint_values`."""
+    others = _default(default, space.nq)
     if isinstance(values, Mapping):
-        return _from_names(space, values, argument, _default(default, space.nq))
+        return _from_names(space, values, argument, others)
     array = _numbers(values, argument, _sizes(space))
     return _kept(space, array) if array.ndim else np.full(space.nq, array)
 
 
 def read_velocity_values(space: ConfigurationSpace, values: Any, argument: str, default: ArrayLike) -> Array:
     """One number for each velocity entry, (n,); see `ConfigurationSpace.velocity_values`."""
+    others = _default(default, space.n)
     if isinstance(values, Mapping):
-        return _velocity_from_names(space, values, argument, _default(default, space.n))
+        return _velocity_from_names(space, values, argument, others)
     robots = [space]
     while robots[-1].full is not robots[-1]:
         robots.append(robots[-1].full)
@@ -150,12 +154,3 @@ def _accepted(sizes: tuple[int, ...]) -> str:
     own, *full = sizes
     more = f", or {' or '.join(map(str, full))} for the full robot" if full else ""
     return f"{own} number{'s' if own > 1 else ''} for ik.robot{more}"
-
-
-def _shape(q: Any) -> tuple[int, ...] | None:
-    """The shape of an array-like; None for a ragged one."""
-    try:
-        shape: tuple[int, ...] = np.shape(q)
-    except ValueError:
-        return None
-    return shape

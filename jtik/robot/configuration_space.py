@@ -9,6 +9,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jtik.arguments import random_generator, text
 from jtik.errors import UnknownNameError
 from jtik.robot.configuration_input import read_configuration, read_joint_values, read_velocity_values
 from jtik.robot.joint_layout import JointLayout
@@ -111,7 +112,7 @@ class ConfigurationSpace:
         Args:
             rng: a random generator, or a seed.
         """
-        return self._layout.random(np.random.default_rng(rng))
+        return self._layout.random(random_generator("rng", rng))
 
     def configuration(self, q: Any, *, argument: str = "q") -> Array:
         """A checked copy of a configuration, (nq,). Every method with a numeric argument q accepts the same forms.
@@ -200,6 +201,6 @@ class ConfigurationSpace:
 
 
 def _found(joint: str, slices: dict[str, slice]) -> slice:
-    if joint not in slices:
+    if text("joint", joint, "the name of a joint") not in slices:
         raise UnknownNameError("moving joint", joint, slices)
     return slices[joint]

@@ -9,7 +9,8 @@ from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import choice, finite_array, limits, number, positive_or_infinite
+from jtik.errors import ArgumentError
 from jtik.robot.joint_type import JointType
 from jtik.types import Array
 
@@ -54,9 +55,12 @@ class DHRow:
 
     def __post_init__(self) -> None:
         for name in ("a", "alpha", "d", "theta"):
-            object.__setattr__(self, name, float(finite_array(f"DHRow.{name}", getattr(self, name), ())))
-        if self.joint not in JOINT_TYPES:
-            raise ArgumentError("DHRow.joint", self.joint, ", ".join(get_args(DHJoint)))
+            object.__setattr__(self, name, number(f"DHRow.{name}", getattr(self, name)))
+        choice("DHRow.joint", self.joint, get_args(DHJoint))
+        for name, value in zip(("lower", "upper"), limits("DHRow limits", self.lower, self.upper), strict=True):
+            object.__setattr__(self, name, value)
+        speed = positive_or_infinite("DHRow.velocity_limit", self.velocity_limit)
+        object.__setattr__(self, "velocity_limit", speed)
 
     def before_joint(self, convention: Convention) -> Array:
         """The constant part of the row's transform before the motion of the joint, shape (4, 4)."""
@@ -86,8 +90,13 @@ def as_row(index: int, row: DHRowLike) -> DHRow:
     if isinstance(row, Mapping):
         if not {"a", "alpha"} <= set(row) <= set(names):
             raise ArgumentError(f"rows, row {index}", f"keys {list(row)}", f"a and alpha, perhaps {names[2:]}")
-        return DHRow(**row)
-    a, alpha, d, theta = (float(value) for value in finite_array(f"rows, row {index}", row, (4,)))
+        try:
+            return DHRow(**row)
+        except ArgumentError as error:
+            argument = error.argument.replace("DHRow", f"joint 'joint{index}'")
+            raise ArgumentError(argument, error.given, error.accepted) from None
+    accepted = "a jtik.robot.DHRow, a dict with its fields, or (a, alpha, d, theta)"
+    a, alpha, d, theta = finite_array(f"rows, row {index}", row, (4,), accepted).tolist()
     return DHRow(a, alpha, d, theta)
 
 

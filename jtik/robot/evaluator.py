@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import finite_array
+from jtik.errors import ArgumentError
 from jtik.robot.row_indexing import by_rows
 from jtik.symbolic import SX, Expression, Function, function, is_symbolic, symbol, vertcat
 

@@ -88,12 +88,6 @@ UNWEIGHTED = WeightedCoordinates()
 """The coordinates without weights."""
 
 
-def _has_booleans(given: Any) -> bool:
-    """Whether one of the weights is True or False, which would count as 1 or 0."""
-    entries = given if isinstance(given, (list, tuple)) else [given]
-    return any(isinstance(each, (bool, np.bool_)) or getattr(each, "dtype", None) == np.bool_ for each in entries)
-
-
 def read_weights(space: ConfigurationSpace, weights: Any) -> Array | None:
     """The weights of the velocity entries (n,), from the argument ``weights`` of a solver; None for none.
 
@@ -107,8 +101,7 @@ def read_weights(space: ConfigurationSpace, weights: Any) -> Array | None:
     """
     if weights is None:
         return None
-    given = list(weights.values()) if isinstance(weights, Mapping) else weights
-    found = None if _has_booleans(given) else space.velocity_values(weights, default=1.0, argument="weights")
-    if found is None or not ((found > 0).all() and found.max() <= LARGEST_RATIO * found.min()):
+    found = space.velocity_values(weights, default=1.0, argument="weights")
+    if not ((found > 0).all() and found.max() <= LARGEST_RATIO * found.min()):
         raise ArgumentError("weights", weights, f"{ACCEPTED}; joints= leaves out a joint that is not to move")
     return found

@@ -27,9 +27,9 @@ def jacobian_rows(rows: JacobianRows, dimension: int) -> slice | None:
     """The indices of ``rows`` in a geometric Jacobian (6, n); None for all. Raises ArgumentError for anything else."""
     if rows is None:
         return None
-    if rows == "linear":
+    if isinstance(rows, str) and rows == "linear":
         return slice(0, dimension)
-    if rows == "angular":
+    if isinstance(rows, str) and rows == "angular":
         return slice(3 if dimension == 3 else 5, 6)
     raise ArgumentError("rows", rows, "'linear', 'angular', or None for all six")
 

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from jtik.errors import ArgumentError, UnknownNameError, finite_array
+from jtik.arguments import finite_array, mapping, non_negative_number, several
+from jtik.errors import ArgumentError, UnknownNameError
 from jtik.geometry import Solid
 from jtik.robot.tree import frozen
 from jtik.types import Array
@@ -28,10 +29,7 @@ class Mass:
     center: Array = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:
-        mass = float(finite_array("Mass.mass", self.mass, ()))
-        if mass < 0:
-            raise ArgumentError("Mass.mass", mass, "a non-negative mass [kg]")
-        object.__setattr__(self, "mass", mass)
+        object.__setattr__(self, "mass", non_negative_number("Mass.mass", self.mass, "a non-negative mass [kg]"))
         object.__setattr__(self, "center", frozen(finite_array("Mass.center", self.center, (3,))))
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -40,7 +38,7 @@ class Mass:
 
 def masses_on(frames: Sequence[str], masses: Mapping[str, Mass] | None) -> dict[str, Mass]:
     """The masses by frame, without those that are zero; raises UnknownNameError for a frame that does not exist."""
-    given = dict(masses or {})
+    given = {} if masses is None else mapping("masses", masses, "a dict from frame to jtik.robot.Mass, or None")
     for frame, mass in given.items():
         _check_frame("mass", frame, frames)
         if not isinstance(mass, Mass):
@@ -50,12 +48,18 @@ def masses_on(frames: Sequence[str], masses: Mapping[str, Mass] | None) -> dict[
 
 def shapes_on(frames: Sequence[str], shapes: Mapping[str, Sequence[Solid]] | None) -> dict[str, tuple[Solid, ...]]:
     """The shapes by frame; raises UnknownNameError for a frame that does not exist."""
-    given = {frame: tuple(solids) for frame, solids in (shapes or {}).items()}
+    accepted = "a jtik.Sphere, Capsule, Cylinder or Box"
+    named = (
+        {} if shapes is None else mapping("shapes", shapes, f"a dict from frame to a list, each {accepted}; or None")
+    )
+    given = {
+        frame: several(f"shapes[{frame!r}]", solids, f"a list, each {accepted}") for frame, solids in named.items()
+    }
     for frame, solids in given.items():
         _check_frame("shape", frame, frames)
         for solid in solids:
             if not isinstance(solid, Solid):
-                raise ArgumentError(f"shapes[{frame!r}]", solid, "a jtik.Sphere, Capsule, Cylinder or Box")
+                raise ArgumentError(f"shapes[{frame!r}]", solid, accepted)
     return {frame: solids for frame, solids in given.items() if solids}
 
 

@@ -7,6 +7,7 @@ from functools import cached_property, partial
 from types import MappingProxyType
 from typing import Any
 
+from jtik.arguments import flag, instance, mapping, several, text
 from jtik.errors import ArgumentError, ImmutableError, UnknownNameError
 from jtik.geometry import Solid
 from jtik.robot import skeleton
@@ -63,24 +64,29 @@ class Robot(ConfigurationSpace, Builders):
         keyframes: Mapping[str, object] | None = None,
         neutral: object = None,
     ) -> None:
-        self._joints = tuple(joints)
+        self._joints = several("joints", joints, "a list of jtik.Joint")
+        for joint in self._joints:
+            instance("joints", joint, Joint, "a list of jtik.Joint")
+        planar, base = flag("planar", planar, "whether the workspace is the x-y plane"), text("base", base)
         check_tree(self._joints, base)
         if planar:
             check_planar(self._joints)
-        self._name, self._planar, self._base = name, bool(planar), base
+        self._name, self._planar, self._base = text("name", name, "the name of the robot"), planar, base
         self._layout = JointLayout.of(self._joints)
         if neutral is not None:
             self._layout = self._layout.with_neutral(self.configuration(neutral, argument="neutral"))
         self._carrier = {joint.child: joint for joint in self._joints}
         self._paths: dict[str, tuple[Joint, ...]] = {base: ()}
-        self._tip = self.frame_names[-1] if tip is None else tip
+        self._tip = self.frame_names[-1] if tip is None else text("tip", tip, "the name of a frame, or None")
         if self._tip not in self.frame_names[self.n > 0 :]:
             raise UnknownNameError("tip frame", self._tip, self._carrier)
         self._masses = masses_on(self.frame_names, masses)
         self._shapes = shapes_on(self.frame_names, shapes)
         self._evaluator = Evaluator(self)
+        accepted = "a dict from name to configuration, or None"
+        named = {} if keyframes is None else mapping("keyframes", keyframes, accepted)
         self._keyframes = {
-            key: frozen(self.configuration(q, argument=f"keyframes[{key!r}]")) for key, q in (keyframes or {}).items()
+            key: frozen(self.configuration(q, argument=f"keyframes[{key!r}]")) for key, q in named.items()
         }
         self._latest: list[tuple[Expression, Kinematics]] = []
         self._sealed = True
@@ -219,6 +225,8 @@ class Robot(ConfigurationSpace, Builders):
         """
         if frame is None:
             return self._tip
+        if not isinstance(frame, str):
+            raise ArgumentError("frame", repr(frame), "the name of a frame, or None for the tip")
         if frame != self._base and frame not in self._carrier:
             raise UnknownNameError("frame", frame, self.frame_names)
         return frame

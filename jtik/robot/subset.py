@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik.arguments import names
 from jtik.errors import UnknownNameError
 from jtik.robot.joint_type import JointType
 from jtik.robot.tree import Joint, frozen
@@ -53,7 +54,7 @@ def locked_joints(robot: Robot, keep: Iterable[str], q: Array) -> tuple[Joint, .
     Raises:
         UnknownNameError: when a joint to keep is no joint with a position of its own.
     """
-    kept = {keep} if isinstance(keep, str) else set(keep)
+    kept = set(names("joints", keep, "names of joints"))
     for name in sorted(kept.difference(robot.joint_names)):
         raise UnknownNameError("independent joint", name, robot.joint_names)
 

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from jtik.errors import ArgumentError, UnknownNameError, finite_array
+from jtik.arguments import finite_array, limits, number, positive_or_infinite, text
+from jtik.errors import ArgumentError, UnknownNameError
 from jtik.robot.joint_type import JointType
 from jtik.types import Array
 
@@ -40,8 +41,10 @@ class Mimic:
     offset: float = 0.0
 
     def __post_init__(self) -> None:
-        finite_array("Mimic.offset", self.offset, ())
-        if float(finite_array("Mimic.multiplier", self.multiplier, ())) == 0.0:
+        text("Mimic.joint", self.joint, "the name of a joint")
+        object.__setattr__(self, "offset", number("Mimic.offset", self.offset))
+        object.__setattr__(self, "multiplier", number("Mimic.multiplier", self.multiplier))
+        if self.multiplier == 0.0:
             raise ArgumentError("Mimic.multiplier", self.multiplier, "a non-zero number")
 
 
@@ -77,16 +80,17 @@ class Joint:
     mimic: Mimic | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
-        who = f"joint {self.name!r}"
+        who = f"joint {text('Joint.name', self.name)!r}"
+        for attribute in ("parent", "child"):
+            text(f"{who} {attribute}", getattr(self, attribute), "the name of a frame")
+        if self.mimic is not None and not isinstance(self.mimic, Mimic):
+            raise ArgumentError(f"{who} mimic", repr(self.mimic), "a jtik.robot.Mimic, such as Mimic('elbow'), or None")
         if not isinstance(self.type, JointType):
             raise ArgumentError(f"{who} type", self.type, ", ".join(str(kind) for kind in JointType))
         object.__setattr__(self, "origin", frozen(_pose(f"{who} origin", self.origin)))
         object.__setattr__(self, "axis", frozen(_unit(f"{who} axis", self.axis)))
-        lower, upper, speed = float(self.lower), float(self.upper), float(self.velocity_limit)
-        if not (lower <= upper and lower < math.inf and upper > -math.inf):
-            raise ArgumentError(f"{who} limits", f"lower {lower:g}, upper {upper:g}", "lower <= upper, no NaN")
-        if not speed > 0:
-            raise ArgumentError(f"{who} velocity_limit", speed, "a positive number or inf")
+        lower, upper = limits(f"{who} limits", self.lower, self.upper)
+        speed = positive_or_infinite(f"{who} velocity_limit", self.velocity_limit, "a positive number or inf")
         for attribute, value in (("lower", lower), ("upper", upper), ("velocity_limit", speed)):
             object.__setattr__(self, attribute, value)
         if not self.type.is_scalar:

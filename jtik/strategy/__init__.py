@@ -1,7 +1,7 @@
 """The contract of a strategy: the local model it gets, the update it returns, and the two base classes to write one.
 
 `Composition` joins a task displacement and a null-space displacement; `Programmed` takes one displacement from
-quadratic programs. Merit functions, backtracking, limits of a step and checks of options are shared by all strategies.
+quadratic programs. Merit functions, backtracking, limits of a step and kinds of options are shared by all strategies.
 """
 
 from typing import Any
@@ -17,12 +17,15 @@ from jtik.strategy.feasibility_restoration import FeasibilityRestoration
 from jtik.strategy.level_merit import LevelMerit
 from jtik.strategy.merit import Merit, Verdict
 from jtik.strategy.model import LocalModel
-from jtik.strategy.option_checks import (
-    check_choice,
-    check_gain,
-    check_non_negative,
-    check_positive,
-    check_step_limit,
+from jtik.strategy.options import (
+    AngleLimit,
+    LengthLimit,
+    NonNegative,
+    Positive,
+    PositiveInteger,
+    Share,
+    StepLimit,
+    read_options,
 )
 from jtik.strategy.programmed import Programmed, Proposal
 from jtik.strategy.step_limits import limited_box, not_outward, within_step_limit
@@ -31,20 +34,27 @@ from jtik.strategy.weighted_merit import WeightedMerit
 __all__ = [
     "Acceptance",
     "AdaptiveDamping",
+    "AngleLimit",
     "Backtracking",
     "Composition",
     "Evaluation",
     "FeasibilityRestoration",
+    "LengthLimit",
     "LevelMerit",
     "LocalModel",
     "Merit",
+    "NonNegative",
     "NullSpaceDisplacement",
     "Outcome",
+    "Positive",
+    "PositiveInteger",
     "Programmed",
     "Proposal",
     "SecondaryTerm",
     "Shape",
+    "Share",
     "State",
+    "StepLimit",
     "Strategy",
     "StrategyError",
     "TaskDisplacement",
@@ -54,13 +64,9 @@ __all__ = [
     "WeightedMerit",
     "acceptance_beside",
     "adapted_fraction",
-    "check_choice",
-    "check_gain",
-    "check_non_negative",
-    "check_positive",
-    "check_step_limit",
     "limited_box",
     "not_outward",
+    "read_options",
     "within_step_limit",
 ]
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from jtik.strategy.base import State
 from jtik.strategy.displacement import Outcome
+from jtik.strategy.options import Positive, read_options
 from jtik.symbolic import Expression, fmax, fmin, if_else, logic_and
 from jtik.types import Array
 
@@ -24,6 +25,9 @@ class Backtracking:
 
     active: bool = True
     name: str = "fraction"
+
+    def __post_init__(self) -> None:
+        read_options(self)
 
     def initial_state(self) -> Mapping[str, Array]:
         """The fraction 1."""
@@ -72,9 +76,12 @@ class AdaptiveDamping:
         name: name of the state.
     """
 
-    increase: float
-    decrease: float
+    increase: Positive
+    decrease: Positive
     name: str = "damping"
+
+    def __post_init__(self) -> None:
+        read_options(self)
 
     def initial_state(self) -> Mapping[str, Array]:
         """No damping."""

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 from jtik.strategy.evaluation import Evaluation
 from jtik.strategy.model import LocalModel
+from jtik.strategy.options import read_options
 from jtik.symbolic import Expression
 from jtik.types import Array
 
@@ -102,6 +103,10 @@ class Strategy(ABC):
                 "compromises": "is_soft",
             },
         )
+
+    def __post_init__(self) -> None:
+        """Read the options of a dataclass by their annotations, see `jtik.strategy.options`."""
+        read_options(self)
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
         """The state a solve starts from: one-dimensional arrays by name."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+import traceback
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
+from jtik import arguments
 from jtik.errors import ArgumentError, JtikError, UnknownNameError
 from jtik.strategy.errors import StrategyError, described, raised, shown
 from jtik.symbolic import MX, SX, Expression, is_symbolic, no_silent_float, numbers, symvar, vec, vertcat
@@ -174,8 +176,6 @@ def _symbols(values: Iterable[Expression]) -> set[int]:
 
 def _about_strategy(error: Exception) -> bool:
     """Whether an error is about what a strategy gave to the engine."""
-    frame = error.__traceback__
-    while frame is not None and frame.tb_next is not None:
-        frame = frame.tb_next
-    file = frame.tb_frame.f_code.co_filename if frame else ""
+    files = [frame.filename for frame in traceback.extract_tb(error.__traceback__)]
+    file = next((each for each in reversed(files) if each != arguments.__file__), "")  # which uses the readers
     return file.startswith(tuple(_ENGINE)) and not file.endswith("options.py")

@@ -27,6 +27,7 @@ from jtik.strategy.displacement import NullSpaceDisplacement, Outcome, TaskDispl
 from jtik.strategy.evaluation import Evaluation
 from jtik.strategy.merit import SUFFICIENT, penalty_falls, penalty_weight, residual_reduction
 from jtik.strategy.model import LocalModel
+from jtik.strategy.options import Part, read_options
 from jtik.symbolic import Expression, dot, fabs, fmax, if_else, is_symbolic, logic_and, logic_or, ratio, sumsqr
 from jtik.symbolic.factorization import RowVector
 from jtik.types import Array
@@ -63,7 +64,7 @@ class TaskStep(ABC):
         return {}
 
 
-class SecondaryTerm(ABC):
+class SecondaryTerm(Part, ABC):
     """The part of a composition that lowers H without moving the end effector, to first order.
 
     Attributes:
@@ -79,6 +80,10 @@ class SecondaryTerm(ABC):
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
         take_renamed(cls, {"solves_programs": "uses_qp", "keeps_clear": "supports_clearances"})
+
+    def __post_init__(self) -> None:
+        """Read the options of a dataclass by their annotations, see `jtik.strategy.options`."""
+        read_options(self)
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
         """State carried between updates."""

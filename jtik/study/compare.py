@@ -15,11 +15,12 @@ from numpy.typing import ArrayLike
 
 from jtik._loop.fingerprint import fingerprint
 from jtik._loop.options import Until, read_executor, read_search_options, read_settings
+from jtik.arguments import flag, instance, instances, integer, positive_integer
 from jtik.constraints.clearance import Clearance, clearances_of
 from jtik.criterion.base import Criterion, CriterionSum
 from jtik.errors import ArgumentError
 from jtik.problems import Case, ProblemSet
-from jtik.progress import Progress, watched
+from jtik.progress import Progress, read_progress, watched
 from jtik.robot import Robot
 from jtik.study.comparison import Comparison
 from jtik.study.contender import Setting
@@ -31,8 +32,11 @@ from jtik.study.strategies import contenders_of
 from jtik.study.unit_runner import UnitRunner
 from jtik.study.work_units import StudyPlan
 from jtik.task import Task
+from jtik.task.reduction import joints_of
 
 Criteria = Criterion | CriterionSum | None
+
+_TASK = "a jtik.Task such as jtik.FrameTask, or a list of them"
 
 
 def compare(
@@ -112,13 +116,11 @@ def compare(
     """
     read_search_options(restarts, seed, max_iterations)
     read_settings(position_tolerance, orientation_tolerance, optimality_tolerance, until)
-    if not isinstance(limits, (bool, np.bool_)):
-        raise ArgumentError(
-            "limits", limits, "True or False: whether position limits apply; a study has no other limits"
-        )
+    limits = flag("limits", limits, "whether position limits apply; a study has no other limits")
+    progress, seed = read_progress(progress), integer("seed", seed)
     setting = Setting(
         robot=robot,
-        task=task if isinstance(task, Task) or not isinstance(task, Iterable) else tuple(task),
+        task=instances("task", task, Task, _TASK),  # type: ignore[type-abstract]
         position_tolerance=float(position_tolerance),
         orientation_tolerance=float(orientation_tolerance),
         optimality_tolerance=float(optimality_tolerance),
@@ -126,10 +128,10 @@ def compare(
         until=until,
         restarts=int(restarts),
         seed=int(seed),
-        limits=bool(limits),
-        joints=joints if joints is None or isinstance(joints, str) else tuple(joints),
+        limits=limits,
+        joints=joints_of(joints),
         at=None if at is None else np.array(_checked(robot).configuration(at, argument="at")),
-        compiled=bool(compiled),
+        compiled=flag("compiled", compiled, "whether steps run as generated C"),
         clearances=clearances_of(clearances),
     )
     _checked(robot)
@@ -142,9 +144,9 @@ def compare(
         contenders=contenders_of(strategies),
         criteria=labelled,
         problems=select_problems(problems, setting, measures, count=count, seed=seed),
-        repeats=_counted("repeats", repeats, 1),
-        traces=_counted("traces", traces, 0),
-        block=_counted("block", block, 1),
+        repeats=positive_integer("repeats", repeats),
+        traces=integer("traces", traces),
+        block=positive_integer("block", block),
     )
     read_executor(executor)
     runner = _checked_runner(plan)
@@ -165,9 +167,7 @@ def compare(
 
 
 def _checked(robot: Robot) -> Robot:
-    if not isinstance(robot, Robot):
-        raise ArgumentError("robot", robot, "a jtik.Robot")
-    return robot
+    return instance("robot", robot, Robot, "a jtik.Robot")
 
 
 def _labelled(criteria: Any) -> dict[str, Criteria]:
@@ -180,12 +180,6 @@ def _labelled(criteria: Any) -> dict[str, Criteria]:
     for own in criteria.values():
         CriterionSum.of(own)
     return {str(label): own for label, own in criteria.items()}
-
-
-def _counted(argument: str, value: Any, smallest: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < smallest:
-        raise ArgumentError(argument, value, "a positive integer" if smallest else "a non-negative integer")
-    return int(value)
 
 
 def _checked_runner(plan: StudyPlan) -> UnitRunner:

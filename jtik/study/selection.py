@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from jtik import problems as generators
+from jtik.arguments import positive_integer, several
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.problems import Case, ProblemSet
 from jtik.study.contender import Setting
@@ -46,6 +47,7 @@ def select_problems(
         ArgumentError: for no problem, or problems that cannot be drawn.
         UnknownNameError: for an unknown kind.
     """
+    count = positive_integer("count", count)
     if isinstance(given, ProblemSet):
         selected = given
     elif isinstance(given, Case):
@@ -54,16 +56,14 @@ def select_problems(
         selected = _drawn({given: count}, setting, measures, seed)
     elif isinstance(given, Mapping):
         selected = _drawn(given, setting, measures, seed)
-    elif isinstance(given, Iterable):
-        several = list(given)
-        if several and all(isinstance(each, Case) for each in several):
-            selected = ProblemSet("problems", tuple(several))
-        elif several and all(isinstance(each, str) for each in several):
-            selected = _drawn(dict.fromkeys(several, count), setting, measures, seed)
+    else:
+        chosen = several("problems", given, _ACCEPTED)
+        if chosen and all(isinstance(each, Case) for each in chosen):
+            selected = ProblemSet("problems", chosen)
+        elif chosen and all(isinstance(each, str) for each in chosen):
+            selected = _drawn(dict.fromkeys(chosen, count), setting, measures, seed)
         else:
             raise ArgumentError("problems", given, _ACCEPTED)
-    else:
-        raise ArgumentError("problems", given, _ACCEPTED)
     if not len(selected):
         raise ArgumentError("problems", given, "at least one case")
     return selected

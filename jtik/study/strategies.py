@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from typing import Any
 
 import numpy as np
 
+from jtik.arguments import flag, several
+from jtik.arguments import name as read_name
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.qp import Backend
 from jtik.registry import secondaries, strategies
@@ -42,8 +44,14 @@ class StrategyContender(Contender):
         compiled: bool | None = None,
         label: str | None = None,
     ) -> None:
-        if not isinstance(strategy, (str, Strategy)):
-            raise ArgumentError("strategies", strategy, "a name, a jtik.Strategy, or a jtik.study.Contender")
+        if not isinstance(strategy, (str, Strategy)) or strategy == "":
+            raise ArgumentError("strategy", strategy, "a name, or a jtik.Strategy")
+        if not (solver is None or isinstance(solver, Backend)):
+            read_name("solver", solver, "the name of a solver of quadratic programs, a jtik.qp.Backend, or None")
+        if compiled is not None:
+            compiled = flag("compiled", compiled, "whether it runs as generated C; or None")
+        if label is not None:
+            read_name("label", label, "a name, or None")
         self.strategy, self.solver, self.compiled = strategy, solver, compiled
         own = strategy if isinstance(strategy, str) else described(strategy)
         extra = [f"solver={solver}"] if solver else []
@@ -125,13 +133,12 @@ def contenders_of(given: Any) -> dict[str, Contender]:
     """
     if isinstance(given, (str, Strategy, Contender)):
         given = [given]
-    if not isinstance(given, Iterable):
-        raise ArgumentError("strategies", given, "names, jtik.Strategy objects or jtik.study.Contender objects")
     if isinstance(given, Mapping):
         found = {str(label): _contender(each)[1] for label, each in given.items()}
     else:
         found = {}
-        for each in given:
+        accepted = "names, jtik.Strategy objects or jtik.study.Contender objects"
+        for each in several("strategies", given, accepted):
             own, contender = _contender(each)
             label, number = own, 1
             while label in found:
@@ -154,6 +161,8 @@ def _contender(given: Any) -> tuple[str, Contender]:
             return given, peers.named(given.removeprefix(PEER))
         except UnknownNameError as error:
             return given, UnknownContender(given, error)
+    if not isinstance(given, (str, Strategy)) or given == "":
+        raise ArgumentError("strategies", given, "a name, a jtik.Strategy, or a jtik.study.Contender")
     contender = StrategyContender(given)
     return contender.label, contender
 

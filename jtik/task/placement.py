@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError
+from jtik.arguments import choice
+from jtik.arguments import name as read_name
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, atan2, cos, reshape, rigid_motion, rotation, sin, vertcat
 from jtik.task.base import TaskRows
@@ -54,12 +55,10 @@ class PlacementTask(WeightedTask):
         name: str | None,
         error: ErrorForm = "separate",
     ) -> None:
-        if kind not in ("position", "orientation", "pose"):
-            raise ArgumentError("kind", kind, "'position', 'orientation' or 'pose'")
-        if error not in ("separate", "logarithm"):
-            raise ArgumentError("error", error, "'separate' or 'logarithm'")
-        super().__init__(stiffness=stiffness, priority=priority, name=name or frame)
-        self.frame = frame
+        choice("kind", kind, get_args(Kind))
+        choice("error", error, get_args(ErrorForm))
+        self.frame = read_name("frame", frame)
+        super().__init__(stiffness=stiffness, priority=priority, name=self.frame if name is None else name)
         self.kind: Kind = kind
         self.axes = named(axes)
         self.error: ErrorForm = error

@@ -13,7 +13,9 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import array_of
+from jtik.arguments import name as read_name
+from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import (
     Expression,
@@ -71,12 +73,13 @@ class PointingTask(WeightedTask):
         priority: int = 0,
         name: str | None = None,
     ) -> None:
-        super().__init__(stiffness=stiffness, priority=priority, name=name or frame)
-        given = finite_array("axis", axis, (None,))
+        self.frame = read_name("frame", frame)
+        super().__init__(stiffness=stiffness, priority=priority, name=self.frame if name is None else name)
+        accepted = "a direction (x, y, z) in the frame, or (x, y), not zero"
+        given = array_of("axis", axis, [(2,), (3,)], accepted)
         length = math.hypot(*given.tolist())
-        if given.shape not in ((2,), (3,)) or not SHORTEST <= length < math.inf:
-            raise ArgumentError("axis", axis, "a direction (x, y, z) in the frame, or (x, y), not zero")
-        self.frame = frame
+        if not SHORTEST <= length < math.inf:
+            raise ArgumentError("axis", axis, accepted)
         self.axis = np.zeros(3)
         self.axis[: len(given)] = given / length
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from jtik.errors import ArgumentError, several
+from jtik.arguments import names
+from jtik.errors import ArgumentError
 from jtik.robot import Robot
 from jtik.task import Task, TaskStack
 
@@ -13,11 +14,7 @@ def joints_of(given: object) -> str | tuple[str, ...] | None:
     """The argument ``joints`` of a solver. Raises ArgumentError for what is neither a name nor several."""
     if given is None or isinstance(given, str):
         return given
-    accepted = 'names of joints, "all", or None for those on which the tasks depend'
-    names = several("joints", given, accepted)
-    if not all(isinstance(name, str) for name in names):
-        raise ArgumentError("joints", list(names), accepted)
-    return names
+    return names("joints", given, 'names of joints, "all", or None for those on which the tasks depend')
 
 
 def reduced(
@@ -38,6 +35,7 @@ def reduced(
     """
     if robot.n == 0:
         raise ArgumentError("robot", robot, "a robot with joints that move")
+    at = None if at is None else robot.configuration(at, argument="at")
     stack = TaskStack.of(robot, task)
     moving = stack.moving_joints()
     if not moving:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
+from jtik.arguments import name as read_name
 from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression
@@ -49,10 +50,10 @@ class RelativeFrameTask(PlacementTask):
         name: str | None = None,
         error: ErrorForm = "separate",
     ) -> None:
+        super().__init__(frame, kind, axes=axes, stiffness=stiffness, priority=priority, name=name, error=error)
+        self.reference = read_name("reference", reference)
         if reference == frame:
             raise ArgumentError("reference", reference, "a frame other than the one to bring to the target")
-        super().__init__(frame, kind, axes=axes, stiffness=stiffness, priority=priority, name=name, error=error)
-        self.reference = reference
 
     def __repr__(self) -> str:
         return f"RelativeFrameTask({self.frame!r}, {self.reference!r}, kind={self.kind!r})"

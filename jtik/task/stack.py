@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from jtik.arguments import instances
 from jtik.errors import ArgumentError
 from jtik.result.deprecated import RenamedAttribute
 from jtik.robot import Kinematics, Robot
@@ -54,15 +55,8 @@ class TaskStack:
         Raises:
             ArgumentError: for no task, for anything that is not a task, or for a name that repeats.
         """
-        if isinstance(tasks, Task):
-            chosen: tuple[Task, ...] = (tasks,)
-        elif isinstance(tasks, Iterable) and not isinstance(tasks, str):
-            chosen = tuple(tasks)
-        else:
-            raise ArgumentError("task", tasks, "a jtik.Task such as jtik.FrameTask, or a list of them")
-        for task in chosen:
-            if not isinstance(task, Task):
-                raise ArgumentError("task", task, "a jtik.Task such as jtik.FrameTask, or a list of them")
+        accepted = "a jtik.Task such as jtik.FrameTask, or a list of them"
+        chosen: tuple[Task, ...] = instances("task", tasks, Task, accepted)  # type: ignore[type-abstract]
         names = [task.name for task in chosen]
         if not chosen or len(set(names)) != len(names):
             raise ArgumentError("task", names, "at least one task, each with a name of its own: name=...")

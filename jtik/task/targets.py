@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from jtik.arguments import numeric_array
 from jtik.errors import ArgumentError
 from jtik.types import Array
 
@@ -82,7 +83,7 @@ def read_placement(target: Any, kind: Kind, dimension: int, accepted: str) -> Ar
     """
     given = target
     planar = dimension == 2
-    if hasattr(target, "as_matrix"):
+    if _has_matrix(target):
         target = target.as_matrix()
         numbers = None if planar else read_fast(target, kind)
         if numbers is not None:
@@ -117,7 +118,12 @@ def _is_pair(target: Any) -> bool:
     """Whether a target is a pair (position, rotation)."""
     if not isinstance(target, (tuple, list)) or len(target) != 2:
         return False
-    return isinstance(target[0], (tuple, list, np.ndarray)) or hasattr(target[1], "as_matrix")
+    return isinstance(target[0], (tuple, list, np.ndarray)) or _has_matrix(target[1])
+
+
+def _has_matrix(target: Any) -> bool:
+    """Whether a target is an object, not a class, with a method ``as_matrix``."""
+    return hasattr(target, "as_matrix") and not isinstance(target, type)
 
 
 def _is_pose(target: Any) -> bool:
@@ -137,13 +143,9 @@ def _numbers(position: Array, R: Array, kind: Kind, planar: bool) -> Array:
 
 def as_numbers(target: Any, given: object, accepted: str) -> Array:
     """``target`` as a new float64 array. Raises ArgumentError, showing ``given``, unless it is finite numbers."""
-    try:
-        raw = np.asarray(target)
-    except ValueError:  # ragged
-        raise ArgumentError("target", given, accepted) from None
-    if raw.dtype.kind not in "fiu":
+    array = numeric_array(target)
+    if array is None:
         raise ArgumentError("target", given, accepted)
-    array = np.array(raw, dtype=np.float64)
     if not np.isfinite(array).all():
         raise ArgumentError("target", given, f"finite numbers: {accepted}")
     return array
@@ -166,7 +168,7 @@ def from_quaternion(quaternion: Array, given: object) -> Array:
 
 def _from_pair(position: Any, rotation: Any, dimension: int, given: object, accepted: str) -> Array:
     """The pose (4, 4) of a position and a rotation in any form; a planar position may be (x, y)."""
-    if hasattr(rotation, "as_matrix"):
+    if _has_matrix(rotation):
         rotation = rotation.as_matrix()
     p, R = as_numbers(position, given, accepted), as_numbers(rotation, given, accepted)
     if p.shape not in ((dimension,), (3,)) or R.shape not in ((4,), (3, 3)):

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jtik.arguments import array_of, integer, names, several
+from jtik.arguments import name as read_name
 from jtik.errors import ArgumentError
 from jtik.task.base import Task
 from jtik.types import Array
@@ -28,16 +30,13 @@ class WeightedTask(Task):
     """
 
     def __init__(self, *, stiffness: ArrayLike, priority: int, name: str) -> None:
-        if not isinstance(priority, int) or priority < 0:
-            raise ArgumentError("priority", priority, "a non-negative integer; 0 is the highest level")
-        self.priority = priority
-        self.name = name
-        accepted = "a finite scalar, one value for each row, or a square matrix"
-        try:
-            self.stiffness = np.array(stiffness, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise ArgumentError("stiffness", stiffness, accepted) from None
-        if self.stiffness.ndim > 2 or not np.all(np.isfinite(self.stiffness)):
+        self.priority = integer("priority", priority, accepted="a non-negative integer; 0 is the highest level")
+        self.name = read_name("name", name)
+        accepted = "a positive scalar, a positive value for each row, or a symmetric positive definite matrix"
+        self.stiffness = array_of("stiffness", stiffness, [(), (None,), (None, None)], accepted)
+        rows, *columns = self.stiffness.shape or (1,)
+        positive = bool(columns) or bool((self.stiffness > 0).all())
+        if not rows or columns not in ([], [rows]) or not positive:
             raise ArgumentError("stiffness", stiffness, accepted)
 
     def weight(self, rows: int) -> Array:
@@ -61,9 +60,13 @@ class WeightedTask(Task):
 
 def named(axes: Axes) -> tuple[str, ...] | None:
     """``axes`` as a tuple. Raises ArgumentError when it is neither names nor None."""
-    if axes is None or isinstance(axes, (str, Sequence)):
-        return None if axes is None else tuple(axes)
-    raise ArgumentError("axes", axes, "names of rows such as 'xy' or ('x', 'rz'), or None for all")
+    accepted = "distinct names from x, y, z, rx, ry, rz, such as 'xy' or ('x', 'rz'), or None for all"
+    if axes is None:
+        return None
+    chosen = names("axes", tuple(axes) if isinstance(axes, str) else several("axes", axes, accepted), accepted)
+    if not chosen:
+        raise ArgumentError("axes", axes, accepted)
+    return chosen
 
 
 def kept(axes: tuple[str, ...] | None, names: Sequence[str], of: str = "") -> list[int]:

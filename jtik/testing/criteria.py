@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jtik.arguments import instance, integer, random_generator, several
 from jtik.criterion import Criterion, CriterionTerms
 from jtik.errors import ArgumentError
 from jtik.geometry import Circle, Sphere
@@ -53,11 +54,16 @@ def check_criterion(
         AssertionError: when the criterion violates the contract; the message contains how, and at which q.
         JtikError: when the solver refuses the criterion.
     """
+    instance("robot", robot, Robot, "a jtik.Robot")
+    generator = random_generator("rng", rng)
+    if not isinstance(samples, int) or isinstance(samples, bool):
+        samples = several("samples", samples, "a number of configurations, or configurations (nq,)")
+    else:
+        samples = integer("samples", samples)
     who = f"criterion {getattr(criterion, 'name', criterion)!r}"
     require(isinstance(criterion, Criterion), f"{who} must be a jtik.Criterion, not {type(criterion).__name__}")
     require(isinstance(getattr(criterion, "name", None), str) and bool(criterion.name), f"{who} must have a name")
     _check_parameters(who, criterion, robot)
-    generator = np.random.default_rng(rng)
     terms = CriterionTerms.of(robot, criterion)
     q, parameters = symbol("q", robot.nq), terms.parameters.symbols()
     (H,) = terms.values(robot.at(q), parameters)
@@ -146,7 +152,7 @@ def _check_parameters(who: str, criterion: Criterion, robot: Robot) -> None:
 
 def _samples(robot: Robot, samples: int | Iterable[ArrayLike], generator: np.random.Generator) -> list[Array]:
     if not isinstance(samples, int):
-        return [np.array(sample, dtype=float) for sample in samples]
+        return [robot.configuration(sample, argument="samples") for sample in samples]
     return [robot.neutral, *[robot.random_configuration(generator) for _ in range(samples)]]
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from jtik.arguments import flag, positive_integer, positive_number, random_generator
 from jtik.registry import strategy_of
 from jtik.result.solution import Solution, Status
 from jtik.robot import Joint, JointType, Robot
@@ -55,9 +56,12 @@ def check_strategy(
         StrategyError: when a method returns what cannot be used.
         JtikError: when the solver refuses the strategy.
     """
+    samples, tolerance = positive_integer("samples", samples), positive_number("tolerance", tolerance)
+    max_iterations, generator = positive_integer("max_iterations", max_iterations), random_generator("rng", rng)
+    if monotone is not None:
+        monotone = flag("monotone", monotone, "whether V never rises in an accepted step; or None")
     checked = strategy_of(strategy)
     claims_monotone = _claims_monotone(checked) if monotone is None else monotone
-    generator = np.random.default_rng(rng)
     for robot, task, weights in _test_cases():
         for criteria in (None, posture):
             ik = InverseKinematics(robot, task, criteria=criteria, strategy=checked, weights=weights)

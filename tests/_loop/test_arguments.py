@@ -33,7 +33,19 @@ class TestInvalidInput:
                 call()
         assert ik.solve([1.0, 1.0], q0=None).q.shape == (2,)
 
-    @pytest.mark.parametrize("dtype", [np.float32, np.int64, bool])
+    @pytest.mark.parametrize(
+        "wrong",
+        [np.array(["1", "1"]), np.array([1 + 0j, 1]), np.array([True, False]), np.array([1.0, 1.0], dtype=object)],
+    )
+    def test_arrays_that_are_no_numbers_are_not_copied(self, wrong):
+        """NumPy would read them, the text as numbers, without the imaginary part, as 1 and 0."""
+        ik, good = solver(planar(2)), np.array([1.0, 0.5])
+        for call, name in ((lambda: ik.step(wrong, good), "q"), (lambda: ik.step(good, wrong), "target")):
+            with pytest.raises(jtik.ArgumentError) as caught:
+                call()
+            assert caught.value.argument == name
+
+    @pytest.mark.parametrize("dtype", [np.float32, np.int64])
     def test_other_numbers_are_read_as_floats(self, dtype):
         ik = solver(planar(2))
         q = np.array([1, 0], dtype=dtype)

@@ -79,7 +79,7 @@ def test_live_parameters_act_as_if_built_with_them(rng):
 
 @pytest.mark.parametrize("stiffness", [-1.0, [1.0, -0.1], np.nan])
 def test_a_negative_stiffness_is_refused(stiffness):
-    with pytest.raises(jtik.ArgumentError, match="^stiffness: given .*; accepted: non-negative numbers$"):
+    with pytest.raises(jtik.ArgumentError, match="^stiffness: given .*; accepted: non-negative numbers: "):
         JointCentering(stiffness)
 
 
@@ -174,7 +174,7 @@ class TestPreferred:
 
     @pytest.mark.parametrize("argument", ["stiffness", "preferred"])
     def test_a_value_that_is_not_numeric_is_refused(self, argument):
-        with pytest.raises(jtik.ArgumentError, match=f"^{argument}: given .*; accepted: numbers, one for each"):
+        with pytest.raises(jtik.ArgumentError, match=f"^{argument}: given .*; accepted: .*numbers.*one for each"):
             JointCentering(**{argument: "soft"})
-        with pytest.raises(jtik.ArgumentError, match=f"^{argument}: given .*; accepted: numbers, one for each"):
+        with pytest.raises(jtik.ArgumentError, match=f"^{argument}: given .*; accepted: .*numbers.*one for each"):
             JointCentering(**{argument: [1j, 0.0]})

@@ -13,7 +13,7 @@ FILES = sorted(Path(jtik.result.__file__).parent.glob("*.py"))
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
-def test_a_file_imports_results_errors_and_types_only(path):
+def test_a_file_imports_results_and_the_lowest_modules_only(path):
     imported = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom):
@@ -22,5 +22,6 @@ def test_a_file_imports_results_errors_and_types_only(path):
         elif isinstance(node, ast.Import):
             imported |= {alias.name for alias in node.names}
     of_jtik = {name for name in imported if name.split(".")[0] == "jtik"}
-    allowed = {name for name in of_jtik if name in ("jtik.errors", "jtik.types") or name.startswith("jtik.result")}
+    lowest = ("jtik.arguments", "jtik.errors", "jtik.types")
+    allowed = {name for name in of_jtik if name in lowest or name.startswith("jtik.result")}
     assert of_jtik == allowed

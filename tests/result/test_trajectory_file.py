@@ -161,7 +161,7 @@ def test_other_files_are_refused(path, tmp_path):
     for name in [*wrong, "c.npz", "d.npz"]:
         with pytest.raises(jtik.ArgumentError, match=re.escape(name)):
             jtik.Trajectory.load(tmp_path / name)
-    with pytest.raises(FileNotFoundError):
+    with pytest.raises(jtik.ArgumentError, match="missing.csv; accepted: the path of a file that exists"):
         jtik.Trajectory.load(tmp_path / "missing.csv")
 
 

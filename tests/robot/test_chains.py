@@ -162,7 +162,7 @@ def test_invalid_dh_tables_are_refused(rows, options, complaint):
 
 
 def test_dh_rows_are_checked():
-    with pytest.raises(ArgumentError, match=r"DHRow\.joint: given helical; accepted: revolute, prismatic"):
+    with pytest.raises(ArgumentError, match=r"DHRow\.joint: given helical; accepted: 'revolute', 'prismatic'"):
         DHRow(0, 0, joint="helical")
     with pytest.raises(ArgumentError, match=r"DHRow\.alpha: given inf"):
         DHRow(0, np.inf)

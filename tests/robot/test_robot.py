@@ -215,7 +215,7 @@ def test_unknown_parents_tips_and_leaders_are_refused():
     ("options", "complaint"),
     [
         ({"lower": 2.0, "upper": 1.0}, "joint 'j' limits: given lower 2, upper 1; accepted: lower <= upper"),
-        ({"lower": np.nan}, "joint 'j' limits: given lower nan, upper inf"),
+        ({"lower": np.nan}, "joint 'j' limits: given nan"),
         ({"lower": np.inf}, "joint 'j' limits: given lower inf, upper inf"),
         ({"velocity_limit": 0.0}, "joint 'j' velocity_limit: given 0.0"),
         ({"velocity_limit": np.nan}, "joint 'j' velocity_limit: given nan"),

@@ -80,7 +80,7 @@ def test_invalid_files_are_refused(tmp_path):
         jtik.Comparison.load(path)
     with pytest.raises(jtik.ArgumentError, match=r"\.npz"):
         jtik.Comparison.load(tmp_path / "other.csv")
-    with pytest.raises(OSError, match="absent"):
+    with pytest.raises(jtik.ArgumentError, match="absent.npz; accepted: the path of a file that exists"):
         jtik.Comparison.load(tmp_path / "absent.npz")
 
 

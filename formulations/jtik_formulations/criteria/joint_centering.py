@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik import Criterion, register_criterion
+from jtik.arguments import array_of, non_negative_number
+from jtik.arguments import name as read_name
 from jtik.criterion.short_repr import call_text
-from jtik.errors import ArgumentError, UnknownNameError, finite_array
+from jtik.errors import UnknownNameError
 from jtik.robot import JointType, Kinematics, Robot
 from jtik.symbolic import Expression, dot
 from jtik.types import Array
@@ -41,6 +43,7 @@ class JointCentering(Criterion):
     summary = "springs to preferred joint angles, zero by default"
     source = "Das, Slotine and Sheridan 1988, eq. 2.2"
     joint_parameters = ("stiffness", "preferred")
+    non_negative_parameters = ("stiffness",)
 
     def __init__(
         self,
@@ -51,7 +54,7 @@ class JointCentering(Criterion):
     ) -> None:
         self._stiffness = _stiffness(stiffness)
         self._preferred = dict(preferred) if isinstance(preferred, Mapping) else _copied("preferred", preferred)
-        self.name = name
+        self.name = read_name("name", name)
 
     def __repr__(self) -> str:
         shown = {"stiffness": self._stiffness, "preferred": self._preferred, "name": self.name}
@@ -91,24 +94,12 @@ class JointCentering(Criterion):
 def _stiffness(given: ArrayLike | Mapping[str, float]) -> Array | dict[str, float]:
     """A copy of the stiffnesses. Raises ArgumentError where one is negative or not finite."""
     if isinstance(given, Mapping):
-        named = {str(joint): float(finite_array(f"stiffness[{joint!r}]", each, ())) for joint, each in given.items()}
-        for joint, value in named.items():
-            if value < 0:
-                raise ArgumentError(f"stiffness[{joint!r}]", value, "a non-negative number")
-        return named
-    stiffness = _copied("stiffness", given)
-    if stiffness is None or not np.all((stiffness >= 0) & np.isfinite(stiffness)):
-        raise ArgumentError("stiffness", given, "non-negative numbers")
-    return stiffness
+        return {str(joint): non_negative_number(f"stiffness[{joint!r}]", each) for joint, each in given.items()}
+    accepted = "non-negative numbers: one, one for each entry of q, or a dict by joint name"
+    return array_of("stiffness", given, [(), (None,)], accepted, lambda x: (x >= 0) & np.isfinite(x))
 
 
 def _copied(argument: str, given: ArrayLike | None) -> Array | None:
     """A copy of the numbers given, or None. Raises ArgumentError for what is not numeric."""
-    if given is None:
-        return None
-    try:
-        if np.iscomplexobj(given):
-            raise TypeError("complex numbers")
-        return np.array(given, dtype=float)
-    except (TypeError, ValueError):
-        raise ArgumentError(argument, given, "numbers, one for each entry of q, or a dict by joint name") from None
+    accepted = "numbers, one for each entry of q, or a dict by joint name"
+    return None if given is None else array_of(argument, given, [(None,)], accepted)

@@ -8,8 +8,10 @@ from typing import Literal
 from numpy.typing import ArrayLike
 
 from jtik import Criterion, register_criterion
+from jtik.arguments import choice, instances, non_negative_number, positive_number
+from jtik.arguments import name as read_name
 from jtik.criterion.short_repr import call_text
-from jtik.errors import ArgumentError, finite_array
+from jtik.errors import ArgumentError
 from jtik.geometry import (
     Obstacle,
     Solid,
@@ -58,6 +60,7 @@ class ObstacleAvoidance(Criterion):
 
     summary = "log potential that repels joints, or links, from points, circles and spheres"
     source = "Das, Slotine and Sheridan 1988, eq. 2.2"
+    non_negative_parameters = ("gain", "radii")
 
     def __init__(
         self,
@@ -68,19 +71,14 @@ class ObstacleAvoidance(Criterion):
         floor: float = 0.01,
         name: str = "obstacle_avoidance",
     ) -> None:
-        self._obstacles = [obstacles] if isinstance(obstacles, Obstacle) else list(obstacles)
-        self._gain = float(finite_array("gain", gain, ()))
-        self._bodies = bodies
-        self._floor = float(finite_array("floor", floor, ()))
-        self.name = name
+        accepted = "at least one jtik.Point, jtik.Circle or jtik.Sphere"
+        self._obstacles = instances("obstacles", obstacles, Obstacle, accepted)
         if not self._obstacles:
-            raise ArgumentError("obstacles", "none", "at least one jtik.Point, jtik.Circle or jtik.Sphere")
-        if bodies not in ("joints", "links", "both", "shapes"):
-            raise ArgumentError("bodies", bodies, "'joints', 'links', 'both' or 'shapes'")
-        if not self._gain >= 0:
-            raise ArgumentError("gain", gain, "a non-negative number")
-        if not self._floor > 0:
-            raise ArgumentError("floor", floor, "a positive length [m]")
+            raise ArgumentError("obstacles", "none", accepted)
+        self._gain = non_negative_number("gain", gain)
+        self._bodies = choice("bodies", bodies, ("joints", "links", "both", "shapes"))
+        self._floor = positive_number("floor", floor, "a positive length [m]")
+        self.name = read_name("name", name)
 
     def __repr__(self) -> str:
         count = len(self._obstacles)

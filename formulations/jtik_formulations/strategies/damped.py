@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from jtik import register_strategy
-from jtik.strategy import LocalModel, check_positive
+from jtik.strategy import LocalModel, Positive
 from jtik.symbolic import Expression, if_else
 from jtik_formulations.strategies._parts.damped_least_squares import DampedLeastSquares
 
@@ -33,15 +33,11 @@ class Damped(DampedLeastSquares):
     Source: Chan and Lawrence (1988).
     """
 
-    damping: float = 0.1
+    damping: Positive = 0.1
     explore: bool = True
 
     summary = "damped least squares, damping in proportion to V, with the Q limit and backtracking"
     source = "Chan and Lawrence 1988"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_positive("damping", self.damping)
 
     def explores(self, has_criterion: bool) -> bool:
         """With backtracking, but beside a secondary term that is added without a test of the merit function."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from jtik import register_strategy
-from jtik.strategy import LocalModel, check_positive
+from jtik.strategy import LocalModel, Positive, Share
 from jtik.symbolic import Expression, fmax, ratio
 from jtik_formulations.strategies._parts.damped_least_squares import DampedLeastSquares
 
@@ -30,14 +30,10 @@ class ConstantDamped(DampedLeastSquares):
     Source: Wampler (1986).
     """
 
-    damping: float = 1e-3
+    damping: Positive = 1e-3
 
     summary = "damped least squares with constant damping"
     source = "Wampler 1986"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_positive("damping", self.damping)
 
     def damping_of(self, model: LocalModel) -> Expression:
         """The damping."""
@@ -64,14 +60,10 @@ class Sugihara(DampedLeastSquares):
     Source: Sugihara (2011), with one bias for all joints.
     """
 
-    bias: float = 1e-6
+    bias: Positive = 1e-6
 
     summary = "damped least squares, damped by V and a constant bias"
     source = "Sugihara 2011"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_positive("bias", self.bias)
 
     def damping_of(self, model: LocalModel) -> Expression:
         """V and the bias."""
@@ -99,16 +91,11 @@ class NakamuraHanafusa(DampedLeastSquares):
     Source: Nakamura and Hanafusa (1986); Yoshikawa (1985) for w.
     """
 
-    damping: float = 1e-4
-    threshold: float = 0.1
+    damping: Positive = 1e-4
+    threshold: Share = 0.1
 
     summary = "damped least squares, damped where manipulability is low"
     source = "Nakamura and Hanafusa 1986"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_positive("damping", self.damping)
-        check_positive("threshold", self.threshold)
 
     def damping_of(self, model: LocalModel) -> Expression:
         """mu0 (1 - w / w0)^2 below the threshold."""

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from jtik import register_strategy
-from jtik.errors import ArgumentError
 from jtik.strategy import (
     Acceptance,
+    AngleLimit,
     Backtracking,
     Composition,
     LocalModel,
@@ -21,7 +21,6 @@ from jtik.strategy import (
     TaskDisplacement,
     TaskStep,
     acceptance_beside,
-    check_step_limit,
 )
 from jtik.symbolic import Expression, fmax, fmin, if_else, is_symbolic, logic_and, logic_or, ratio, sqrt, sumsqr
 from jtik.symbolic.factorization import RowVector
@@ -140,17 +139,12 @@ class Hybrid(Composition):
     Source: Das, Slotine and Sheridan (1988), section 2.3, proposes the combination; Powell (1970) gives the dogleg.
     """
 
-    q_limit: float = 0.5
+    q_limit: AngleLimit = 0.5
     secondary: SecondaryTerm = field(default_factory=ProjectedGradient)
     explore: bool = True
 
     summary = "dogleg between the transpose and the Newton step, within an adaptive Q limit (default)"
     source = "Das, Slotine and Sheridan 1988, section 2.3; Powell 1970"
-
-    def __post_init__(self) -> None:
-        check_step_limit("q_limit", self.q_limit)
-        if self.q_limit == np.inf:
-            raise ArgumentError("q_limit", self.q_limit, "a positive, finite angle [rad]")
 
     def explores(self, has_criterion: bool) -> bool:
         """If not switched off, but beside a secondary term that is added without a test of the merit function."""

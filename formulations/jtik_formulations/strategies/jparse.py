@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from jtik import register_strategy
-from jtik.errors import ArgumentError
-from jtik.strategy import LocalModel, State, TaskDisplacement, check_positive
+from jtik.strategy import LocalModel, Positive, Share, State, TaskDisplacement
 from jtik.symbolic import if_else, ratio
 from jtik.symbolic.svd import SingularValues
 from jtik_formulations.strategies._parts.scaled_step import ScaledComposition
@@ -34,17 +33,11 @@ class JParse(ScaledComposition):
     Source: Guptasarma, Strong, Zhen and Kennedy (2025), arXiv 2505.00306.
     """
 
-    threshold: float = 1e-3
-    singular_gain: float = 1.0
+    threshold: Share = 1e-3
+    singular_gain: Positive = 1.0
 
     summary = "inverse along strong singular directions, transpose along weak ones"
     source = "Guptasarma, Strong, Zhen and Kennedy 2025"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not 0 < self.threshold <= 1:
-            raise ArgumentError("threshold", self.threshold, "a number above 0, up to 1")
-        check_positive("singular_gain", self.singular_gain)
 
     def full_step(self, model: LocalModel, state: State) -> TaskDisplacement:
         """-sum of g_i (u_i' r) sigma_i v_i."""

@@ -11,12 +11,12 @@ from jtik.strategy import (
     AdaptiveDamping,
     LevelMerit,
     LocalModel,
+    NonNegative,
     Programmed,
     Proposal,
     SecondaryTerm,
     State,
-    check_non_negative,
-    check_step_limit,
+    StepLimit,
     limited_box,
 )
 from jtik.symbolic import Expression, diag
@@ -45,8 +45,8 @@ class LexicographicQP(Programmed):
     Source: Kanoun, Lamiraux and Wieber (2011); Escande, Mansard and Wieber (2014); Siciliano and Slotine (1991).
     """
 
-    damping: float = 0.1
-    q_limit: float = 0.5
+    damping: NonNegative = 0.1
+    q_limit: StepLimit = 0.5
     backtracking: bool = True
     secondary: QPSecondary = field(default_factory=QPSecondary)
 
@@ -54,8 +54,7 @@ class LexicographicQP(Programmed):
     source = "Kanoun, Lamiraux and Wieber 2011; Escande, Mansard and Wieber 2014"
 
     def __post_init__(self) -> None:
-        check_non_negative("damping", self.damping)
-        check_step_limit("q_limit", self.q_limit)
+        super().__post_init__()
         if not isinstance(self.secondary, QPSecondary):
             raise ArgumentError("secondary", self.secondary, "a QPSecondary: the other terms ignore limits")
 

@@ -7,18 +7,19 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from jtik import register_strategy
+from jtik.arguments import several
 from jtik.errors import ArgumentError
 from jtik.strategy import (
     LocalModel,
+    NonNegative,
     NullSpaceDisplacement,
+    Positive,
     Programmed,
     Proposal,
     SecondaryTerm,
+    Share,
     State,
-    check_gain,
-    check_non_negative,
-    check_positive,
-    check_step_limit,
+    StepLimit,
     limited_box,
 )
 from jtik.symbolic import fmin, if_else, norm, ratio, sumsqr, zeros
@@ -54,11 +55,11 @@ class Mink(Programmed):
     """
 
     strict: bool = True
-    weight: float = 1e-8
-    gain: float = 1.0
-    lm_damping: float = 0.1
-    damping: float = 1e-12
-    step_limit: float = 0.5
+    weight: Positive = 1e-8
+    gain: Share = 1.0
+    lm_damping: NonNegative = 0.1
+    damping: NonNegative = 1e-12
+    step_limit: StepLimit = 0.5
     descent: ProjectedGradient = field(default_factory=ProjectedGradient)
     tasks: Sequence[BaseTask] = ()
 
@@ -66,13 +67,10 @@ class Mink(Programmed):
     source = "Zakka 2024 (mink)"
 
     def __post_init__(self) -> None:
-        check_gain(self.gain)
-        for name in ("lm_damping", "damping"):
-            check_non_negative(name, getattr(self, name))
-        check_positive("weight", self.weight)
-        check_step_limit("step_limit", self.step_limit)
+        super().__post_init__()
         if self.descent.rule != "merit":
             raise ArgumentError("descent.rule", self.descent.rule, "'merit'")
+        object.__setattr__(self, "tasks", several("tasks", self.tasks, "tasks of mink"))
         for task in self.tasks:
             if not hasattr(task, "compute_qp_objective"):
                 raise ArgumentError("tasks", task, "tasks of mink")

@@ -11,14 +11,13 @@ import numpy as np
 from jtik import register_secondary
 from jtik.strategy import (
     LocalModel,
+    NonNegative,
     NullSpaceDisplacement,
     Outcome,
+    Positive,
     SecondaryTerm,
     Shape,
     State,
-    check_choice,
-    check_non_negative,
-    check_positive,
 )
 from jtik.symbolic import Expression, fmax, fmin, if_else, ratio, sqrt
 from jtik.types import Array
@@ -46,18 +45,12 @@ class ProjectedGradient(SecondaryTerm):
     """
 
     rule: Literal["merit", "sqrt", "paper"] = "merit"
-    step_limit: float = 0.3
-    beta_max: float = 1.0
-    floor: float = 0.05
+    step_limit: Positive = 0.3
+    beta_max: Positive = 1.0
+    floor: NonNegative = 0.05
 
     summary = "projected gradient of the criterion, gain by Barzilai and Borwein or as the paper has it (default)"
     source = "Das, Slotine and Sheridan 1988; Barzilai and Borwein 1988"
-
-    def __post_init__(self) -> None:
-        check_choice("rule", self.rule, ("merit", "sqrt", "paper"))
-        for name in ("step_limit", "beta_max"):
-            check_positive(name, getattr(self, name))
-        check_non_negative("floor", self.floor)
 
     @property
     def gain(self) -> BarzilaiBorweinGain:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jtik import register_secondary
+from jtik.arguments import array_of
 from jtik.constraints.limits import AT_LIMIT
 from jtik.errors import ArgumentError
 from jtik.qp import QuadraticProgram, Rows
@@ -51,12 +52,9 @@ class QPSecondary(ProjectedGradient):
         super().__post_init__()
         if self.rule != "merit":
             raise ArgumentError("rule", self.rule, "'merit': the other rules ignore limits")
-        try:
-            weight = np.asarray(self.weight, dtype=float)
-        except (TypeError, ValueError):
-            weight = np.full(1, np.nan)
-        if weight.ndim > 1 or not (np.isfinite(weight).all() and (weight > 0).all()):
-            raise ArgumentError("weight", self.weight, "a positive number, or one for each velocity entry")
+        accepted = "a positive number, or one for each velocity entry"
+        if np.ndim(array_of("weight", self.weight, [(), (None,)], accepted, lambda x: (x > 0) & np.isfinite(x))) == 0:
+            object.__setattr__(self, "weight", float(self.weight))  # type: ignore[arg-type]
 
     def uses_qp(self) -> bool:
         """Always."""

@@ -12,17 +12,15 @@ import numpy as np
 
 from jtik import register_secondary
 from jtik.constraints.limits import AT_LIMIT
-from jtik.errors import ArgumentError
 from jtik.qp import QuadraticProgram, Rows
 from jtik.strategy import (
     LocalModel,
     NullSpaceDisplacement,
     Outcome,
+    Positive,
     SecondaryTerm,
     Shape,
     State,
-    check_choice,
-    check_positive,
 )
 from jtik.strategy.curvature import lagrangian_hessian
 from jtik.symbolic import (
@@ -95,17 +93,11 @@ class SecondOrder(SecondaryTerm):
     """
 
     curvature: Literal["exact", "gauss_newton"] = "exact"
-    step_limit: float = 0.3
+    step_limit: Positive = 0.3
     corrections: int = 2
 
     summary = "null-space step by the Hessian of the Lagrangian: quadratic convergence"
     source = "Nocedal and Wright 2006, chapter 18; Gill, Murray and Wright 1981"
-
-    def __post_init__(self) -> None:
-        check_choice("curvature", self.curvature, ("exact", "gauss_newton"))
-        check_positive("step_limit", self.step_limit)
-        if isinstance(self.corrections, bool) or not (isinstance(self.corrections, int) and self.corrections >= 0):
-            raise ArgumentError("corrections", self.corrections, "a non-negative integer")
 
     def uses_qp(self) -> bool:
         """Always."""

@@ -8,21 +8,22 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from jtik import register_strategy
+from jtik.arguments import integer, several
 from jtik.errors import ArgumentError
 from jtik.strategy import (
     Acceptance,
     Backtracking,
     Composition,
+    LengthLimit,
     LocalModel,
     Outcome,
+    Positive,
     SecondaryTerm,
     Shape,
     State,
     TaskDisplacement,
     TaskStep,
     acceptance_beside,
-    check_choice,
-    check_positive,
 )
 from jtik.symbolic import Expression, fabs, fmax, fmin, if_else, norm, ratio, vertcat
 from jtik.symbolic.svd import SingularValues
@@ -143,9 +144,9 @@ class SelectivelyDamped(Composition):
     """
 
     clamp: Clamp = "hard"
-    max_angle: float = math.pi / 4
-    max_length: float = 10.0
-    max_error: float = math.inf
+    max_angle: Positive = math.pi / 4
+    max_length: LengthLimit = 10.0
+    max_error: LengthLimit = math.inf
     effectors: tuple[tuple[int, ...], ...] | None = None
     backtracking: bool = True
     secondary: SecondaryTerm = field(default_factory=ProjectedGradient)
@@ -154,14 +155,15 @@ class SelectivelyDamped(Composition):
     source = "Buss and Kim 2005"
 
     def __post_init__(self) -> None:
-        check_choice("clamp", self.clamp, ("hard", "soft"))
-        check_positive("max_angle", self.max_angle)
-        if not self.max_length > 0:
-            raise ArgumentError("max_length", self.max_length, "a positive length [m], math.inf for none")
-        if not self.max_error > 0:
-            raise ArgumentError("max_error", self.max_error, "a positive length [m], math.inf for none")
+        super().__post_init__()
         if self.effectors is not None:
-            object.__setattr__(self, "effectors", tuple(tuple(int(row) for row in rows) for rows in self.effectors))
+            accepted = "for each end effector a list of the indices of its rows, or None"
+            effectors = several("effectors", self.effectors, accepted)
+            if not effectors:
+                raise ArgumentError("effectors", self.effectors, accepted)
+            rows = tuple(several("effectors", each, accepted) for each in effectors)
+            rows = tuple(tuple(integer("effectors", row, accepted=accepted) for row in each) for each in rows)
+            object.__setattr__(self, "effectors", rows)
 
     def task_step(self) -> TaskStep:
         """The sum of the clamped responses."""

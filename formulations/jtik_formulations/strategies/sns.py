@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from jtik import register_strategy
-from jtik.errors import ArgumentError
-from jtik.strategy import LocalModel, check_choice
+from jtik.strategy import LocalModel, PositiveInteger
 from jtik.symbolic import Expression
 from jtik_formulations.strategies._parts.basic_saturation import BasicSaturation
 from jtik_formulations.strategies._parts.saturation import Saturation
@@ -71,16 +70,10 @@ class SNS(TaskScaling):
     """
 
     rule: Rule = "optimal"
-    rounds: int | None = None
+    rounds: PositiveInteger | None = None
 
     summary = "saturation in the null space: tasks scaled in their direction to fit into the limits"
     source = "Flacco, De Luca and Khatib 2015"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_choice("rule", self.rule, ("optimal", "basic"))
-        if self.rounds is not None and not (isinstance(self.rounds, int) and self.rounds > 0):
-            raise ArgumentError("rounds", self.rounds, "a positive integer, or None for two rounds for each joint")
 
     def releases(self) -> bool:
         """The rule "optimal" does."""

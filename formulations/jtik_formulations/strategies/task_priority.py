@@ -16,16 +16,15 @@ from jtik.strategy import (
     Acceptance,
     LevelMerit,
     LocalModel,
+    NonNegative,
     Outcome,
     Programmed,
     Proposal,
     SecondaryTerm,
     Shape,
     State,
+    StepLimit,
     adapted_fraction,
-    check_choice,
-    check_non_negative,
-    check_step_limit,
 )
 from jtik.symbolic import Expression, fmax, fmin, is_symbolic, logic_and, norm, ratio, sumsqr, vertcat, zeros
 from jtik.symbolic.factorization import RowSpace, damped_multipliers, squared_length
@@ -106,8 +105,8 @@ class TaskPriority(Programmed):
     """
 
     rule: Rule = "recursive"
-    damping: float = 1.0
-    q_limit: float = 0.5
+    damping: NonNegative = 1.0
+    q_limit: StepLimit = 0.5
     backtracking: bool = True
     secondary: SecondaryTerm = field(default_factory=ProjectedGradient)
 
@@ -115,9 +114,7 @@ class TaskPriority(Programmed):
     source = "Siciliano and Slotine 1991; Chiaverini 1997; Antonelli 2009"
 
     def __post_init__(self) -> None:
-        check_choice("rule", self.rule, ("recursive", "robust"))
-        check_non_negative("damping", self.damping)
-        check_step_limit("q_limit", self.q_limit)
+        super().__post_init__()
         if self.secondary.uses_qp():
             raise ArgumentError("secondary", self.secondary, "a term without a QP; 'lexicographic_qp' has QPs")
 

@@ -16,11 +16,10 @@ from jtik.strategy import (
     SecondaryTerm,
     Shape,
     State,
+    StepLimit,
     TaskDisplacement,
     TaskStep,
     acceptance_beside,
-    check_choice,
-    check_step_limit,
 )
 from jtik.symbolic import norm
 from jtik.types import Array
@@ -75,16 +74,12 @@ class Transpose(Composition):
     """
 
     rule: Literal["optimal", "paper"] = "optimal"
-    q_limit: float = 0.5
+    q_limit: StepLimit = 0.5
     backtracking: bool = True
     secondary: SecondaryTerm = field(default_factory=ProjectedGradient)
 
     summary = "Jacobian transpose with the optimal alpha, S and backtracking on V"
     source = "Das, Slotine and Sheridan 1988"
-
-    def __post_init__(self) -> None:
-        check_choice("rule", self.rule, ("optimal", "paper"))
-        check_step_limit("q_limit", self.q_limit)
 
     def task_step(self) -> TaskStep:
         """-alpha S J' Kp e."""

@@ -9,13 +9,14 @@ from functools import reduce
 import numpy as np
 
 from jtik import register_strategy
-from jtik.errors import ArgumentError
 from jtik.strategy import (
     Acceptance,
+    AngleLimit,
     Backtracking,
     Composition,
     LocalModel,
     Outcome,
+    PositiveInteger,
     SecondaryTerm,
     Shape,
     State,
@@ -23,7 +24,6 @@ from jtik.strategy import (
     TaskStep,
     Update,
     acceptance_beside,
-    check_step_limit,
 )
 from jtik.symbolic import dot, fmax, fmin, if_else, logic_and, norm, ratio, sumsqr, vertcat
 from jtik.types import Array
@@ -100,20 +100,13 @@ class TransposeBB(Composition):
     without monotony.
     """
 
-    q_limit: float = 0.5
+    q_limit: AngleLimit = 0.5
     monotone: bool = True
-    memory: int = 10
+    memory: PositiveInteger = 10
     secondary: SecondaryTerm = field(default_factory=ProjectedGradient)
 
     summary = "Jacobian transpose with the Barzilai-Borwein gain"
     source = "Barzilai and Borwein 1988"
-
-    def __post_init__(self) -> None:
-        check_step_limit("q_limit", self.q_limit)
-        if self.q_limit == np.inf:
-            raise ArgumentError("q_limit", self.q_limit, "a positive, finite angle [rad]")
-        if not (isinstance(self.memory, int) and self.memory >= 1):
-            raise ArgumentError("memory", self.memory, "a positive integer")
 
     def task_step(self) -> TaskStep:
         """-alpha J' Kp e."""

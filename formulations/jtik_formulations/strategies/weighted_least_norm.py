@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
+from typing import Annotated
 
 import numpy as np
 
 from jtik import register_strategy
-from jtik.errors import ArgumentError
+from jtik.arguments import number
 from jtik.strategy import LocalModel, Outcome, Shape, State, TaskDisplacement
 from jtik.symbolic import Expression, fabs, fmin, horzcat, if_else, is_finite, ratio, sqrt, vertcat, zeros
 from jtik.symbolic.factorization import RowSpace, damped_multipliers
@@ -52,15 +53,10 @@ class WeightedLeastNorm(ScaledComposition):
     Source: Chan and Dubey (1995).
     """
 
-    max_weight: float = 1e4
+    max_weight: Annotated[float, partial(number, least=1, accepted="a finite number, at least 1")] = 1e4
 
     summary = "least norm weighted against joints that approach their limits"
     source = "Chan and Dubey 1995"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not 1 <= self.max_weight < math.inf:
-            raise ArgumentError("max_weight", self.max_weight, "a finite number, at least 1")
 
     def own_state(self, shape: Shape) -> Mapping[str, Array]:
         """|2 q - u - l| before the last step taken."""

@@ -13,16 +13,16 @@ from jtik.strategy import (
     Acceptance,
     AdaptiveDamping,
     LocalModel,
+    NonNegative,
     Outcome,
+    Positive,
     Programmed,
     Proposal,
     Shape,
+    Share,
     State,
+    StepLimit,
     WeightedMerit,
-    check_gain,
-    check_non_negative,
-    check_positive,
-    check_step_limit,
     limited_box,
 )
 from jtik.symbolic import (
@@ -89,24 +89,17 @@ class WeightedQP(Programmed):
     B; Maratos (1978), Fletcher (1982) for the correction.
     """
 
-    gain: float = 1.0
-    lm_damping: float = 0.05
-    damping: float = 1e-9
-    weight: float = 1e-5
-    curvature: float = 1.0
-    q_limit: float = 0.5
+    gain: Share = 1.0
+    lm_damping: NonNegative = 0.05
+    damping: Positive = 1e-9
+    weight: Positive = 1e-5
+    curvature: Positive = 1.0
+    q_limit: StepLimit = 0.5
     backtracking: bool = True
 
     summary = "one QP: task, criterion and damping weighted against each other, limits as its box"
     source = "Zakka 2024 (mink); Caron et al. 2022 (pink)"
     is_soft: ClassVar[bool] = True
-
-    def __post_init__(self) -> None:
-        check_gain(self.gain)
-        for name in ("damping", "weight", "curvature"):
-            check_positive(name, getattr(self, name))
-        check_non_negative("lm_damping", self.lm_damping)
-        check_step_limit("q_limit", self.q_limit)
 
     def own_state(self, shape: Shape) -> Mapping[str, Array]:
         """What is known of the second derivatives, where the step uses them."""

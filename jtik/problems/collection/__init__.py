@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from jtik.arguments import text
 from jtik.errors import UnknownNameError
 from jtik.problems.collection import planar, spatial, worked
 from jtik.problems.collection.named_problem import NamedProblem
@@ -39,6 +40,6 @@ def named(name: str) -> NamedProblem:
     Raises:
         UnknownNameError: for an unknown name; it suggests the closest one.
     """
-    if name not in _NAMED:
+    if text("name", name, "the name of a problem") not in _NAMED:
         raise UnknownNameError("problem", name, _NAMED)
     return _NAMED[name]()

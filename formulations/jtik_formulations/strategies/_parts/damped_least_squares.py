@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from dataclasses import dataclass
 
-from jtik.strategy import LocalModel, State, TaskDisplacement
+from jtik.strategy import LocalModel, State, StepLimit, TaskDisplacement
 from jtik.symbolic import Expression
 from jtik.symbolic.factorization import damped_multipliers
 from jtik_formulations.strategies._parts.scaled_step import ScaledComposition
@@ -21,7 +21,7 @@ class DampedLeastSquares(ScaledComposition):
         secondary: the null-space term.
     """
 
-    q_limit: float = 1.5
+    q_limit: StepLimit = 1.5
 
     @abstractmethod
     def damping_of(self, model: LocalModel) -> Expression:

@@ -15,10 +15,10 @@ from jtik.strategy import (
     SecondaryTerm,
     Shape,
     State,
+    StepLimit,
     TaskDisplacement,
     TaskStep,
     acceptance_beside,
-    check_step_limit,
     within_step_limit,
 )
 from jtik.symbolic import if_else
@@ -38,12 +38,9 @@ class ScaledComposition(Composition):
         secondary: the null-space term.
     """
 
-    q_limit: float = 0.5
+    q_limit: StepLimit = 0.5
     backtracking: bool = True
     secondary: SecondaryTerm = field(default_factory=ProjectedGradient)
-
-    def __post_init__(self) -> None:
-        check_step_limit("q_limit", self.q_limit)
 
     @abstractmethod
     def full_step(self, model: LocalModel, state: State) -> TaskDisplacement:

@@ -12,14 +12,14 @@ from jtik.strategy import (
     Backtracking,
     LevelMerit,
     LocalModel,
+    NonNegative,
     NullSpaceDisplacement,
     Programmed,
     Proposal,
     SecondaryTerm,
+    Share,
     State,
-    check_gain,
-    check_non_negative,
-    check_step_limit,
+    StepLimit,
     limited_box,
     not_outward,
 )
@@ -72,16 +72,14 @@ class TaskScaling(Programmed):
         secondary: rule of beta.
     """
 
-    gain: float = 1.0
-    damping: float = 0.1
-    q_limit: float = 0.5
+    gain: Share = 1.0
+    damping: NonNegative = 0.1
+    q_limit: StepLimit = 0.5
     backtracking: bool = True
     secondary: ProjectedGradient = field(default_factory=ProjectedGradient)
 
     def __post_init__(self) -> None:
-        check_gain(self.gain)
-        check_non_negative("damping", self.damping)
-        check_step_limit("q_limit", self.q_limit)
+        super().__post_init__()
         if type(self.secondary) is not ProjectedGradient or self.secondary.rule != "merit":
             raise ArgumentError("secondary", self.secondary, "a ProjectedGradient(rule='merit'), whose gain is used")
 
