@@ -6,13 +6,12 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, Self
 
-import numpy as np
-
 from jtik.errors import ArgumentError
 from jtik.geometry import Solid
 from jtik.robot.configuration_space import ConfigurationSpace
 from jtik.robot.joint_type import JointType
 from jtik.robot.masses_and_shapes import Mass
+from jtik.robot.pose_input import read_pose
 from jtik.robot.subset import Reduction, locked_joints
 from jtik.robot.tree import Joint, check_moves, frozen
 from jtik.types import Array
@@ -68,7 +67,7 @@ class Variants(ConfigurationSpace):
         """This robot with a tool: a new frame, which is the tip of the result.
 
         Args:
-            pose: pose (4, 4) [m] of the tool in ``frame``.
+            pose: pose (4, 4) [m] of the tool in ``frame``, or in another form of the targets of `FrameTask`.
             name: name of the new frame.
             mass: mass of the tool [kg] at the origin of its frame, or a `Mass` with its centre in that frame.
             shapes: solids of the tool, in its frame, for clearances.
@@ -96,7 +95,7 @@ class Variants(ConfigurationSpace):
         Poses, targets and obstacles are then in the new frame. Masses, shapes and keyframes stay.
 
         Args:
-            pose: pose (4, 4) [m] of the present base in the new one.
+            pose: pose (4, 4) [m] of the present base in the new one, or in another form of the targets of `FrameTask`.
             name: name of the new base frame; with a number appended where there is a frame with that name already.
 
         Raises:
@@ -129,10 +128,7 @@ def _fixed(robot: Any, name: str, parent: str, child: str, pose: object) -> Join
     unique, number = name, 2
     while unique in joints:
         unique, number = f"{name} ({number})", number + 1
-    try:
-        return Joint(unique, JointType.FIXED, parent, child, origin=np.asarray(pose))
-    except ArgumentError as error:
-        raise ArgumentError("pose", error.given, error.accepted) from None
+    return Joint(unique, JointType.FIXED, parent, child, origin=read_pose(pose, "pose"))
 
 
 def reduced_robot(build: Callable[[], Robot], full: Robot, locked: Array) -> Robot:
