@@ -134,25 +134,30 @@ def rises(trace):
     return ((V[1:] - V[:-1]) / np.maximum(V[:-1], np.finfo(float).tiny))[trace.accepted == 1]
 
 
+def turning(robot):
+    """The entries of q that a solve moves without limits, (nq,): those of joints whose limits leave a full turn."""
+    mask = np.zeros(robot.nq, dtype=bool)
+    for joint in robot.independent_joints:
+        if joint.type is JointType.REVOLUTE:
+            where = robot.q_slice(joint.name)
+            mask[where] = robot.upper[where] - robot.lower[where] > 2 * np.pi - 0.1
+    return mask
+
+
+def under_limits(robot, rows):
+    """The rows of a trace for a look at limits: joints that can turn all the way round obey them at the end only."""
+    rows, free = rows.copy(), turning(robot)
+    rows[:-1, free] = rows[-1, free]
+    return rows
+
+
+def as_moved(robot, rows):
+    """The rows of a trace as a path: its last row without the whole turns by which the answer is brought back."""
+    rows, free = rows.copy(), turning(robot)
+    rows[-1, free] += 2 * np.pi * np.rint((rows[-2, free] - rows[-1, free]) / (2 * np.pi))
+    return rows
+
+
 @pytest.fixture
 def rng():
     return np.random.default_rng(20240607)
-
-
-UNRESOLVED = (
-    "test_hostile_problems[",
-    "test_no_iterate_is_outside[",
-    "test_from_anywhere_to_anywhere_the_status_is_correct_and_limits_hold[ur5e",
-    "test_no_accepted_step_of_a_random_tree_is_closer_than_safe[",
-    "test_a_planar_arm_ends_at_the_closest_posture_and_says_so[jparse",
-    "quick_run[lyapunov]",
-)
-"""Slow tests that fail since joints turn all the way round in a solve and solves explore: most of them look at the rows
-of a trace, which are not brought back by whole turns; the others have to be examined. None may be added here."""
-
-
-def pytest_collection_modifyitems(items):
-    """Mark the slow tests of `UNRESOLVED` as expected to fail."""
-    for item in items:
-        if item.get_closest_marker("slow") and any(name in item.nodeid for name in UNRESOLVED):
-            item.add_marker(pytest.mark.xfail(reason="turns and exploration: to be examined", strict=False))

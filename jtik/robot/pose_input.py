@@ -133,6 +133,7 @@ def pose_of(
     Raises:
         ArgumentError: when it is not finite numbers, or its rotation is none.
     """
+    last: Array = np.zeros((0, 4))
     if is_pair(value):
         p, R = (as_numbers(plain(each), given, accepted, argument) for each in value)
         if p.shape not in ((dimension,), (3,)) or R.shape not in ((4,), (3, 3)):
@@ -143,8 +144,7 @@ def pose_of(
             p, R = array[:3], array[3:]
         elif array.shape in ((4, 4), (3, 4)):
             p, R = array[:3, 3], array[:3, :3]
-            if array.shape == (4, 4) and np.abs(array[3] - (0, 0, 0, 1)).max() > ROUNDING:
-                raise ArgumentError(argument, given, "a pose with the last row (0, 0, 0, 1)")
+            last = array[3:]
         elif dimension == 2 and array.shape == (3, 3) and np.abs(array[2] - (0, 0, 1)).max() <= ROUNDING:
             p, R = array[:2, 2], np.eye(3)
             R[:2, :2] = array[:2, :2]
@@ -153,6 +153,8 @@ def pose_of(
     pose = np.eye(4)
     pose[:3, :3] = R if R.shape == (3, 3) and is_rotation(R) else read_rotation(R, given, argument)
     pose[: len(p), 3] = p
+    if last.size and np.abs(last - (0, 0, 0, 1)).max() > ROUNDING:
+        raise ArgumentError(argument, given, "a pose with the last row (0, 0, 0, 1)")
     return pose
 
 

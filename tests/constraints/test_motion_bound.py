@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import casadi
@@ -13,7 +14,7 @@ from jtik.constraints.motion_bound import MotionBound
 from jtik.robot import Joint, JointType, Mimic
 from jtik_formulations import ObstacleAvoidance
 
-from ..conftest import ball_arm, dh_arm, floating_arm, planar
+from ..conftest import as_moved, ball_arm, dh_arm, floating_arm, planar
 from .random_trees import far_out, path, positions, tree
 
 SAFE = 0.05
@@ -123,7 +124,7 @@ def gaps(robot, q, centers, radii):
 
 def between_samples(robot, trace, rng):
     """Small spheres on the way of an arm that does not avoid them, between the samples of its steps."""
-    steps = [(a, b) for a, b in zip(trace.q[:-1], trace.q[1:], strict=True) if not np.array_equal(a, b)][:4]
+    steps = [(a, b) for a, b in itertools.pairwise(as_moved(robot, trace.q)) if not np.array_equal(a, b)][:4]
     centers = []
     for k in rng.integers(len(steps), size=SPHERES):
         way = path(robot, *steps[k], 9)[1::2]
@@ -157,7 +158,7 @@ def steps_of_a_random_tree(seed, strategy, limits, count=8):
             continue
         ik.parameters["clearance.centers"], ik.parameters["clearance.radii"] = centers, radii
         trace = ik.solve(target, q0=q, max_iterations=40, trace=True).trace
-        for start, end in zip(trace.q[:-1], trace.q[1:], strict=True):
+        for start, end in itertools.pairwise(as_moved(robot, trace.q)):
             if not np.array_equal(start, end):
                 found.append(gaps(robot, path(robot, start, end, 81), centers, radii).min() - SAFE)
     return found
@@ -203,7 +204,7 @@ def test_a_rod_that_is_far_out_does_not_jump_over_a_sphere(before, limits, mimic
         center = robot.position(way)
         ik.parameters["clearance.centers"] = center[None]
         trace = ik.solve(target, q0=q, max_iterations=60, trace=True).trace
-        for start, end in zip(trace.q[:-1], trace.q[1:], strict=True):
+        for start, end in itertools.pairwise(as_moved(robot, trace.q)):
             rods = positions(robot, path(robot, start, end, 201))["rod"]
             assert np.linalg.norm(rods - center, axis=1).min() - 0.1 >= 0.02 - ROUNDING
         ends = positions(robot, np.array(free))["rod"]

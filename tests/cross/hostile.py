@@ -18,6 +18,7 @@ from jtik import Status
 from jtik.registry import strategy_of
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
+from ..conftest import as_moved, under_limits
 from .random_trees import Tree, random_configuration, random_tree
 
 LEAKAGE = 1e-10
@@ -67,7 +68,7 @@ class Setup:
         speed: largest velocity [rad/s] or [m/s], and largest acceleration or None.
         clear: whether it has clearances.
         safe: smallest distance allowed [m].
-        log: one entry for each call of the step with a record: q and the record.
+        log: one entry for each call of the step with a record: where it was made, q or the explorer, and the record.
     """
 
     name: str
@@ -124,15 +125,18 @@ def setup(strategy: str, rng: np.random.Generator) -> Setup:
     log: list[tuple[np.ndarray, np.ndarray]] = []
     runner = ik._engine.runners.traced_solve
 
-    def logged(call, q):
+    layout = runner.fused.state.slices
+
+    def logged(call, q, state):
         def both():
-            before = q.copy()
+            explores = "exploring" in layout and bool(state[layout["exploring"]][0])
+            before = (state[layout["explorer"]] if explores else q).copy()
             call()
             log.append((before, runner.record.copy()))
 
         return both
 
-    runner.calls = tuple(logged(call, q) for call, q in zip(runner.calls, runner.q, strict=True))
+    runner.calls = tuple(logged(*memory) for memory in zip(runner.calls, runner.q, runner.state, strict=True))
     what = f"{strategy}, {'+'.join(kinds)}, {scale:g} m{', clearances' * clear}{', no limits' * (not limited)}"
     return Setup(f"{what}, {criterion!r}", tree, ik, kinds, limited, speed, clear, safe, log)
 
@@ -215,25 +219,13 @@ def solved(case: Setup, given: Problem) -> tuple[str, list[tuple[str, str]]]:
         wrong.append(("NaN", "the status NOT_FINITE"))
     if solution.status.on_target or solution.converged:
         wrong += off_target(case, given, solution.q)
-    if case.limited and case.tree.outside(_turned(case.ik.robot, q)) > ROUNDING:
+    if case.limited and case.tree.outside(under_limits(case.ik.robot, q)) > ROUNDING:
         wrong.append(("limit", f"outside its limits by {case.tree.outside(q):.3g}"))
     if case.clear:
-        wrong += too_near(case, given, q)
+        wrong += too_near(case, given, as_moved(case.ik.robot, q))
     if case.ik._engine.problem.has_criterion:
         wrong += leaking(case)
     return solution.status.name, wrong
-
-
-def _turned(robot: jtik.Robot, q: np.ndarray) -> np.ndarray:
-    """The configurations of a solve without joints that can turn all the way round: their limits hold at its end."""
-    turning = np.zeros(robot.nq, dtype=bool)
-    for joint in robot.independent_joints:
-        where = robot.q_slice(joint.name)
-        revolute = joint.type is jtik.JointType.REVOLUTE
-        turning[where] = revolute and (robot.upper[where] - robot.lower[where] > 2 * np.pi - 0.1).all()
-    rows = q.copy()
-    rows[:-1, turning] = q[-1, turning]
-    return rows
 
 
 def off_target(case: Setup, given: Problem, q: np.ndarray) -> list[tuple[str, str]]:
