@@ -42,21 +42,27 @@ class UnknownNameError(JtikError, KeyError):
         name: the name that was not found.
         known: the names that exist.
         closest: the known name most similar to the given one, without regard to case; None if none is similar.
+        nearest: up to three known names that are similar, the most similar first.
+        hint: what else helps, such as the name of the tip; the message then has all of ``nearest``. Empty without one.
     """
 
-    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+    def __init__(self, kind: str, name: str, known: Iterable[str], hint: str = "") -> None:
         self.kind = kind
         self.name = name
         self.known = tuple(known)
         lowered = {str(one).lower(): one for one in reversed(self.known)}
-        matches = difflib.get_close_matches(str(name).lower(), lowered, n=1)
-        self.closest: str | None = lowered[matches[0]] if matches else None
-        super().__init__(kind, name, self.known)
+        matches = difflib.get_close_matches(str(name).lower(), lowered, n=3)
+        self.nearest = tuple(lowered[match] for match in matches)
+        self.closest: str | None = self.nearest[0] if self.nearest else None
+        self.hint = hint
+        super().__init__(kind, name, self.known, hint)
 
     def __str__(self) -> str:
-        hint = f"; did you mean {self.closest!r}?" if self.closest is not None else ""
+        nearest = " or ".join(map(repr, self.nearest if self.hint else self.nearest[:1]))
+        hint = f"; did you mean {nearest}?" if nearest else ""
         listed = ", ".join(self.known) if self.known else "none"
-        return f"unknown {self.kind} {self.name!r}{hint} (known: {listed})"
+        more = f"; {self.hint}" if self.hint else ""
+        return f"unknown {self.kind} {self.name!r}{hint}{more} (known: {listed})"
 
 
 class MissingExtraError(JtikError, ImportError):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -18,6 +18,10 @@ from jtik.robot.tree import check_moves
 if TYPE_CHECKING:
     from jtik.robot.loaders.robot_description import RobotDescription
     from jtik.robot.loaders.source import PathOrText
+
+
+MOST_TOLD = 10
+"""How many parts of a file that are not kept its warning names."""
 
 
 class Builders:
@@ -131,34 +135,46 @@ class Builders:
         tip: str | None = None,
         name: str | None = None,
         free_base: bool = False,
+        planar_base: bool = False,
+        xacro_arguments: Mapping[str, str] | None = None,
     ) -> Self:
         """The robot of a URDF file or text.
 
         Frames are the links, with their names; the root link is the base. Joints keep their names, limits and speeds.
         ``mimic`` joints follow their leaders, floating joints become free joints, and a planar joint becomes the
         prismatic joints "NAME_TX" and "NAME_TY" and the revolute joint "NAME_RZ". Limits that are all zero, and speeds
-        of zero, count as none. Masses are kept. Collision primitives become shapes, and so do capsules around meshes
-        whose STL or OBJ files are found; mesh files are optional.
+        of zero, count as none; with an effort beside them, zeros lock the joint. A follower stays within its own
+        limits: they reduce those of its leader. Masses are kept. Collision primitives become shapes, and so do capsules
+        around meshes whose STL or OBJ files are found; mesh files are optional.
 
         Args:
-            path_or_xml: the path of a file, or text that starts with "<".
+            path_or_xml: the path of a file, or text that starts with "<". A XACRO is expanded by the package xacro,
+                which evaluates the expressions in it.
             tip: the frame of the end effector; when None the first moving frame with the name of a tool ("tool0",
-                "tcp", "ee" ...), else the end of the longest chain of joints, without fingers.
+                "tcp", "ee", "hand" ...), else the end of the longest chain of joints, without fingers.
             name: name of the robot; that of the file when None.
             free_base: whether the root link moves freely, by the joint "free_base", in a frame "world".
+            planar_base: whether the root link moves in the x-y plane of a frame "world" and rotates about z, by the
+                joints "planar_base_x", "planar_base_y" and "planar_base_heading".
+            xacro_arguments: the arguments of a XACRO, by name.
 
         Raises:
-            RobotFileError: when there is no such file, it is not a URDF, or an element cannot be used.
+            RobotFileError: when there is no such file, it is not a URDF, an element cannot be used, or it is a XACRO
+                and the package xacro is not installed.
             UnknownNameError: when ``tip`` is not a frame.
 
         Warns:
-            UserWarning: when a joint mimics one that it cannot follow; it is then independent.
+            UserWarning: one for all that is not kept, which `ignored` lists, or is read otherwise than it is written:
+                joints that mimic one they cannot follow, reduced limits, masses without inertias, scales of meshes.
         """
         from jtik.robot.loaders import load_urdf
 
         flag("free_base", free_base, "whether the root link moves freely")
-
-        return cls._described(load_urdf(path_or_xml, free_base=free_base), tip, name)
+        flag("planar_base", planar_base, "whether the root link moves in the plane")
+        description = load_urdf(
+            path_or_xml, free_base=free_base, planar_base=planar_base, xacro_arguments=xacro_arguments
+        )
+        return cls._described(description, tip, name)
 
     @classmethod
     def from_mjcf(cls, path_or_xml: PathOrText, *, tip: str | None = None, name: str | None = None) -> Self:
@@ -167,8 +183,11 @@ class Builders:
         Frames are the bodies and the sites, with their names, and "world" is the base. A site with the name of a body
         becomes "NAME (site)". Several joints on a body become a chain whose inner frames have the names of the joints.
         q is MuJoCo's ``qpos`` without the joints that follow others: a linear equality of joints makes one of them a
-        mimic joint. `neutral` is ``qpos0``, where the file has each joint and each free object. Limits of ball joints,
-        and closed loops, are left out. Masses and keyframes are kept. Geoms become shapes: those that collide, or all
+        mimic joint, and so does one of a fixed tendon of two joints. Ranges of ball joints, closed loops, and other
+        constraints are not kept; `ignored` lists them. `neutral` is ``qpos0``. Free bodies without further joints
+        beside a robot are objects: they stay where the file has them, and their joints are not in q. `full` is the
+        scene with them, `full_configuration` MuJoCo's order of it. Masses, but those of objects, and keyframes are
+        kept. Geoms become shapes: those that collide, or all
         of them where none does. Mesh files are optional; the mass of a mesh is that of the file, or zero.
 
         Args:
@@ -181,7 +200,7 @@ class Builders:
             UnknownNameError: when ``tip`` is not a frame.
 
         Warns:
-            UserWarning: when a joint follows another by a polynomial of higher order; it is then independent.
+            UserWarning: one for all that is not kept, which `ignored` lists.
         """
         from jtik.robot.loaders import load_mjcf
 
@@ -207,14 +226,20 @@ class Builders:
 
     @classmethod
     def _described(cls, description: RobotDescription, tip: str | None, name: str | None) -> Self:
-        if description.notes:
-            warnings.warn(f"{description.label}: {'; '.join(description.notes)}", stacklevel=3)
+        told = (*description.notes, *description.changes)
+        if told:
+            more = [f"and {len(told) - MOST_TOLD} more: see Robot.ignored"] if len(told) > MOST_TOLD else []
+            warnings.warn(f"{description.label}: {'; '.join([*told[:MOST_TOLD], *more])}", stacklevel=3)
         arguments = description.arguments()
         name, tip = _named(name, description.name), None if tip is None else text("tip", tip, "a frame, or None")
         try:
-            return cls(**arguments, name=name, tip=description.tip if tip is None else tip)
+            robot: Any = cls(**arguments, name=name, tip=description.tip if tip is None else tip)
         except ArgumentError as error:
             raise RobotFileError(description.label, "", str(error)) from error
+        if description.objects:
+            robot = robot.subset([joint for joint in robot.joint_names if joint not in description.objects])
+        result: Self = robot
+        return result
 
     @classmethod
     def builtin(cls, name: str) -> Self:

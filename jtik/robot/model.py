@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property, partial
 from types import MappingProxyType
 from typing import Any
@@ -12,19 +12,18 @@ from jtik.errors import ArgumentError, ImmutableError, UnknownNameError
 from jtik.geometry import Solid
 from jtik.robot import skeleton
 from jtik.robot.builders import Builders
-from jtik.robot.configuration_space import ConfigurationSpace
 from jtik.robot.evaluator import Evaluator
 from jtik.robot.home import home_of
 from jtik.robot.joint_layout import JointLayout
 from jtik.robot.kinematics import JacobianRows, Kinematics, jacobian_rows
 from jtik.robot.masses_and_shapes import Mass, masses_on, shapes_on
-from jtik.robot.subset import Reduction, locked_joints
-from jtik.robot.tree import Joint, check_moves, check_planar, check_tree, frozen
+from jtik.robot.tree import Joint, check_planar, check_tree, frozen
+from jtik.robot.variants import Variants, reduced_robot
 from jtik.symbolic import SX, Expression, is_equal
 from jtik.types import Array
 
 
-class Robot(ConfigurationSpace, Builders):
+class Robot(Variants, Builders):
     """A kinematic model: a tree of joints, the frames they carry, and limits.
 
     A configuration q has nq numbers and a velocity n numbers; the two differ for ball and free joints. Methods that
@@ -43,6 +42,7 @@ class Robot(ConfigurationSpace, Builders):
         keyframes: named configurations, in any form that `configuration` accepts.
         neutral: the neutral configuration, in any form that `configuration` accepts; it is clamped to the limits. Zero
             and identity quaternions when None.
+        ignored: one sentence for each part of its description that the robot does not have.
 
     Raises:
         ArgumentError: when the joints do not form a tree, or leave the plane of a planar robot.
@@ -63,6 +63,7 @@ class Robot(ConfigurationSpace, Builders):
         shapes: Mapping[str, Sequence[Solid]] | None = None,
         keyframes: Mapping[str, object] | None = None,
         neutral: object = None,
+        ignored: Sequence[str] = (),
     ) -> None:
         self._joints = several("joints", joints, "a list of jtik.Joint")
         for joint in self._joints:
@@ -80,6 +81,7 @@ class Robot(ConfigurationSpace, Builders):
         self._tip = self.frame_names[-1] if tip is None else text("tip", tip, "the name of a frame, or None")
         if self._tip not in self.frame_names[self.n > 0 :]:
             raise UnknownNameError("tip frame", self._tip, self._carrier)
+        self._ignored = tuple(ignored)
         self._masses = masses_on(self.frame_names, masses)
         self._shapes = shapes_on(self.frame_names, shapes)
         self._evaluator = Evaluator(self)
@@ -100,7 +102,14 @@ class Robot(ConfigurationSpace, Builders):
         raise ImmutableError(repr(self), attribute)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        options: dict[str, Any] = {
+        build = partial(type(self), self._joints, **self._options())
+        if self._reduction is None:
+            return build, ()
+        return partial(reduced_robot, build, self._reduction.full, self._reduction.locked), ()
+
+    def _options(self) -> dict[str, Any]:
+        """The arguments that make this robot from its joints."""
+        return {
             "name": self.name,
             "planar": self._planar,
             "base": self.base,
@@ -109,49 +118,11 @@ class Robot(ConfigurationSpace, Builders):
             "shapes": self._shapes,
             "keyframes": self._keyframes,
             "neutral": self.neutral,
+            "ignored": self._ignored,
         }
-        build = partial(type(self), self._joints, **options)
-        if self._reduction is None:
-            return build, ()
-        return partial(_reduced_robot, build, self._reduction.full, self._reduction.locked), ()
 
     def __repr__(self) -> str:
         return f"Robot({self.name!r}, n={self.n}, nq={self.nq}, tip={self.tip!r})"
-
-    def subset(self, joints: Iterable[str], *, at: object = None) -> Robot:
-        """This robot with only ``joints`` free and every other joint locked; all frames remain.
-
-        The result keeps this robot as `full`. `full_configuration` and `reduced` convert configurations.
-
-        Args:
-            joints: names of the joints that stay free.
-            at: the configuration at which the others are locked, in any form that `configuration` accepts; `neutral`
-                when None.
-
-        Raises:
-            ArgumentError: when ``at`` is not a configuration, or no joint stays free.
-            UnknownNameError: when there is no such joint.
-        """
-        q = self.neutral if at is None else self.configuration(at, argument="at")
-        kept = locked_joints(self, joints, q)
-        check_moves(kept)
-        part = _reduced_robot(
-            partial(
-                type(self),
-                kept,
-                name=self.name,
-                planar=self._planar,
-                base=self.base,
-                tip=self.tip,
-                masses=self._masses,
-                shapes=self._shapes,
-                neutral={joint.name: self.neutral[self.q_slice(joint.name)] for joint in kept if joint.is_independent},
-            ),
-            self,
-            q,
-        )
-        part._keyframes.update({key: frozen(part.reduced(q)) for key, q in self._keyframes.items()})
-        return part
 
     @property
     def name(self) -> str:
@@ -198,6 +169,11 @@ class Robot(ConfigurationSpace, Builders):
         """Named configurations (nq,), read-only; on a robot made by `subset`, of its free joints."""
         return MappingProxyType(self._keyframes)
 
+    @property
+    def ignored(self) -> tuple[str, ...]:
+        """One sentence for each part of the robot's file that is not kept, such as a closed loop."""
+        return self._ignored
+
     @cached_property
     def home(self) -> Array:
         """Where a solve starts by default, (nq,): the keyframe "home" or, without one, `neutral` off its limits.
@@ -218,7 +194,7 @@ class Robot(ConfigurationSpace, Builders):
         return skeleton.segments(self)
 
     def frame(self, frame: str | None) -> str:
-        """``frame`` itself, or the tip for None.
+        """``frame`` itself, or the tip for None, and for "tip" where no frame has that name.
 
         Raises:
             UnknownNameError: when there is no such frame.
@@ -228,7 +204,9 @@ class Robot(ConfigurationSpace, Builders):
         if not isinstance(frame, str):
             raise ArgumentError("frame", repr(frame), "the name of a frame, or None for the tip")
         if frame != self._base and frame not in self._carrier:
-            raise UnknownNameError("frame", frame, self.frame_names)
+            if frame == "tip":
+                return self._tip
+            raise UnknownNameError("frame", frame, self.frame_names, hint=f"the tip is {self._tip!r}")
         return frame
 
     def path(self, frame: str | None = None) -> tuple[Joint, ...]:
@@ -334,16 +312,3 @@ class Robot(ConfigurationSpace, Builders):
             ArgumentError: when an argument has another shape than (nq,) or is not finite.
         """
         return self._evaluator.of_layout("difference", start, end)
-
-
-def _reduced_robot(build: Callable[[], Robot], full: Robot, locked: Array) -> Robot:
-    """A robot made by `Robot.subset`, or restored from a pickle of one.
-
-    Args:
-        build: makes the robot.
-        full: the robot it was made from.
-        locked: configuration (full.nq,) at which the joints of ``full`` are locked.
-    """
-    robot = build()
-    object.__setattr__(robot, "_reduction", Reduction.of(full, locked, robot.joint_names))
-    return robot

@@ -121,7 +121,7 @@ class _Model:
         empty = np.zeros(0)
 
         def errors(q: Array, numbers: Array) -> tuple[Array, Array]:
-            position, rotation = self.frame_pose(q, task.frame)
+            position, rotation = self.frame_pose(q, robot.frame(task.frame))
             away = (position[: robot.dimension] - numbers[:split])[lengths] if kind != "orientation" else empty
             if kind == "position":
                 return away, empty

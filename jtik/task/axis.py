@@ -7,9 +7,9 @@ from typing import Any
 
 from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
+from jtik.robot.pose_input import as_numbers
 from jtik.symbolic import Expression
 from jtik.task.pointing import SHORTEST, PointingTask
-from jtik.task.targets import as_numbers
 from jtik.types import Array
 
 

@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike
 
 from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
+from jtik.robot.pose_input import as_numbers
 from jtik.symbolic import Expression, vertcat
 from jtik.task.base import TaskRows
-from jtik.task.targets import as_numbers
 from jtik.task.weighted import Axes, WeightedTask, kept, named
 from jtik.types import Array
 

@@ -24,17 +24,19 @@ class FrameTask(PlacementTask):
     A target has one of these forms:
 
     - a position (x, y, z) [m], for kind "position";
-    - a rotation, for kind "orientation": a matrix (3, 3), a quaternion (w, x, y, z), or an object whose ``as_matrix()``
-      gives a matrix (3, 3), such as a SciPy ``Rotation``;
-    - a pose, for every kind: a matrix (4, 4), seven numbers (x, y, z, qw, qx, qy, qz), a pair (position, rotation) with
-      a rotation in any of its forms, or an object whose ``as_matrix()`` gives a matrix (4, 4);
+    - a rotation, for kind "orientation": a matrix (3, 3), a quaternion (w, x, y, z), or a rotation of SciPy, mink,
+      Pinocchio, spatialmath, Drake or ROS;
+    - a pose, for every kind: a matrix (4, 4) or (3, 4), seven numbers (x, y, z, qw, qx, qy, qz), a pair (position,
+      rotation) with a rotation in any of its forms, or a pose of one of these libraries. The frame that a ROS message
+      names is not read: it has to be the base;
     - on a planar robot also (x, y), an angle [rad], or (x, y, angle).
 
-    Of a pose (4, 4), or in another form, only the position is used by kind "position", and only the orientation by kind
-    "orientation"; `unused` reports it.
+    Quaternions whose norm is within 1e-2 of 1, and matrices within 1e-3 of a rotation, are normalised, so numbers that
+    were printed with four digits are accepted. Of a pose, only the position is used by kind "position", and only the
+    orientation by kind "orientation"; `unused` reports it.
 
     Args:
-        frame: name of the frame.
+        frame: name of the frame; "tip" is `Robot.tip` where no frame has that name.
         kind: "position", "orientation" or "pose".
         axes: names of the rows to keep: "x", "y", "z" (position), "rx", "ry", "rz" (orientation); None keeps all.
         stiffness: Kp, a positive scalar, one value for each row, or a symmetric positive definite matrix (m, m). A

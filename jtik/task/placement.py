@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from jtik.arguments import choice
 from jtik.arguments import name as read_name
 from jtik.robot import Kinematics, Robot
+from jtik.robot.pose_input import FORMS
 from jtik.symbolic import Expression, atan2, cos, reshape, rigid_motion, rotation, sin, vertcat
 from jtik.task.base import TaskRows
 from jtik.task.targets import Kind, read_fast, read_placement, unused_part
@@ -20,17 +21,16 @@ from jtik.types import Array
 ErrorForm = Literal["separate", "logarithm"]
 """Position and orientation each for itself, or the logarithm of the motion from the target to the frame."""
 
-_POSE = "(4, 4), seven numbers (x, y, z, qw, qx, qy, qz), a pair (position, rotation), or an object with as_matrix()"
+_ROTATION = "a matrix (3, 3), a quaternion (w, x, y, z), or a rotation of one of these libraries"
 _ACCEPTED = {
-    "position": f"(x, y, z) [m], or a pose: {_POSE}; of a pose only the position is used",
-    "orientation": "a rotation: a matrix (3, 3), a quaternion (w, x, y, z), or an object with as_matrix(); "
-    f"or a pose: {_POSE}; of a pose only the orientation is used",
-    "pose": f"a pose: {_POSE}, where the rotation is a quaternion (w, x, y, z), a matrix (3, 3), or has as_matrix()",
+    "position": f"(x, y, z) [m], or a pose: {FORMS}; of a pose only the position is used",
+    "orientation": f"a rotation: {_ROTATION}; or a pose: {FORMS}; of a pose only the orientation is used",
+    "pose": f"a pose: {FORMS}, where the rotation is {_ROTATION}",
 }
 _ACCEPTED_IN_THE_PLANE = {
-    "position": f"(x, y) [m], or a pose: {_POSE}; of a pose only the position is used",
-    "orientation": f"an angle [rad], a rotation about z, or a pose: {_POSE}; of a pose only the orientation is used",
-    "pose": f"(x, y, angle) [m, rad], or a pose: {_POSE}",
+    "position": f"(x, y) [m], or a pose: {FORMS}; of a pose only the position is used",
+    "orientation": f"an angle [rad], a rotation about z, or a pose: {FORMS}; of a pose only the orientation is used",
+    "pose": f"(x, y, angle) [m, rad], or a pose: {FORMS}",
 }
 
 

@@ -1,8 +1,8 @@
 """Targets of frame tasks as numbers: every form that a caller may give.
 
-A position is a vector. A rotation is a matrix (3, 3), a quaternion (w, x, y, z), or an object whose ``as_matrix()``
-gives a matrix (3, 3), such as those of SciPy and mink. A pose is a matrix (4, 4), seven numbers
-(x, y, z, qw, qx, qy, qz), a pair (position, rotation), or an object whose ``as_matrix()`` gives a matrix (4, 4).
+A position is a vector. A rotation is a matrix (3, 3), a quaternion (w, x, y, z), or a rotation of another library. A
+pose is a matrix (4, 4) or (3, 4), seven numbers (x, y, z, qw, qx, qy, qz), a pair (position, rotation), or a pose of
+another library; see `jtik.robot.pose_input`, which also normalises numbers that were printed with few digits.
 """
 
 from __future__ import annotations
@@ -12,14 +12,17 @@ from typing import Any, Literal
 
 import numpy as np
 
-from jtik.arguments import numeric_array
 from jtik.errors import ArgumentError
+from jtik.robot.pose_input import as_numbers, is_pair, plain, pose_of, read_rotation
 from jtik.types import Array
 
 Kind = Literal["position", "orientation", "pose"]
 
 ROTATION_TOLERANCE = 1e-6
-"""Tolerance on the orthonormality of a rotation and on the norm of a quaternion: the error of six printed digits."""
+"""Tolerance on the orthonormality of a rotation that is used as it is; others are replaced by the nearest rotation."""
+
+PLANE_TOLERANCE = 1e-6
+"""How far a target of a planar robot may be out of the plane [m] or [rad]."""
 
 _FLOAT = np.dtype(np.float64)
 
@@ -83,24 +86,23 @@ def read_placement(target: Any, kind: Kind, dimension: int, accepted: str) -> Ar
     """
     given = target
     planar = dimension == 2
-    if _has_matrix(target):
-        target = target.as_matrix()
-        numbers = None if planar else read_fast(target, kind)
+    target = plain(target)
+    if target is not given and not planar:
+        numbers = read_fast(target, kind)
         if numbers is not None:
             return numbers
-    elif _is_pair(target):
-        target = _from_pair(target[0], target[1], dimension, given, accepted)
+    turn = kind == "orientation"
+    if turn and not is_pair(target):
+        array = as_numbers(target, given, accepted)
+        if array.shape == (4,) or (array.shape == (3, 3) and not planar):  # in the plane it is also a pose
+            R = array if array.shape == (3, 3) and _is_rotation(array) else read_rotation(array, given)
+            _check_planar(np.zeros(3), R, planar, given)
+            return _numbers(np.zeros(0), R, kind, planar)
+    pose = pose_of(target, given, accepted, dimension=dimension, is_rotation=_is_rotation)
+    if pose is not None:
+        _check_planar(pose[:3, 3], pose[:3, :3], planar, given)
+        return _numbers(pose[:dimension, 3], pose[:3, :3], kind, planar)
     array = as_numbers(target, given, accepted)
-    if array.shape == (7,):
-        array = _from_pair(array[:3], array[3:], dimension, given, accepted)
-    if kind == "orientation" and array.shape == (4,):
-        array = from_quaternion(array, given)
-    if array.shape == (4, 4):
-        _check_pose(array, planar, given)
-        return _numbers(array[:dimension, 3], array[:3, :3], kind, planar)
-    if kind == "orientation" and array.shape == (3, 3):
-        _check_rotation(array, planar, given)
-        return _numbers(np.zeros(0), array, kind, planar)
     shapes: dict[Kind, list[tuple[int, ...]]] = {"position": [(dimension,)], "orientation": [(), (1,)], "pose": [(3,)]}
     if array.shape in shapes[kind] and (planar or kind == "position"):
         return array.reshape(-1)
@@ -114,23 +116,14 @@ def unused_part(target: Any, kind: Kind) -> str | None:
     return "orientation of the target" if kind == "position" else "position of the target"
 
 
-def _is_pair(target: Any) -> bool:
-    """Whether a target is a pair (position, rotation)."""
-    if not isinstance(target, (tuple, list)) or len(target) != 2:
-        return False
-    return isinstance(target[0], (tuple, list, np.ndarray)) or _has_matrix(target[1])
-
-
-def _has_matrix(target: Any) -> bool:
-    """Whether a target is an object, not a class, with a method ``as_matrix``."""
-    return hasattr(target, "as_matrix") and not isinstance(target, type)
-
-
 def _is_pose(target: Any) -> bool:
     """Whether a valid target has both a position and an orientation."""
-    if hasattr(target, "as_matrix"):
-        target = target.as_matrix()
-    return _is_pair(target) or np.shape(target) in ((4, 4), (7,))
+    target = plain(target)
+    return is_pair(target) or np.shape(target) in ((4, 4), (3, 4), (7,))
+
+
+def _is_rotation(R: Array) -> bool:
+    return is_rotation(*R.T.ravel().tolist())
 
 
 def _numbers(position: Array, R: Array, kind: Kind, planar: bool) -> Array:
@@ -141,54 +134,8 @@ def _numbers(position: Array, R: Array, kind: Kind, planar: bool) -> Array:
     return orientation if kind == "orientation" else np.concatenate([position, orientation])
 
 
-def as_numbers(target: Any, given: object, accepted: str) -> Array:
-    """``target`` as a new float64 array. Raises ArgumentError, showing ``given``, unless it is finite numbers."""
-    array = numeric_array(target)
-    if array is None:
+def _check_planar(position: Array, R: Array, planar: bool, given: object) -> None:
+    off = max(abs(float(position[2])), float(np.abs(R[2] - (0, 0, 1)).max()))
+    if planar and off > PLANE_TOLERANCE:
+        accepted = "a pose in the plane of this planar robot: z = 0, rotated about z only"
         raise ArgumentError("target", given, accepted)
-    if not np.isfinite(array).all():
-        raise ArgumentError("target", given, f"finite numbers: {accepted}")
-    return array
-
-
-def from_quaternion(quaternion: Array, given: object) -> Array:
-    """The rotation (3, 3) of a quaternion (w, x, y, z), normalised. Raises ArgumentError if its norm is not 1."""
-    norm = float(np.linalg.norm(quaternion))
-    if abs(norm - 1) > ROTATION_TOLERANCE:
-        raise ArgumentError("target", given, "a quaternion (w, x, y, z) of norm 1")
-    w, x, y, z = (quaternion / norm).tolist()
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-
-
-def _from_pair(position: Any, rotation: Any, dimension: int, given: object, accepted: str) -> Array:
-    """The pose (4, 4) of a position and a rotation in any form; a planar position may be (x, y)."""
-    if _has_matrix(rotation):
-        rotation = rotation.as_matrix()
-    p, R = as_numbers(position, given, accepted), as_numbers(rotation, given, accepted)
-    if p.shape not in ((dimension,), (3,)) or R.shape not in ((4,), (3, 3)):
-        raise ArgumentError("target", given, accepted)
-    pose = np.eye(4)
-    pose[:3, :3] = from_quaternion(R, given) if R.shape == (4,) else R
-    pose[: len(p), 3] = p
-    return pose
-
-
-def _check_pose(pose: Array, planar: bool, given: object) -> None:
-    _check_rotation(pose[:3, :3], planar, given)
-    if np.abs(pose[3] - (0, 0, 0, 1)).max() > ROTATION_TOLERANCE:
-        raise ArgumentError("target", given, "a pose with the last row (0, 0, 0, 1)")
-    if planar and abs(pose[2, 3]) > ROTATION_TOLERANCE:
-        raise ArgumentError("target", given, "a pose in the plane of this planar robot: z = 0, rotated about z only")
-
-
-def _check_rotation(R: Array, planar: bool, given: object) -> None:
-    if not is_rotation(*R.T.ravel().tolist()):
-        raise ArgumentError("target", given, "a rotation: orthonormal columns, determinant +1")
-    if planar and np.abs(R[2] - (0, 0, 1)).max() > ROTATION_TOLERANCE:
-        raise ArgumentError("target", given, "a pose in the plane of this planar robot: z = 0, rotated about z only")

@@ -12,6 +12,9 @@ from jtik import JointType, Robot
 
 mujoco = pytest.importorskip("mujoco")
 
+pytestmark = pytest.mark.filterwarnings("ignore:[^;]*the range of the ball joint 'wrist', 1.0472 rad, is not kept$")
+"""EVERYTHING has one; every other warning is an error."""
+
 EXACT = 1e-12
 """Rounding of some dozens of operations on numbers of order one."""
 
@@ -172,7 +175,7 @@ def test_the_neutral_configuration_is_within_the_limits():
 
 
 class TestAScene:
-    """An arm on a column beside two free objects; only the arm moves."""
+    """An arm on a column beside two free objects, which are not the robot; only the arm moves."""
 
     XML = """
     <mujoco model="scene">
@@ -203,7 +206,7 @@ class TestAScene:
         target = [0.3, 0.0, 0.9]
         solution = ik.solve(target)
         assert solution.converged
-        full = ik.full_configuration(solution.q)
+        full = robot.full_configuration(ik.full_configuration(solution.q))
         expected = model.qpos0.copy()
         for name, angle in zip(("shoulder", "elbow"), solution.q, strict=True):
             expected[model.joint(name).qposadr[0]] = angle
@@ -214,6 +217,27 @@ class TestAScene:
         assert data.body("hand").xpos == pytest.approx(target, abs=2e-6)
         for name in ("cup", "box", "column"):
             assert data.body(name).xpos == pytest.approx(model.body(name).pos, abs=EXACT)
+
+    def test_objects_are_frames_but_neither_joints_nor_masses_nor_the_tip(self):
+        model = mujoco.MjModel.from_xml_string(self.XML)
+        robot = Robot.from_mjcf(self.XML)
+        assert robot.joint_names == ("lift", "shoulder", "elbow", "wrist")
+        assert robot.tip == "hand"
+        assert robot.ignored == ()
+        assert set(robot.masses) == {"column", "upper", "fore", "hand"}
+        for seed in range(3):
+            q = robot.random_configuration(seed)
+            for name in ("cup", "box"):
+                assert robot.pose(q, name)[:3, 3] == pytest.approx(model.body(name).pos, abs=EXACT)
+        assert robot.full.nq == model.nq
+        assert np.array_equal(robot.configuration(model.qpos0), model.qpos0[7 : 7 + robot.nq])
+
+    def test_a_free_body_alone_is_the_robot_and_so_is_one_with_joints(self):
+        free = '<body name="cup"><freejoint/><geom size="1"/></body>'
+        walker = '<body name="w"><freejoint name="w"/><geom size="1"/><body><joint name="leg"/></body></body>'
+        assert Robot.from_mjcf(f"<mujoco><worldbody>{free}</worldbody></mujoco>").n == 6
+        robot = Robot.from_mjcf(f"<mujoco><worldbody>{free}{walker}</worldbody></mujoco>")
+        assert robot.joint_names == ("w", "leg")
 
     def test_a_solve_starts_at_qpos0_off_the_limits(self):
         model = mujoco.MjModel.from_xml_string(self.XML)

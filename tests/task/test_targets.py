@@ -136,7 +136,7 @@ class TestTargets:
             ("position", MIRROR),
             ("position", Rotation.identity()),
             ("orientation", Rotation.identity(2)),
-            ("orientation", (1.0, 0.0, 0.0, 0.1)),
+            ("orientation", (1.0, 0.0, 0.0, 0.2)),
             ("orientation", (0.0, 0.0, 0.0, 0.0)),
             ("orientation", (1.0, 0.0, np.nan, 0.0)),
             ("pose", ((0.0, 0.0, 0.0), (2.0, 0.0, 0.0, 0.0))),

@@ -23,20 +23,19 @@ class SE3:
         return self._matrix
 
 
+POSES = (
+    "(4, 4) or (3, 4), seven numbers (x, y, z, qw, qx, qy, qz), a pair (position, rotation), or a pose of SciPy, mink, "
+    "Pinocchio, spatialmath, Drake or ROS"
+)
+ROTATIONS = "a matrix (3, 3), a quaternion (w, x, y, z), or a rotation of one of these libraries"
 ACCEPTED = {
-    ("position", 3): "(x, y, z) [m], or a pose: (4, 4), seven numbers (x, y, z, qw, qx, qy, qz), a pair (position, "
-    "rotation), or an object with as_matrix(); of a pose only the position is used",
-    ("orientation", 3): "a rotation: a matrix (3, 3), a quaternion (w, x, y, z), or an object with as_matrix(); or a "
-    "pose: (4, 4), seven numbers (x, y, z, qw, qx, qy, qz), a pair (position, rotation), or an object with "
-    "as_matrix(); of a pose only the orientation is used",
-    ("pose", 3): "a pose: (4, 4), seven numbers (x, y, z, qw, qx, qy, qz), a pair (position, rotation), or an object "
-    "with as_matrix(), where the rotation is a quaternion (w, x, y, z), a matrix (3, 3), or has as_matrix()",
-    ("position", 2): "(x, y) [m], or a pose: (4, 4), seven numbers (x, y, z, qw, qx, qy, qz), a pair (position, "
-    "rotation), or an object with as_matrix(); of a pose only the position is used",
-    ("orientation", 2): "an angle [rad], a rotation about z, or a pose: (4, 4), seven numbers (x, y, z, qw, qx, qy, "
-    "qz), a pair (position, rotation), or an object with as_matrix(); of a pose only the orientation is used",
-    ("pose", 2): "(x, y, angle) [m, rad], or a pose: (4, 4), seven numbers (x, y, z, qw, qx, qy, qz), a pair (position,"
-    " rotation), or an object with as_matrix()",
+    ("position", 3): f"(x, y, z) [m], or a pose: {POSES}; of a pose only the position is used",
+    ("orientation", 3): f"a rotation: {ROTATIONS}; or a pose: {POSES}; of a pose only the orientation is used",
+    ("pose", 3): f"a pose: {POSES}, where the rotation is {ROTATIONS}",
+    ("position", 2): f"(x, y) [m], or a pose: {POSES}; of a pose only the position is used",
+    ("orientation", 2): f"an angle [rad], a rotation about z, or a pose: {POSES}; of a pose only the orientation is "
+    "used",
+    ("pose", 2): f"(x, y, angle) [m, rad], or a pose: {POSES}",
 }
 
 

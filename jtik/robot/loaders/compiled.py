@@ -11,8 +11,9 @@ import numpy as np
 
 from jtik.errors import RobotFileError
 from jtik.robot.joint_type import JointType
+from jtik.robot.loaders.constraints import ConstraintReader
 from jtik.robot.loaders.meshes import MeshFile
-from jtik.robot.loaders.robot_description import JointCoupling, Names, RobotDescription
+from jtik.robot.loaders.robot_description import Names, RobotDescription
 from jtik.robot.loaders.shapes import solids
 from jtik.robot.loaders.transforms import pose_of, rotation_about, translation
 from jtik.robot.masses_and_shapes import Mass
@@ -57,7 +58,6 @@ class ModelReader:
         self._root = root
         self._meshes = meshes or {}
         self._negligible_mass = negligible_mass
-        self._notes: list[str] = []
         self._frames, self._joints = Names(), Names()
         kind = mujoco.mjtObj
         given = [self._given(kind.mjOBJ_BODY, body) for body in range(model.nbody)]
@@ -83,17 +83,20 @@ class ModelReader:
             joints += self._chain(body)
             joints += self._site_frames(body)
         joints[:0] = self._site_frames(self._root)
+        constraints = ConstraintReader(self._model, self._joint_names, self._bodies)
+        objects = self._objects()
         return RobotDescription(
             label=self._label,
             name=self._model_name(),
             base=self._bodies[self._root],
             joints=tuple(joints),
-            couplings=tuple(self._couplings()),
-            masses=self._masses(),
+            couplings=tuple(constraints.couplings),
+            objects=tuple(self._joint_names[self._model.body_jntadr[body]] for body in objects),
+            masses=self._masses(objects),
             shapes={self._bodies[body]: found for body, found in solids(self._model, self._meshes).items()},
             keyframes=self._keyframes(),
             neutral=self._positions(self._model.qpos0),
-            notes=tuple(self._notes),
+            notes=tuple(constraints.notes),
         )
 
     def _chain(self, body: int) -> Iterator[Joint]:
@@ -142,38 +145,21 @@ class ModelReader:
             origin = pose_of(model.site_pos[site], model.site_quat[site])
             yield Joint(joint, JointType.FIXED, self._bodies[body], frame, origin=origin)
 
-    def _couplings(self) -> Iterator[JointCoupling]:
-        """The active linear equalities of joints; those of higher order are noted and left out."""
+    def _objects(self) -> list[int]:
+        """The bodies that move freely and carry no other joint, beside a robot that has other joints."""
         model = self._model
-        for number in np.flatnonzero(model.eq_type == mujoco.mjtEq.mjEQ_JOINT):
-            joint, leader = int(model.eq_obj1id[number]), int(model.eq_obj2id[number])
-            constant, ratio, *higher = map(float, model.eq_data[number][:5])
-            if not model.eq_active0[number]:
-                continue
-            here = float(model.qpos0[model.jnt_qposadr[joint]])
-            if leader < 0:
-                yield JointCoupling(joint=self._joint_names[joint], leader=None, multiplier=0.0, offset=here + constant)
-                continue
-            if any(higher):
-                text = (
-                    f"joint {self._joint_names[joint]!r} stays independent: it follows {self._joint_names[leader]!r} "
-                )
-                self._notes.append(text + "by a polynomial of higher order than one")
-                continue
-            leader_offset = float(model.qpos0[model.jnt_qposadr[leader]])
-            yield JointCoupling(
-                joint=self._joint_names[joint],
-                leader=self._joint_names[leader],
-                multiplier=ratio,
-                offset=here + constant - ratio * leader_offset,
-            )
+        joints_on = np.bincount(model.body_rootid, weights=model.body_jntnum, minlength=model.nbody)
+        free = model.jnt_bodyid[model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)]
+        objects = [int(body) for body in free if joints_on[body] == 1]
+        return objects if len(objects) < model.njnt else []
 
-    def _masses(self) -> dict[str, Mass]:
+    def _masses(self, objects: list[int]) -> dict[str, Mass]:
+        """The masses of the bodies, without those of objects."""
         model = self._model
         return {
             self._bodies[body]: Mass(float(model.body_mass[body]), np.array(model.body_ipos[body]))
             for body in range(self._root, model.nbody)
-            if model.body_mass[body] > self._negligible_mass
+            if model.body_mass[body] > self._negligible_mass and model.body_rootid[body] not in objects
         }
 
     def _keyframes(self) -> dict[str, dict[str, Array]]:

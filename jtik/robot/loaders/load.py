@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import mujoco
+import numpy as np
 
 from jtik.errors import ArgumentError, RobotFileError
 from jtik.robot.joint_type import JointType
@@ -17,18 +19,24 @@ from jtik.robot.loaders.robot_description import Names, RobotDescription
 from jtik.robot.loaders.source import PathOrText, Source, open_source
 from jtik.robot.loaders.spec import MINIMUM_MASS, compile_source
 from jtik.robot.loaders.urdf import UrdfTree, read_tree
+from jtik.robot.loaders.urdf_links import mujoco_text
 from jtik.robot.tree import Joint
 
 
-def load_urdf(path_or_xml: PathOrText, *, free_base: bool) -> RobotDescription:
+def load_urdf(
+    path_or_xml: PathOrText,
+    *,
+    free_base: bool = False,
+    planar_base: bool = False,
+    xacro_arguments: Mapping[str, str] | None = None,
+) -> RobotDescription:
     """A URDF; see `Robot.from_urdf`."""
-    source = open_source(path_or_xml, kind="URDF", root="robot")
+    if free_base and planar_base:
+        raise ArgumentError("planar_base", "True together with free_base=True", "one of the two")
+    source = open_source(path_or_xml, kind="URDF", root="robot", arguments=xacro_arguments)
     tree = read_tree(source)
-
-    def leave_to_xml(spec: Any) -> None:
-        _leave_to_xml(spec, tree)
-
-    compiled = compile_source(source, edit=leave_to_xml)
+    bare = mujoco_text(source)
+    compiled = compile_source(source, text=bare.text, edit=_leave_to_xml)
     root = max(0, mujoco.mj_name2id(compiled.model, mujoco.mjtObj.mjOBJ_BODY, tree.root))
     reader = ModelReader(compiled.model, source.label, root=root, meshes=compiled.meshes, negligible_mass=MINIMUM_MASS)
     with _named(source.label):
@@ -41,9 +49,14 @@ def load_urdf(path_or_xml: PathOrText, *, free_base: bool) -> RobotDescription:
         couplings=tuple(couplings),
         neutral=None,  # a URDF has none; that of the MuJoCo model has other joint types
         name=_name(source),
-        notes=tree.notes,
+        notes=(*tree.notes, *bare.notes),
+        changes=(*tree.changes, *bare.changes),
     )
-    return with_mimic_joints(_on_free_base(description) if free_base else description)
+    if free_base:
+        description = _on_base(description, FREE_BASE)
+    if planar_base:
+        description = _on_base(description, PLANAR_BASE)
+    return with_mimic_joints(description)
 
 
 def load_mjcf(path_or_xml: PathOrText) -> RobotDescription:
@@ -65,11 +78,25 @@ def load_mujoco(model: Any) -> RobotDescription:
         return with_mimic_joints(_some_body(ModelReader(model, label).read()))
 
 
+PLANAR_BASE = {
+    "planar_base_x": (JointType.PRISMATIC, (1.0, 0.0, 0.0)),
+    "planar_base_y": (JointType.PRISMATIC, (0.0, 1.0, 0.0)),
+    "planar_base_heading": (JointType.REVOLUTE, (0.0, 0.0, 1.0)),
+}
+"""The joints of a base that moves in the x-y plane and rotates about z: their types and axes."""
+
+FREE_BASE = {"free_base": (JointType.FREE, (0.0, 0.0, 1.0))}
+"""The joint of a base that moves freely; it has no axis."""
+
+
 @contextmanager
 def _named(label: str) -> Iterator[None]:
     """Raises an `ArgumentError` as a `RobotFileError` that names the file."""
     try:
         yield
+    except UnicodeDecodeError as error:
+        problem = "a name in it, or in a file that it includes, is not UTF-8; accepted: files in UTF-8"
+        raise RobotFileError(label, "", problem) from error
     except ArgumentError as error:
         raise RobotFileError(label, "", str(error)) from error
 
@@ -85,13 +112,9 @@ def _name(source: Source) -> str:
     return given or (source.path.stem if source.path is not None else "robot")
 
 
-def _leave_to_xml(spec: Any, tree: UrdfTree) -> None:
-    """Remove from a spec what is read from the URDF itself, and what MuJoCo refuses."""
-    for equality in spec.equalities:
-        spec.delete(equality)
+def _leave_to_xml(spec: Any) -> None:
+    """Change in a spec what MuJoCo refuses."""
     for joint in spec.joints:
-        joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
-        joint.range = (0.0, 0.0)
         if joint.type == mujoco.mjtJoint.mjJNT_FREE:
             # MuJoCo allows free joints in the world only; `_as_stated` restores the type
             joint.type = mujoco.mjtJoint.mjJNT_BALL
@@ -107,16 +130,22 @@ def _as_stated(joint: Joint, tree: UrdfTree) -> Joint:
         return joint
     if stated.type == "fixed":
         return replace(joint, name=stated.name)
-    if stated.type == "floating":
-        return replace(joint, name=stated.name, type=JointType.FREE)
+    if stated.type in ("floating", "spherical"):
+        kind = JointType.FREE if stated.type == "floating" else JointType.BALL
+        return replace(joint, name=stated.name, type=kind)
     return replace(joint, lower=stated.lower, upper=stated.upper, velocity_limit=stated.velocity_limit)
 
 
-def _on_free_base(description: RobotDescription) -> RobotDescription:
-    """The same robot with its root on a free joint in a frame "world"."""
+def _on_base(description: RobotDescription, base_joints: Mapping[str, tuple[JointType, Any]]) -> RobotDescription:
+    """The same robot with its root on joints, by their names, in a frame "world"."""
     frames, names = Names(), Names()
     frames.reserve([description.base, *(joint.child for joint in description.joints)])
     names.reserve(joint.name for joint in description.joints)
     world = frames.unique("world")
-    free = Joint(names.unique("free_base"), JointType.FREE, world, description.base)
-    return replace(description, base=world, joints=(free, *description.joints))
+    between = [frames.unique(name) for name in list(base_joints)[:-1]]
+    links = pairwise([world, *between, description.base])
+    added = [
+        Joint(names.unique(name), kind, parent, child, axis=np.array(axis))
+        for (name, (kind, axis)), (parent, child) in zip(base_joints.items(), links, strict=True)
+    ]
+    return replace(description, base=world, joints=(*added, *description.joints))

@@ -45,7 +45,9 @@ class RobotDescription:
         keyframes: for each keyframe the position of every moving joint, by joint name, (nq of the joint,).
         neutral: the position of every moving joint in the neutral configuration, by joint name; None where the file
             has none.
+        objects: names of the free joints of objects, which are not parts of the robot.
         notes: one sentence for each part of the file that is not kept.
+        changes: one sentence for each part that is kept, but changed or completed.
     """
 
     label: str
@@ -57,12 +59,18 @@ class RobotDescription:
     shapes: dict[str, list[Solid]] = field(default_factory=dict)
     keyframes: dict[str, dict[str, Array]] = field(default_factory=dict)
     neutral: dict[str, Array] | None = None
+    objects: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    changes: tuple[str, ...] = ()
 
     @property
     def tip(self) -> str:
         """The frame of the end effector where none is named; see `tool_frame`."""
-        return tool_frame(self.joints, self.base)
+        apart: set[str] = set()
+        for joint in self.joints:
+            if joint.name in self.objects or joint.parent in apart:
+                apart.add(joint.child)
+        return tool_frame([joint for joint in self.joints if joint.child not in apart], self.base)
 
     def arguments(self) -> dict[str, Any]:
         """The arguments of `Robot` without the tip; call it when no couplings are left."""
@@ -78,6 +86,7 @@ class RobotDescription:
             "shapes": self.shapes,
             "keyframes": {key: configuration(positions) for key, positions in self.keyframes.items()},
             "neutral": None if self.neutral is None else configuration(self.neutral),
+            "ignored": self.notes,
         }
 
 

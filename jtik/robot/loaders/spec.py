@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from xml.etree.ElementTree import Element
 
 import mujoco
 import numpy as np
@@ -32,13 +35,16 @@ class CompiledModel:
     meshes: dict[int, MeshFile]
 
 
-def compile_source(source: Source, *, edit: Callable[[Any], None] | None = None) -> CompiledModel:
+def compile_source(
+    source: Source, *, text: str | None = None, edit: Callable[[Any], None] | None = None
+) -> CompiledModel:
     """The model of a description, without meshes, textures and other parts that kinematics does not need.
 
     Inertias that MuJoCo refuses are replaced, and geoms that it refuses are dropped. Masses and their centres are kept.
 
     Args:
         source: the description.
+        text: the XML that MuJoCo reads; that of the source when None.
         edit: changes to make to the ``mujoco.MjSpec`` before it is compiled.
 
     Raises:
@@ -48,18 +54,25 @@ def compile_source(source: Source, *, edit: Callable[[Any], None] | None = None)
     with _no_warnings():
         for inertias, geoms in ((True, True), (False, True), (False, False)):
             try:
-                return _compile(source, edit, inertias=inertias, geoms=geoms)
+                return _compile(source, text, edit, inertias=inertias, geoms=geoms)
             except ValueError as error:
                 first = first or error
-    raise RobotFileError(source.label, "", f"MuJoCo refuses it: {' '.join(str(first).split())}") from first
+    reason = " ".join(str(first).split())
+    if text is not None:
+        reason = re.sub(r",? line \d+", "", reason)  # not a line of the file
+    raise RobotFileError(source.label, "", f"MuJoCo refuses it: {reason}") from first
 
 
-def _compile(source: Source, edit: Callable[[Any], None] | None, *, inertias: bool, geoms: bool) -> CompiledModel:
+def _compile(
+    source: Source, text: str | None, edit: Callable[[Any], None] | None, *, inertias: bool, geoms: bool
+) -> CompiledModel:
     """The model with or without its inertias and its geoms."""
-    if source.path is not None:
+    if text is not None:
+        spec = mujoco.MjSpec.from_string(text)
+    elif source.path is not None and source.is_utf8:
         spec = mujoco.MjSpec.from_file(str(source.path))
     else:
-        spec = mujoco.MjSpec.from_string(source.text)
+        spec = mujoco.MjSpec.from_string(source.text, include=_included(source.root, source.path))
     if edit is not None:
         edit(spec)
     meshes = _remove_meshes(spec, source.path)
@@ -75,6 +88,16 @@ def _compile(source: Source, edit: Callable[[Any], None] | None, *, inertias: bo
     model = spec.compile()
     kept = {geom.name: geom.id for geom in spec.geoms}
     return CompiledModel(model, {kept[name]: mesh for name, mesh in meshes.items() if name in kept})
+
+
+def _included(root: Element, path: Path | None) -> dict[str, bytes]:
+    """The content of the files that a description includes, by the names that it has for them."""
+    found: dict[str, bytes] = {}
+    for name in (element.get("file", "") for element in root.iter("include")):
+        file = None if path is None else path.resolve().parent / name
+        if file is not None and file.is_file():
+            found[name] = file.read_bytes()
+    return found
 
 
 def _replace_inertias(spec: Any) -> None:
@@ -114,10 +137,12 @@ def _remove_meshes(spec: Any, path: Path | None) -> dict[str, MeshFile]:
 
 @contextmanager
 def _no_warnings() -> Iterator[None]:
-    """Suppresses MuJoCo's warnings on the screen and in its log file."""
+    """Suppresses MuJoCo's warnings on the screen, in its log file and as warnings of Python."""
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda message: None)
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
     finally:
         mujoco.set_mju_user_warning(before)

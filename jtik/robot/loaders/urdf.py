@@ -15,8 +15,11 @@ from jtik.errors import RobotFileError
 from jtik.robot.loaders.robot_description import JointCoupling
 from jtik.robot.loaders.source import Source
 
-TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
-"""The joint types that are accepted."""
+TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical")
+"""The joint types that are accepted; "spherical" is a ball joint of PyBullet's dialect."""
+
+LOOPS = ("loop_joint", "loop", "closed_loop")
+"""Elements of dialects that close a kinematic loop."""
 
 _SCALAR = ("revolute", "continuous", "prismatic")
 
@@ -54,11 +57,13 @@ class UrdfTree:
         root: the link that no joint moves.
         joints: the joints by the link that they move.
         notes: one sentence for each part that is not kept.
+        changes: one sentence for each part that is read otherwise than it is written.
     """
 
     root: str
     joints: dict[str, UrdfJoint]
     notes: tuple[str, ...]
+    changes: tuple[str, ...]
 
 
 def read_tree(source: Source) -> UrdfTree:
@@ -71,13 +76,17 @@ def read_tree(source: Source) -> UrdfTree:
     _unique_names(source, "joint")
     scalar = [joint.get("name", "") for joint in source.root.findall("joint") if joint.get("type") in _SCALAR]
     if not links:
-        macros = any(element.tag.startswith("xacro:") for element in source.root.iter())
-        expand = "; its xacro elements have to be expanded first" if macros else ""
-        raise RobotFileError(source.label, "", f"not a robot: it has no link; accepted: at least one link{expand}")
+        other = "; an SRDF belongs to a URDF, which has the links" if source.root.find("group") is not None else ""
+        raise RobotFileError(source.label, "", f"not a robot: it has no link; accepted: at least one link{other}")
     joints: dict[str, UrdfJoint] = {}
-    notes = []
+    notes = [
+        f"the <{element.tag}> {element.get('name', '')!r} is not kept: the loop stays open"
+        for element in source.root.iter()
+        if element.tag in LOOPS
+    ]
+    changes: list[str] = []
     for element in source.root.findall("joint"):
-        joint = _read_joint(source, element, links)
+        joint = _read_joint(source, element, links, changes)
         if joint.child in joints:
             problem = f"moved by the joints {joints[joint.child].name!r} and {joint.name!r}, where one is accepted"
             raise RobotFileError(source.label, f"link {joint.child!r}", problem)
@@ -95,10 +104,10 @@ def read_tree(source: Source) -> UrdfTree:
     _check_connected(source, roots[0], joints)
     if "world" in joints:
         raise RobotFileError(source.label, "link 'world'", "only the root may have this name")
-    return UrdfTree(root=roots[0], joints=joints, notes=tuple(notes))
+    return UrdfTree(root=roots[0], joints=joints, notes=tuple(notes), changes=tuple(changes))
 
 
-def _read_joint(source: Source, element: Element, links: list[str]) -> UrdfJoint:
+def _read_joint(source: Source, element: Element, links: list[str], changes: list[str]) -> UrdfJoint:
     name = element.get("name", "")
     where = f"joint {name!r}"
     kind = element.get("type", "")
@@ -112,7 +121,7 @@ def _read_joint(source: Source, element: Element, links: list[str]) -> UrdfJoint
             raise RobotFileError(source.label, where, f"its {end} {link!r} is not a link of the file")
         ends.append(link)
     _check_triples(source, where, element)
-    lower, upper, speed = _read_limits(source, where, kind, element.find("limit"))
+    lower, upper, speed = _read_limits(source, where, kind, element.find("limit"), changes)
     mimic = element.find("mimic")
     coupling = None
     if mimic is not None and kind in _SCALAR:
@@ -150,22 +159,35 @@ def _check_triples(source: Source, where: str, joint: Element) -> None:
             raise RobotFileError(source.label, where, problem)
 
 
-def _read_limits(source: Source, where: str, kind: str, limit: Element | None) -> tuple[float, float, float]:
+def _read_limits(
+    source: Source, where: str, kind: str, limit: Element | None, changes: list[str]
+) -> tuple[float, float, float]:
     """Lower, upper and velocity limit; infinite where there is none.
 
     Limits that are both zero, and a velocity of zero, count as none: exporters write them for joints without limits.
+    Where both zeros and an effort are written, the joint is locked. A lower limit above the upper one means no limits,
+    as in PyBullet.
     """
     if limit is None or kind not in _SCALAR:
         return -math.inf, math.inf, math.inf
     speed = abs(_number(source, where, limit, "velocity", 0.0, finite=False)) or math.inf
     lower = _number(source, where, limit, "lower", 0.0, finite=False)
     upper = _number(source, where, limit, "upper", 0.0, finite=False)
-    if kind == "continuous" or lower == upper == 0.0:
+    if kind == "continuous" or (lower == upper == 0.0 and not _is_locked(source, where, limit)):
         return -math.inf, math.inf, speed
-    if lower > upper or lower == math.inf or upper == -math.inf:
-        problem = f"its limits are crossed: lower {lower:g}, upper {upper:g}; accepted: lower <= upper"
+    if lower > upper:
+        changes.append(f"{where} has no limits: its lower limit {lower:g} is above its upper limit {upper:g}")
+        return -math.inf, math.inf, speed
+    if lower == math.inf or upper == -math.inf:
+        problem = f"its limits are lower {lower:g}, upper {upper:g}; accepted: a range with numbers in it"
         raise RobotFileError(source.label, where, problem)
     return lower, upper, speed
+
+
+def _is_locked(source: Source, where: str, limit: Element) -> bool:
+    """Whether both limits and an effort other than zero are written."""
+    written = limit.get("lower") is not None and limit.get("upper") is not None
+    return written and _number(source, where, limit, "effort", 0.0, finite=False) != 0.0
 
 
 def _number(

@@ -96,7 +96,7 @@ class Goal:
     @property
     def frame(self) -> str:
         """The frame of the task."""
-        return self.task.frame
+        return self.robot.frame(self.task.frame)
 
     @property
     def planar(self) -> bool:

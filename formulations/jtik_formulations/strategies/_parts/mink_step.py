@@ -174,7 +174,7 @@ class _TaskPart:
             Kp = task.weight(6)
             if np.array_equal(Kp, np.diag([Kp[0, 0]] * 3 + [Kp[3, 3]] * 3)):
                 costs = {"position_cost": weight[0], "orientation_cost": weight[3]}
-                made = mink.FrameTask(frame_name=task.frame, frame_type="body", **costs)
+                made = mink.FrameTask(frame_name=robot.frame(task.frame), frame_type="body", **costs)
         made.gain, made.lm_damping = strategy.gain, strategy.lm_damping
         return cls(made, strict, rows, numbers, planar, places)
 

@@ -1,0 +1,144 @@
+"""Robots made from a robot: with fewer free joints, with a tool, on a base."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any, Self
+
+from jtik.errors import ArgumentError
+from jtik.geometry import Solid
+from jtik.robot.configuration_space import ConfigurationSpace
+from jtik.robot.joint_type import JointType
+from jtik.robot.masses_and_shapes import Mass
+from jtik.robot.pose_input import read_pose
+from jtik.robot.subset import Reduction, locked_joints
+from jtik.robot.tree import Joint, check_moves, frozen
+from jtik.types import Array
+
+if TYPE_CHECKING:
+    from jtik.robot.model import Robot
+
+
+class Variants(ConfigurationSpace):
+    """The methods of `Robot` that make another robot from it."""
+
+    _joints: tuple[Joint, ...]
+
+    if TYPE_CHECKING:
+
+        def _options(self) -> dict[str, Any]: ...
+
+    def subset(self, joints: Iterable[str], *, at: object = None) -> Self:
+        """This robot with only ``joints`` free and every other joint locked; all frames remain.
+
+        The result keeps this robot as `full`. `full_configuration` and `reduced` convert configurations.
+
+        Args:
+            joints: names of the joints that stay free.
+            at: the configuration at which the others are locked, in any form that `configuration` accepts; `neutral`
+                when None.
+
+        Raises:
+            ArgumentError: when ``at`` is not a configuration, or no joint stays free.
+            UnknownNameError: when there is no such joint.
+        """
+        robot: Any = self
+        q = self.neutral if at is None else self.configuration(at, argument="at")
+        kept = locked_joints(robot, joints, q)
+        check_moves(kept)
+        neutral = {joint.name: self.neutral[self.q_slice(joint.name)] for joint in kept if joint.is_independent}
+        options = self._options() | {"neutral": neutral, "keyframes": None}
+        make: Callable[..., Robot] = type(robot)
+        part: Any = reduced_robot(partial(make, kept, **options), robot, q)
+        part._keyframes.update({key: frozen(part.reduced(q)) for key, q in robot.keyframes.items()})
+        result: Self = part
+        return result
+
+    def with_tool(
+        self,
+        pose: object,
+        *,
+        name: str = "tool",
+        mass: float | Mass | None = None,
+        shapes: Sequence[Solid] = (),
+        frame: str | None = None,
+    ) -> Self:
+        """This robot with a tool: a new frame, which is the tip of the result.
+
+        Args:
+            pose: pose (4, 4) [m] of the tool in ``frame``, or in another form of the targets of `FrameTask`.
+            name: name of the new frame.
+            mass: mass of the tool [kg] at the origin of its frame, or a `Mass` with its centre in that frame.
+            shapes: solids of the tool, in its frame, for clearances.
+            frame: the frame that carries the tool; the tip when None.
+
+        Raises:
+            ArgumentError: when ``pose`` is not a pose, there is a frame with that name already, or the mass or a shape
+                cannot be used.
+            UnknownNameError: when there is no frame ``frame``.
+        """
+        robot: Any = self
+        carrier = robot.frame(frame)
+        if name in robot.frame_names:
+            raise ArgumentError("name", name, f"a name of its own, none of {', '.join(robot.frame_names)}")
+        new = _fixed(robot, name, carrier, name, pose)
+        options = self.full._options() | {"tip": name}
+        if mass is not None:
+            options["masses"] = {**options["masses"], name: mass if isinstance(mass, Mass) else Mass(mass)}
+        options["shapes"] = {**options["shapes"], name: tuple(shapes)}
+        return self._rebuilt((*self.full._joints, new), options)
+
+    def with_base(self, pose: object, *, name: str = "world") -> Self:
+        """This robot mounted at a pose: a new base frame carries the present one.
+
+        Poses, targets and obstacles are then in the new frame. Masses, shapes and keyframes stay.
+
+        Args:
+            pose: pose (4, 4) [m] of the present base in the new one, or in another form of the targets of `FrameTask`.
+            name: name of the new base frame; with a number appended where there is a frame with that name already.
+
+        Raises:
+            ArgumentError: when ``pose`` is not a pose.
+        """
+        robot: Any = self
+        unique, number = name, 2
+        while unique in robot.frame_names:
+            unique, number = f"{name} ({number})", number + 1
+        new = _fixed(robot, "mount", unique, robot.base, pose)
+        return self._rebuilt((new, *self.full._joints), self.full._options() | {"base": unique})
+
+    def _rebuilt(self, joints: tuple[Joint, ...], options: dict[str, Any]) -> Self:
+        """The robot of these joints, reduced to the joints of this one where it was made by `subset`."""
+        if self.full is not self:
+            inner = self.full._rebuilt(joints, options)
+            return inner.subset(self.joint_names, at=self._locked())
+        build: Any = type(self)
+        robot: Self = build(joints, **options)
+        return robot
+
+    def _locked(self) -> Array:
+        assert self._reduction is not None
+        return self._reduction.locked
+
+
+def _fixed(robot: Any, name: str, parent: str, child: str, pose: object) -> Joint:
+    """A fixed joint at ``pose``, with a name of its own."""
+    joints = {joint.name for joint in robot.full.joints}
+    unique, number = name, 2
+    while unique in joints:
+        unique, number = f"{name} ({number})", number + 1
+    return Joint(unique, JointType.FIXED, parent, child, origin=read_pose(pose, "pose"))
+
+
+def reduced_robot(build: Callable[[], Robot], full: Robot, locked: Array) -> Robot:
+    """A robot made by `Robot.subset`, or restored from a pickle of one.
+
+    Args:
+        build: makes the robot.
+        full: the robot it was made from.
+        locked: configuration (full.nq,) at which the joints of ``full`` are locked.
+    """
+    robot = build()
+    object.__setattr__(robot, "_reduction", Reduction.of(full, locked, robot.joint_names))
+    return robot
