@@ -134,3 +134,17 @@ def test_restarts_choose_by_the_levels_of_priority(compiled):
         solution = ik.solve(targets, q0=rng.uniform(-1, 1, 4), restarts=20)
         kept += np.linalg.norm(robot.position(solution.q, "tip") - targets["tip"]) < 1e-4
     assert kept == 6
+
+
+def test_a_singular_spherical_wrist_gives_each_posture_once():
+    """There the first and the last axis of the wrist are one: any share of the turn between them is on target."""
+    half = np.pi / 2
+    columns = [(0, half, 0.4), (0.5, 0, 0), (0.05, half, 0), (0, -half, 0.4), (0, half, 0), (0, 0, 0.1)]
+    rows = [{"a": a, "alpha": alpha, "d": d, "theta": 0, "lower": -np.pi, "upper": np.pi} for a, alpha, d in columns]
+    arm = jtik.Robot.from_dh(rows)
+    ik = jtik.InverseKinematics(arm, jtik.FrameTask(arm.tip, "pose"))
+    singular = np.array([0.5, -0.7, 0.8, 0.3, 0.0, 0.9])
+    solution = ik.solve(arm.pose(singular), q0=np.full(6, 0.3), restarts=40, best_of=16)
+    postures = {tuple(np.round(arm.position(each.q, "link4"), 2)) for each in (solution, *solution.alternatives)}
+    assert 4 <= 1 + len(solution.alternatives) <= 8  # 16 where joint positions alone are compared
+    assert len(postures) <= 4

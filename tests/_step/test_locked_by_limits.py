@@ -19,7 +19,9 @@ STRATEGIES = ["hybrid", "damped", "newton", "newton+qp", "hybrid+qp", "newton+se
 
 def arms():
     """A planar arm with a locked joint, and one that has two links in one instead."""
-    joined = planar(5, lower=-2.0, upper=2.0).subset([f"joint{i + 1}" for i in range(5) if i != LOCKED], at=np.full(5, AT))
+    joined = planar(5, lower=-2.0, upper=2.0).subset(
+        [f"joint{i + 1}" for i in range(5) if i != LOCKED], at=np.full(5, AT)
+    )
     return jtik.Robot.planar(5, lower=LOWER, upper=UPPER), joined
 
 
