@@ -151,9 +151,12 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
                 one with the smallest error is returned.
             seed: seed of the restarts; None is 0. The same seed gives the same solution.
             best_of: go on until so many configurations are found that differ by more than 0.01 rad or m in a joint, or
-                all restarts are used. The result is the one with the smallest criterion, or without a criterion the
-                one nearest to q0; the others are in ``solution.alternatives``, the best first.
-            jump_limit: largest change of any joint from q0 [rad] or [m]; None for none.
+                all restarts are used. Whole turns make no other configuration, nor does a straight way on target. The
+                result is the one with the smallest criterion, or without a criterion the one nearest to q0; the others
+                are in ``solution.alternatives``, the best first.
+            jump_limit: largest change of any joint from q0 [rad] or [m], mimic joints included; None for none. Of a
+                ball or free joint it is that of the angle of its rotation and of the length of its displacement, which
+                are judged where an attempt ends: if none ends within the limit, the status says so and q is beyond it.
             max_iterations: most steps to try in an attempt.
             position_tolerance, orientation_tolerance, optimality_tolerance, until: see the class.
             trace: keep every iteration in ``solution.trace``.

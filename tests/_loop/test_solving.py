@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -183,3 +186,36 @@ class TestManifolds:
         assert solution.converged
         assert np.linalg.norm(solution.q[:4]) == pytest.approx(1.0, abs=EXACT)
         assert robot.position(solution.q) == pytest.approx(target, abs=2e-6)
+
+
+class TestItsOwn:
+    """A Solution has what its report needs, whatever happens to the arrays of the caller."""
+
+    @pytest.mark.parametrize("compiled", [False, True], ids=["interpreted", "compiled"])
+    @pytest.mark.parametrize("target", [[1.0, 1.5], [9.0, 0.0]], ids=["reached", "missed"])
+    def test_its_q_may_be_changed(self, compiled, target):
+        ik = solver(planar(3), compiled=compiled)
+        for _ in range(2):  # the second with known options
+            solution, expected = (ik.solve(target, q0=[0.3, 0.4, 0.5]) for _ in range(2))
+            solution.q[:] = 0.7
+            assert solution.position_error == expected.position_error
+            assert solution.jacobian.tolist() == expected.jacobian.tolist()
+            assert solution.status is expected.status
+
+    def test_reports_read_in_another_thread(self):
+        """Each equals the report that its own thread computes while no other one is solving."""
+        ik, rng = solver(planar(3, lower=-1.0, upper=1.0), criteria=JointCentering()), np.random.default_rng(0)
+        cases = [(rng.uniform(-3, 3, 2), rng.uniform(-1, 1, 3)) for _ in range(150)]
+
+        def figures(solution):
+            return solution.status, solution.error.tolist(), solution.null_space_residual, solution.second_order
+
+        expected = [figures(ik.solve(target, q0=q0, max_iterations=30)) for target, q0 in cases]
+        before = sys.getswitchinterval()
+        sys.setswitchinterval(1e-6)
+        try:
+            with ThreadPoolExecutor(2) as readers:
+                read = [readers.submit(figures, ik.solve(target, q0=q0, max_iterations=30)) for target, q0 in cases]
+                assert [each.result() for each in read] == expected
+        finally:
+            sys.setswitchinterval(before)
