@@ -106,3 +106,10 @@ def _shift(x):
     pose = np.eye(4)
     pose[0, 3] = x
     return pose
+
+
+def test_progress_is_shown_when_asked_for():
+    ik, path, seen = solver(planar(3)), [(2.0, 1.0 + 0.01 * i) for i in range(5)], []
+    shown = ik.track(path, q0=[0.3, 0.4, 0.5], progress=lambda *now: seen.append(now))
+    assert seen == [(i, 5) for i in range(1, 6)]
+    assert np.array_equal(shown.q, ik.track(path, q0=[0.3, 0.4, 0.5]).q)
