@@ -5,7 +5,7 @@ Acceptance, the third part, is the same for all of them (formulations/merit.md):
 - ``"merit"``: outside a neighbourhood of the target V must fall by the full step; inside, the exact penalty function
   H + mu |r| must fall. Without a criterion this is monotone decrease of V.
 - ``"task"``: V must fall by the task displacement alone; the null-space displacement is added unchecked (the paper's
-  rules for beta bound it).
+  rule for beta is supposed to bound it), so V may rise.
 - ``"always"``: every step is taken, as in the paper.
 """
 

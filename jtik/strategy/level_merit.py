@@ -56,7 +56,8 @@ class LevelMerit(Merit):
         before = [norm(r[list(rows)]) for rows in levels]
         change = model.here.change(candidate)
         gains, falls_by = ([_shortened(r[list(rows)], by[list(rows)]) for rows in levels] for by in (image, change))
-        weights = _weights(model, state["weights"], gains)
+        lengths_of = [sqrt(squared_length(model.J[list(rows), :]) + TINY) for rows in levels]
+        weights = _weights(model, state["weights"], gains, lengths_of)
         F, fall, predicted = (sum(w * v for w, v in zip(weights, of, strict=True)) for of in (before, falls_by, gains))
         falls = logic_and(predicted > 0, fall >= SUFFICIENT * predicted)
         gained = ratio(fall, fmax(predicted, 0))
@@ -65,9 +66,10 @@ class LevelMerit(Merit):
             decrease = null.decrease - dot(model.gradient, step)
             lengths = (sumsqr(step), sumsqr(step + null.dq))
             mu = penalty_weight(model, mu, decrease, predicted, lengths, candidate.H)
-            size = fabs(model.here.H) + fabs(model.here.H + mu * F)
+            of_residual = sum(w * v for w, v in zip(weights, lengths_of, strict=True))
+            noise = ROUNDING * (fabs(model.here.H) + fabs(model.here.H + mu * F) + mu * of_residual)
             total, actual = mu * predicted + decrease, model.here.H - candidate.H + mu * fall
-            better = logic_and(total > 0, actual >= SUFFICIENT * total - ROUNDING * size)
+            better = logic_and(total > -noise, actual >= SUFFICIENT * total - noise)
             inside = logic_and(candidate.length <= model.neighbourhood, better)
             accepted = if_else(model.near_target, inside, falls)
             gained = if_else(model.near_target, inside, gained)
@@ -85,10 +87,18 @@ def _shortened(r: Expression, change: Expression) -> Expression:
     return ratio(-2 * dot(change, r + change / 2), norm(r) + norm(r + change))
 
 
-def _weights(model: LocalModel, known: Expression, gains: Sequence[Expression]) -> list[Expression]:
-    """Weights of the levels: 1 for the lowest; each above exceeds what the levels below can gain by its error."""
+def _weights(
+    model: LocalModel, known: Expression, gains: Sequence[Expression], lengths: Sequence[Expression]
+) -> list[Expression]:
+    """Weights of the levels: 1 for the lowest; each above exceeds what the levels below can gain by its error.
+
+    Args:
+        model: the local model.
+        known: the weights before.
+        gains: predicted decrease of |r_k| of each level.
+        lengths: Frobenius norm of the Jacobian of each level.
+    """
     J, r, levels = model.J, model.here.residual, model.levels
-    lengths = [sqrt(squared_length(J[list(rows), :]) + TINY) for rows in levels]
     last = len(gains) - 1
     weights: list[Expression] = [1] * len(gains)
     gradient = zeros(J.shape[1])  # of the weighted sum of the levels below

@@ -99,11 +99,11 @@ class RowVector:
 
 
 DAMPING_FLOOR = 1e-16
-"""Smallest lambda, relative to |J|^2: below it the damped normal equations of a singular J have no factor."""
+"""Smallest mu, relative to |J|^2: below it the damped normal equations of a singular J have no factor."""
 
 
 def damped_multipliers(J: Expression, damping: Expression, r: Expression) -> Expression:
-    """``(J J' + lambda I)^-1 r`` (m, 1) by L D L'; lambda is ``damping`` plus `DAMPING_FLOOR` times |J|^2."""
+    """``(J J' + mu I)^-1 r`` (m, 1) by L D L'; mu is ``damping`` plus `DAMPING_FLOOR` times |J|^2."""
     gram = J @ J.T
     floor = DAMPING_FLOOR * trace(gram) + TINY
     return solve_ldl(gram + (damping + floor) * identity(J.shape[0]), r)

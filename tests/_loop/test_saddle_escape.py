@@ -205,3 +205,14 @@ def test_an_escape_keeps_clearances(side):
                 part = np.clip(((circle.center - points[:-1]) * along).sum(1), 0, 1)
                 nearest = points[:-1] + part[:, None] * along
                 assert np.linalg.norm(nearest - circle.center, axis=1).min() - circle.radius >= 0.05 - 1e-9
+
+
+def test_a_clearance_can_forbid_every_escape():
+    """Circles on both sides, as near as they may be: the arm can move to neither side."""
+    field = [jtik.Circle((x, y), 0.15) for x in (0.5, 1.5, 2.5, 3.5) for y in (-0.25, 0.25)]
+    clearance = jtik.Clearance(ObstacleAvoidance(field, bodies="links"), safe=0.1)
+    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(), strategy="hybrid+qp", clearances=clearance)
+    solution = ik.solve((2.0, 0.0), q0=STRAIGHT, max_iterations=40)
+    assert solution.escapes == 0
+    assert solution.q == pytest.approx(STRAIGHT, abs=1e-9)
+    assert not solution.converged

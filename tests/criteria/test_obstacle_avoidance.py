@@ -119,6 +119,37 @@ def test_against_the_gradient_the_product_of_distances_grows(rng):
         assert after > before
 
 
+def test_the_force_of_each_obstacle_points_away_from_it_and_the_sum_need_not():
+    """The tip between a near obstacle and a far one in line: the near one pushes it towards the far one."""
+    robot, q = planar(2), np.array([0.3, 0.9])
+    tip, J = planar_points(q)[-1], planar_jacobian(q)
+    along = np.array([0.6, 0.8])
+    near, far = tip - 0.2 * along, tip + 1.0 * along
+
+    def force(*centers):
+        """-dH/dp of the tip: J' times it is -dH/dq without the share of the other joint."""
+        points = [jtik.Point(center) for center in centers]
+        pull = -at(solver(robot, points), q).gradient
+        others = sum((elbow - c) / ((elbow - c) @ (elbow - c)) for c in centers for elbow in [planar_points(q)[0]])
+        return np.linalg.solve(J.T, pull - joint_jacobian(q, 0).T @ others)
+
+    assert force(near) @ along == pytest.approx(5)
+    assert force(far) @ along == pytest.approx(-1)
+    assert force(near, far) @ along == pytest.approx(4)  # towards the far one
+
+
+@pytest.mark.parametrize(("bodies", "smooth"), [("joints", True), ("links", False), ("both", False)])
+def test_the_hessian_jumps_where_the_closest_point_leaves_the_end_of_a_link(bodies, smooth):
+    """One link, and an obstacle beside its end: on one side the closest point is the end, on the other before it."""
+    robot = planar(1)
+    ik = solver(robot, jtik.Point((1.0, 0.4)), bodies=bodies)
+    corner = np.arctan2(0.4, 1.0) - np.arccos(1 / np.hypot(1.0, 0.4))  # at 0: the obstacle is beside the end
+    slope = {side: [at(ik, [corner + side * h]).gradient[0] for h in (1e-6, 2e-6)] for side in (-1, 1)}
+    below, above = ((far - near) / (side * 1e-6) for side, (near, far) in slope.items())
+    assert slope[-1][0] == pytest.approx(slope[1][0], abs=1e-4)  # once differentiable
+    assert (abs(below - above) < 1e-2) == smooth
+
+
 @pytest.mark.parametrize("depth", [1e-9, 1e-4, 0.1, 0.49])
 @pytest.mark.parametrize("bodies", ["joints", "links", "both"])
 def test_inside_an_obstacle_the_force_is_finite_and_points_outwards(depth, bodies):

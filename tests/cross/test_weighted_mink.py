@@ -76,6 +76,26 @@ def test_a_step_is_minks(rng):
     assert active  # some joints were as fast as they may be
 
 
+def test_with_the_logarithm_as_error_a_step_is_that_of_minks_own_frame_task(rng):
+    """A whole pose, with the task that a user of mink writes; with separate errors the step is another one."""
+    model = mujoco.MjModel.from_xml_string(LIMITED)
+    robot, apart = jtik.Robot.from_mujoco(model), {"logarithm": [], "separate": []}
+    theirs = mink.FrameTask("tip", "body", 2.0, 0.3, gain=OPTIONS["gain"], lm_damping=OPTIONS["lm_damping"])
+    limits = [mink.ConfigurationLimit(model, gain=1.0)]
+    for error, differences in apart.items():
+        task = jtik.FrameTask("tip", "pose", stiffness=[2.0**2] * 3 + [0.3**2] * 3, error=error)
+        ik = jtik.InverseKinematics(robot, task, strategy=WeightedQP(q_limit=np.inf, **OPTIONS))
+        for q in configurations(rng, 6):
+            goal = robot.pose(np.clip(q + rng.uniform(-0.3, 0.3, 6), -1.2, 1.2))
+            theirs.set_target(mink.SE3.from_matrix(goal))
+            configuration = mink.Configuration(model, q)
+            velocity = mink.solve_ik(configuration, [theirs], 1.0, "daqp", damping=OPTIONS["damping"], limits=limits)
+            ik.reset()
+            differences.append(np.abs(ik.step(q, goal).q - q - velocity).max())
+    assert max(apart["logarithm"]) < SAME
+    assert np.median(apart["separate"]) > 1e-3
+
+
 def test_a_step_is_pinks(rng):
     """On Pinocchio's kinematics."""
     pytest.importorskip("pink")

@@ -22,7 +22,7 @@ def solver(robot, strategy, kind="position", **options):
 @pytest.mark.parametrize("damping", [1e-3, 0.1, 10.0])
 @pytest.mark.parametrize("n", [2, 3, 10])
 def test_the_step_minimises_error_and_length_together(n, damping, rng):
-    """Against ordinary least squares of the stacked system [J; sqrt(lambda) I] p = [r; 0]."""
+    """Against ordinary least squares of the stacked system [J; sqrt(mu) I] p = [r; 0]."""
     ik = solver(planar(n), Damped(damping=damping, **BARE))
     for _ in range(20):
         q, target = rng.uniform(-1, 1, n), rng.uniform(-2, 2, 2)
@@ -53,7 +53,7 @@ def test_in_space_and_on_manifolds_too(name, kind, rng):
 
 @pytest.mark.parametrize("bend", [0.0, 1e-12, 1e-8, 1e-4])
 def test_steps_are_bounded_at_and_near_singular_poses(bend):
-    """|p| <= |r| / (2 sqrt(lambda)), where Newton's step grows like 1 / bend."""
+    """|p| <= |r| / (2 sqrt(mu)), where Newton's step grows like 1 / bend."""
     ik, q = solver(planar(4), Damped(damping=0.1, **BARE)), np.array([0.0, bend, -bend, bend])
     target = np.array([3.5, 0.3])
     e = planar_points(q)[-1] - target

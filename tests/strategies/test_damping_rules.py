@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik_formulations import ConstantDamped, Damped, NakamuraHanafusa, Sugihara
+from jtik_formulations import ConstantDamped, Damped, NakamuraHanafusa, Sugihara, WeightedQP
 
 from ..conftest import dh_arm, planar, planar_jacobian, planar_points
 
@@ -30,7 +30,7 @@ def damping(name, J, e):
 
 
 def expected(name, J, e):
-    """By ordinary least squares of the stacked system [J; sqrt(lambda) I] p = [r; 0]."""
+    """By ordinary least squares of the stacked system [J; sqrt(mu) I] p = [r; 0]."""
     n = J.shape[1]
     stacked = np.vstack([J, math.sqrt(damping(name, J, e)) * np.eye(n)])
     return -np.linalg.lstsq(stacked, np.concatenate([e, np.zeros(n)]), rcond=None)[0]
@@ -121,3 +121,31 @@ def test_constants_are_checked(strategy, value):
 def test_the_limit_is_checked():
     with pytest.raises(jtik.ArgumentError, match="q_limit"):
         Sugihara(q_limit=0.0)
+
+
+def step_of(strategy, q, target):
+    ik = jtik.InverseKinematics(planar(len(q)), jtik.FrameTask("tip"), strategy=strategy, limits=False)
+    return ik.step(q, target).q - q
+
+
+@pytest.mark.parametrize("textbook", [0.1, 0.5])
+def test_the_damping_is_the_square_of_a_textbooks(textbook, rng):
+    """Buss, Siciliano et al. and KDL: sum of sigma / (sigma^2 + lambda^2) v u' r."""
+    for _ in range(5):
+        q, target = rng.uniform(-1, 1, 4), rng.uniform(-2, 2, 2)
+        U, sigma, V = np.linalg.svd(planar_jacobian(q), full_matrices=False)
+        theirs = -V.T @ (sigma / (sigma**2 + textbook**2) * (U.T @ (planar_points(q)[-1] - target)))
+        assert step_of(ConstantDamped(damping=textbook**2, **BARE), q, target) == pytest.approx(theirs, abs=1e-12)
+
+
+def test_the_damping_by_V_is_twice_lm_damping(rng):
+    """Of mink, pink and weighted_qp, whose damping is by |r|^2; against ordinary least squares, too."""
+    for _ in range(5):
+        q, target = rng.uniform(-1, 1, 4), rng.uniform(-2, 2, 2)
+        by_V = step_of(Damped(damping=0.6, **BARE), q, target)
+        by_square = step_of(WeightedQP(lm_damping=0.3, damping=1e-14, **BARE), q, target)
+        J, e = planar_jacobian(q), planar_points(q)[-1] - target
+        stacked = np.vstack([J, math.sqrt(0.3 * e @ e) * np.eye(4)])
+        expected = -np.linalg.lstsq(stacked, np.concatenate([e, np.zeros(4)]), rcond=None)[0]
+        assert by_V == pytest.approx(expected, abs=1e-12)
+        assert by_square == pytest.approx(expected, abs=1e-8)  # the tolerance of a QP solver

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import inspect
 import math
 
 import casadi
@@ -435,3 +436,9 @@ class TestSolving:
 def test_options_are_checked(option, value):
     with pytest.raises(jtik.ArgumentError, match=option):
         SNS(**{option: value})
+
+
+def test_the_function_and_the_strategy_have_the_same_defaults():
+    theirs = inspect.signature(sns).parameters
+    for name in ("rule", "rounds"):
+        assert theirs[name].default == getattr(SNS(), name)

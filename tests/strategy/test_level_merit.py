@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from jtik.strategy import LevelMerit, NullSpaceDisplacement, Proposal, Shape
+from jtik.strategy.merit import penalty_falls
 
 from .conftest import numbers, quadratic_model
 
@@ -112,3 +113,23 @@ class TestWithCriterion:
         J, r = np.eye(2, 4), np.array([0.3, 0.0])
         assert accepted(J, r, np.array([-0.1, 0, 0, 0]), **self.options())
         assert not accepted(J, r, np.array([-0.1, 0, 0, 0]), **self.options(neighbourhood=0.1))
+
+    def test_at_the_optimum_rounding_is_accepted(self):
+        """As by (M5) of merit.md: otherwise the rounding of r would decide on the target."""
+        for levels in (((0, 1),), ((0,), (1,))):
+            assert accepted(np.eye(2, 4), np.zeros(2), np.zeros(4), **self.options(levels=levels))
+
+    def test_with_one_level_it_is_the_penalty_of_a_composition(self, rng):
+        answers = []
+        for _ in range(200):
+            J, r, g = rng.normal(size=(2, 4)), 0.1 * rng.normal(size=2), rng.normal(size=4)
+            dq = rng.uniform(-0.5, 1.5) * -np.linalg.pinv(J) @ r
+            options = self.options(gradient=g, neighbourhood=0.5)
+            verdict = verdict_on(J, r, dq, **options)
+            model = quadratic_model(J, r, **options)
+            reduction = np.linalg.norm(r) - np.linalg.norm(r + J @ dq)
+            mu = verdict.state["penalty"]
+            expected = penalty_falls(model, mu, model.candidate(casadi.SX(dq)), -g @ dq, reduction)
+            answers.append(bool(numbers(verdict.accepted)))
+            assert answers[-1] == bool(numbers(expected))
+        assert 20 < sum(answers) < 180

@@ -136,6 +136,23 @@ def test_error_jacobian_and_step_are_those_of_minks_task(kind, rng):
         assert ik.step(q, target).q - q == pytest.approx(expected, abs=1e3 * MINK)  # times the condition of J
 
 
+def test_the_steps_of_separate_errors_are_others(rng):
+    """Of positions and poses; the rows of an orientation are the same."""
+    arm, strategy = dh_arm(7, 2), Newton(backtracking=False, q_limit=np.inf)
+    for kind, same in (("position", False), ("orientation", True), ("pose", False)):
+        separate, logarithm = (
+            jtik.InverseKinematics(arm, jtik.FrameTask("tip", kind, error=error), strategy=strategy)
+            for error in ("separate", "logarithm")
+        )
+        apart = []
+        for _ in range(10):
+            q = rng.uniform(-1, 1, 7)
+            target = near(arm, q, rng)
+            first, second = (ik.solve(target, q0=q, max_iterations=1).q - q for ik in (separate, logarithm))
+            apart.append(np.linalg.norm(first - second) / np.linalg.norm(second))
+        assert np.median(apart) < 1e-12 if same else np.median(apart) > 0.1
+
+
 def test_a_relative_task_is_minks_relative_task(rng):
     robot, model = two_arms(), two_arms_model()
     ik = built(robot, jtik.RelativeFrameTask, "left", "right", error="logarithm")

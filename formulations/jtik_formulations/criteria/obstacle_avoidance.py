@@ -33,10 +33,11 @@ _DEFAULTS = {"gain": 1.0, "bodies": "joints", "floor": 0.01, "name": "obstacle_a
 class ObstacleAvoidance(Criterion):
     """H = -gain * sum of ln d over all bodies and all obstacles, d the distance [m] to the obstacle's surface.
 
-    The force on each body is gain / d, away from the obstacle. Below ``floor``, and inside an obstacle, the logarithm
-    is continued by its second-order expansion: value and force stay finite, and the force still points outwards.
-    With ``bodies="joints"`` a link can pass through an obstacle that is smaller than the link; prefer ``"links"`` or
-    ``"both"`` there. To guarantee a distance use `jtik.Clearance`.
+    The force of each obstacle on each body is gain / d, away from that obstacle. Below ``floor``, and inside an
+    obstacle, the logarithm is continued by its second-order expansion: value and force stay finite, and the force still
+    points outwards. With ``bodies="joints"`` a link can pass through an obstacle that is smaller than the link; prefer
+    ``"links"`` or ``"both"`` there. With these, and with ``"shapes"``, the Hessian jumps where the closest point leaves
+    the end of a link. To guarantee a distance use `jtik.Clearance`.
 
     Live parameters: ``obstacle_avoidance.gain``, ``.centers`` (k, 2 or 3) [m] and ``.radii`` (k,) [m].
 

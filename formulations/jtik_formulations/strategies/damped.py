@@ -16,14 +16,15 @@ EXPLORING = 0.03
 @register_strategy("damped")
 @dataclass(frozen=True, kw_only=True)
 class Damped(DampedLeastSquares):
-    """dq = -J' (J J' + lambda I)^-1 r - beta (I - J+ J) grad H, with lambda in proportion to V.
+    """dq = -J' (J J' + mu I)^-1 r - beta (I - J+ J) grad H, with mu in proportion to V.
 
     The cheapest step that is short near singular poses and quadratic at the target. With ``backtracking=False`` every
     step is taken without evaluating where it ends, so that V may rise: together with ``restarts`` that finds *some*
     posture of an arm fastest.
 
     Attributes:
-        damping: lambda / V, [1 / rad^2] where the residual is in [m].
+        damping: mu / V, [1 / rad^2] where the residual is in [m]; twice the ``lm_damping`` of mink, pink and
+            `WeightedQP`, which is mu / |r|^2.
         q_limit: limit of Q, the norm of the rotational part of a step [rad]; math.inf for none.
         backtracking: halve the step until V falls. Without it every step is taken.
         secondary: the null-space term.

@@ -13,7 +13,7 @@ from jtik_formulations.strategies._parts.damped_least_squares import DampedLeast
 @register_strategy("damped_constant")
 @dataclass(frozen=True, kw_only=True)
 class ConstantDamped(DampedLeastSquares):
-    """dq = -J' (J J' + lambda I)^-1 r - beta (I - J+ J) grad H, with one lambda for all poses.
+    """dq = -J' (J J' + mu I)^-1 r - beta (I - J+ J) grad H, with one mu for all poses.
 
     For comparison: it converges linearly, the more slowly the smaller the singular values of J are, and fails at
     targets close to singular poses (formulations/damped.md). For a target out of reach it does not find the closest
@@ -21,7 +21,8 @@ class ConstantDamped(DampedLeastSquares):
     damps only where it has to.
 
     Attributes:
-        damping: lambda, in the unit of J J' [m^2 / rad^2].
+        damping: mu, in the unit of J J' [m^2 / rad^2]. It is lambda^2 of Buss, of Siciliano et al. and of KDL: a
+            textbook's lambda = 0.1 is 0.01 here. mink, pink and Corke's toolbox have mu itself.
         q_limit: limit of Q, the norm of the rotational part of a step [rad]; math.inf for none.
         backtracking: halve the step until V falls. Without it every step is taken.
         secondary: the null-space term.
@@ -46,15 +47,16 @@ class ConstantDamped(DampedLeastSquares):
 @register_strategy("sugihara")
 @dataclass(frozen=True, kw_only=True)
 class Sugihara(DampedLeastSquares):
-    """dq = -J' (J J' + lambda I)^-1 r - beta (I - J+ J) grad H, with lambda = V + bias.
+    """dq = -J' (J J' + mu I)^-1 r - beta (I - J+ J) grad H, with mu = V + bias.
 
     Levenberg and Marquardt's step with the error as its damping. It needs no rank decision anywhere, on the way or at
     a target out of reach. The bias bounds the last steps at singular targets and slows down those to targets close to
     singular poses: along a singular value sigma each multiplies the error by bias / (sigma^2 + bias).
 
     Attributes:
-        bias: smallest lambda, in the unit of J J' [m^2 / rad^2]. Sugihara's 1e-3 to 1e-2 of a squared link length fails
-            at targets close to singular poses (formulations/damped.md).
+        bias: smallest mu, in the unit of J J' [m^2 / rad^2]; the gain ``k`` of Corke's toolbox. Values of 1e-3 of a
+            squared link length and above, as in the paper, fail at targets close to singular poses
+            (formulations/damped.md).
         q_limit: limit of Q, the norm of the rotational part of a step [rad]; math.inf for none.
         backtracking: halve the step until V falls. Without it every step is taken.
         secondary: the null-space term.
@@ -79,16 +81,16 @@ class Sugihara(DampedLeastSquares):
 @register_strategy("nakamura")
 @dataclass(frozen=True, kw_only=True)
 class NakamuraHanafusa(DampedLeastSquares):
-    """dq = -J' (J J' + lambda I)^-1 r - beta (I - J+ J) grad H, lambda growing as manipulability w falls below w0.
+    """dq = -J' (J J' + mu I)^-1 r - beta (I - J+ J) grad H, mu growing as manipulability w falls below w0.
 
-    lambda = lambda0 (1 - w / w0)^2 where w < w0, else 0. Newton's step in good poses, a damped one near singular poses,
+    mu = mu0 (1 - w / w0)^2 where w < w0, else 0. Newton's step in good poses, a damped one near singular poses,
     whatever the error. w is the volume of the manipulability ellipsoid, sqrt(det J J'), here relative to that of a
-    ball with the same Frobenius norm of J, so that w and w0 lie between 0 and 1 for every robot and unit; lambda0 is
+    ball with the same Frobenius norm of J, so that w and w0 lie between 0 and 1 for every robot and unit; mu0 is
     relative to |J|^2 / m, the mean square of the singular values. For a target out of reach it does not find the
     closest posture in any usual number of steps.
 
     Attributes:
-        damping: lambda0, at a singular pose, relative to |J|^2 / m.
+        damping: mu0, at a singular pose, relative to |J|^2 / m. k_0 of the paper is mu0 |J|^2 / m.
         threshold: w0, in (0, 1].
         q_limit: limit of Q, the norm of the rotational part of a step [rad]; math.inf for none.
         backtracking: halve the step until V falls. Without it every step is taken.
@@ -109,7 +111,7 @@ class NakamuraHanafusa(DampedLeastSquares):
         check_positive("threshold", self.threshold)
 
     def damping_of(self, model: LocalModel) -> Expression:
-        """lambda0 (1 - w / w0)^2 below the threshold."""
+        """mu0 (1 - w / w0)^2 below the threshold."""
         m = model.J.shape[0]
         mean_square = model.row_space_free.squared_length / m
         manipulability = ratio(model.row_space_free.volume, mean_square ** (m / 2))

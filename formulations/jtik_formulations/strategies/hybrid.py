@@ -34,7 +34,8 @@ BACKTRACKING = Backtracking()
 """The fraction of a step that is taken where prismatic joints move too."""
 
 POOR, GOOD = 0.25, 0.75
-"""Ratios of actual to predicted decrease below which the radius shrinks, above which it grows (Powell 1970)."""
+"""Ratios of actual to predicted decrease below which the radius shrinks, above which it grows (Nocedal and
+Wright 2006, algorithm 4.1)."""
 
 EXPLORING = 0.03
 """Damping of an exploring step relative to V [1 / rad^2]."""
@@ -126,8 +127,10 @@ def _along(tt: Expression, tn: Expression, nn: Expression, radius: Expression, s
 class Hybrid(Composition):
     """The transpose step where Newton's is too long to be trusted, Newton's where it is not, a blend between.
 
-    The default. V never rises. It needs as few steps as Newton's method on ordinary targets, and converges where the
-    steps of Newton's method are too long: near singular poses and at the workspace boundary.
+    The default. Without a criterion V never rises; with one it does not outside the neighbourhood of the target, except
+    with the paper's rule for beta as printed (formulations/merit.md). It needs as few steps as Newton's method on
+    ordinary targets, and converges where the steps of Newton's method are too long: near singular poses and at the
+    workspace boundary.
 
     Attributes:
         q_limit: largest trust radius, a limit of Q, the norm of the rotational part of a step [rad].

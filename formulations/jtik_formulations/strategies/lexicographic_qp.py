@@ -37,7 +37,7 @@ class LexicographicQP(Programmed):
     a joint limit is to affect the lowest task first. Without limits and damping it is the recursive pseudo-inverse.
 
     Attributes:
-        damping: of each level's step by its own error: lambda / (1/2 |error|^2), [1 / rad^2]; 0 for none.
+        damping: of each level's step by its own error: mu / (1/2 |error|^2), [1 / rad^2]; 0 for none.
         q_limit: largest motion of each rotational joint for the tasks in a step [rad]; math.inf for no limit.
         backtracking: damp more until the penalty function falls. Without it every step is taken.
         secondary: the quadratic program of the criterion.

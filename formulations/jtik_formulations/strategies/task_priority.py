@@ -67,7 +67,7 @@ class PriorityLevels:
         return part
 
     def _solved(self, J: Expression, space: RowSpace, r: Expression) -> Expression:
-        """-J^+ r, below the highest level -J' (J J' + lambda I)^-1 r."""
+        """-J^+ r, below the highest level -J' (J J' + mu I)^-1 r."""
         damping = self._damping * sumsqr(r) / 2 if self._above and self._damping else 0
         if is_symbolic(damping) or is_symbolic(self._curvature):
             return J.T @ damped_multipliers(J, damping + self._curvature, -r)
@@ -94,14 +94,15 @@ class TaskPriority(Programmed):
     Attributes:
         rule: "recursive": exact where the levels are compatible. "robust": never worse conditioned than the single
             tasks, at the cost that a lower task converges more slowly even where it is compatible.
-        damping: lambda / V_k in the inverses below the highest level, [1 / rad^2]; 0 for the undamped inverses of the
+        damping: mu / V_k in the inverses below the highest level, [1 / rad^2]; 0 for the undamped inverses of the
             papers, whose lower levels make very long steps, within q_limit, close to a conflict with higher ones.
         q_limit: limit of Q, the norm of the rotational part of a step [rad], shared by the levels, the highest first;
             math.inf for none.
         backtracking: halve the step until the penalty function of the levels falls. Without it every step is taken.
         secondary: the null-space term.
 
-    Source: Siciliano and Slotine (1991) for "recursive"; Chiaverini (1997), (34), for "robust".
+    Source: Siciliano and Slotine (1991) for "recursive"; Chiaverini (1997), (34), for "robust" with two levels,
+        Antonelli (2009) with more.
     """
 
     rule: Rule = "recursive"
@@ -111,7 +112,7 @@ class TaskPriority(Programmed):
     secondary: SecondaryTerm = field(default_factory=ProjectedGradient)
 
     summary = "levels of priority, each in the null space of those above"
-    source = "Siciliano and Slotine 1991; Chiaverini 1997"
+    source = "Siciliano and Slotine 1991; Chiaverini 1997; Antonelli 2009"
 
     def __post_init__(self) -> None:
         check_choice("rule", self.rule, ("recursive", "robust"))

@@ -78,7 +78,7 @@ class WeightedQP(Programmed):
 
     Attributes:
         gain: fraction of the error a step aims to remove, (0, 1].
-        lm_damping: damping by the error: mu / (gain^2 |r|^2), [1 / rad^2].
+        lm_damping: damping by the error: mu / (gain^2 |r|^2), [1 / rad^2]; half the ``damping`` of `Damped`, mu / V.
         damping: constant part of mu, [unit of |J|^2]; keeps the quadratic program strictly convex.
         weight: of H against V, [unit of V / unit of H].
         curvature: curvature of H that the first step assumes, [unit of H / rad^2].

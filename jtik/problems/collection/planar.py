@@ -42,7 +42,7 @@ def centering_3r() -> NamedProblem:
     """
     best, multipliers = np.array([0.4, 0.9, -0.7]), np.array([0.3, -0.2])
     gradient = _jacobian(best).T @ multipliers
-    origin = "constructed so that Lagrange's condition dH/dq = J' lambda holds at a chosen posture"
+    origin = "constructed so that Lagrange's condition dH/dq + J' lambda = 0 holds at a chosen posture"
     known = {"error": 0.0, "H": float(gradient @ gradient / 2)}
     known |= {f"q_{i}": float(angle) for i, angle in enumerate(best, 1)}
     starts = [best + 0.3, np.zeros(3), np.array([0.8, 0.5, 0.5]), np.array([1.2, -0.4, 0.3]), np.array([0.1, 1.2, 0.2])]

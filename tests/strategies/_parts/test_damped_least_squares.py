@@ -32,7 +32,7 @@ def test_it_is_the_damped_pseudo_inverse_of_the_free_joints(damping, active, rng
 
 
 def test_it_is_bounded_at_a_singular_pose():
-    """|J' (J J' + lambda)^-1 r| is at most |r| / (2 sqrt(lambda))."""
+    """|J' (J J' + mu)^-1 r| is at most |r| / (2 sqrt(mu))."""
     J, r = np.array([[1.0, 1.0], [1.0, 1.0 + 1e-9]]), np.array([1.0, -1.0])
     step = numbers(Constant(damping=0.04, q_limit=math.inf).full_step(quadratic_model(J, r), {}).dq)
     assert np.linalg.norm(step) <= np.linalg.norm(r) / (2 * 0.2)

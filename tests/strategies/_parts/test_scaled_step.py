@@ -86,7 +86,8 @@ class TestState:
 def test_acceptance_follows_backtracking_and_the_secondary_term():
     assert Full().acceptance() == "merit"
     assert Full(backtracking=False).acceptance() == "always"
-    assert Full(secondary=ProjectedGradient(rule="sqrt")).acceptance() == "task"
+    assert Full(secondary=ProjectedGradient(rule="paper")).acceptance() == "task"
+    assert Full(secondary=ProjectedGradient(rule="sqrt")).acceptance() == "merit"
 
 
 @pytest.mark.parametrize("limit", [0.0, -1.0, math.nan])

@@ -13,7 +13,7 @@ from jtik_formulations.strategies._parts.scaled_step import ScaledComposition
 
 @dataclass(frozen=True, kw_only=True)
 class DampedLeastSquares(ScaledComposition):
-    """dq = -J' (J J' + lambda I)^-1 r - beta (I - J+ J) grad H. A subclass defines lambda.
+    """dq = -J' (J J' + mu I)^-1 r - beta (I - J+ J) grad H. A subclass defines mu.
 
     Attributes:
         q_limit: limit of Q, the norm of the rotational part of a step [rad]; math.inf for none.
@@ -25,14 +25,14 @@ class DampedLeastSquares(ScaledComposition):
 
     @abstractmethod
     def damping_of(self, model: LocalModel) -> Expression:
-        """lambda, in the unit of J J'."""
+        """mu, in the unit of J J'."""
 
     def full_step(self, model: LocalModel, state: State) -> TaskDisplacement:
-        """-J' (J J' + lambda I)^-1 r."""
+        """-J' (J J' + mu I)^-1 r."""
         return damped_step(model, self.damping_of(model) + model.curvature)
 
 
 def damped_step(model: LocalModel, damping: Expression) -> TaskDisplacement:
-    """-J' (J J' + lambda I)^-1 r for a lambda in the unit of J J'."""
+    """-J' (J J' + mu I)^-1 r for a mu in the unit of J J'."""
     J = model.J_free
     return TaskDisplacement(J.T @ damped_multipliers(J, damping, -model.here.residual))

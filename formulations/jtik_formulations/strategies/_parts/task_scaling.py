@@ -66,7 +66,7 @@ class TaskScaling(Programmed):
 
     Attributes:
         gain: share of the error to remove in a step, in (0, 1].
-        damping: damping of the task near singular poses, lambda / V [1 / rad^2]; 0 for none.
+        damping: damping of the task near singular poses, mu / V [1 / rad^2]; 0 for none.
         q_limit: largest motion of each rotational joint in a step [rad]; math.inf for no limit.
         backtracking: halve the step until V falls, or the penalty function of several levels.
         secondary: rule of beta.
