@@ -7,6 +7,7 @@ are the mistakes that go through several of them, on robots as users have them.
 from __future__ import annotations
 
 import math
+import sys
 
 import numpy as np
 import pytest
@@ -45,7 +46,8 @@ class TestFiles:
         with pytest.raises(jtik.RobotFileError, match="accepted: the path of a file that can be read"):
             load(tmp_path)
 
-    def test_macros_that_were_not_expanded_are_called_so(self):
+    def test_macros_that_were_not_expanded_are_called_so(self, monkeypatch):
+        monkeypatch.setitem(sys.modules, "xacro", None)
         with pytest.raises(jtik.RobotFileError, match="no link.*xacro elements have to be expanded first"):
             jtik.Robot.from_urdf("<robot name='arm'><xacro:arm/></robot>")
         with pytest.raises(jtik.RobotFileError, match="no link; accepted: at least one link$"):
@@ -67,7 +69,8 @@ class TestFiles:
         for path in (tmp_path / "missing.npz", tmp_path / "folder.npz"):
             (tmp_path / "folder.npz").mkdir(exist_ok=True)
             with pytest.raises(
-                jtik.ArgumentError, match=f"path: given {path}; accepted: the path of a file that exists"
+                jtik.ArgumentError,
+                match=f"path: given {path}(, which is no regular file)?; accepted: ",
             ):
                 load(path)
 

@@ -15,9 +15,6 @@ from jtik.errors import ArgumentError
 
 Until = Literal["stationary", "reached"]
 
-MOST = sys.maxsize
-"""Largest number of calls or restarts: more are never made, and C cannot count them."""
-
 
 def read_settings(position: float, orientation: float, optimality: float, until: str) -> Settings:
     """Tolerances and when to stop.
@@ -77,8 +74,8 @@ def read_search_options(
         ArgumentError: for a value that cannot be used, naming it.
     """
     options = SearchOptions(
-        limit=min(integer("max_iterations", max_iterations), MOST),
-        restarts=min(integer("restarts", restarts), MOST),
+        limit=integer("max_iterations", max_iterations),
+        restarts=integer("restarts", restarts),
         seed=0 if seed is None else integer("seed", seed),
         best_of=integer("best_of", best_of, least=1),
         jump_limit=math.inf if jump_limit is None else positive_number("jump_limit", jump_limit),

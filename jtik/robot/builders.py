@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from jtik.arguments import flag, text
+from jtik.arguments import flag, mapping, text
 from jtik.errors import ArgumentError, RobotFileError
 from jtik.robot import gallery
 from jtik.robot.chains import dh_joints, planar_joints, vehicle_joints
@@ -171,6 +171,8 @@ class Builders:
 
         flag("free_base", free_base, "whether the root link moves freely")
         flag("planar_base", planar_base, "whether the root link moves in the plane")
+        if xacro_arguments is not None:
+            mapping("xacro_arguments", xacro_arguments, "a dict from the names of arguments to their values, or None")
         description = load_urdf(
             path_or_xml, free_base=free_base, planar_base=planar_base, xacro_arguments=xacro_arguments
         )

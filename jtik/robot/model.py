@@ -7,7 +7,7 @@ from functools import cached_property, partial
 from types import MappingProxyType
 from typing import Any
 
-from jtik.arguments import flag, instance, mapping, several, text
+from jtik.arguments import flag, instance, instances, mapping, several, text
 from jtik.errors import ArgumentError, ImmutableError, UnknownNameError
 from jtik.geometry import Solid
 from jtik.robot import skeleton
@@ -81,7 +81,7 @@ class Robot(Variants, Builders):
         self._tip = self.frame_names[-1] if tip is None else text("tip", tip, "the name of a frame, or None")
         if self._tip not in self.frame_names[self.n > 0 :]:
             raise UnknownNameError("tip frame", self._tip, self._carrier)
-        self._ignored = tuple(ignored)
+        self._ignored = instances("ignored", ignored, str, "sentences")
         self._masses = masses_on(self.frame_names, masses)
         self._shapes = shapes_on(self.frame_names, shapes)
         self._evaluator = Evaluator(self)

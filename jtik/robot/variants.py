@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, Self
 
+from jtik.arguments import instances, non_negative_number
+from jtik.arguments import name as read_name
 from jtik.errors import ArgumentError
 from jtik.geometry import Solid
 from jtik.robot.configuration_space import ConfigurationSpace
@@ -79,14 +81,15 @@ class Variants(ConfigurationSpace):
             UnknownNameError: when there is no frame ``frame``.
         """
         robot: Any = self
-        carrier = robot.frame(frame)
+        carrier, name = robot.frame(frame), read_name("name", name)
         if name in robot.frame_names:
             raise ArgumentError("name", name, f"a name of its own, none of {', '.join(robot.frame_names)}")
+        solids = instances("shapes", shapes, Solid, "solids, such as jtik.Sphere or jtik.Box")
         new = _fixed(robot, name, carrier, name, pose)
         options = self.full._options() | {"tip": name}
         if mass is not None:
-            options["masses"] = {**options["masses"], name: mass if isinstance(mass, Mass) else Mass(mass)}
-        options["shapes"] = {**options["shapes"], name: tuple(shapes)}
+            options["masses"] = {**options["masses"], name: _mass(mass)}
+        options["shapes"] = {**options["shapes"], name: solids}
         return self._rebuilt((*self.full._joints, new), options)
 
     def with_base(self, pose: object, *, name: str = "world") -> Self:
@@ -102,7 +105,7 @@ class Variants(ConfigurationSpace):
             ArgumentError: when ``pose`` is not a pose.
         """
         robot: Any = self
-        unique, number = name, 2
+        unique, number = read_name("name", name), 2
         while unique in robot.frame_names:
             unique, number = f"{name} ({number})", number + 1
         new = _fixed(robot, "mount", unique, robot.base, pose)
@@ -120,6 +123,11 @@ class Variants(ConfigurationSpace):
     def _locked(self) -> Array:
         assert self._reduction is not None
         return self._reduction.locked
+
+
+def _mass(mass: float | Mass) -> Mass:
+    accepted = "a non-negative mass [kg], a jtik.robot.Mass, or None"
+    return mass if isinstance(mass, Mass) else Mass(non_negative_number("mass", mass, accepted))
 
 
 def _fixed(robot: Any, name: str, parent: str, child: str, pose: object) -> Joint:

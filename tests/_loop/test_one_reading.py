@@ -56,13 +56,20 @@ def test_quaternions_have_norm_one(compiled):
 
 
 @BOTH
-@pytest.mark.parametrize("limit", [2**63 - 1, 2**63, 2**64, 2**64 + 1, 10**30])
-def test_counts_that_c_cannot_hold(compiled, limit):
+def test_the_largest_counts(compiled):
     ik = used(compiled)
     expected = ik.solve(TARGET, q0=Q0)
-    found = ik.solve(TARGET, q0=Q0, max_iterations=limit, restarts=limit)
+    found = ik.solve(TARGET, q0=Q0, max_iterations=2**63 - 1, restarts=2**63 - 1)
     assert found.converged
     assert found.iterations == expected.iterations > 1
+
+
+@BOTH
+@pytest.mark.parametrize("limit", [2**63, 2**64, 2**64 + 1, 10**30])
+def test_counts_that_c_cannot_hold_are_refused(compiled, limit):
+    for option in ("max_iterations", "restarts"):
+        with pytest.raises(jtik.ArgumentError, match=option):
+            used(compiled).solve(TARGET, q0=Q0, **{option: limit})
 
 
 @BOTH

@@ -71,7 +71,7 @@ def test_a_strategy_is_paired_with_a_secondary_term(given: str | dict[str, Any])
         ("links = [1.0, 0.8, 0.6, 0.4]", "", "links is missing"),
         ("links =", "lengths =", "known: links"),
         ("q_limit = 0.25", "radius = 0.25", "q_limit"),
-        ("q_limit = 0.25", "q_limit = 'wide'", "q_limit: given wide; accepted: a positive angle [rad]"),
+        ("q_limit = 0.25", "q_limit = 'wide'", "q_limit: given wide; accepted: a positive, finite angle [rad]"),
         ('name = "hybrid"', "", "[strategy] name"),
         ("stiffness = 2.0", "stiffness = 'soft'", "stiffness: given soft"),
         ("stiffness = 2.0", "hardness = 2.0", "stiffness"),

@@ -84,7 +84,7 @@ def test_a_planar_robot_stays_in_its_plane():
         (lambda: PANDA.with_base(None), "pose: given None; accepted: a pose"),
         (lambda: PANDA.with_base(2 * np.eye(4)), "pose: given"),
         (lambda: PANDA.with_tool(T, name="panda_link4"), "name: given panda_link4; accepted: a name of its own"),
-        (lambda: PANDA.with_tool(T, mass=-1.0), "Mass.mass"),
+        (lambda: PANDA.with_tool(T, mass=-1.0), "mass: given -1"),
         (lambda: PANDA.with_tool(T, shapes=["x"]), "shapes"),
     ],
 )

@@ -111,6 +111,7 @@ TASK = {"stiffness": STIFFNESS, "priority": COUNT, "name": NAME | "None"}
 AXES = NAME | ("None", "text array")
 SOLID = {"radius": POSITIVE}
 JOINTS = NOTHING | "None"
+SENTENCES = Kind(frozenset({"'x'", "''", "[]", "text array"}))
 LENGTH_OR_ONE_EACH = NUMBER | "inf"
 
 ROBOT: dict[str, Entry] = {
@@ -127,6 +128,7 @@ ROBOT: dict[str, Entry] = {
             "shapes": CONFIGURATION | "None",
             "keyframes": CONFIGURATION | "None",
             "neutral": OPTIONAL_Q,
+            "ignored": SENTENCES,
         },
     ),
     "Robot.planar": Entry(
@@ -166,7 +168,14 @@ ROBOT: dict[str, Entry] = {
             path_or_xml='<robot name="a"><link name="b"/><link name="c"/><joint name="j" type="continuous">'
             '<parent link="b"/><child link="c"/></joint></robot>'
         ),
-        {"path_or_xml": NOTHING, "tip": NOTHING | "None", "name": TEXT | "None", "free_base": FLAG},
+        {
+            "path_or_xml": NOTHING,
+            "tip": NOTHING | "None",
+            "name": TEXT | "None",
+            "free_base": FLAG,
+            "planar_base": FLAG,
+            "xacro_arguments": NOTHING | ("None", "{}"),
+        },
     ),
     "Robot.from_mjcf": Entry(
         jtik.Robot.from_mjcf,
@@ -180,6 +189,18 @@ ROBOT: dict[str, Entry] = {
     ),
     "Robot.builtin": Entry(jtik.Robot.builtin, nothing, {"name": NOTHING}),
     "Robot.subset": Entry(ARM.subset, fixed(joints=["joint1"]), {"joints": NOTHING, "at": OPTIONAL_Q}),
+    "Robot.with_tool": Entry(
+        SPATIAL.with_tool,
+        lambda: {"pose": np.eye(4)},
+        {
+            "pose": NOTHING,
+            "name": NAME,
+            "mass": NON_NEGATIVE | "None",
+            "shapes": Kind(frozenset({"[]"})),
+            "frame": NOTHING | "None",
+        },
+    ),
+    "Robot.with_base": Entry(SPATIAL.with_base, lambda: {"pose": np.eye(4)}, {"pose": NOTHING, "name": NAME}),
     "Robot.at": Entry(ARM.at, nothing, {"q": NOTHING}),
     **{
         f"Robot.{name}": Entry(getattr(ARM, name), fixed(q=[0.1, 0.2]), {"q": CONFIGURATION, "frame": NOTHING | "None"})
@@ -356,13 +377,22 @@ SOLVER: dict[str, Entry] = {
             "restarts": COUNT,
             "seed": COUNT | "None",
             "progress": FLAG.without("True", "class"),
+            "executor": NOTHING | "None",
+            "block": POSITIVE_COUNT,
+            "save": NOTHING | "None",
             **TOLERANCES,
         },
     ),
     "InverseKinematics.track": Entry(
         between(IK.track),
         fixed(targets=[(1.0, 1.0), (1.0, 0.9)], position_tolerance=1e-3),
-        {"targets": NOTHING, "q0": OPTIONAL_Q, "dt": POSITIVE, **TOLERANCES},
+        {
+            "targets": NOTHING,
+            "q0": OPTIONAL_Q,
+            "dt": POSITIVE,
+            "progress": FLAG.without("True", "class"),
+            **TOLERANCES,
+        },
     ),
     "InverseKinematics.build": Entry(
         jtik.InverseKinematics(ARM, jtik.FrameTask(), criteria=JointCentering(), strategy="newton+qp").build,
