@@ -18,7 +18,8 @@ FOLLOWER = """
 <joint name="finger" type="prismatic"><parent link="base"/><child link="left"/><axis xyz="0 1 0"/>
 <limit lower="0" upper="0.04" velocity="0.2" effort="1"/></joint>
 <joint name="other" type="prismatic"><parent link="base"/><child link="right"/><axis xyz="0 -1 0"/>
-<limit lower="-0.04" upper="0.04" velocity="0.2" effort="1"/><mimic joint="finger" multiplier="-1" offset="0.01"/></joint>
+<limit lower="-0.04" upper="0.04" velocity="0.2" effort="1"/>
+<mimic joint="finger" multiplier="-1" offset="0.01"/></joint>
 <joint name="stray" type="revolute"><parent link="right"/><child link="lost"/><axis xyz="0 0 1"/>
 <limit lower="-1" upper="1" velocity="0.2" effort="1"/>MIMIC</joint></robot>
 """
