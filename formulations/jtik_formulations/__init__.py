@@ -1,6 +1,10 @@
 """The built-in strategies, secondary terms and criteria: one module each, with its derivation in ``formulations/``."""
 
 from jtik_formulations.criteria.joint_centering import JointCentering
+from jtik_formulations.criteria.limit_activation import LimitActivation
+from jtik_formulations.criteria.limit_barrier import LimitBarrier
+from jtik_formulations.criteria.limit_centering import LimitCentering
+from jtik_formulations.criteria.limit_norm import LimitNorm
 from jtik_formulations.criteria.obstacle_avoidance import ObstacleAvoidance
 from jtik_formulations.strategies.damped import Damped
 from jtik_formulations.strategies.damping_rules import ConstantDamped, NakamuraHanafusa, Sugihara
@@ -30,6 +34,10 @@ __all__ = [
     "JParse",
     "JointCentering",
     "LexicographicQP",
+    "LimitActivation",
+    "LimitBarrier",
+    "LimitCentering",
+    "LimitNorm",
     "Mink",
     "NakamuraHanafusa",
     "Newton",
