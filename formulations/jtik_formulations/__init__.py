@@ -1,11 +1,15 @@
 """The built-in strategies, secondary terms and criteria: one module each, with its derivation in ``formulations/``."""
 
+from jtik_formulations.criteria.directional_manipulability import DirectionalManipulability
+from jtik_formulations.criteria.isotropy import Isotropy
 from jtik_formulations.criteria.joint_centering import JointCentering
 from jtik_formulations.criteria.limit_activation import LimitActivation
 from jtik_formulations.criteria.limit_barrier import LimitBarrier
 from jtik_formulations.criteria.limit_centering import LimitCentering
 from jtik_formulations.criteria.limit_norm import LimitNorm
+from jtik_formulations.criteria.manipulability import Manipulability
 from jtik_formulations.criteria.obstacle_avoidance import ObstacleAvoidance
+from jtik_formulations.criteria.smallest_singular_value import SmallestSingularValue
 from jtik_formulations.strategies.damped import Damped
 from jtik_formulations.strategies.damping_rules import ConstantDamped, NakamuraHanafusa, Sugihara
 from jtik_formulations.strategies.hybrid import Hybrid
@@ -30,7 +34,9 @@ __all__ = [
     "SNSQP",
     "ConstantDamped",
     "Damped",
+    "DirectionalManipulability",
     "Hybrid",
+    "Isotropy",
     "JParse",
     "JointCentering",
     "LexicographicQP",
@@ -38,6 +44,7 @@ __all__ = [
     "LimitBarrier",
     "LimitCentering",
     "LimitNorm",
+    "Manipulability",
     "Mink",
     "NakamuraHanafusa",
     "Newton",
@@ -46,6 +53,7 @@ __all__ = [
     "QPSecondary",
     "SecondOrder",
     "SelectivelyDamped",
+    "SmallestSingularValue",
     "Sugihara",
     "TaskPriority",
     "Transpose",
