@@ -60,7 +60,7 @@ class TestMinimumDisplacement:
 
     def test_it_changes_a_posture_less_than_a_solve_without(self, rng):
         robot, q0 = planar(8), np.full(8, 0.3)
-        target = robot.position(q0) + [-0.4, -0.6]
+        target = robot.position(q0) - np.array([0.4, 0.6])
         ik = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=MinimumDisplacement())
         ik.parameters["minimum_displacement.reference"] = q0
         with_it = ik.solve(target, q0=q0, until="stationary")
