@@ -27,19 +27,26 @@ def panda():
     return jtik.Robot.builtin("panda")
 
 
-ROBOTS = {"ten": ten_links, "panda": panda}
+@functools.cache
+def vehicle():
+    """A Panda on a vehicle without limits."""
+    return jtik.Robot.builtin("vehicle_panda")
+
+
+ROBOTS = {"ten": ten_links, "panda": panda, "vehicle": vehicle}
 
 
 def poses(robot):
     """Poses by kind: generic, at limits, singular (all joints at zero, or nearest to it) and near that."""
     rng = np.random.default_rng(5)
     singular = np.clip(np.zeros(robot.nq), robot.lower, robot.upper)
-    at_limits = np.where(rng.random(robot.nq) < 0.5, robot.lower, robot.upper)
+    lower, upper = (np.where(np.isfinite(limit), limit, 0.0) for limit in (robot.lower, robot.upper))
+    at_limits = np.where(rng.random(robot.nq) < 0.5, lower, upper)
     return {
         "generic": robot.random_configuration(rng),
         "another": robot.random_configuration(rng),
         "at limits": at_limits,
-        "lower limits": robot.lower.copy(),
+        "lower limits": lower,
         "singular": singular,
         "near singular": singular + 1e-4 * rng.standard_normal(robot.nq),
     }

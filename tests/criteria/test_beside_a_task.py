@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 
 import jtik
 
+from ..conftest import slow
 from .cases import CASES
 from .derivatives import ROBOTS, assert_derivatives
 
@@ -21,10 +24,20 @@ STARTS = 3
 
 
 @pytest.mark.parametrize("name", CASES)
-@pytest.mark.parametrize("robot", ["ten", pytest.param("panda", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("robot", ["ten", *slow("panda", "vehicle")])
 def test_derivatives(name, robot):
     body = ROBOTS[robot]()
     assert_derivatives(CASES[name](body), body)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_it_is_pickled(name):
+    body = ROBOTS["panda"]()
+    criterion = CASES[name](body)
+    copied = pickle.loads(pickle.dumps(criterion))
+    q = body.random_configuration(1)
+    assert copied(q, body) == criterion(q, body)
+    assert repr(copied) == repr(criterion)
 
 
 @pytest.mark.slow
