@@ -1,7 +1,21 @@
 """The built-in strategies, secondary terms and criteria: one module each, with its derivation in ``formulations/``."""
 
+from jtik_formulations.criteria.compact_posture import CompactPosture
+from jtik_formulations.criteria.directional_manipulability import DirectionalManipulability
+from jtik_formulations.criteria.frame_proximity import FrameProximity
+from jtik_formulations.criteria.isotropy import Isotropy
 from jtik_formulations.criteria.joint_centering import JointCentering
+from jtik_formulations.criteria.limit_activation import LimitActivation
+from jtik_formulations.criteria.limit_barrier import LimitBarrier
+from jtik_formulations.criteria.limit_centering import LimitCentering
+from jtik_formulations.criteria.limit_norm import LimitNorm
+from jtik_formulations.criteria.look_at import LookAt
+from jtik_formulations.criteria.manipulability import Manipulability
+from jtik_formulations.criteria.minimum_displacement import MinimumDisplacement
 from jtik_formulations.criteria.obstacle_avoidance import ObstacleAvoidance
+from jtik_formulations.criteria.smallest_singular_value import SmallestSingularValue
+from jtik_formulations.criteria.swivel_angle import SwivelAngle
+from jtik_formulations.criteria.visibility import Visibility
 from jtik_formulations.strategies.damped import Damped
 from jtik_formulations.strategies.damping_rules import ConstantDamped, NakamuraHanafusa, Sugihara
 from jtik_formulations.strategies.hybrid import Hybrid
@@ -24,12 +38,23 @@ from jtik_formulations.strategies.weighted_qp import WeightedQP
 __all__ = [
     "SNS",
     "SNSQP",
+    "CompactPosture",
     "ConstantDamped",
     "Damped",
+    "DirectionalManipulability",
+    "FrameProximity",
     "Hybrid",
+    "Isotropy",
     "JParse",
     "JointCentering",
     "LexicographicQP",
+    "LimitActivation",
+    "LimitBarrier",
+    "LimitCentering",
+    "LimitNorm",
+    "LookAt",
+    "Manipulability",
+    "MinimumDisplacement",
     "Mink",
     "NakamuraHanafusa",
     "Newton",
@@ -38,10 +63,13 @@ __all__ = [
     "QPSecondary",
     "SecondOrder",
     "SelectivelyDamped",
+    "SmallestSingularValue",
     "Sugihara",
+    "SwivelAngle",
     "TaskPriority",
     "Transpose",
     "TransposeBB",
+    "Visibility",
     "WeightedLeastNorm",
     "WeightedQP",
 ]

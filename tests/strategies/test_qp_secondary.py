@@ -7,7 +7,7 @@ import pytest
 import qpsolvers
 
 import jtik
-from jtik_formulations import Hybrid, JointCentering, Newton, ProjectedGradient, QPSecondary, Transpose
+from jtik_formulations import Hybrid, JointCentering, Manipulability, Newton, ProjectedGradient, QPSecondary, Transpose
 
 from ..conftest import ball_arm, dh_arm, floating_arm, planar, planar_jacobian, slow
 
@@ -138,3 +138,15 @@ def test_weights_fit_the_robot():
 def test_the_rules_of_the_paper_know_no_limits():
     with pytest.raises(jtik.ArgumentError, match="rule"):
         QPSecondary(rule="paper")
+
+
+def test_a_step_that_is_short_because_it_ends_at_a_limit_is_not_stationary():
+    """The last task step moves a joint 1e-6 off its limit; the solve goes on until it is back."""
+    robot = jtik.Robot.builtin("panda")
+    ik = jtik.InverseKinematics(
+        robot, jtik.FrameTask("tip", "pose"), criteria=Manipulability(kind="pose"), strategy="hybrid+qp"
+    )
+    q0 = robot.random_configuration(2)
+    solution = ik.solve(robot.pose(q0), q0=q0, until="stationary")
+    assert solution.active_limits == ("panda_joint2",)
+    assert solution.status is jtik.Status.CONVERGED

@@ -13,7 +13,20 @@ from jtik.constraints.limits import AT_LIMIT
 from jtik.errors import ArgumentError
 from jtik.qp import QuadraticProgram, Rows
 from jtik.strategy import LocalModel, NullSpaceDisplacement, Outcome, State
-from jtik.symbolic import Expression, diag, fmin, horzcat, if_else, logic_and, logic_not, logic_or, norm, ratio, vertcat
+from jtik.symbolic import (
+    Expression,
+    diag,
+    fmax,
+    fmin,
+    horzcat,
+    if_else,
+    logic_and,
+    logic_not,
+    logic_or,
+    norm,
+    ratio,
+    vertcat,
+)
 from jtik.symbolic.factorization import RowSpace
 from jtik.types import Array
 from jtik_formulations.strategies._parts.significance import in_null_space, significant
@@ -111,6 +124,8 @@ class QPSecondary(ProjectedGradient):
         )
         dq = is_significant * solution.x
         residual = ratio(model.joint_gradient_norm(weight * dq), beta)
+        # a step that is short because it ends at a limit says nothing about the gradient before the joint is there
+        residual = if_else(_arrives(model, task_dq + dq), fmax(residual, length), residual)
         # what is not in the null space is the solver's noise
         dq = in_null_space(model.row_space.unit_basis, dq, task_dq) * dq
         return NullSpaceDisplacement(dq=dq, beta=beta, stationarity_residual=residual, within_limits=True)
@@ -121,6 +136,17 @@ class QPSecondary(ProjectedGradient):
         if weight.shape not in ((), (n,)):
             raise ArgumentError("weight", self.weight, f"a positive number, or {n}, one for each velocity entry")
         return np.broadcast_to(weight, n)
+
+
+def _arrives(model: LocalModel, dq: Expression) -> Expression:
+    """1 where a displacement ends at a limit, to `AT_LIMIT`, at which the joint is not yet; else 0."""
+    low, high = model.box
+    arrives: Expression = 0
+    for _, j in model.bounded:
+        below = logic_and(low[j] < -AT_LIMIT, dq[j] - low[j] < AT_LIMIT)
+        above = logic_and(high[j] > AT_LIMIT, high[j] - dq[j] < AT_LIMIT)
+        arrives = logic_or(arrives, logic_or(below, above))
+    return arrives
 
 
 def _reduced_gradient(model: LocalModel) -> Expression:

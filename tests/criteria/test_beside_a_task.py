@@ -1,0 +1,60 @@
+"""Each criterion beside a task: derivatives, and solves from a feasible start with the main strategies."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+import jtik
+
+from ..conftest import slow
+from .cases import CASES
+from .derivatives import ROBOTS, assert_derivatives
+
+STRATEGIES = ("hybrid", "hybrid+qp", "hybrid+second_order")
+TOLERANCE = 1e-6
+"""Default tolerance of the solver [m] and [rad]."""
+
+RISE = 1e-6
+"""Relative rise of H that the tolerance of the task permits."""
+
+STARTS = 3
+
+
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("robot", ["ten", *slow("panda", "vehicle")])
+def test_derivatives(name, robot):
+    body = ROBOTS[robot]()
+    assert_derivatives(CASES[name](body), body)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_it_is_pickled(name):
+    body = ROBOTS["panda"]()
+    criterion = CASES[name](body)
+    copied = pickle.loads(pickle.dumps(criterion))
+    q = body.random_configuration(1)
+    assert copied(q, body) == criterion(q, body)
+    assert repr(copied) == repr(criterion)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("robot", ROBOTS)
+@pytest.mark.parametrize("name", CASES)
+def test_a_solve_from_a_feasible_start_ends_stationary_on_the_target(name, robot, strategy):
+    body = ROBOTS[robot]()
+    task = jtik.FrameTask(body.tip, "position" if robot == "ten" else "pose")
+    ik = jtik.InverseKinematics(body, task, criteria=CASES[name](body), strategy=strategy)
+    for seed in range(STARTS):
+        q0 = body.random_configuration(seed)
+        target = body.pose(q0)
+        before = ik.solve(target, q0=q0, max_iterations=0).cost
+        solution = ik.solve(target, q0=q0, until="stationary", max_iterations=5000)
+        assert solution.position_error <= TOLERANCE
+        assert robot == "ten" or solution.orientation_error <= TOLERANCE
+        assert solution.cost <= before + RISE * max(1.0, abs(before))
+        assert solution.status is jtik.Status.CONVERGED, (seed, solution)
+        assert np.all((solution.q >= body.lower - 1e-12) & (solution.q <= body.upper + 1e-12))
