@@ -21,6 +21,7 @@ from jtik._step.inputs import InputMemory
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints import Clearance, Limits
 from jtik.criterion import CriterionSum, CriterionTerms
+from jtik.criterion.trial import check_finite
 from jtik.errors import ArgumentError
 from jtik.qp import Backend, as_problem, backend_of
 from jtik.registry import supporting_clearances
@@ -82,6 +83,7 @@ class Engine:
         self.problem = problem = SymbolicProblem(
             robot, tasks, terms, bounds.bounded, clearances, WeightedCoordinates.of(weights)
         )
+        check_finite(terms, problem.values)
         self._strategy = strategy
         if clearances and not CheckedCall(strategy, strategy, "supports_clearances").flag():
             given = f"{list(clearances)!r} with strategy={strategy!r}"

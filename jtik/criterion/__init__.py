@@ -2,6 +2,7 @@
 
 from jtik.criterion.base import Criteria, Criterion, CriterionError, CriterionSum
 from jtik.criterion.decorator import FunctionCriterion, criterion
+from jtik.criterion.least_squares import ResidualCriterion
 from jtik.criterion.parameters import Parameters, Parametric
 from jtik.criterion.terms import CriterionTerms
 
@@ -14,5 +15,6 @@ __all__ = [
     "FunctionCriterion",
     "Parameters",
     "Parametric",
+    "ResidualCriterion",
     "criterion",
 ]

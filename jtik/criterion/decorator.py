@@ -5,11 +5,12 @@ from __future__ import annotations
 import inspect
 import sys
 from collections.abc import Callable, Mapping
-from typing import Any, overload
+from typing import Any, Literal, overload
 
 from numpy.typing import ArrayLike
 
 from jtik.criterion.base import Criterion
+from jtik.criterion.least_squares import ResidualCriterion
 from jtik.criterion.short_repr import call_text
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.robot import Kinematics, Robot
@@ -61,7 +62,7 @@ class FunctionCriterion(Criterion):
         unknown = sorted(set(parameters) - set(self._defaults))
         if unknown:
             raise UnknownNameError("parameter", unknown[0], self._defaults)
-        return FunctionCriterion(self._function, self.name, {**self._defaults, **parameters})
+        return type(self)(self._function, self.name, {**self._defaults, **parameters})
 
     def __repr__(self) -> str:
         return call_text(self.name, **self._defaults)
@@ -75,20 +76,48 @@ class FunctionCriterion(Criterion):
         return self._function(kinematics.q, kinematics.robot, **parameters)
 
 
-def criterion(function: Callable[..., Any]) -> FunctionCriterion:
+class ResidualFunctionCriterion(ResidualCriterion, FunctionCriterion):
+    """A function that returns the residual r of H = 1/2 |r|^2; made by ``@jtik.criterion(residual=True)``."""
+
+    def residual(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
+        """The function at ``(q, robot)``."""
+        return self._function(kinematics.q, kinematics.robot, **parameters)
+
+
+@overload
+def criterion(function: Callable[..., Any]) -> FunctionCriterion: ...
+@overload
+def criterion(*, residual: Literal[False] = ...) -> Callable[[Callable[..., Any]], FunctionCriterion]: ...
+@overload
+def criterion(*, residual: Literal[True]) -> Callable[[Callable[..., Any]], ResidualFunctionCriterion]: ...
+def criterion(function: Any = None, *, residual: bool = False) -> Any:
     """Make ``def f(q, robot, *, parameter=first_value): ...`` a criterion to be minimised.
 
     The function is called once, with symbols. It may use the operators, CasADi, `jtik.symbolic`, other criteria
     (``other(q, robot)``) and the functions of NumPy that have a symbolic form, such as ``numpy.sin`` and
     ``numpy.linalg.norm``. The error for another function names its replacement.
 
+    With ``@jtik.criterion(residual=True)`` the function returns a vector r, and H = 1/2 |r|^2. A strategy that takes
+    second derivatives uses the Gauss-Newton Hessian of such an H; see `ResidualCriterion`.
+
     Args:
         function: a function of q, the symbolic configuration (nq, 1), and of the robot, whose ``robot.position(q,
             frame)``, ``robot.pose`` and ``robot.jacobian`` give expressions. It returns one scalar expression.
+        residual: whether the function returns r, a vector or a list of expressions, instead of H.
 
     Raises:
         ArgumentError: when the signature is another, or a parameter has no first value.
     """
+    if not isinstance(residual, bool):
+        raise ArgumentError("residual", residual, "True or False: whether the function returns r of H = 1/2 |r|^2")
+    made = ResidualFunctionCriterion if residual else FunctionCriterion
+    if function is None:
+        return lambda of: _made(of, made)
+    return _made(function, made)
+
+
+def _made(function: Any, made: type[FunctionCriterion]) -> FunctionCriterion:
+    """The function as a criterion of that class. Raises ArgumentError for another signature."""
     accepted = "a function f(q, robot, *, parameter=first_value, ...)"
     name = getattr(function, "__name__", None)
     if not callable(function) or not isinstance(name, str):
@@ -106,4 +135,4 @@ def criterion(function: Callable[..., Any]) -> FunctionCriterion:
     if getattr(sys.modules.get(function.__module__), name, None) is not function:
         # a function is pickled by the name it is found under, and that name will be the criterion's
         function.__qualname__ += "._function"
-    return FunctionCriterion(function, name, defaults)
+    return made(function, name, defaults)
