@@ -13,6 +13,7 @@ from jtik.errors import ArgumentError, UnknownNameError, finite_array
 from jtik.robot import JointType, Kinematics, Robot
 from jtik.symbolic import Expression, dot
 from jtik.types import Array
+from jtik_formulations.bibliography import DAS_1988
 
 
 @register_criterion("joint_centering")
@@ -40,6 +41,7 @@ class JointCentering(Criterion):
 
     summary = "springs to preferred joint angles, zero by default"
     source = "Das, Slotine and Sheridan 1988, eq. 2.2"
+    bibtex = DAS_1988
     joint_parameters = ("stiffness", "preferred")
 
     def __init__(

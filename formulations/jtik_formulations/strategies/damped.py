@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from jtik import register_strategy
 from jtik.strategy import LocalModel, check_positive
 from jtik.symbolic import Expression, if_else
+from jtik_formulations.bibliography import CHAN_LAWRENCE_1988
 from jtik_formulations.strategies._parts.damped_least_squares import DampedLeastSquares
 
 EXPLORING = 0.03
@@ -38,6 +39,7 @@ class Damped(DampedLeastSquares):
 
     summary = "damped least squares, damping in proportion to V, with the Q limit and backtracking"
     source = "Chan and Lawrence 1988"
+    bibtex = CHAN_LAWRENCE_1988
 
     def __post_init__(self) -> None:
         super().__post_init__()

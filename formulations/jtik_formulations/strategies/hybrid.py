@@ -26,6 +26,7 @@ from jtik.strategy import (
 from jtik.symbolic import Expression, fmax, fmin, if_else, is_symbolic, logic_and, logic_or, ratio, sqrt, sumsqr
 from jtik.symbolic.factorization import RowVector
 from jtik.types import Array
+from jtik_formulations.bibliography import DAS_1988, POWELL_1970
 from jtik_formulations.strategies._parts.damped_least_squares import damped_step
 from jtik_formulations.strategies._parts.transpose_step import cauchy_step, optimal_gain
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
@@ -146,6 +147,7 @@ class Hybrid(Composition):
 
     summary = "dogleg between the transpose and the Newton step, within an adaptive Q limit (default)"
     source = "Das, Slotine and Sheridan 1988, section 2.3; Powell 1970"
+    bibtex = "\n".join((DAS_1988, POWELL_1970))
 
     def __post_init__(self) -> None:
         check_step_limit("q_limit", self.q_limit)

@@ -9,6 +9,7 @@ from jtik.errors import ArgumentError
 from jtik.strategy import LocalModel, State, TaskDisplacement, check_positive
 from jtik.symbolic import if_else, ratio
 from jtik.symbolic.svd import SingularValues
+from jtik_formulations.bibliography import GUPTASARMA_2025
 from jtik_formulations.strategies._parts.scaled_step import ScaledComposition
 
 
@@ -39,6 +40,7 @@ class JParse(ScaledComposition):
 
     summary = "inverse along strong singular directions, transpose along weak ones"
     source = "Guptasarma, Strong, Zhen and Kennedy 2025"
+    bibtex = GUPTASARMA_2025
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -49,6 +49,7 @@ from jtik.symbolic import (
 )
 from jtik.symbolic.factorization import RowSpace, Split
 from jtik.types import Array
+from jtik_formulations.bibliography import GILL_1981, NOCEDAL_WRIGHT_2006
 from jtik_formulations.strategies._parts.convexified import convexified
 from jtik_formulations.strategies._parts.significance import in_null_space, significant
 
@@ -102,6 +103,7 @@ class SecondOrder(SecondaryTerm):
 
     summary = "null-space step by the Hessian of the Lagrangian: quadratic convergence"
     source = "Nocedal and Wright 2006, chapter 18; Gill, Murray and Wright 1981"
+    bibtex = "\n".join((NOCEDAL_WRIGHT_2006, GILL_1981))
 
     def __post_init__(self) -> None:
         check_choice("curvature", self.curvature, ("exact", "gauss_newton"))

@@ -9,6 +9,7 @@ from jtik import register_strategy
 from jtik.errors import ArgumentError
 from jtik.strategy import LocalModel, check_choice
 from jtik.symbolic import Expression
+from jtik_formulations.bibliography import FLACCO_2015
 from jtik_formulations.strategies._parts.basic_saturation import BasicSaturation
 from jtik_formulations.strategies._parts.saturation import Saturation
 from jtik_formulations.strategies._parts.task_scaling import ScaledDisplacement, TaskScaling
@@ -75,6 +76,7 @@ class SNS(TaskScaling):
 
     summary = "saturation in the null space: tasks scaled in their direction to fit into the limits"
     source = "Flacco, De Luca and Khatib 2015"
+    bibtex = FLACCO_2015
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -14,6 +14,7 @@ from jtik.strategy import LocalModel, Outcome, Shape, State, TaskDisplacement
 from jtik.symbolic import Expression, fabs, fmin, horzcat, if_else, is_finite, ratio, sqrt, vertcat, zeros
 from jtik.symbolic.factorization import RowSpace, damped_multipliers
 from jtik.types import Array
+from jtik_formulations.bibliography import CHAN_DUBEY_1995
 from jtik_formulations.strategies._parts.scaled_step import ScaledComposition
 
 
@@ -56,6 +57,7 @@ class WeightedLeastNorm(ScaledComposition):
 
     summary = "least norm weighted against joints that approach their limits"
     source = "Chan and Dubey 1995"
+    bibtex = CHAN_DUBEY_1995
 
     def __post_init__(self) -> None:
         super().__post_init__()
