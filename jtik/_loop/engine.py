@@ -21,7 +21,7 @@ from jtik._step.inputs import InputMemory
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints import Clearance, Limits
 from jtik.criterion import CriterionSum, CriterionTerms
-from jtik.criterion.trial import check_finite
+from jtik.criterion.trial import check_compiled, check_finite
 from jtik.errors import ArgumentError
 from jtik.qp import Backend, as_problem, backend_of
 from jtik.registry import supporting_clearances
@@ -83,6 +83,8 @@ class Engine:
         self.problem = problem = SymbolicProblem(
             robot, tasks, terms, bounds.bounded, clearances, WeightedCoordinates.of(weights)
         )
+        if compiled:
+            check_compiled(terms, problem.values)
         check_finite(terms, problem.values)
         self._strategy = strategy
         if clearances and not CheckedCall(strategy, strategy, "supports_clearances").flag():

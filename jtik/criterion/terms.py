@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik.criterion.base import Criteria, Criterion, CriterionSum
 from jtik.criterion.least_squares import LeastSquares, ResidualCriterion
+from jtik.criterion.numeric import NumericCriterion
+from jtik.criterion.numeric_function import NumericFunction
 from jtik.criterion.parameters import Parameters, Parametric, first_values
 from jtik.criterion.tracing import traced
 from jtik.errors import ArgumentError
@@ -76,6 +79,15 @@ class CriterionTerms:
             H = traced(name, call, (kinematics.q, column))
             result.append(self.parameters.take(column, f"{name}.weight") * H)
         return result
+
+    @cached_property
+    def numeric(self) -> tuple[NumericFunction, ...]:
+        """The functions of the criteria that Python evaluates."""
+        return tuple(each.on(self.robot) for _, _, each in self.named if isinstance(each, NumericCriterion))
+
+    def evaluations(self) -> int:
+        """How often the functions of numeric criteria, and their gradients, have been called so far."""
+        return sum(each.evaluations + each.gradients for each in self.numeric) if self.numeric else 0
 
     def least_squares(self) -> LeastSquares | None:
         """The criteria divided into those in residual form and the others; None where none is in residual form."""
