@@ -41,6 +41,7 @@ from jtik.errors import ArgumentError, JtikError, MissingExtraError, RobotFileEr
 from jtik.geometry import Box, Capsule, Circle, Cylinder, Point, Sphere
 from jtik.registry import (
     PluginError,
+    citations,
     criteria,
     register_criterion,
     register_secondary,
@@ -99,6 +100,7 @@ __all__ = [
     "Trace",
     "Trajectory",
     "UnknownNameError",
+    "citations",
     "compare",
     "criteria",
     "criterion",

@@ -22,6 +22,7 @@ from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.arguments import flag
 from jtik.constraints import Clearance, Limits
 from jtik.criterion import CriterionSum, CriterionTerms
+from jtik.criterion.trial import check_compiled, check_finite
 from jtik.errors import ArgumentError
 from jtik.qp import Backend, as_problem, backend_of
 from jtik.registry import supporting_clearances
@@ -87,6 +88,9 @@ class Engine:
         else:
             problem = original.copied(terms)
         problem.locked = bounds.locked
+        if compiled:
+            check_compiled(terms, problem.values)
+        check_finite(terms, problem.values)
         self.problem, self._arguments = problem, (robot, tasks, limits, strategy)
         self._options: dict[str, Any] = {
             "criteria": criteria,

@@ -67,6 +67,7 @@ class Solving:
         exclusive: ExclusiveUse,
     ) -> None:
         self._robot, self._tasks, self._has_criterion = problem.robot, problem.tasks, problem.has_criterion
+        self._terms, self._evaluations_before = problem.terms, 0
         self._runners, self._search, self._inspector = runners, search, inspector
         self._configurations, self._exclusive = configurations, exclusive
         self._memory = runners.memory
@@ -139,6 +140,7 @@ class Solving:
             inspect=inspection,
             trace=None,
             alternatives=(),
+            evaluations=self._terms.evaluations() - self._evaluations_before,
         )
 
     def solve_batch(
@@ -329,6 +331,7 @@ class Solving:
         jump: Jump | None = None,
     ) -> SearchResult:
         """Search for the target that is in memory."""
+        self._evaluations_before = self._terms.evaluations()
         if recorder or search_options.limit == 0:  # otherwise the first step clamps it
             start = self._configurations.clamped(start, runner.inputs.lower, runner.inputs.upper)
         return self._search.find(runner, start, search_options, recorder, begun=begun, jump=jump)

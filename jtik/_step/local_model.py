@@ -123,6 +123,7 @@ def linearized(
         levels=problem.levels,
         residual_function=problem.residual,
         criterion_function=problem.criterion,
+        least_squares=problem.least_squares,
         target=inputs.target,
         parameters=inputs.parameters,
         qps=qps,

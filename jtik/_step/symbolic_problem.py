@@ -54,6 +54,7 @@ class SymbolicProblem:
         residual_jacobian: (q, target) -> derivative of r with respect to the velocity, (m, n).
         criterion: (q, parameters) -> H.
         values: (q, parameters) -> the weighted value of each criterion.
+        least_squares: the criteria that are in residual form, for their Gauss-Newton Hessian; None without any.
         distances: (q, parameters) -> distances of all clearances, (k, 1) [m].
         clearance: (q, parameters) -> distances, their Jacobian (k, n), safe, aim, influence, gain and radius (k, 5).
         pairs: name of each distance.
@@ -85,6 +86,7 @@ class SymbolicProblem:
         self.error_jacobian = function("error_jacobian", [q, target], [rows.jacobian])
         self.residual_jacobian = function("residual_jacobian", [q, target], [self.factor.T @ rows.jacobian])
         self.criterion = function("criterion", [q, parameters], [sum(values, zeros(1))])
+        self.least_squares = terms.least_squares()
         self.clearances = clearances
         if clearances:
             self._measure(kinematics, parameters)

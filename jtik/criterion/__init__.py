@@ -1,7 +1,10 @@
 """Criteria: scalars H(q) that a redundant robot minimises besides its task, with live parameters."""
 
 from jtik.criterion.base import Criteria, Criterion, CriterionError, CriterionSum
-from jtik.criterion.decorator import FunctionCriterion, criterion
+from jtik.criterion.decorator import criterion
+from jtik.criterion.function_criterion import FunctionCriterion
+from jtik.criterion.least_squares import ResidualCriterion
+from jtik.criterion.numeric import NumericCriterion
 from jtik.criterion.parameters import Parameters, Parametric
 from jtik.criterion.terms import CriterionTerms
 
@@ -12,7 +15,9 @@ __all__ = [
     "CriterionSum",
     "CriterionTerms",
     "FunctionCriterion",
+    "NumericCriterion",
     "Parameters",
     "Parametric",
+    "ResidualCriterion",
     "criterion",
 ]

@@ -75,6 +75,7 @@ class Criterion(_Algebra, ABC):
             Solution; the class's name in lower case with underscores, unless the subclass sets another.
         summary: one line for lists of criteria.
         source: the paper it comes from.
+        bibtex: BibTeX entries of the source, for `jtik.citations`.
         joint_parameters: names of the live parameters with one number for each entry of q, as `Robot.joint_values`
             returns them; they can also be assigned as numbers of the full robot, or as a dict by joint name.
         non_negative_parameters: names of the live parameters that no negative number can be assigned to.
@@ -83,6 +84,7 @@ class Criterion(_Algebra, ABC):
     name: str
     summary: ClassVar[str] = ""
     source: ClassVar[str] = ""
+    bibtex: ClassVar[str] = ""
     joint_parameters: ClassVar[tuple[str, ...]] = ()
     non_negative_parameters: ClassVar[tuple[str, ...]] = ()
 

@@ -1,95 +1,88 @@
-"""The decorator ``@jtik.criterion``: a function of (q, robot) as a criterion."""
+"""The decorator ``@jtik.criterion``: a function as a criterion."""
 
 from __future__ import annotations
 
 import inspect
 import sys
-from collections.abc import Callable, Mapping
-from typing import Any, overload
+from collections.abc import Callable
+from typing import Any, Literal, overload
 
-from numpy.typing import ArrayLike
+from jtik.criterion.function_criterion import FunctionCriterion, ResidualFunctionCriterion
+from jtik.criterion.numeric import DIFFERENCE_STEP, NumericCriterion
+from jtik.errors import ArgumentError, finite_array
 
-from jtik.criterion.base import Criterion
-from jtik.criterion.short_repr import call_text
-from jtik.errors import ArgumentError, UnknownNameError
-from jtik.robot import Kinematics, Robot
-from jtik.symbolic import Expression
+__all__ = ["FunctionCriterion", "criterion"]
 
 
-class FunctionCriterion(Criterion):
-    """A function as a criterion; made by ``@jtik.criterion``.
-
-    Keyword-only arguments of the function are its live parameters, their defaults the first values.
-
-    Args:
-        function: the function f(q, robot, *, parameter=first_value).
-        name: name of the criterion.
-        defaults: first values of the parameters by name.
-    """
-
-    def __init__(self, function: Callable[..., Any], name: str, defaults: Mapping[str, ArrayLike]) -> None:
-        self._function = function
-        self._defaults = dict(defaults)
-        self.name = name
-        self.__doc__ = function.__doc__
-
-    @overload
-    def __call__(self, **parameters: Any) -> FunctionCriterion: ...
-    @overload
-    def __call__(self, q: Any, robot: Robot, **parameters: Any) -> Any: ...
-    def __call__(self, q: Any = None, robot: Any = None, **parameters: Any) -> Any:
-        """Without q: the same criterion with other first values. With ``(q, robot)``: its value.
-
-        ``f(height=0.3)`` is a criterion whose height begins at 0.3. ``f(q, robot)`` is H as a float, and
-        ``f(q, robot, height=0.3)`` is H with that height.
-
-        Args:
-            q: configuration (nq,), or an expression (nq, 1).
-            robot: the robot.
-            parameters: values of parameters by name.
-
-        Raises:
-            UnknownNameError: when the function has no parameter of that name.
-            ArgumentError: when one of q and robot is missing, or a value cannot be used.
-        """
-        if q is not None or robot is not None:
-            if q is None or robot is None:
-                missing = "q" if q is None else "robot"
-                accepted = f"{self.name}(q, robot) for the value, {self.name}(parameter=...) for other first values"
-                raise ArgumentError(missing, "nothing", accepted)
-            return super().__call__(q, robot, **parameters)
-        unknown = sorted(set(parameters) - set(self._defaults))
-        if unknown:
-            raise UnknownNameError("parameter", unknown[0], self._defaults)
-        return FunctionCriterion(self._function, self.name, {**self._defaults, **parameters})
-
-    def __repr__(self) -> str:
-        return call_text(self.name, **self._defaults)
-
-    def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
-        """The keyword-only arguments."""
-        return self._defaults
-
-    def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
-        """The function at ``(q, robot)``."""
-        return self._function(kinematics.q, kinematics.robot, **parameters)
-
-
-def criterion(function: Callable[..., Any]) -> FunctionCriterion:
+@overload
+def criterion(function: Callable[..., Any]) -> FunctionCriterion: ...
+@overload
+def criterion(
+    *, residual: Literal[False] = ..., numeric: Literal[False] = ...
+) -> Callable[[Callable[..., Any]], FunctionCriterion]: ...
+@overload
+def criterion(*, residual: Literal[True]) -> Callable[[Callable[..., Any]], ResidualFunctionCriterion]: ...
+@overload
+def criterion(
+    *, numeric: Literal[True], gradient: Callable[..., Any] | None = ..., step: float = ...
+) -> Callable[[Callable[..., Any]], NumericCriterion]: ...
+def criterion(
+    function: Any = None,
+    *,
+    residual: bool = False,
+    numeric: bool = False,
+    gradient: Callable[..., Any] | None = None,
+    step: float = DIFFERENCE_STEP,
+) -> Any:
     """Make ``def f(q, robot, *, parameter=first_value): ...`` a criterion to be minimised.
 
     The function is called once, with symbols. It may use the operators, CasADi, `jtik.symbolic`, other criteria
     (``other(q, robot)``) and the functions of NumPy that have a symbolic form, such as ``numpy.sin`` and
     ``numpy.linalg.norm``. The error for another function names its replacement.
 
+    With ``@jtik.criterion(residual=True)`` the function returns a vector r, and H = 1/2 |r|^2. A strategy that takes
+    second derivatives uses the Gauss-Newton Hessian of such an H; see `ResidualCriterion`.
+
+    With ``@jtik.criterion(numeric=True)`` it is ``f(q, *, parameter=first_value) -> float``, called with numbers in
+    every step: whatever can be computed from q, by any library. See `NumericCriterion` for what that costs.
+
     Args:
         function: a function of q, the symbolic configuration (nq, 1), and of the robot, whose ``robot.position(q,
             frame)``, ``robot.pose`` and ``robot.jacobian`` give expressions. It returns one scalar expression.
+        residual: whether the function returns r, a vector or a list of expressions, instead of H.
+        numeric: whether the function takes q as numbers (nq,) and returns a number.
+        gradient: of a numeric function, a function with the same arguments that returns dH/dv, (n,); None for central
+            differences, which call the function 2 n times.
+        step: step of these differences [rad] or [m]; larger for a function that is not exact to rounding.
 
     Raises:
-        ArgumentError: when the signature is another, or a parameter has no first value.
+        ArgumentError: when the signature is another, a parameter has no first value, or options exclude each other.
     """
-    accepted = "a function f(q, robot, *, parameter=first_value, ...)"
+    if not isinstance(residual, bool):
+        raise ArgumentError("residual", residual, "True or False: whether the function returns r of H = 1/2 |r|^2")
+    if not isinstance(numeric, bool):
+        raise ArgumentError("numeric", numeric, "True or False: whether the function takes and returns numbers")
+    if residual and numeric:
+        raise ArgumentError("residual", residual, "False with numeric=True: a numeric function returns H")
+    if not numeric and gradient is not None:
+        raise ArgumentError("gradient", gradient, "None, or a function with numeric=True")
+    if gradient is not None and not callable(gradient):
+        raise ArgumentError("gradient", gradient, "a function with the arguments of the numeric function, or None")
+    width = float(finite_array("step", step, ()))
+    if not width > 0:
+        raise ArgumentError("step", step, "a positive number")
+
+    def make(of: Any) -> FunctionCriterion:
+        if numeric:
+            return NumericCriterion(*_read(of, 1, "a function f(q, *, parameter=first_value, ...)"), gradient, width)
+        made = ResidualFunctionCriterion if residual else FunctionCriterion
+        return made(*_read(of, 2, "a function f(q, robot, *, parameter=first_value, ...)"))
+
+    return make if function is None else make(function)
+
+
+def _read(function: Any, arguments: int, accepted: str) -> tuple[Any, str, dict[str, Any]]:
+    """The function, its name and its defaults. Raises ArgumentError for another signature than ``accepted``."""
     name = getattr(function, "__name__", None)
     if not callable(function) or not isinstance(name, str) or isinstance(function, type):
         raise ArgumentError("function", function, accepted)
@@ -105,9 +98,9 @@ def criterion(function: Callable[..., Any]) -> FunctionCriterion:
             positional += 1
         else:
             raise ArgumentError(f"parameter {parameter.name!r} of {name}", parameter, accepted)
-    if positional != 2:
+    if positional != arguments:
         raise ArgumentError(name, f"{positional} positional arguments", accepted)
     if getattr(sys.modules.get(function.__module__), name, None) is not function:
         # a function is pickled by the name it is found under, and that name will be the criterion's
         function.__qualname__ += "._function"
-    return FunctionCriterion(function, name, defaults)
+    return function, name, defaults

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik.criterion.base import Criteria, Criterion, CriterionSum
+from jtik.criterion.least_squares import LeastSquares, ResidualCriterion
+from jtik.criterion.numeric import NumericCriterion
+from jtik.criterion.numeric_function import NumericFunction
 from jtik.criterion.parameters import Parameters, Parametric, first_values
 from jtik.criterion.tracing import traced
 from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
-from jtik.symbolic import Expression
+from jtik.symbolic import Expression, function, symbol, vertcat, zeros
 
 
 @dataclass(frozen=True)
@@ -71,11 +76,42 @@ class CriterionTerms:
         """
         result = []
         for name, _, criterion in self.named:
-            own = {
-                parameter: self.parameters.take(column, f"{name}.{parameter}")
-                for parameter in criterion.parameters(self.robot)
-            }
+            own = self._own(name, criterion, column)
             call = lambda c=criterion, p=own: c.value(kinematics, p)  # noqa: E731
             H = traced(name, call, (kinematics.q, column))
             result.append(self.parameters.take(column, f"{name}.weight") * H)
         return result
+
+    @cached_property
+    def numeric(self) -> tuple[NumericFunction, ...]:
+        """The functions of the criteria that Python evaluates."""
+        return tuple(each.on(self.robot) for _, _, each in self.named if isinstance(each, NumericCriterion))
+
+    def evaluations(self) -> int:
+        """How often the functions of numeric criteria, and their gradients, have been called so far."""
+        return sum(each.evaluations + each.gradients for each in self.numeric) if self.numeric else 0
+
+    def least_squares(self) -> LeastSquares | None:
+        """The criteria divided into those in residual form and the others; None where none is in residual form."""
+        in_residual_form = [(name, each) for name, _, each in self.named if isinstance(each, ResidualCriterion)]
+        if not in_residual_form:
+            return None
+        q, column = symbol("q", self.robot.nq), self.parameters.symbols()
+        kinematics, residuals, weights = self.robot.at(q), [], []
+        for name, criterion in in_residual_form:
+            own = self._own(name, criterion, column)
+            call = lambda c=criterion, p=own: c.residual(kinematics, p)  # noqa: E731
+            r = traced(name, call, (q, column), residual=True)
+            residuals.append(r)
+            weights.append(self.parameters.take(column, f"{name}.weight") * np.ones(r.shape[0]))
+        pairs = zip(self.values(kinematics, column), self.named, strict=True)
+        rest = [H for H, (_, _, each) in pairs if not isinstance(each, ResidualCriterion)]
+        return LeastSquares(
+            function("residuals", [q, column], [vertcat(*residuals), vertcat(*weights)]),
+            function("others", [q, column], [sum(rest, zeros(1))]),
+        )
+
+    def _own(self, name: str, criterion: Criterion, column: Expression) -> dict[str, Expression]:
+        """The parameters of one criterion within the column of all, in their own shapes."""
+        names = criterion.parameters(self.robot)
+        return {parameter: self.parameters.take(column, f"{name}.{parameter}") for parameter in names}

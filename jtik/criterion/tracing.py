@@ -8,8 +8,10 @@ import warnings
 from collections.abc import Callable, Iterable
 from typing import Any
 
+import numpy as np
+
 from jtik.errors import JtikError
-from jtik.symbolic import SX, Expression, is_symbolic, no_silent_float, smooth_numpy_norm, symvar
+from jtik.symbolic import SX, Expression, is_symbolic, no_silent_float, smooth_numpy_norm, symvar, vec, vertcat
 
 _LIBRARIES = ("casadi", "numpy", "scipy", "jtik/symbolic", "jtik/robot/row_indexing")
 """Parts of file names whose lines an error message does not show: the user's own line is wanted."""
@@ -72,18 +74,19 @@ class CriterionError(JtikError):
         return f"criterion {self.criterion!r}: {self.reason}"
 
 
-def traced(name: str, call: Callable[[], Any], symbols: Iterable[Expression]) -> Expression:
-    """The scalar expression that ``call`` returns.
+def traced(name: str, call: Callable[[], Any], symbols: Iterable[Expression], *, residual: bool = False) -> Expression:
+    """The scalar expression that ``call`` returns, or with ``residual`` the column of expressions.
 
     Args:
         name: name of the criterion, for the error message.
         call: evaluates the criterion on symbols.
         symbols: the expressions whose symbols H may depend on.
+        residual: whether ``call`` returns the vector r of H = 1/2 |r|^2.
 
     Raises:
         CriterionError: when an operation cannot be traced, H is not scalar, or H depends on other symbols.
     """
-    H = _scalar(name, _called(name, call))
+    H = _called(name, (lambda: as_column(name, call())) if residual else (lambda: _scalar(name, call())))
     known = {symbol.element_hash() for expression in symbols for symbol in symvar(expression)}
     foreign = [str(symbol) for symbol in symvar(H) if symbol.element_hash() not in known]
     if foreign:
@@ -125,12 +128,48 @@ def _advice(line: str, reason: str) -> str:
 
 def _scalar(name: str, H: Any) -> Expression:
     """H as an expression of shape (1, 1). Raises CriterionError for anything else."""
-    if not is_symbolic(H):
-        try:
-            H = SX(float(H))
-        except (TypeError, ValueError):
-            raise CriterionError(name, f"must return one scalar expression, not {type(H).__name__}") from None
-    if H.shape != (1, 1):
-        rows, columns = H.shape
-        raise CriterionError(name, f"must return a scalar, not shape ({rows}, {columns}); sum it, or take its norm")
-    return H
+    several = H.shape != (1, 1) if is_symbolic(H) else isinstance(H, list | tuple) or np.size(H) > 1
+    if several:
+        shape = H.shape if hasattr(H, "shape") else f"({len(H)},)"
+        raise CriterionError(
+            name,
+            f"must return a scalar, not shape {shape}; sum it, take its norm, or declare that the criterion is "
+            "1/2 |r|^2 of what it returns with @jtik.criterion(residual=True)",
+        )
+    return _entry(name, H, "one scalar expression")
+
+
+def as_column(name: str, r: Any) -> Expression:
+    """A residual as a column of expressions (k, 1).
+
+    Args:
+        name: name of the criterion, for the error message.
+        r: a column or a row of expressions or numbers, a list of scalars, or one scalar.
+
+    Raises:
+        CriterionError: for anything else.
+    """
+    accepted = "a vector of expressions, one for each residual"
+    if not is_symbolic(r):
+        single = isinstance(r, str | bytes) or (not isinstance(r, list | tuple) and np.ndim(r) == 0)
+        r = vertcat(*[_entry(name, each, accepted) for each in ([r] if single else r)])
+    if 1 not in r.shape or 0 in r.shape:
+        raise CriterionError(name, f"must return {accepted}, not shape {r.shape}; make a matrix one by casadi.vec")
+    return vec(r)
+
+
+def _entry(name: str, value: Any, accepted: str) -> Expression:
+    """One scalar as an expression (1, 1)."""
+    if is_symbolic(value) and value.shape == (1, 1):
+        return value
+    if not is_symbolic(value):
+        number = np.asarray(value)
+        if number.dtype.kind in "fiu" and number.size == 1:
+            return SX(float(number.item()))
+    raise CriterionError(name, f"must return {accepted}, not {short(value)}")
+
+
+def short(value: Any) -> str:
+    """The type of a value, and the value where its text is short."""
+    text, kind = repr(value), type(value).__name__
+    return kind if value is None or len(text) > 30 or "\n" in text else f"{kind} {text}"

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from jtik.symbolic import (
+    OP_CALL,
     OP_CONST,
     OP_INPUT,
     OP_OUTPUT,
@@ -72,6 +73,30 @@ def partitioned(
     return stages, after
 
 
+@dataclass(frozen=True, eq=False)
+class Call:
+    """A call of a function that cannot be written out as operations, such as a numeric criterion or an interpolant.
+
+    Attributes:
+        function: the function.
+        operands: nodes of the nonzero entries of its arguments, one argument after the other.
+    """
+
+    function: Function
+    operands: tuple[int, ...]
+
+    def results(self, values: dict[int, Expression]) -> list[Expression]:
+        """The nonzero entries of its results, one result after the other."""
+        arguments, start = [], 0
+        for i in range(self.function.n_in()):
+            end = start + self.function.nnz_in(i)
+            entries = [values[node] for node in self.operands[start:end]]
+            arguments.append(SX(self.function.sparsity_in(i), vertcat(*entries)))
+            start = end
+        results = self.function.call(arguments, False, True)  # as a call, not written out
+        return [result.nz[i] for result in results for i in range(result.nnz())]
+
+
 @dataclass
 class _Graph:
     """The operations of all stages as a graph.
@@ -85,6 +110,7 @@ class _Graph:
         computed: nodes that a stage computes, in order.
         used_later: nodes that another function than that of their stage needs.
         only_deferred: for each stage the nodes that its deferred expressions need and no stage computes, in order.
+        calls: the call that computes a node, and which of the entries of its results the node is.
     """
 
     nodes: list[tuple[int, tuple[int, ...]]]
@@ -95,6 +121,7 @@ class _Graph:
     computed: list[int]
     used_later: set[int]
     only_deferred: list[list[int]]
+    calls: dict[int, tuple[Call, int]]
 
     @classmethod
     def of(
@@ -110,7 +137,7 @@ class _Graph:
             (nodes, each) for at, of in ((results, wanted), (later, deferred)) for nodes, each in _paired(at, of)
         ]
         joined = function("joined", [each for _, each in symbols], [each for _, each in outputs])
-        graph = cls([], {}, [], results, later, [], set(), [])
+        graph = cls([], {}, [], results, later, [], set(), [], {})
         memory: dict[int, int] = {}
         for at in range(joined.n_instructions()):
             operation = joined.instruction_id(at)
@@ -118,8 +145,18 @@ class _Graph:
                 index, entry = joined.instruction_output(at)
                 outputs[index][0][entry] = memory[joined.instruction_input(at)[0]]
                 continue
-            node = len(graph.nodes)
             operands: tuple[int, ...] = ()
+            if operation == OP_CALL:
+                operands = tuple(memory[place] for place in joined.instruction_input(at))
+                call = Call(joined.instructions_sx().nz[at].which_function(), operands)
+                for entry, place in enumerate(joined.instruction_output(at)):
+                    if place >= 0:  # of an output that is used
+                        graph.calls[len(graph.nodes)] = call, entry
+                        memory[place] = len(graph.nodes)
+                        graph.nodes.append((operation, operands))
+                        graph.stage.append(max((graph.stage[operand] for operand in operands), default=0))
+                continue
+            node = len(graph.nodes)
             if operation == OP_INPUT:
                 argument, entry = joined.instruction_input(at)
                 stage, given = symbols[argument]
@@ -165,11 +202,17 @@ class _Graph:
     def evaluate(self, nodes: Sequence[int], values: dict[int, Expression]) -> None:
         """Add the values of these nodes to the values that are given."""
         values |= self.given
+        results: dict[Call, list[Expression]] = {}
         for node in nodes:
             operation, operands = self.nodes[node]
             if node in values:
                 continue
-            if len(operands) == 1:
+            if node in self.calls:
+                call, entry = self.calls[node]
+                if call not in results:
+                    results[call] = call.results(values)
+                values[node] = results[call][entry]
+            elif len(operands) == 1:
                 values[node] = SX.unary(operation, values[operands[0]])
             else:
                 values[node] = SX.binary(operation, values[operands[0]], values[operands[1]])

@@ -11,6 +11,7 @@ Register a class of your own with `register_strategy`, `register_criterion` or `
 names its classes in the entry-point groups ``jtik.strategies``, ``jtik.criteria`` and ``jtik.secondaries``.
 """
 
+from jtik.registry.citation import citations
 from jtik.registry.decorators import (
     criteria,
     register_criterion,
@@ -26,6 +27,7 @@ from jtik.registry.strategy_argument import secondary_of, strategy_of, supportin
 __all__ = [
     "PluginError",
     "Registry",
+    "citations",
     "criteria",
     "register_criterion",
     "register_secondary",

@@ -42,6 +42,8 @@ class Solution:
         inspect: function that computes `report`.
         trace: the iterations, with ``trace=True``; else None.
         alternatives: with ``best_of``, the other Solutions that were found, the best first.
+        evaluations: how often functions of numeric criteria and their gradients were called, for differences and the
+            status, too; not counted in a batch.
     """
 
     q: Array
@@ -54,6 +56,7 @@ class Solution:
     inspect: Callable[[], Report]
     trace: Trace | None = None
     alternatives: tuple[Solution, ...] = ()
+    evaluations: int = 0
 
     look = RenamedAttribute("inspect")
     gave_way = RenamedAttribute("relaxed")
@@ -98,6 +101,7 @@ class Solution:
             ComputedReport(self.report),
             self.trace,
             self.alternatives,
+            self.evaluations,
         )
 
     @property
@@ -203,6 +207,8 @@ class Solution:
             f"  iterations  {self.iterations} in {1e3 * self.seconds:.3g} ms",
             f"  condition   {self.condition:.3g}",
         ]
+        if self.evaluations:
+            lines.append(f"  evaluations {self.evaluations} of numeric criteria")
         if self.escapes:
             lines.append(f"  escapes     {self.escapes} from a saddle point, along negative curvature")
         if self.restarts:

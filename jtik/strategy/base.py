@@ -83,6 +83,7 @@ class Strategy(ABC):
         name: the registry name.
         summary: one line for listings.
         source: author and year of the paper.
+        bibtex: BibTeX entries of the source, for `jtik.citations`.
         is_soft: whether a criterion keeps the task from being met exactly: the strategy minimises a weighted sum of
             both, and a solve ends at its stationary point with `jtik.Status.COMPROMISE`.
     """
@@ -90,6 +91,7 @@ class Strategy(ABC):
     name: ClassVar[str] = ""
     summary: ClassVar[str] = ""
     source: ClassVar[str] = ""
+    bibtex: ClassVar[str] = ""
     is_soft: ClassVar[bool] = False
 
     def __init_subclass__(cls, **options: Any) -> None:

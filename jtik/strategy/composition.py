@@ -71,11 +71,13 @@ class SecondaryTerm(Part, ABC):
         name: the registry name.
         summary: one line for listings.
         source: author and year of the paper.
+        bibtex: BibTeX entries of the source, for `jtik.citations`.
     """
 
     name: ClassVar[str] = ""
     summary: ClassVar[str] = ""
     source: ClassVar[str] = ""
+    bibtex: ClassVar[str] = ""
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.constraints.clearance import ClearanceModel
+from jtik.criterion.least_squares import LeastSquares
 from jtik.errors import ArgumentError, JtikError
 from jtik.qp.fitting import fitting
 from jtik.qp.quadratic_program import QPSolution, QuadraticProgram
@@ -68,6 +69,7 @@ class LocalModel:
         exploring: 1 in an exploring step, which is taken wherever it ends, else 0. Only for a strategy that explores.
         unshifted_function: (q, target) -> `Evaluation.unshifted`; None where it is the residual.
         weights: what a step towards a distant target multiplies the rows of the residual to the target by (m, 1).
+        least_squares: the criteria that are in residual form, for `lagrangian_hessian`; None without any.
         shift: what it subtracts from them then (m, 1); None, as ``weights``, where no target can be distant.
     """
 
@@ -99,6 +101,7 @@ class LocalModel:
     unshifted_function: Function = None
     weights: Expression = None
     shift: Expression = None
+    least_squares: LeastSquares | None = None
 
     # -- quadratic programs ---------------------------------------------------------------------------------------
 

@@ -18,9 +18,11 @@ from jtik._loop.options import Until, read_executor, read_search_options, read_s
 from jtik.arguments import flag, instance, instances, integer, positive_integer
 from jtik.constraints.clearance import Clearance, clearances_of
 from jtik.criterion.base import Criterion, CriterionSum
-from jtik.errors import ArgumentError
+from jtik.errors import ArgumentError, JtikError
 from jtik.problems import Case, ProblemSet
 from jtik.progress import Progress, read_progress, watched
+from jtik.registry import strategy_of
+from jtik.registry.citation import entries_of
 from jtik.robot import Robot
 from jtik.study.comparison import Comparison
 from jtik.study.contender import Setting
@@ -209,7 +211,21 @@ def _settings(plan: StudyPlan) -> dict[str, Any]:
         "limits": setting.limits,
         "compiled": setting.compiled,
         "repeats": plan.repeats,
+        "citations": _citations(plan),
     }
+
+
+def _citations(plan: StudyPlan) -> list[str]:
+    """BibTeX entries of the sources of contenders and criteria; contenders whose strategy does not exist have none."""
+    solvers: list[Any] = []
+    for contender in plan.contenders.values():
+        given = getattr(contender, "strategy", contender)
+        try:
+            solvers.append(strategy_of(given) if isinstance(given, str) else given)
+        except JtikError:  # each of its rows has this error
+            continue
+    used = [CriterionSum.of(own) for own in plan.criteria.values()]
+    return entries_of(solvers, used, clearances=bool(plan.setting.clearances))
 
 
 def _fingerprint(plan: StudyPlan, machine: Mapping[str, str]) -> str:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from jtik.errors import MissingExtraError
 from jtik.problems import ProblemSet
+from jtik.registry.citation import Citations
 from jtik.result.solution import Trace
 from jtik.robot import Robot
 from jtik.study import tables
@@ -78,6 +79,10 @@ class Comparison:
     def criteria(self) -> tuple[str, ...]:
         """The labels of the criteria in the given order."""
         return tuple(dict.fromkeys(self.columns["criteria"].tolist()))
+
+    def citations(self) -> Citations:
+        """The BibTeX entries of the sources of all contenders and criteria, each once; see `jtik.citations`."""
+        return Citations("\n\n".join(self.settings.get("citations", ())))
 
     def rows(self, **chosen: str) -> NDArray[np.intp]:
         """Indices of the rows with these values, such as ``rows(contender="hybrid", kind="reachable")``."""

@@ -10,8 +10,8 @@ The operations are those that a criterion, a strategy or a task is made of:
   `ldl_pivots`
 - derivatives: `gradient`, `jacobian`, `hessian`
 - inspection: `symvar`, `substitute`, `is_equal`
-- functions: `Function`, `function`, `either`, `conic`, `has_conic`, `external`, `c_source`, and the codes of a
-  function's instructions `OP_CONST`, `OP_INPUT`, `OP_OUTPUT`
+- functions: `Function`, `function`, `Callback`, `Sparsity`, `either`, `conic`, `has_conic`, `external`, `c_source`,
+  and the codes of a function's instructions `OP_CALL`, `OP_CONST`, `OP_INPUT`, `OP_OUTPUT`
 - constants: `LARGEST`, `TINY`
 - while a criterion is traced: `no_silent_float`, `smooth_numpy_norm`
 
@@ -22,13 +22,16 @@ The operations are those that a criterion, a strategy or a task is made of:
 from jtik.symbolic.operations import (
     LARGEST,
     MX,
+    OP_CALL,
     OP_CONST,
     OP_INPUT,
     OP_OUTPUT,
     SX,
     TINY,
+    Callback,
     Expression,
     Function,
+    Sparsity,
     atan2,
     c_source,
     conic,
@@ -87,13 +90,16 @@ from jtik.symbolic.operations import (
 __all__ = [
     "LARGEST",
     "MX",
+    "OP_CALL",
     "OP_CONST",
     "OP_INPUT",
     "OP_OUTPUT",
     "SX",
     "TINY",
+    "Callback",
     "Expression",
     "Function",
+    "Sparsity",
     "atan2",
     "c_source",
     "conic",

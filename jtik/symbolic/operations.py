@@ -64,9 +64,14 @@ symvar: Any = casadi.symvar
 substitute: Any = casadi.substitute
 is_equal: Any = casadi.is_equal
 
+# A function that Python evaluates, and the shapes of its arguments and results.
+Callback: Any = casadi.Callback
+Sparsity: Any = casadi.Sparsity
+
 # Functions from elsewhere, and the instructions of a function.
 external: Any = casadi.external
 has_conic: Any = casadi.has_conic
+OP_CALL: int = casadi.OP_CALL
 OP_INPUT: int = casadi.OP_INPUT
 OP_OUTPUT: int = casadi.OP_OUTPUT
 OP_CONST: int = casadi.OP_CONST

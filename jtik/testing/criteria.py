@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik.arguments import instance, integer, random_generator, several
-from jtik.criterion import Criterion, CriterionTerms
+from jtik.criterion import Criterion, CriterionTerms, ResidualCriterion
 from jtik.errors import ArgumentError
 from jtik.geometry import Circle, Sphere
 from jtik.result.solution import Status
@@ -20,6 +20,7 @@ from jtik.symbolic import function, gradient, symbol, symvar
 from jtik.symbolic.compile import CompiledFunction
 from jtik.task import FrameTask
 from jtik.testing.common import require
+from jtik.testing.residual_form import check_residual_form
 from jtik.types import Array
 
 DIFFERENCE_STEPS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
@@ -42,6 +43,8 @@ def check_criterion(
     - It is one scalar expression of q and of these parameters, and it depends on each of them.
     - It and its gradient are finite at every sample, and the same at every evaluation.
     - The gradient agrees with central differences.
+    - In residual form (`jtik.criterion.ResidualCriterion`) H is 1/2 |r|^2, and the Jacobian of r is finite and agrees
+      with the gradient, A' r.
     - A solve with it ends, does not raise H on a target already reached, and doubles H with the weight.
 
     Args:
@@ -86,6 +89,8 @@ def check_criterion(
             f"{who} has different values in two evaluations at q = {sample.tolist()}",
         )
         _check_gradient(who, robot, sample, analytic, lambda at: float(evaluate(at, memory)[0][0, 0]))
+        if isinstance(criterion, ResidualCriterion):
+            check_residual_form(who, terms, sample, value[0], analytic)
     _check_use(who, criterion, robot, generator)
 
 

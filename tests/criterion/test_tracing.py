@@ -110,6 +110,39 @@ class TestMessages:
 
         self.refused(confused, "not its own")
 
+    @pytest.mark.parametrize(
+        ("given", "message"),
+        [
+            ("1.5", "must return one scalar expression, not str '1.5'"),
+            (None, "not NoneType"),
+            (1j, "not complex 1j"),
+            (np.complex128(2.0), "not complex128"),
+            (True, "not bool True"),
+            ([1.0, 2.0], r"not shape (2,)"),
+            (np.ones(3), r"not shape (3,)"),
+            (casadi.SX.ones(2), r"not shape (2, 1); sum it, take its norm, or declare"),
+            (casadi.SX.ones(2), "@jtik.criterion(residual=True)"),
+        ],
+    )
+    def test_what_is_no_scalar(self, given, message):
+        self.refused(lambda q, robot: given, message)
+
+    @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+    def test_a_value_that_is_not_finite_is_refused_with_the_configuration(self, value):
+        self.refused(lambda q, robot: value, f"is {value} at q = [0., 0., 0.]; expected a finite number")
+
+    def test_a_value_that_is_finite_at_home_only(self):
+        def lonely(q, robot):
+            return np.sqrt(-casadi.sumsqr(q))
+
+        self.refused(lonely, "is nan at q = [ 0.86", "and not finite at 3 more random configurations")
+
+    def test_a_value_that_is_not_finite_at_home(self):
+        def inverse(q, robot):
+            return 1 / q[0] ** 2
+
+        self.refused(inverse, "is inf at q = [0., 0., 0.]; expected a finite number")
+
     def test_an_unknown_frame_keeps_its_own_error(self):
         @jtik.criterion
         def lost(q, robot):

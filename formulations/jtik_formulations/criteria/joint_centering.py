@@ -15,6 +15,7 @@ from jtik.errors import UnknownNameError
 from jtik.robot import JointType, Kinematics, Robot
 from jtik.symbolic import Expression, dot
 from jtik.types import Array
+from jtik_formulations.bibliography import DAS_1988
 
 
 @register_criterion("joint_centering")
@@ -42,6 +43,7 @@ class JointCentering(Criterion):
 
     summary = "springs to preferred joint angles, zero by default"
     source = "Das, Slotine and Sheridan 1988, eq. 2.2"
+    bibtex = DAS_1988
     joint_parameters = ("stiffness", "preferred")
     non_negative_parameters = ("stiffness",)
 

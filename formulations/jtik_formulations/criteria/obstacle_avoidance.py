@@ -22,6 +22,7 @@ from jtik.geometry import (
 )
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, fmax, log
+from jtik_formulations.bibliography import DAS_1988
 
 _FACTORS = 8
 """Distances multiplied before one logarithm is taken: logarithms are slow, and a product of eight cannot overflow."""
@@ -61,6 +62,7 @@ class ObstacleAvoidance(Criterion):
     summary = "log potential that repels joints, or links, from points, circles and spheres"
     source = "Das, Slotine and Sheridan 1988, eq. 2.2"
     non_negative_parameters = ("gain", "radii")
+    bibtex = DAS_1988
 
     def __init__(
         self,

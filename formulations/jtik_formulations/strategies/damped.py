@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from jtik import register_strategy
 from jtik.strategy import LocalModel, Positive
 from jtik.symbolic import Expression, if_else
+from jtik_formulations.bibliography import CHAN_LAWRENCE_1988
 from jtik_formulations.strategies._parts.damped_least_squares import DampedLeastSquares
 
 EXPLORING = 0.03
@@ -38,6 +39,7 @@ class Damped(DampedLeastSquares):
 
     summary = "damped least squares, damping in proportion to V, with the Q limit and backtracking"
     source = "Chan and Lawrence 1988"
+    bibtex = CHAN_LAWRENCE_1988
 
     def explores(self, has_criterion: bool) -> bool:
         """With backtracking, but beside a secondary term that is added without a test of the merit function."""

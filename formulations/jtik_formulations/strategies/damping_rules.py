@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from jtik import register_strategy
 from jtik.strategy import LocalModel, Positive, Share
 from jtik.symbolic import Expression, fmax, ratio
+from jtik_formulations.bibliography import NAKAMURA_HANAFUSA_1986, SUGIHARA_2011, WAMPLER_1986
 from jtik_formulations.strategies._parts.damped_least_squares import DampedLeastSquares
 
 
@@ -34,6 +35,7 @@ class ConstantDamped(DampedLeastSquares):
 
     summary = "damped least squares with constant damping"
     source = "Wampler 1986"
+    bibtex = WAMPLER_1986
 
     def damping_of(self, model: LocalModel) -> Expression:
         """The damping."""
@@ -64,6 +66,7 @@ class Sugihara(DampedLeastSquares):
 
     summary = "damped least squares, damped by V and a constant bias"
     source = "Sugihara 2011"
+    bibtex = SUGIHARA_2011
 
     def damping_of(self, model: LocalModel) -> Expression:
         """V and the bias."""
@@ -96,6 +99,7 @@ class NakamuraHanafusa(DampedLeastSquares):
 
     summary = "damped least squares, damped where manipulability is low"
     source = "Nakamura and Hanafusa 1986"
+    bibtex = NAKAMURA_HANAFUSA_1986
 
     def damping_of(self, model: LocalModel) -> Expression:
         """mu0 (1 - w / w0)^2 below the threshold."""

@@ -25,6 +25,7 @@ from jtik.strategy import (
 from jtik.symbolic import Expression, fmax, fmin, if_else, is_symbolic, logic_and, logic_or, ratio, sqrt, sumsqr
 from jtik.symbolic.factorization import RowVector
 from jtik.types import Array
+from jtik_formulations.bibliography import DAS_1988, POWELL_1970
 from jtik_formulations.strategies._parts.damped_least_squares import damped_step
 from jtik_formulations.strategies._parts.transpose_step import cauchy_step, optimal_gain
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
@@ -145,6 +146,7 @@ class Hybrid(Composition):
 
     summary = "dogleg between the transpose and the Newton step, within an adaptive Q limit (default)"
     source = "Das, Slotine and Sheridan 1988, section 2.3; Powell 1970"
+    bibtex = "\n".join((DAS_1988, POWELL_1970))
 
     def explores(self, has_criterion: bool) -> bool:
         """If not switched off, but beside a secondary term that is added without a test of the merit function."""

@@ -8,6 +8,7 @@ from jtik import register_strategy
 from jtik.strategy import LocalModel, Positive, Share, State, TaskDisplacement
 from jtik.symbolic import if_else, ratio
 from jtik.symbolic.svd import SingularValues
+from jtik_formulations.bibliography import GUPTASARMA_2025
 from jtik_formulations.strategies._parts.scaled_step import ScaledComposition
 
 
@@ -38,6 +39,7 @@ class JParse(ScaledComposition):
 
     summary = "inverse along strong singular directions, transpose along weak ones"
     source = "Guptasarma, Strong, Zhen and Kennedy 2025"
+    bibtex = GUPTASARMA_2025
 
     def full_step(self, model: LocalModel, state: State) -> TaskDisplacement:
         """-sum of g_i (u_i' r) sigma_i v_i."""

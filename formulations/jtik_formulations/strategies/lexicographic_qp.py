@@ -20,6 +20,7 @@ from jtik.strategy import (
     limited_box,
 )
 from jtik.symbolic import Expression, diag
+from jtik_formulations.bibliography import ESCANDE_2014, KANOUN_2011
 from jtik_formulations.strategies._parts.levels import descend
 from jtik_formulations.strategies.qp_secondary import QPSecondary
 
@@ -52,6 +53,7 @@ class LexicographicQP(Programmed):
 
     summary = "a QP for each level of priority, limits in all of them, the criterion below the last"
     source = "Kanoun, Lamiraux and Wieber 2011; Escande, Mansard and Wieber 2014"
+    bibtex = "\n".join((KANOUN_2011, ESCANDE_2014))
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -23,6 +23,7 @@ from jtik.strategy import (
     limited_box,
 )
 from jtik.symbolic import fmin, if_else, norm, ratio, sumsqr, zeros
+from jtik_formulations.bibliography import MINK_2024
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
 if TYPE_CHECKING:
@@ -65,6 +66,7 @@ class Mink(Programmed):
 
     summary = "one step of mink's own quadratic program, strict or soft, on the same robot"
     source = "Zakka 2024 (mink)"
+    bibtex = MINK_2024
 
     def __post_init__(self) -> None:
         super().__post_init__()

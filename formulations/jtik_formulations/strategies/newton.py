@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from jtik import register_strategy
 from jtik.strategy import LocalModel, State, TaskDisplacement
+from jtik_formulations.bibliography import DAS_1988
 from jtik_formulations.strategies._parts.damped_least_squares import damped_step
 from jtik_formulations.strategies._parts.scaled_step import ScaledComposition
 
@@ -29,6 +30,7 @@ class Newton(ScaledComposition):
 
     summary = "pseudo-inverse step with the Q limit and backtracking on V"
     source = "Das, Slotine and Sheridan 1988, section 2.3"
+    bibtex = DAS_1988
 
     def full_step(self, model: LocalModel, state: State) -> TaskDisplacement:
         """-J+ r: of all displacements that minimise |r + J dq| the shortest; damped in a timed step."""

@@ -21,6 +21,7 @@ from jtik.strategy import (
 )
 from jtik.symbolic import Expression, fmax, fmin, if_else, ratio, sqrt
 from jtik.types import Array
+from jtik_formulations.bibliography import BARZILAI_BORWEIN_1988, DAS_1988
 from jtik_formulations.strategies._parts.barzilai_borwein import UNBOUNDED, BarzilaiBorweinGain
 from jtik_formulations.strategies._parts.significance import significant
 
@@ -51,6 +52,7 @@ class ProjectedGradient(SecondaryTerm):
 
     summary = "projected gradient of the criterion, gain by Barzilai and Borwein or as the paper has it (default)"
     source = "Das, Slotine and Sheridan 1988; Barzilai and Borwein 1988"
+    bibtex = "\n".join((DAS_1988, BARZILAI_BORWEIN_1988))
 
     @property
     def gain(self) -> BarzilaiBorweinGain:

@@ -29,6 +29,7 @@ from jtik.symbolic import (
 )
 from jtik.symbolic.factorization import RowSpace
 from jtik.types import Array
+from jtik_formulations.bibliography import KANOUN_2011
 from jtik_formulations.strategies._parts.significance import in_null_space, significant
 from jtik_formulations.strategies._parts.task_within_clearances import within_clearances
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
@@ -60,6 +61,7 @@ class QPSecondary(ProjectedGradient):
 
     summary = "null-space step by a QP with the joint limits in it"
     source = "Kanoun, Lamiraux and Wieber 2011"
+    bibtex = KANOUN_2011
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -47,6 +47,7 @@ from jtik.symbolic import (
 )
 from jtik.symbolic.factorization import RowSpace, Split
 from jtik.types import Array
+from jtik_formulations.bibliography import GILL_1981, NOCEDAL_WRIGHT_2006
 from jtik_formulations.strategies._parts.convexified import convexified
 from jtik_formulations.strategies._parts.significance import in_null_space, significant
 
@@ -75,14 +76,16 @@ class SecondOrder(SecondaryTerm):
     """With Newton's task step t, both together are the SQP step: quadratic convergence to the constrained optimum.
 
     x minimises (dH/dv + W t)' x + 1/2 x' W x where J x = 0 and t + x keeps to the limits, with t the task displacement
-    and W = d2(H + lambda' r)/dv2 at v = 0. Where W is not positive definite on the null space it is made so.
+    and W = d2(H + lambda' r)/dv2 at v = 0. Where W is not positive definite on the null space it is made so, by the
+    Gauss-Newton Hessian of a criterion in residual form (`jtik.criterion.ResidualCriterion`), otherwise by a diagonal.
 
     Prefer it where the optimum is wanted with high accuracy, or where H is so badly scaled that gradient steps are
     slow; a step needs several times the computation of `ProjectedGradient`.
 
     Attributes:
         curvature: ``"exact"``: W as above; ``"gauss_newton"``: without the curvature of the task, the term with
-            lambda. It needs less computation and is convex where H is, but converges linearly where lambda is not zero.
+            lambda, and with the Gauss-Newton Hessian of each criterion in residual form. It needs less computation and
+            is convex where H is, but converges linearly where lambda is not zero.
         step_limit: longest null-space step [rad].
         corrections: number of second-order corrections, each -J+ times the task error that the step would leave.
             Without any the merit function refuses good steps near the optimum (Maratos effect); with one it still
@@ -98,6 +101,7 @@ class SecondOrder(SecondaryTerm):
 
     summary = "null-space step by the Hessian of the Lagrangian: quadratic convergence"
     source = "Nocedal and Wright 2006, chapter 18; Gill, Murray and Wright 1981"
+    bibtex = "\n".join((NOCEDAL_WRIGHT_2006, GILL_1981))
 
     def uses_qp(self) -> bool:
         """Always."""
@@ -113,25 +117,22 @@ class SecondOrder(SecondaryTerm):
     def propose(self, model: LocalModel, state: State, task_dq: Expression) -> NullSpaceDisplacement:
         """The solution of the quadratic program, and the stationarity residual of H."""
         free, rows, split, gradient = _optimality(model)
-        W = lagrangian_hessian(
-            model.robot,
-            model.criterion_function,
-            model.residual_function,
-            q=model.here.q,
-            target=model.target,
-            parameters=model.parameters,
-            multipliers=-split.multipliers if self.curvature == "exact" else None,
-        )
-        W = model.coordinates.hessian(W)
+        exact = self.curvature == "exact"
+        W = _hessian(model, -split.multipliers if exact else None, exact=exact)
         W = if_else(is_finite(W), W, 0)  # as the gradient where H has no slope
         if self.curvature == "gauss_newton":
             W = _hessian_scale(W, state["null_step"], gradient - state["lagrangian_gradient"]) * W
         basis = rows.unit_basis
         onto_null = diag(free) - basis.T @ basis
+        others = identity(model.robot.n) - onto_null
         reduced = onto_null @ W @ onto_null
+        if exact and model.least_squares is not None:
+            definite = convexified(reduced / (norm_inf(vec(reduced)) + TINY) + others)[1]
+            gauss_newton = _hessian(model, None, exact=False)
+            W = if_else(definite, W, if_else(is_finite(gauss_newton), gauss_newton, 0))
+            reduced = onto_null @ W @ onto_null
         after_task = gradient + onto_null @ (W @ rows.least_squares(model.J @ task_dq).vector)
         size = fmax(norm_inf(vec(reduced)), norm_inf(after_task) / self.step_limit) + TINY
-        others = identity(model.robot.n) - onto_null
         hessian, definite, lowest = convexified(reduced / size + others)
 
         cap = state["null_cap"]
@@ -195,6 +196,21 @@ def _optimality(model: LocalModel) -> tuple[Expression, RowSpace, Split, Express
     split = rows.split(free * model.gradient)
     at_limit = model.gradient - model.J.T @ split.multipliers
     return free, rows, split, if_else(free, split.null, at_limit)
+
+
+def _hessian(model: LocalModel, multipliers: Expression | None, *, exact: bool) -> Expression:
+    """The Hessian of the Lagrangian; without multipliers that of H, by Gauss-Newton for criteria in residual form."""
+    second = lagrangian_hessian(
+        model.robot,
+        model.criterion_function,
+        model.residual_function,
+        q=model.here.q,
+        target=model.target,
+        parameters=model.parameters,
+        multipliers=multipliers,
+        least_squares=None if exact else model.least_squares,
+    )
+    return model.coordinates.hessian(second)
 
 
 def _hessian_scale(W: Expression, step: Expression, change: Expression) -> Expression:

@@ -28,6 +28,7 @@ from jtik.strategy import (
 from jtik.symbolic import Expression, fabs, fmax, fmin, if_else, norm, ratio, vertcat
 from jtik.symbolic.svd import SingularValues
 from jtik.types import Array
+from jtik_formulations.bibliography import BUSS_KIM_2005
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
 Clamp = Literal["hard", "soft"]
@@ -153,6 +154,7 @@ class SelectivelyDamped(Composition):
 
     summary = "least squares, clamped by itself along each singular direction"
     source = "Buss and Kim 2005"
+    bibtex = BUSS_KIM_2005
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -8,6 +8,7 @@ from typing import Literal
 from jtik import register_strategy
 from jtik.strategy import LocalModel, PositiveInteger
 from jtik.symbolic import Expression
+from jtik_formulations.bibliography import FLACCO_2015
 from jtik_formulations.strategies._parts.basic_saturation import BasicSaturation
 from jtik_formulations.strategies._parts.saturation import Saturation
 from jtik_formulations.strategies._parts.task_scaling import ScaledDisplacement, TaskScaling
@@ -74,6 +75,7 @@ class SNS(TaskScaling):
 
     summary = "saturation in the null space: tasks scaled in their direction to fit into the limits"
     source = "Flacco, De Luca and Khatib 2015"
+    bibtex = FLACCO_2015
 
     def releases(self) -> bool:
         """The rule "optimal" does."""

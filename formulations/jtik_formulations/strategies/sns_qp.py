@@ -11,6 +11,7 @@ from jtik.qp import QPSolution, QuadraticProgram, Rows
 from jtik.strategy import LocalModel
 from jtik.symbolic import Expression, dot, fmax, fmin, identity, if_else, logic_and, mmax, norm, sumsqr, vertcat, zeros
 from jtik.symbolic.factorization import RowSpace, squared_length
+from jtik_formulations.bibliography import FLACCO_2015
 from jtik_formulations.strategies._parts.saturation import DEPENDENT, rotated_rows
 from jtik_formulations.strategies._parts.task_scaling import TaskScaling
 
@@ -108,6 +109,7 @@ class SNSQP(TaskScaling):
 
     summary = "saturation in the null space by quadratic programs, for comparison with sns"
     source = "Flacco, De Luca and Khatib 2015"
+    bibtex = FLACCO_2015
 
     def uses_qp(self, has_criterion: bool) -> bool:
         """One for each level, and one for a criterion."""

@@ -29,6 +29,7 @@ from jtik.strategy import (
 from jtik.symbolic import Expression, fmax, fmin, is_symbolic, logic_and, norm, ratio, sumsqr, vertcat, zeros
 from jtik.symbolic.factorization import RowSpace, damped_multipliers, squared_length
 from jtik.types import Array
+from jtik_formulations.bibliography import ANTONELLI_2009, CHIAVERINI_1997, SICILIANO_SLOTINE_1991
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
 Rule = Literal["recursive", "robust"]
@@ -112,6 +113,7 @@ class TaskPriority(Programmed):
 
     summary = "levels of priority, each in the null space of those above"
     source = "Siciliano and Slotine 1991; Chiaverini 1997; Antonelli 2009"
+    bibtex = "\n".join((SICILIANO_SLOTINE_1991, CHIAVERINI_1997, ANTONELLI_2009))
 
     def __post_init__(self) -> None:
         super().__post_init__()

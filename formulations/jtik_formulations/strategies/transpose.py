@@ -23,6 +23,7 @@ from jtik.strategy import (
 )
 from jtik.symbolic import norm
 from jtik.types import Array
+from jtik_formulations.bibliography import DAS_1988
 from jtik_formulations.strategies._parts.transpose_step import cauchy_step, printed_step
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
@@ -80,6 +81,7 @@ class Transpose(Composition):
 
     summary = "Jacobian transpose with the optimal alpha, S and backtracking on V"
     source = "Das, Slotine and Sheridan 1988"
+    bibtex = DAS_1988
 
     def task_step(self) -> TaskStep:
         """-alpha S J' Kp e."""

@@ -27,6 +27,7 @@ from jtik.strategy import (
 )
 from jtik.symbolic import dot, fmax, fmin, if_else, logic_and, norm, ratio, sumsqr, vertcat
 from jtik.types import Array
+from jtik_formulations.bibliography import BARZILAI_BORWEIN_1988
 from jtik_formulations.strategies._parts.transpose_step import optimal_gain
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
@@ -107,6 +108,7 @@ class TransposeBB(Composition):
 
     summary = "Jacobian transpose with the Barzilai-Borwein gain"
     source = "Barzilai and Borwein 1988"
+    bibtex = BARZILAI_BORWEIN_1988
 
     def task_step(self) -> TaskStep:
         """-alpha J' Kp e."""

@@ -15,6 +15,7 @@ from jtik.strategy import LocalModel, Outcome, Shape, State, TaskDisplacement
 from jtik.symbolic import Expression, fabs, fmin, horzcat, if_else, is_finite, ratio, sqrt, vertcat, zeros
 from jtik.symbolic.factorization import RowSpace, damped_multipliers
 from jtik.types import Array
+from jtik_formulations.bibliography import CHAN_DUBEY_1995
 from jtik_formulations.strategies._parts.scaled_step import ScaledComposition
 
 
@@ -57,6 +58,7 @@ class WeightedLeastNorm(ScaledComposition):
 
     summary = "least norm weighted against joints that approach their limits"
     source = "Chan and Dubey 1995"
+    bibtex = CHAN_DUBEY_1995
 
     def own_state(self, shape: Shape) -> Mapping[str, Array]:
         """|2 q - u - l| before the last step taken."""

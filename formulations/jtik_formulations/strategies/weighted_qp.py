@@ -41,6 +41,7 @@ from jtik.symbolic import (
     vertcat,
 )
 from jtik.types import Array
+from jtik_formulations.bibliography import MINK_2024, PINK_2022
 from jtik_formulations.strategies._parts.secant_hessian import SecantHessian
 
 DAMPING = AdaptiveDamping(increase=8.0, decrease=0.25)
@@ -99,6 +100,7 @@ class WeightedQP(Programmed):
 
     summary = "one QP: task, criterion and damping weighted against each other, limits as its box"
     source = "Zakka 2024 (mink); Caron et al. 2022 (pink)"
+    bibtex = "\n".join((MINK_2024, PINK_2022))
     is_soft: ClassVar[bool] = True
 
     def own_state(self, shape: Shape) -> Mapping[str, Array]:

@@ -1,0 +1,96 @@
+"""Numeric criteria: H(q) computed by Python, of any library, with a gradient that is given or by differences."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from jtik.criterion.function_criterion import FunctionCriterion
+from jtik.criterion.numeric_function import NumericFunction
+from jtik.robot import Kinematics, Robot
+from jtik.symbolic import SX, Expression, vec, vertcat
+from jtik.types import Array
+
+DIFFERENCE_STEP = 6e-6
+"""Step of central differences [rad] or [m]: the cube root of the rounding error, where it and the third derivative
+contribute about equally to the error of a gradient of order 1."""
+
+
+class NumericCriterion(FunctionCriterion):
+    """A function of numbers as a criterion; made by ``@jtik.criterion(numeric=True)``.
+
+    ``f(q, *, parameter=...)`` gets q (nq,) of the solver's robot and its live parameters as numbers, and returns H. It
+    must be smooth, without an internal state, and quick: each step calls it once or twice for H and, without a
+    ``gradient``, 2 n times for the gradient; the second derivatives of "second_order", and of the check at the end of
+    a solve that H is minimal, call the gradient 2 n times. `jtik.Solution.evaluations` says how often. Values at the
+    last configurations are kept and not computed again.
+
+    It works with every strategy, not with ``compiled=True``. It is pickled by its name, as every function, and so are
+    its solvers. Where it raises an error in a solve, the solve ends as NOT_FINITE, and `failure` returns the error.
+
+    Args:
+        function: the function.
+        name: name of the criterion.
+        defaults: first values of the parameters by name.
+        gradient: a function with the same arguments that returns dH/dv (n,), or None for central differences.
+        step: step of the differences [rad] or [m].
+    """
+
+    def __init__(
+        self,
+        function: Callable[..., Any],
+        name: str,
+        defaults: Mapping[str, ArrayLike],
+        gradient: Callable[..., Any] | None = None,
+        step: float = DIFFERENCE_STEP,
+    ) -> None:
+        super().__init__(function, name, defaults)
+        self._gradient_function, self._step = gradient, step
+        self._functions: weakref.WeakKeyDictionary[Robot, NumericFunction] = weakref.WeakKeyDictionary()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_functions"}
+
+    def __setstate__(self, state: Mapping[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._functions = weakref.WeakKeyDictionary()
+
+    def beginning_at(self, defaults: Mapping[str, ArrayLike]) -> NumericCriterion:
+        """The same criterion with other first values of its parameters."""
+        return NumericCriterion(self._function, self.name, defaults, self._gradient_function, self._step)
+
+    def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
+        """A call of the function, as an expression."""
+        column = vertcat(*[vec(parameters[name]) for name in self._defaults]) if self._defaults else SX(0, 1)
+        return self.on(kinematics.robot).symbolic(kinematics.q, column)
+
+    def on(self, robot: Robot) -> NumericFunction:
+        """The function on a robot, which counts its evaluations there."""
+        found = self._functions.get(robot)
+        if found is None:
+            shapes = {name: np.shape(value) for name, value in self._defaults.items()}
+            found = NumericFunction(self.name, robot, self._function, self._gradient_function, self._step, shapes)
+            self._functions[robot] = found
+        return found
+
+    def failure(self, robot: Robot) -> Exception | None:
+        """The last error of the function or of its gradient on a robot, such as ``ik.robot``; None without one."""
+        return self.on(robot).failure
+
+    def check(self, robot: Robot, q: Array, column: Array) -> None:
+        """Compute H and its gradient at q.
+
+        Raises:
+            CriterionError: when one of them raises an error or is not numeric.
+        """
+        function = self.on(robot)
+        function.failure = None
+        function.guarded(lambda: np.array(function.value(q, column)), ())
+        if function.failure is None:
+            function.guarded(lambda: function.gradient(q, column), (robot.n,))
+        if function.failure is not None:
+            raise function.failure
