@@ -172,7 +172,7 @@ class TestSwivelAngle:
 
     def test_on_a_planar_robot_it_is_the_side_of_the_elbow(self):
         robot = planar(2)
-        right = SwivelAngle("base", "link2", "tip", angle=np.pi / 2)
+        right = SwivelAngle("base", "link2", "tip", angle=np.pi / 2, floor=1e-3)
         for bend in (0.8, -0.8):  # a positive bend leaves the elbow on the right of the line
             assert right([0.3, bend], robot) == pytest.approx(0.0 if bend > 0 else 2.0, abs=1e-4)
 

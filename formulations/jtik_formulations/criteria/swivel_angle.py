@@ -13,6 +13,9 @@ from jtik.symbolic import Expression, cos, cross, dot, fmax, sin, sqrt, sumsqr, 
 from jtik_formulations.criteria._parts.scalars import direction
 from jtik_formulations.criteria._parts.shown import shown
 
+FLOOR = 0.02
+"""Default floor [m]: with a smaller one the curvature near a stretched arm makes first-order strategies slow."""
+
 SMALLEST_FLOOR = 1e-9
 """Smallest floor [m] that is used."""
 
@@ -57,7 +60,7 @@ class SwivelAngle(Criterion):
         *,
         angle: float = 0.0,
         reference: ArrayLike = (0.0, 0.0, 1.0),
-        floor: float = 1e-3,
+        floor: float = FLOOR,
         name: str = "swivel_angle",
     ) -> None:
         self._frames = (shoulder, elbow, wrist)
@@ -75,7 +78,7 @@ class SwivelAngle(Criterion):
     def __repr__(self) -> str:
         given = dict(zip(("shoulder", "elbow", "wrist"), self._frames, strict=True))
         options = {"angle": self._angle, "reference": self._reference, "floor": self._floor}
-        return shown(self, {**given, **options}, {"reference": (0.0, 0.0, 1.0), "floor": 1e-3})
+        return shown(self, {**given, **options}, {"reference": (0.0, 0.0, 1.0), "floor": FLOOR})
 
     def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
         """The angle, the reference and the floor."""
