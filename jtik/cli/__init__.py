@@ -9,6 +9,7 @@ from typing import NoReturn
 
 from jtik.cli import catalogue, compare, solve
 from jtik.cli.checks import InputError
+from jtik.cli.cite import add_cite
 from jtik.errors import JtikError
 
 WRONG_INPUT = 2
@@ -61,6 +62,7 @@ def _parser() -> argparse.ArgumentParser:
 
     solve.add_arguments(commands)
     compare.add_arguments(commands)
+    add_cite(commands)
 
     what = "a ten-link arm moves between obstacles"
     command = commands.add_parser("demo", help=what, description="The demo: pictures, an animation, and results.")

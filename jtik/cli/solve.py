@@ -68,6 +68,7 @@ SHOWN = (
     "iterations",
     "escapes",
     "restarts",
+    "evaluations",
     "alternatives",
     "cost",
     "criteria",
