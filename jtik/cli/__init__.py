@@ -1,4 +1,4 @@
-"""The command line: ``jtik list``, ``robot``, ``solve``, ``compare``, ``cache`` and ``demo``."""
+"""The command line: ``jtik list``, ``robot``, ``solve``, ``compare``, ``cite``, ``cache`` and ``demo``."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import Any, NoReturn
 
 from jtik.cli import cache, catalogue, compare, robot, solve
 from jtik.cli.checks import InputError
+from jtik.cli.cite import add_cite
 from jtik.errors import JtikError
 
 WRONG_INPUT = 2
@@ -99,6 +100,7 @@ def _parser() -> argparse.ArgumentParser:
     solve.add_arguments(commands)
     compare.add_arguments(commands)
     cache.add_arguments(commands)
+    add_cite(commands)
 
     what = "a ten-link arm moves between obstacles"
     command = commands.add_parser("demo", help=what, description="The demo: pictures, an animation, and results.")

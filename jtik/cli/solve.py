@@ -104,6 +104,7 @@ SHOWN = (
     "iterations",
     "escapes",
     "restarts",
+    "evaluations",
     "alternatives",
     "cost",
     "criteria",

@@ -7,9 +7,10 @@ import sys
 from collections.abc import Callable
 from typing import Any, Literal, overload
 
+from jtik.arguments import finite_array
 from jtik.criterion.function_criterion import FunctionCriterion, ResidualFunctionCriterion
 from jtik.criterion.numeric import DIFFERENCE_STEP, NumericCriterion
-from jtik.errors import ArgumentError, finite_array
+from jtik.errors import ArgumentError
 
 __all__ = ["FunctionCriterion", "criterion"]
 

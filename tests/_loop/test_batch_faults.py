@@ -30,6 +30,14 @@ def solver(**options):
     return jtik.InverseKinematics(jtik.Robot.planar(4), jtik.FrameTask(kind="position"), **options)
 
 
+@pytest.fixture
+def interruptible():
+    """Ctrl-C raises KeyboardInterrupt, as in a shell; a process in the background may have been told to ignore it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def same(one, other, rows=slice(None)):
     for name in COLUMNS:
         assert np.array_equal(getattr(one, name), getattr(other, name)[rows]), name
@@ -55,7 +63,7 @@ class TestInterrupt:
         same(batch, complete, slice(20))
         assert np.array_equal(batch[3].jacobian, complete[3].jacobian)
 
-    def test_a_signal_ends_a_batch_in_c(self, monkeypatch):
+    def test_a_signal_ends_a_batch_in_c(self, monkeypatch, interruptible):
         ik, search = solver(compiled=True), NativeSearch.batch
 
         def batch_with_signal(*arguments):

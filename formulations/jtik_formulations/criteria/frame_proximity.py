@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik import Criterion, register_criterion
-from jtik.errors import ArgumentError, finite_array, several
+from jtik.arguments import finite_array, several
+from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, dot, fmax, sqrt, sumsqr
 from jtik_formulations.criteria._parts.scalars import direction, vector

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik import Criterion, register_criterion
-from jtik.errors import ArgumentError, finite_array
+from jtik.arguments import finite_array
+from jtik.errors import ArgumentError
 from jtik.robot import JointType, Kinematics, Robot, quaternion
 from jtik.symbolic import Expression, dot, fmax, sumsqr
 from jtik.types import Array

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from numpy.typing import ArrayLike
 
 from jtik import Criterion, register_criterion
-from jtik.errors import finite_array, positive_number
+from jtik.arguments import finite_array, positive_number
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, cos, cross, dot, fmax, sin, sqrt, sumsqr, vertcat
 from jtik_formulations.criteria._parts.scalars import direction

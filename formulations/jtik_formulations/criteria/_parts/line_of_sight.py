@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik import Criterion
-from jtik.errors import positive_number
+from jtik.arguments import positive_number
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, dot, fmax, sqrt, sumsqr, vertcat
 from jtik_formulations.criteria._parts.scalars import direction, vector

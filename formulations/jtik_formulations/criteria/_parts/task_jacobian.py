@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik import Criterion, FrameTask
+from jtik.arguments import positive_number
 from jtik.criterion.short_repr import call_text
-from jtik.errors import ArgumentError, positive_number
+from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, dot, fmax, horzcat, identity, sumsqr, vertcat
 from jtik.task.targets import Kind
