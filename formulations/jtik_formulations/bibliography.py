@@ -1,6 +1,7 @@
 """BibTeX entries of the sources of the built-in strategies, secondary terms and criteria.
 
-Titles, journals and years are those of the derivations; what could not be checked, such as pages, is left out.
+Titles, journals and years are those of the derivations; authors' first names and some titles are from memory. What
+could not be checked, such as pages, is left out.
 """
 
 from __future__ import annotations
@@ -169,4 +170,119 @@ BUSS_KIM_2005 = """@article{buss2005,
   volume = {10},
   number = {3},
   year = {2005},
+}"""
+
+YOSHIKAWA_1985 = """@article{yoshikawa1985,
+  author = {Yoshikawa, Tsuneo},
+  title = {Manipulability of Robotic Mechanisms},
+  journal = {International Journal of Robotics Research},
+  volume = {4},
+  number = {2},
+  year = {1985},
+}"""
+
+CHIU_1988 = """@article{chiu1988,
+  author = {Chiu, Stephen L.},
+  title = {Task Compatibility of Manipulator Postures},
+  journal = {International Journal of Robotics Research},
+  volume = {7},
+  number = {5},
+  year = {1988},
+}"""
+
+KHATIB_1986 = """@article{khatib1986,
+  author = {Khatib, Oussama},
+  title = {Real-Time Obstacle Avoidance for Manipulators and Mobile Robots},
+  journal = {International Journal of Robotics Research},
+  volume = {5},
+  number = {1},
+  year = {1986},
+}"""
+
+SALISBURY_CRAIG_1982 = """@article{salisbury1982,
+  author = {Salisbury, J. Kenneth and Craig, John J.},
+  title = {Articulated Hands: Force Control and Kinematic Issues},
+  journal = {International Journal of Robotics Research},
+  volume = {1},
+  number = {1},
+  year = {1982},
+}"""
+
+ANGELES_LOPEZ_CAJUN_1992 = """@article{angeles1992,
+  author = {Angeles, Jorge and Lopez-Cajun, Carlos S.},
+  title = {Kinematic Isotropy and the Conditioning Index of Serial Robotic Manipulators},
+  journal = {International Journal of Robotics Research},
+  volume = {11},
+  number = {6},
+  year = {1992},
+}"""
+
+KLEIN_BLAHO_1987 = """@article{klein1987,
+  author = {Klein, Charles A. and Blaho, Bruce E.},
+  title = {Dexterity Measures for the Design and Control of Kinematically Redundant Manipulators},
+  journal = {International Journal of Robotics Research},
+  volume = {6},
+  number = {2},
+  year = {1987},
+}"""
+
+KREUTZ_DELGADO_1992 = """@article{kreutz1992,
+  author = {Kreutz-Delgado, Kenneth and Long, Mark and Seraji, Homayoun},
+  title = {Kinematic Analysis of {7-DOF} Manipulators},
+  journal = {International Journal of Robotics Research},
+  volume = {11},
+  number = {5},
+  year = {1992},
+}"""
+
+LIEGEOIS_1977 = """@article{liegeois1977,
+  author = {Liegeois, Alain},
+  title = {Automatic Supervisory Control of the Configuration and Behavior of Multibody Mechanisms},
+  journal = {IEEE Transactions on Systems, Man, and Cybernetics},
+  volume = {7},
+  number = {12},
+  year = {1977},
+}"""
+
+WHITNEY_1969 = """@article{whitney1969,
+  author = {Whitney, Daniel E.},
+  title = {Resolved Motion Rate Control of Manipulators and Human Prostheses},
+  journal = {IEEE Transactions on Man-Machine Systems},
+  volume = {10},
+  number = {2},
+  year = {1969},
+}"""
+
+ZGHAL_1990 = """@inproceedings{zghal1990,
+  author = {Zghal, Hassan and Dubey, Rajiv V. and Euler, James A.},
+  title = {Efficient Gradient Projection Optimization for Manipulators with Multiple Degrees of Redundancy},
+  booktitle = {IEEE International Conference on Robotics and Automation},
+  year = {1990},
+}"""
+
+MARCHAND_1996 = """@inproceedings{marchand1996,
+  author = {Marchand, {\\'E}ric and Chaumette, Fran{\\c{c}}ois and Rizzo, Alessandro},
+  title = {Using the Task Function Approach to Avoid Robot Joint Limits and Kinematic Singularities in Visual Servoing},
+  booktitle = {IEEE/RSJ International Conference on Intelligent Robots and Systems},
+  year = {1996},
+}"""
+
+MARCHAND_HAGER_1998 = """@inproceedings{marchand1998,
+  author = {Marchand, {\\'E}ric and Hager, Gregory D.},
+  title = {Dynamic Sensor Planning in Visual Servoing},
+  booktitle = {IEEE International Conference on Robotics and Automation},
+  year = {1998},
+}"""
+
+KLEIN_1984 = """@incollection{klein1984,
+  author = {Klein, Charles A.},
+  title = {Use of Redundancy in the Design of Robotic Systems},
+  booktitle = {Robotics Research: The Second International Symposium},
+  year = {1984},
+}"""
+
+JTIK_2026 = """@software{jtik2026,
+  author = {{The jtik developers}},
+  title = {jtik: Redundancy-Resolving Inverse Kinematics},
+  year = {2026},
 }"""

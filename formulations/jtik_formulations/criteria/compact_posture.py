@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from jtik import Criterion, register_criterion
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, sumsqr
+from jtik_formulations.bibliography import JTIK_2026
 from jtik_formulations.criteria._parts.scalars import vector
 from jtik_formulations.criteria._parts.shown import shown
 
@@ -35,7 +36,8 @@ class CompactPosture(Criterion):
 
     name = "compact_posture"
     summary = "folds the arm: draws all joints to a point, the base by default"
-    source = "radius of gyration"
+    source = "The jtik developers 2026: the radius of gyration"
+    bibtex = JTIK_2026
 
     def __init__(self, center: ArrayLike | None = None, *, name: str = "compact_posture") -> None:
         self._center = None if center is None else np.array(center)

@@ -14,6 +14,7 @@ from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, fmax, log, sqrt, sumsqr
 from jtik.task.targets import Kind
 from jtik.task.weighted import Axes
+from jtik_formulations.bibliography import CHIU_1988
 from jtik_formulations.criteria._parts.scalars import direction as unit_direction
 from jtik_formulations.criteria._parts.task_jacobian import DAMPING, SMALLEST_DAMPING, TaskJacobianCriterion
 
@@ -54,6 +55,7 @@ class DirectionalManipulability(TaskJacobianCriterion):
     name = "directional_manipulability"
     summary = "makes a robot fast, or strong, in one direction"
     source = "Chiu 1988"
+    bibtex = CHIU_1988
     axes_matter = True
 
     def __init__(

@@ -12,6 +12,7 @@ from jtik.arguments import finite_array, several
 from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, dot, fmax, sqrt, sumsqr
+from jtik_formulations.bibliography import KHATIB_1986
 from jtik_formulations.criteria._parts.scalars import direction, vector
 from jtik_formulations.criteria._parts.shown import shown
 
@@ -47,6 +48,7 @@ class FrameProximity(Criterion):
     name = "frame_proximity"
     summary = "draws a frame to a point, a line, a plane or a height"
     source = "Khatib 1986, the attractive potential"
+    bibtex = KHATIB_1986
 
     def __init__(
         self,

@@ -9,6 +9,7 @@ from jtik.robot import Kinematics
 from jtik.symbolic import Expression, log
 from jtik.task.targets import Kind
 from jtik.task.weighted import Axes
+from jtik_formulations.bibliography import ANGELES_LOPEZ_CAJUN_1992, SALISBURY_CRAIG_1982
 from jtik_formulations.criteria._parts.task_jacobian import DAMPING, TaskJacobianCriterion
 
 
@@ -43,6 +44,7 @@ class Isotropy(TaskJacobianCriterion):
     name = "isotropy"
     summary = "makes all directions alike: reduces the condition number"
     source = "Salisbury and Craig 1982; Angeles and Lopez-Cajun 1992"
+    bibtex = "\n".join((SALISBURY_CRAIG_1982, ANGELES_LOPEZ_CAJUN_1992))
 
     def __init__(
         self,

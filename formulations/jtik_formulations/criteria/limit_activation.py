@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from jtik import register_criterion
 from jtik.robot import Kinematics
 from jtik.symbolic import Expression, fmax
+from jtik_formulations.bibliography import MARCHAND_1996
 from jtik_formulations.criteria._parts.joint_ranges import JointNumbers, JointRangeCriterion
 from jtik_formulations.criteria._parts.scalars import number_between
 
@@ -42,6 +43,7 @@ class LimitActivation(JointRangeCriterion):
     name = "limit_activation"
     summary = "pushes joints off their limits, zero until they are near"
     source = "after Marchand, Chaumette and Rizzo 1996"
+    bibtex = MARCHAND_1996
 
     def __init__(
         self,

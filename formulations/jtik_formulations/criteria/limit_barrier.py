@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from jtik import register_criterion
 from jtik.robot import Kinematics
 from jtik.symbolic import Expression, fmax, fmin
+from jtik_formulations.bibliography import CHAN_DUBEY_1995, ZGHAL_1990
 from jtik_formulations.criteria._parts.joint_ranges import JointNumbers, JointRangeCriterion
 from jtik_formulations.criteria._parts.scalars import number_between
 
@@ -44,6 +45,7 @@ class LimitBarrier(JointRangeCriterion):
     name = "limit_barrier"
     summary = "rises steeply towards joint limits, finite at and beyond them"
     source = "Zghal, Dubey and Euler 1990; Chan and Dubey 1995"
+    bibtex = "\n".join((ZGHAL_1990, CHAN_DUBEY_1995))
 
     def __init__(
         self,

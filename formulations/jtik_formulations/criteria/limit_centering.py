@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from jtik import register_criterion
 from jtik.robot import Kinematics
 from jtik.symbolic import Expression
+from jtik_formulations.bibliography import LIEGEOIS_1977
 from jtik_formulations.criteria._parts.joint_ranges import JointNumbers, JointRangeCriterion
 
 
@@ -37,6 +38,7 @@ class LimitCentering(JointRangeCriterion):
     name = "limit_centering"
     summary = "pulls joints to the middle of their ranges"
     source = "Liegeois 1977"
+    bibtex = LIEGEOIS_1977
 
     def __init__(
         self,

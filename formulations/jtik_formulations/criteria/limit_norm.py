@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from jtik import register_criterion
 from jtik.robot import Kinematics
 from jtik.symbolic import Expression, fmax, if_else, sum1
+from jtik_formulations.bibliography import KLEIN_1984
 from jtik_formulations.criteria._parts.joint_ranges import JointNumbers, JointRangeCriterion
 from jtik_formulations.criteria._parts.scalars import number_between
 
@@ -46,6 +47,7 @@ class LimitNorm(JointRangeCriterion):
     name = "limit_norm"
     summary = "reduces the deviation of the joint that is farthest from the middle of its range"
     source = "after Klein 1984"
+    bibtex = KLEIN_1984
 
     def __init__(
         self,

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from jtik import register_criterion
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression
+from jtik_formulations.bibliography import MARCHAND_HAGER_1998
 from jtik_formulations.criteria._parts.line_of_sight import FLOOR, SightCriterion
 
 
@@ -42,6 +43,7 @@ class LookAt(SightCriterion):
     name = "look_at"
     summary = "turns an axis of a frame towards a point"
     source = "after Marchand and Hager 1998"
+    bibtex = MARCHAND_HAGER_1998
 
     def __init__(
         self,

@@ -11,6 +11,7 @@ from jtik.robot import Kinematics
 from jtik.symbolic import Expression, log, sqrt
 from jtik.task.targets import Kind
 from jtik.task.weighted import Axes
+from jtik_formulations.bibliography import YOSHIKAWA_1985
 from jtik_formulations.criteria._parts.task_jacobian import DAMPING, TaskJacobianCriterion
 
 
@@ -46,6 +47,7 @@ class Manipulability(TaskJacobianCriterion):
     name = "manipulability"
     summary = "increases the volume of the velocity ellipsoid"
     source = "Yoshikawa 1985"
+    bibtex = YOSHIKAWA_1985
 
     def __init__(
         self,

@@ -13,6 +13,7 @@ from jtik.errors import ArgumentError
 from jtik.robot import JointType, Kinematics, Robot, quaternion
 from jtik.symbolic import Expression, dot, fmax, sumsqr
 from jtik.types import Array
+from jtik_formulations.bibliography import WHITNEY_1969
 from jtik_formulations.criteria._parts.shown import shown
 
 
@@ -43,6 +44,7 @@ class MinimumDisplacement(Criterion):
     name = "minimum_displacement"
     summary = "stays near a reference configuration, by all joints"
     source = "after Whitney 1969"
+    bibtex = WHITNEY_1969
     joint_parameters = ("reference",)
 
     def __init__(

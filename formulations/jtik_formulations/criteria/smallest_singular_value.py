@@ -9,6 +9,7 @@ from jtik.robot import Kinematics
 from jtik.symbolic import Expression, gram, horzcat, sqrt, sumsqr, vec
 from jtik.task.targets import Kind
 from jtik.task.weighted import Axes
+from jtik_formulations.bibliography import KLEIN_BLAHO_1987
 from jtik_formulations.criteria._parts.task_jacobian import DAMPING, TaskJacobianCriterion
 
 _SQUARINGS = 2
@@ -45,6 +46,7 @@ class SmallestSingularValue(TaskJacobianCriterion):
     name = "smallest_singular_value"
     summary = "improves the weakest direction"
     source = "Klein and Blaho 1987"
+    bibtex = KLEIN_BLAHO_1987
 
     def __init__(
         self,

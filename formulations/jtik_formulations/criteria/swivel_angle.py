@@ -10,6 +10,7 @@ from jtik import Criterion, register_criterion
 from jtik.arguments import finite_array, positive_number
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, cos, cross, dot, fmax, sin, sqrt, sumsqr, vertcat
+from jtik_formulations.bibliography import KREUTZ_DELGADO_1992
 from jtik_formulations.criteria._parts.scalars import direction
 from jtik_formulations.criteria._parts.shown import shown
 
@@ -51,6 +52,7 @@ class SwivelAngle(Criterion):
     name = "swivel_angle"
     summary = "turns the elbow about the line from shoulder to wrist"
     source = "Kreutz-Delgado, Long and Seraji 1992"
+    bibtex = KREUTZ_DELGADO_1992
 
     def __init__(
         self,

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from jtik import register_criterion
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, cos, fmax
+from jtik_formulations.bibliography import MARCHAND_HAGER_1998
 from jtik_formulations.criteria._parts.line_of_sight import FLOOR, SightCriterion
 from jtik_formulations.criteria._parts.scalars import number_between
 
@@ -47,6 +48,7 @@ class Visibility(SightCriterion):
     name = "visibility"
     summary = "keeps a point within the field of view of a frame"
     source = "after Marchand and Hager 1998"
+    bibtex = MARCHAND_HAGER_1998
 
     def __init__(
         self,
