@@ -156,7 +156,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
                 are in ``solution.alternatives``, the best first.
             jump_limit: largest change of any joint from q0 [rad] or [m], mimic joints included; None for none. Of a
                 ball or free joint it is that of the angle of its rotation and of the length of its displacement, which
-                are judged where an attempt ends: if none ends within the limit, the status says so and q is beyond it.
+                are judged where an attempt ends. If none ends within the limit, the status says so and q is beyond it.
             max_iterations: most steps to try in an attempt.
             position_tolerance, orientation_tolerance, optimality_tolerance, until: see the class.
             trace: keep every iteration in ``solution.trace``.
