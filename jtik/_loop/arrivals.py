@@ -40,6 +40,10 @@ class SearchResult(NamedTuple):
     errors: tuple[float, float] | None = None
     alternatives: tuple[SearchResult, ...] = ()
 
+    def misses(self, position: float, orientation: float) -> bool:
+        """Whether the errors alone show that the target is not reached, so that the status need not be computed."""
+        return self.errors is not None and (self.errors[0] > position or self.errors[1] > orientation)
+
 
 class Arrivals:
     """The distinct arrivals of one search (formulations/restarts.md).

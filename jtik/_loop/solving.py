@@ -127,7 +127,7 @@ class Solving:
             return jump.status(status, inspection.q, inspection) if jump else status
 
         fields: dict[str, Any] = {"converged": False, "diagnose": diagnose}
-        if not _missed(found, options):
+        if not found.misses(*options[5:7]):
             status = diagnose()
             fields = {"status": status, "converged": is_success(status, options[-1])}
         return Solution.of(
@@ -222,7 +222,7 @@ class Solving:
                 found = self._search_in_memory(own[k % len(own)], search_options, self._runners.solve)
             errors = found.errors or self._inspector.errors(found.q, self._memory.inputs)
             diagnose: Callable[[], Status]
-            if _missed(found._replace(errors=errors), options):
+            if found._replace(errors=errors).misses(*options[5:7]):
                 converged = False
                 diagnose = partial(self._inspector.snapshot(found.q, given[i]).status, found.code)
             else:
@@ -344,9 +344,3 @@ class Solving:
         """The solution with another configuration for the same target."""
         inspection = self._inspector.snapshot(q, None)
         return replace(solution, q=q, inspect=inspection, status=inspection.status(Code.CONTINUE))
-
-
-def _missed(found: SearchResult, options: Options) -> bool:
-    """Whether the errors alone show that the target is not reached, so that the status need not be computed."""
-    position, orientation = options[5:7]
-    return found.errors is not None and (found.errors[0] > position or found.errors[1] > orientation)

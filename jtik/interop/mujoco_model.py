@@ -45,7 +45,7 @@ def to_mujoco(robot: Robot, *, obstacles: Iterable[Solid] = ()) -> Any:
         ArgumentError: for a free joint that is not on the base, or a frame "world" that is not the base.
     """
     instance("robot", robot, Robot, "a jtik.Robot")
-    solids = instances("obstacles", obstacles, Solid, "a list of jtik.Sphere, Capsule, Cylinder or Box")
+    field = instances("obstacles", obstacles, Solid, "a list of jtik.Sphere, Capsule, Cylinder or Box")
     spec = mujoco.MjSpec()
     spec.modelname = robot.name
     spec.compiler.fusestatic = False
@@ -69,7 +69,7 @@ def to_mujoco(robot: Robot, *, obstacles: Iterable[Solid] = ()) -> Any:
     for frame, solids in robot.shapes.items():
         for i, solid in enumerate(solids):
             _add_geom(bodies[frame], f"{frame} solid{i}", solid)
-    for i, solid in enumerate(solids):
+    for i, solid in enumerate(field):
         body = spec.worldbody.add_body(name=f"obstacle{i}", mocap=True)
         _add_geom(body, f"obstacle{i}", solid)
     return spec.compile()

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.arguments import name as read_name
+from jtik.arguments import text
 from jtik.qp.backend import (
     DEFAULT_ACCURACY,
     PLUGINS,
@@ -48,7 +48,7 @@ class QPSolversBackend(CalledBackend):
     def __init__(self, name: str, *, accuracy: float | None = None, **options: Any) -> None:
         import qpsolvers
 
-        read_name("name", name, "the name of a solver of qpsolvers")
+        text("name", name, "the name of a solver of qpsolvers")
         if name not in qpsolvers.available_solvers:
             from jtik.qp.backend import available
 
