@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Self
 
@@ -20,6 +21,10 @@ from jtik.types import Array
 
 if TYPE_CHECKING:
     from jtik.robot.model import Robot
+
+
+TIP, FLANGE = "tip", "flange"
+"""A name that means the tip of a robot where no frame has it; and what such a frame is called once there is a tool."""
 
 
 class Variants(ConfigurationSpace):
@@ -68,6 +73,8 @@ class Variants(ConfigurationSpace):
     ) -> Self:
         """This robot with a tool: a new frame, which is the tip of the result.
 
+        A frame called "tip", as built-in arms have one, is called "flange" from then on, so that "tip" means the tool.
+
         Args:
             pose: pose (4, 4) [m] of the tool in ``frame``, or in another form of the targets of `FrameTask`.
             name: name of the new frame.
@@ -81,16 +88,20 @@ class Variants(ConfigurationSpace):
             UnknownNameError: when there is no frame ``frame``.
         """
         robot: Any = self
-        carrier, name = robot.frame(frame), read_name("name", name)
-        if name in robot.frame_names:
-            raise ArgumentError("name", name, f"a name of its own, none of {', '.join(robot.frame_names)}")
+        name, carrier = read_name("name", name), robot.frame(frame)
+        others = [each for each in robot.frame_names if each != TIP]
+        if name in others:
+            raise ArgumentError("name", name, f"a name of its own, none of {', '.join(others)}")
         solids = instances("shapes", shapes, Solid, "solids, such as jtik.Sphere or jtik.Box")
-        new = _fixed(robot, name, carrier, name, pose)
-        options = self.full._options() | {"tip": name}
+        full = _outermost(robot)
+        flange = _unique(FLANGE, {*others, name})
+        joints, options = _renamed(full, {TIP: flange})
+        new = _fixed(full, name, flange if carrier == TIP else carrier, name, pose)
+        options["tip"] = name
         if mass is not None:
             options["masses"] = {**options["masses"], name: _mass(mass)}
         options["shapes"] = {**options["shapes"], name: solids}
-        return self._rebuilt((*self.full._joints, new), options)
+        return self._rebuilt((*joints, new), options)
 
     def with_base(self, pose: object, *, name: str = "world") -> Self:
         """This robot mounted at a pose: a new base frame carries the present one.
@@ -105,11 +116,9 @@ class Variants(ConfigurationSpace):
             ArgumentError: when ``pose`` is not a pose.
         """
         robot: Any = self
-        unique, number = read_name("name", name), 2
-        while unique in robot.frame_names:
-            unique, number = f"{name} ({number})", number + 1
-        new = _fixed(robot, "mount", unique, robot.base, pose)
-        return self._rebuilt((new, *self.full._joints), self.full._options() | {"base": unique})
+        unique, full = _unique(read_name("name", name), robot.frame_names), _outermost(robot)
+        new = _fixed(full, "mount", unique, robot.base, pose)
+        return self._rebuilt((new, *full.joints), full._options() | {"base": unique})
 
     def _rebuilt(self, joints: tuple[Joint, ...], options: dict[str, Any]) -> Self:
         """The robot of these joints, reduced to the joints of this one where it was made by `subset`."""
@@ -130,13 +139,39 @@ def _mass(mass: float | Mass) -> Mass:
     return mass if isinstance(mass, Mass) else Mass(non_negative_number("mass", mass, accepted))
 
 
+def _outermost(robot: Any) -> Any:
+    """The robot from which, by one subset after the other, this one was made."""
+    while robot.full is not robot:
+        robot = robot.full
+    return robot
+
+
+def _renamed(robot: Any, names: Mapping[str, str]) -> tuple[tuple[Joint, ...], dict[str, Any]]:
+    """Joints and options of a robot, with other names of frames where ``names`` has one."""
+
+    def new(frame: str) -> str:
+        return names.get(frame, frame)
+
+    joints = tuple(replace(joint, parent=new(joint.parent), child=new(joint.child)) for joint in robot.joints)
+    options = robot._options()
+    options["base"] = new(options["base"])
+    for of_frames in ("masses", "shapes"):
+        options[of_frames] = {new(frame): value for frame, value in options[of_frames].items()}
+    return joints, options
+
+
 def _fixed(robot: Any, name: str, parent: str, child: str, pose: object) -> Joint:
     """A fixed joint at ``pose``, with a name of its own."""
-    joints = {joint.name for joint in robot.full.joints}
+    own = _unique(name, {joint.name for joint in robot.joints})
+    return Joint(own, JointType.FIXED, parent, child, origin=read_pose(pose, "pose"))
+
+
+def _unique(name: str, taken: Collection[str]) -> str:
+    """The name, with a number appended where it is taken."""
     unique, number = name, 2
-    while unique in joints:
+    while unique in taken:
         unique, number = f"{name} ({number})", number + 1
-    return Joint(unique, JointType.FIXED, parent, child, origin=read_pose(pose, "pose"))
+    return unique
 
 
 def reduced_robot(build: Callable[[], Robot], full: Robot, locked: Array) -> Robot:

@@ -106,3 +106,25 @@ def test_a_urdf_on_a_planar_base():
     assert robot.pose(q) == pytest.approx(expected, abs=EXACT)
     with pytest.raises(jtik.ArgumentError, match="planar_base: given True together with free_base=True"):
         Robot.from_urdf(text, planar_base=True, free_base=True)
+
+
+@pytest.mark.parametrize("name", ["panda", "ur5e"])
+@pytest.mark.parametrize("tool", ["tool", "tip"])
+def test_with_a_tool_tip_means_the_tool_on_built_in_arms_too(name, tool):
+    arm = Robot.builtin(name)
+    robot = arm.with_tool((0, 0, 0.1, 1, 0, 0, 0), name=tool)
+    q = arm.random_configuration(3)
+    assert robot.pose(q, "tip") == pytest.approx(robot.pose(q))
+    assert robot.pose(q, "flange") == pytest.approx(arm.pose(q))
+    assert robot.pose(q)[:3, 3] == pytest.approx(arm.pose(q)[:3, 3] + 0.1 * arm.pose(q)[:3, 2])
+    again = robot.with_tool((0, 0, 0.1, 1, 0, 0, 0), name="second")
+    assert again.pose(q, "tip")[:3, 3] == pytest.approx(arm.pose(q)[:3, 3] + 0.2 * arm.pose(q)[:3, 2])
+
+
+def test_tools_and_bases_of_a_subset_of_a_subset():
+    arm, mount = Robot.builtin("panda"), np.eye(4)
+    mount[:3, 3] = 0.1, 0.2, 0.3
+    part = arm.subset(arm.joint_names[:6]).subset(arm.joint_names[:5])
+    q = part.random_configuration(1)
+    assert part.with_tool(mount).pose(q) == pytest.approx(part.pose(q) @ mount)
+    assert part.with_base(mount).pose(q) == pytest.approx(mount @ part.pose(q))
