@@ -145,6 +145,7 @@ class Engine:
             criterion_escape=StepEscape(criterion),
             inspector=inspector,
             exclusive=self._exclusive,
+            terms=problem.terms,
         )
         self.solving = Solving(
             problem, self.runners, self.search, self.configurations, inspector=inspector, exclusive=self._exclusive

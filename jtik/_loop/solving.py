@@ -334,7 +334,9 @@ class Solving:
         self._evaluations_before = self._terms.evaluations()
         if recorder or search_options.limit == 0:  # otherwise the first step clamps it
             start = self._configurations.clamped(start, runner.inputs.lower, runner.inputs.upper)
-        return self._search.find(runner, start, search_options, recorder, begun=begun, jump=jump)
+        found = self._search.find(runner, start, search_options, recorder, begun=begun, jump=jump)
+        self._terms.raise_interruption()
+        return found
 
     def _error(self, q: Array) -> Array:
         """The task error at q for the target that is in memory, (m,)."""

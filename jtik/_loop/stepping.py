@@ -16,6 +16,7 @@ from jtik._loop.saddle_escape import SaddleEscape
 from jtik._step.solve_progress import UNKNOWN
 from jtik._step.stopping import Code
 from jtik.constraints.step_box import StepBox
+from jtik.criterion import CriterionTerms
 from jtik.result.step import Step
 from jtik.robot import Robot
 from jtik.task import TaskStack
@@ -38,12 +39,14 @@ class Stepping:
         criterion_escape: StepEscape,
         inspector: Inspector,
         exclusive: ExclusiveUse,
+        terms: CriterionTerms,
     ) -> None:
         self._robot, self._tasks, self._runners = robot, tasks, runners
         self._read, self._vector = configurations.read, configurations.vector
         self._escape, self._inspector = escape, inspector
         self._criterion_escape = criterion_escape if criterion_escape.possible else None
         self._exclusive = exclusive
+        self._numeric = terms if terms.numeric else None
         self._target = runners.memory.inputs.target
         # a target of this shape is copied without a check; arguments are checked after a step that is not finite
         self._vector_shape = self._target.shape if tasks.target_is_vector else None
@@ -86,6 +89,8 @@ class Stepping:
             if runner.violation is not None:  # obstacles, or the robot itself, may have moved between the calls
                 runner.state[at][runner.violation] = UNKNOWN
             runner.calls[at]()
+            if self._numeric is not None:
+                self._numeric.raise_interruption()
             after = runner.q[1 - at]
             position: float
             orientation: float

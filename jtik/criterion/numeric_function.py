@@ -38,6 +38,7 @@ class NumericFunction:
         evaluations: how often ``function`` was called.
         gradients: how often ``gradient`` was called.
         failure: the last error of either, for the error message; None without one.
+        interruption: what ended either that is no error, such as KeyboardInterrupt, until it is raised.
     """
 
     def __init__(
@@ -53,6 +54,7 @@ class NumericFunction:
         self._robot, self._shapes = weakref.ref(robot), dict(shapes)
         self.evaluations = self.gradients = 0
         self.failure: CriterionError | None = None
+        self.interruption: BaseException | None = None
         self._values: OrderedDict[bytes, float] = OrderedDict()
         self._slopes: OrderedDict[bytes, Array] = OrderedDict()
         size = sum(int(np.prod(shape)) for shape in self._shapes.values())
@@ -136,7 +138,10 @@ class NumericFunction:
         return np.array(array, dtype=float)
 
     def guarded(self, compute: Callable[[], Array], otherwise: tuple[int, ...]) -> Array:
-        """What ``compute`` returns; NaN of the shape ``otherwise`` where it raises: the solve then ends NOT_FINITE."""
+        """What ``compute`` returns; NaN of the shape ``otherwise`` where it raises: the solve then ends NOT_FINITE.
+
+        CasADi, which calls this, would make a RuntimeError of Ctrl-C. So that is kept, and raised after the call.
+        """
         try:
             return compute()
         except Exception as error:
@@ -145,7 +150,15 @@ class NumericFunction:
             else:
                 self.failure = CriterionError(self.name, f"raised {type(error).__name__}: {error}")
                 self.failure.__cause__ = error
-            return np.full(otherwise, np.nan)
+        except BaseException as interruption:
+            self.interruption = interruption
+        return np.full(otherwise, np.nan)
+
+    def raise_interruption(self) -> None:
+        """Raise the KeyboardInterrupt or SystemExit that came while the function was called."""
+        interruption, self.interruption = self.interruption, None
+        if interruption is not None:
+            raise interruption
 
 
 class _Derivative(Callback):  # type: ignore[misc]

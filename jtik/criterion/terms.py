@@ -91,6 +91,11 @@ class CriterionTerms:
         """How often the functions of numeric criteria, and their gradients, have been called so far."""
         return sum(each.evaluations + each.gradients for each in self.numeric) if self.numeric else 0
 
+    def raise_interruption(self) -> None:
+        """Raise what interrupted a function of a numeric criterion, such as KeyboardInterrupt."""
+        for each in self.numeric:
+            each.raise_interruption()
+
     def least_squares(self) -> LeastSquares | None:
         """The criteria divided into those in residual form and the others; None where none is in residual form."""
         in_residual_form = [(name, each) for name, _, each in self.named if isinstance(each, ResidualCriterion)]

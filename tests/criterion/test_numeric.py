@@ -312,3 +312,55 @@ def _calling(function):
         return function(q[0])
 
     return jtik.criterion(called)
+
+
+@pytest.mark.parametrize("interruption", [KeyboardInterrupt, SystemExit])
+def test_what_interrupts_a_function_reaches_the_caller(interruption):
+    """Ctrl-C, or sys.exit, while a numeric function runs; the solver can be used afterwards."""
+    arm, calls, moment = planar(5), [0], [0]
+
+    @jtik.criterion(numeric=True)
+    def interrupted(q, *, c=1.0):
+        calls[0] += 1
+        if calls[0] == moment[0]:
+            raise interruption
+        return float(((q - c) ** 2).sum())
+
+    ik = jtik.InverseKinematics(arm, jtik.FrameTask(), criteria=interrupted)
+    targets = [arm.position(arm.random_configuration(seed)) for seed in range(4)]
+    expected = ik.solve_batch(targets)
+
+    def set_off(after):
+        calls[0], moment[0] = 0, after
+
+    q = arm.random_configuration(9)
+    for call in (
+        lambda: ik.solve(targets[0], q0=q),
+        lambda: ik.track(targets, q0=q, dt=0.1),
+        lambda: ik.step(q, targets[1]),
+    ):
+        set_off(3)
+        ik.reset()
+        with pytest.raises(interruption):
+            call()
+        set_off(0)
+        ik.solve(targets[2])  # other values are kept now
+    again = ik.solve_batch(targets)
+    assert np.array_equal(again.q, expected.q)
+
+
+def test_an_interrupted_batch_has_the_rows_that_are_done():
+    arm, calls = planar(5), [0]
+
+    @jtik.criterion(numeric=True)
+    def interrupted(q, *, c=1.0):
+        calls[0] += 1
+        if calls[0] == 600:
+            raise KeyboardInterrupt
+        return float(((q - c) ** 2).sum())
+
+    ik = jtik.InverseKinematics(arm, jtik.FrameTask(), criteria=interrupted)
+    targets = [arm.position(arm.random_configuration(seed)) for seed in range(40)]
+    batch = ik.solve_batch(targets)
+    assert not batch.complete
+    assert 0 < len(batch) < len(targets)
