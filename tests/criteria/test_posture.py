@@ -125,7 +125,7 @@ class TestFrameProximity:
             ({}, "place"),
             ({"height": 1.0, "point": (0, 0)}, "place"),
             ({"point": (0, 0, 0)}, "point"),
-            ({"line": ((0, 0), (0, 0))}, "direction"),
+            ({"line": ((0, 0), (0, 0))}, "line[1]"),
             ({"plane": ((0, 0), (0, 1), (1, 0))}, "plane"),
             ({"plane": 3.0}, "plane"),
             ({"height": np.nan}, "height"),
@@ -282,6 +282,6 @@ def test_the_repr_shows_what_was_given():
     assert repr(MinimumDisplacement()) == "MinimumDisplacement()"
     assert repr(FrameProximity("elbow", height=0.4)) == "FrameProximity(frame='elbow', height=0.4)"
     assert repr(CompactPosture(name="folded")) == "CompactPosture(name='folded')"
-    assert repr(LookAt((1, 2, 3))) == "LookAt(target=[1, 2, 3])"
+    assert repr(LookAt((1, 2, 3))) == "LookAt(target=[1.0, 2.0, 3.0])"
     assert "half_angle=0.5" in repr(Visibility((1, 2), half_angle=0.5))
     assert repr(SwivelAngle("a", "b", "c", angle=1.0)) == "SwivelAngle(shoulder='a', elbow='b', wrist='c', angle=1.0)"
