@@ -128,6 +128,7 @@ class TestFrameProximity:
             ({"line": ((0, 0), (0, 0))}, "line[1]"),
             ({"plane": ((0, 0), (0, 1), (1, 0))}, "plane"),
             ({"plane": 3.0}, "plane"),
+            ({"plane": ("a", (0, 1))}, "plane[0]"),
             ({"height": np.nan}, "height"),
         ],
     )
@@ -250,6 +251,12 @@ class TestSight:
         assert np.isfinite(made(q, arm))
         assert np.isfinite(made.gradient(q, arm)).all()
         assert np.isfinite(made.gradient(q, arm, axis=[0.0, 0.0])).all()
+
+    @pytest.mark.parametrize("scale", [1e200, 1e-200])
+    def test_the_length_of_the_axis_does_not_matter(self, scale):
+        q, arm = [0.1, 0.2], planar(2)
+        scaled = LookAt((1, 1), axis=(0.6 * scale, 0.8 * scale))(q, arm)
+        assert scaled == pytest.approx(LookAt((1, 1), axis=(0.6, 0.8))(q, arm), rel=EXACT)
 
     def test_a_camera_is_turned_beside_a_position_task(self, rng):
         robot, q0 = panda(), panda().home

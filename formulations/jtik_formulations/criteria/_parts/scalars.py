@@ -63,7 +63,8 @@ def vector(argument: str, given: ArrayLike, size: int) -> Array:
 def direction(argument: str, given: ArrayLike, size: int) -> Array:
     """The numbers (size,), scaled to length 1. Raises ArgumentError where they are zero or have another shape."""
     value = finite_array(argument, given, (size,))
-    length = float(np.linalg.norm(value))
-    if not length > 0:
+    largest = float(np.max(np.abs(value)))  # the norm may be too large or too small for a number
+    if not largest > 0:
         raise ArgumentError(argument, given, f"{size} numbers that are not all zero")
-    return value / length
+    value = value / largest
+    return np.asarray(value / np.linalg.norm(value))
