@@ -159,6 +159,12 @@ def test_options_out_of_range_are_refused(make, message):
         make()
 
 
+@pytest.mark.parametrize("criterion", ALL)
+def test_a_negative_live_weight_is_refused(criterion):
+    with pytest.raises(jtik.ArgumentError, match="weights.*non-negative"):
+        criterion()([0.0, 0.0, 0.6], arm(), weights=[1.0, -1.0, 0.0])
+
+
 @pytest.mark.parametrize("power", [2, 64])
 def test_both_ends_of_the_powers_are_accepted(power):
     assert np.isfinite(LimitNorm(power=power)([0.1, 0.0, 0.6], arm()))

@@ -74,6 +74,8 @@ class TestMinimumDisplacement:
     def test_wrong_arguments_are_refused(self):
         with pytest.raises(jtik.ArgumentError, match="^stiffness"):
             MinimumDisplacement(stiffness=-1.0)([0.0, 0.0], planar(2))
+        with pytest.raises(jtik.ArgumentError, match="stiffness.*non-negative"):
+            MinimumDisplacement()([0.0, 0.0], planar(2), stiffness=[1.0, -1.0])
         with pytest.raises(jtik.ArgumentError, match="^reference"):
             MinimumDisplacement([0.0])([0.0, 0.0], planar(2))
         with pytest.raises(jtik.UnknownNameError):

@@ -46,6 +46,7 @@ class MinimumDisplacement(Criterion):
     source = "after Whitney 1969"
     bibtex = WHITNEY_1969
     joint_parameters = ("reference",)
+    non_negative_parameters = ("stiffness",)
 
     def __init__(
         self,

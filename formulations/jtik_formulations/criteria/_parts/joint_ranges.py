@@ -46,6 +46,7 @@ class JointRangeCriterion(Criterion):
     """
 
     joint_parameters = ("lower", "upper", "weights")
+    non_negative_parameters = ("weights",)
 
     def __init__(
         self, lower: JointNumbers | None, upper: JointNumbers | None, weights: JointNumbers | None, name: str
