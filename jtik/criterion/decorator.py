@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable
 from typing import Any, Literal, overload
 
-from jtik.arguments import finite_array
+from jtik.arguments import flag, positive_number
 from jtik.criterion.function_criterion import FunctionCriterion, ResidualFunctionCriterion
 from jtik.criterion.numeric import DIFFERENCE_STEP, NumericCriterion
 from jtik.errors import ArgumentError
@@ -49,7 +49,8 @@ def criterion(
 
     Args:
         function: a function of q, the symbolic configuration (nq, 1), and of the robot, whose ``robot.position(q,
-            frame)``, ``robot.pose`` and ``robot.jacobian`` give expressions. It returns one scalar expression.
+            frame)``, ``robot.pose`` and ``robot.jacobian`` give expressions. It returns one scalar expression. None
+            for a decorator with the options.
         residual: whether the function returns r, a vector or a list of expressions, instead of H.
         numeric: whether the function takes q as numbers (nq,) and returns a number.
         gradient: of a numeric function, a function with the same arguments that returns dH/dv, (n,); None for central
@@ -59,19 +60,15 @@ def criterion(
     Raises:
         ArgumentError: when the signature is another, a parameter has no first value, or options exclude each other.
     """
-    if not isinstance(residual, bool):
-        raise ArgumentError("residual", residual, "True or False: whether the function returns r of H = 1/2 |r|^2")
-    if not isinstance(numeric, bool):
-        raise ArgumentError("numeric", numeric, "True or False: whether the function takes and returns numbers")
+    flag("residual", residual, "whether the function returns r of H = 1/2 |r|^2")
+    flag("numeric", numeric, "whether the function takes and returns numbers")
     if residual and numeric:
         raise ArgumentError("residual", residual, "False with numeric=True: a numeric function returns H")
     if not numeric and gradient is not None:
         raise ArgumentError("gradient", gradient, "None, or a function with numeric=True")
-    if gradient is not None and not callable(gradient):
+    if gradient is not None and (not callable(gradient) or isinstance(gradient, type)):
         raise ArgumentError("gradient", gradient, "a function with the arguments of the numeric function, or None")
-    width = float(finite_array("step", step, ()))
-    if not width > 0:
-        raise ArgumentError("step", step, "a positive number")
+    width = positive_number("step", step)
 
     def make(of: Any) -> FunctionCriterion:
         if numeric:

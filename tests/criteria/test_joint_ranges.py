@@ -147,11 +147,27 @@ def test_a_quaternion_has_no_range(criterion, rng):
         (lambda: LimitActivation(start=np.nan), "^start: given nan"),
         (lambda: LimitNorm(power=1.0), "^power: given 1.0"),
         (lambda: LimitNorm(power=np.inf), "^power: given inf"),
+        (lambda: LimitNorm(power=64.5), "^power: given 64.5; accepted: a number from 2 to 64"),
+        (lambda: LimitBarrier(lower={"elbow": True}), r"^lower\['elbow'\]: given"),
+        (lambda: LimitBarrier(weights={"elbow": -1.0}), r"^weights\['elbow'\]: given -1.0; accepted: non-negative"),
+        (lambda: LimitBarrier(weights=[1.0, -1.0]), "^weights: given -1.0 at index 1"),
+        (lambda: LimitBarrier(upper=np.inf), "^upper: given inf"),
     ],
 )
 def test_options_out_of_range_are_refused(make, message):
     with pytest.raises(jtik.ArgumentError, match=message):
         make()
+
+
+@pytest.mark.parametrize("criterion", ALL)
+def test_a_negative_live_weight_is_refused(criterion):
+    with pytest.raises(jtik.ArgumentError, match="weights.*non-negative"):
+        criterion()([0.0, 0.0, 0.6], arm(), weights=[1.0, -1.0, 0.0])
+
+
+@pytest.mark.parametrize("power", [2, 64])
+def test_both_ends_of_the_powers_are_accepted(power):
+    assert np.isfinite(LimitNorm(power=power)([0.1, 0.0, 0.6], arm()))
 
 
 @pytest.mark.parametrize("criterion", ALL)

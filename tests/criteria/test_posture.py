@@ -74,6 +74,8 @@ class TestMinimumDisplacement:
     def test_wrong_arguments_are_refused(self):
         with pytest.raises(jtik.ArgumentError, match="^stiffness"):
             MinimumDisplacement(stiffness=-1.0)([0.0, 0.0], planar(2))
+        with pytest.raises(jtik.ArgumentError, match="stiffness.*non-negative"):
+            MinimumDisplacement()([0.0, 0.0], planar(2), stiffness=[1.0, -1.0])
         with pytest.raises(jtik.ArgumentError, match="^reference"):
             MinimumDisplacement([0.0])([0.0, 0.0], planar(2))
         with pytest.raises(jtik.UnknownNameError):
@@ -125,9 +127,10 @@ class TestFrameProximity:
             ({}, "place"),
             ({"height": 1.0, "point": (0, 0)}, "place"),
             ({"point": (0, 0, 0)}, "point"),
-            ({"line": ((0, 0), (0, 0))}, "direction"),
+            ({"line": ((0, 0), (0, 0))}, "line[1]"),
             ({"plane": ((0, 0), (0, 1), (1, 0))}, "plane"),
             ({"plane": 3.0}, "plane"),
+            ({"plane": ("a", (0, 1))}, "plane[0]"),
             ({"height": np.nan}, "height"),
         ],
     )
@@ -251,6 +254,12 @@ class TestSight:
         assert np.isfinite(made.gradient(q, arm)).all()
         assert np.isfinite(made.gradient(q, arm, axis=[0.0, 0.0])).all()
 
+    @pytest.mark.parametrize("scale", [1e200, 1e-200])
+    def test_the_length_of_the_axis_does_not_matter(self, scale):
+        q, arm = [0.1, 0.2], planar(2)
+        scaled = LookAt((1, 1), axis=(0.6 * scale, 0.8 * scale))(q, arm)
+        assert scaled == pytest.approx(LookAt((1, 1), axis=(0.6, 0.8))(q, arm), rel=EXACT)
+
     def test_a_camera_is_turned_beside_a_position_task(self, rng):
         robot, q0 = panda(), panda().home
         target = np.array([0.6, 0.3, 0.1])
@@ -282,6 +291,6 @@ def test_the_repr_shows_what_was_given():
     assert repr(MinimumDisplacement()) == "MinimumDisplacement()"
     assert repr(FrameProximity("elbow", height=0.4)) == "FrameProximity(frame='elbow', height=0.4)"
     assert repr(CompactPosture(name="folded")) == "CompactPosture(name='folded')"
-    assert repr(LookAt((1, 2, 3))) == "LookAt(target=[1, 2, 3])"
+    assert repr(LookAt((1, 2, 3))) == "LookAt(target=[1.0, 2.0, 3.0])"
     assert "half_angle=0.5" in repr(Visibility((1, 2), half_angle=0.5))
     assert repr(SwivelAngle("a", "b", "c", angle=1.0)) == "SwivelAngle(shoulder='a', elbow='b', wrist='c', angle=1.0)"

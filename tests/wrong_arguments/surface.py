@@ -15,7 +15,7 @@ from jtik.interop.urdf import to_urdf
 from jtik.problems import Case, ProblemSet
 from jtik.qp import Conic, PersistentOSQP, QPSolversBackend, backend_of
 from jtik.robot import DHRow, Mass, Mimic
-from jtik_formulations import JointCentering, ObstacleAvoidance
+from jtik_formulations import FrameProximity, JointCentering, ObstacleAvoidance
 
 from .values import (
     CONFIGURATION,
@@ -422,7 +422,30 @@ CRITERIA: dict[str, Entry] = {
     "Criterion.gradient": Entry(
         JointCentering().gradient, fixed(q=[0.1, 0.2], robot=ARM), {"q": CONFIGURATION, "robot": NOTHING}
     ),
-    "criterion": Entry(jtik.criterion, nothing, {"function": NOTHING}),
+    "criterion": Entry(
+        jtik.criterion,
+        nothing,
+        {
+            "function": NOTHING | "None",
+            "residual": FLAG,
+            "numeric": FLAG,
+            "gradient": NOTHING | "None",
+            "step": POSITIVE,
+        },
+    ),
+    "criterion, numeric": Entry(
+        jtik.criterion,
+        fixed(numeric=True),
+        {"function": NOTHING | "None", "residual": NOTHING, "gradient": NOTHING | "None", "step": POSITIVE},
+    ),
+    "criterion, with options": Entry(
+        lambda function: jtik.criterion(residual=True)(function), nothing, {"function": NOTHING}
+    ),
+    "citations": Entry(jtik.citations, nothing, {"of": NOTHING}),
+    **{
+        f"frame_proximity({place})": Entry(FrameProximity, nothing, {place: NOTHING})
+        for place in ("point", "line", "plane")
+    },
     "register_criterion": Entry(jtik.register_criterion, nothing, {"name": NAME}),
     "register_strategy": Entry(jtik.register_strategy, nothing, {"name": NAME}),
     "register_secondary": Entry(jtik.register_secondary, nothing, {"name": NAME}),
@@ -435,6 +458,22 @@ SECONDARY = NOTHING
 GAINED = {"gain": SHARE, "lm_damping": NON_NEGATIVE, "damping": POSITIVE}
 SCALED = {"q_limit": POSITIVE_OR_INFINITE, "backtracking": FLAG, "secondary": NOTHING}
 FINITE_Q_LIMIT = {"q_limit": POSITIVE}
+FRAME = NAME | "None"
+OF_RANGES = {
+    "lower": NUMBER | ("None", "{}"),
+    "upper": NUMBER | ("None", "{}"),
+    "weights": NON_NEGATIVE | ("None", "{}"),
+    "name": NAME,
+}
+OF_ROWS = {
+    "frame": FRAME,
+    "kind": NOTHING,
+    "axes": AXES,
+    "length": POSITIVE | "None",
+    "damping": POSITIVE,
+    "name": NAME,
+}
+OF_SIGHT = {"target": NOTHING, "frame": FRAME, "axis": NOTHING | "None", "floor": POSITIVE, "name": NAME}
 OF_OPTIONS: dict[str, dict[str, Kind]] = {
     "damped": {**SCALED, "damping": POSITIVE, "explore": FLAG},
     "damped_constant": {**SCALED, "damping": POSITIVE},
@@ -499,10 +538,41 @@ OF_OPTIONS: dict[str, dict[str, Kind]] = {
         "floor": POSITIVE,
         "name": NAME,
     },
+    "compact_posture": {"center": NOTHING | "None", "name": NAME},
+    "directional_manipulability": {"direction": NOTHING | "None", **OF_ROWS, "measure": NOTHING},
+    "frame_proximity": {
+        "frame": FRAME,
+        **dict.fromkeys(("point", "line", "plane"), NOTHING | "None"),  # beside the height they are one too many
+        "height": NUMBER,
+        "name": NAME,
+    },
+    "isotropy": OF_ROWS,
+    "limit_activation": {**OF_RANGES, "start": SHARE},
+    "limit_barrier": {**OF_RANGES, "margin": SHARE},
+    "limit_centering": OF_RANGES,
+    "limit_norm": {**OF_RANGES, "power": Kind(frozenset({"2"}))},
+    "look_at": OF_SIGHT,
+    "manipulability": {**OF_ROWS, "measure": NOTHING},
+    "minimum_displacement": {"reference": OPTIONAL_Q, "stiffness": NON_NEGATIVE | "{}", "name": NAME},
+    "smallest_singular_value": OF_ROWS,
+    "swivel_angle": {
+        **dict.fromkeys(("shoulder", "elbow", "wrist"), NAME),
+        "angle": NUMBER,
+        "reference": NOTHING,
+        "floor": POSITIVE,
+        "name": NAME,
+    },
+    "visibility": {**OF_SIGHT, "half_angle": POSITIVE},
 }
 """The options of what is registered, by its name."""
 
-NEEDED = {"obstacle_avoidance": {"obstacles": FIELD}}
+NEEDED: dict[str, dict[str, Any]] = {
+    "obstacle_avoidance": {"obstacles": FIELD},
+    "frame_proximity": {"height": 0.4},
+    "look_at": {"target": (1.0, 0.5)},
+    "swivel_angle": {"shoulder": "base", "elbow": "link2", "wrist": "tip"},
+    "visibility": {"target": (1.0, 0.5)},
+}
 
 
 def of_registered() -> dict[str, Entry]:

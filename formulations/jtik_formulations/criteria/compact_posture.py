@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik import Criterion, register_criterion
+from jtik.arguments import name as read_name
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, sumsqr
 from jtik_formulations.bibliography import JTIK_2026
-from jtik_formulations.criteria._parts.scalars import vector
+from jtik_formulations.criteria._parts.scalars import point, vector
 from jtik_formulations.criteria._parts.shown import shown
 
 
@@ -40,8 +41,8 @@ class CompactPosture(Criterion):
     bibtex = JTIK_2026
 
     def __init__(self, center: ArrayLike | None = None, *, name: str = "compact_posture") -> None:
-        self._center = None if center is None else np.array(center)
-        self.name = name
+        self._center = None if center is None else point("center", center)
+        self.name = read_name("name", name)
 
     def __repr__(self) -> str:
         return shown(self, {"center": self._center}, {})

@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik import FrameTask, register_criterion
-from jtik.errors import ArgumentError
+from jtik.arguments import choice
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, fmax, log, sqrt, sumsqr
 from jtik.task.targets import Kind
 from jtik.task.weighted import Axes
 from jtik_formulations.bibliography import CHIU_1988
 from jtik_formulations.criteria._parts.scalars import direction as unit_direction
+from jtik_formulations.criteria._parts.scalars import nonzero
 from jtik_formulations.criteria._parts.task_jacobian import DAMPING, SMALLEST_DAMPING, TaskJacobianCriterion
 
 SHORTEST_DIRECTION = 1e-9
@@ -71,10 +72,8 @@ class DirectionalManipulability(TaskJacobianCriterion):
         name: str = "directional_manipulability",
     ) -> None:
         super().__init__(frame, kind, axes, length, damping, name)
-        if measure not in ("velocity", "force"):
-            raise ArgumentError("measure", measure, "'velocity' or 'force'")
-        self._direction = None if direction is None else np.array(direction)
-        self._measure = measure
+        self._direction = None if direction is None else nonzero("direction", direction, rows=True)
+        self._measure = choice("measure", measure, ("velocity", "force"))
 
     def options(self) -> Mapping[str, object]:
         """The direction and the measure."""

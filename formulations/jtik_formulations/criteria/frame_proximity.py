@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik import Criterion, register_criterion
-from jtik.arguments import finite_array, several
+from jtik.arguments import name as read_name
+from jtik.arguments import number, several
 from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, dot, fmax, sqrt, sumsqr
 from jtik_formulations.bibliography import KHATIB_1986
-from jtik_formulations.criteria._parts.scalars import direction, vector
+from jtik_formulations.criteria._parts.scalars import direction, frame_or_tip, nonzero, vector
+from jtik_formulations.criteria._parts.scalars import point as read_point
 from jtik_formulations.criteria._parts.shown import shown
 
 SHORTEST_DIRECTION = 1e-9
@@ -60,20 +63,21 @@ class FrameProximity(Criterion):
         height: float | None = None,
         name: str = "frame_proximity",
     ) -> None:
-        places = {"point": point, "line": line, "plane": plane, "height": height}
+        places: dict[str, Any] = {"point": point, "line": line, "plane": plane, "height": height}
         given = {place: value for place, value in places.items() if value is not None}
         if len(given) != 1:
             raise ArgumentError("place", list(given) or "none", "exactly one of point, line, plane and height")
-        self._frame = frame
+        self._frame = frame_or_tip(frame)
         ((self._place, value),) = given.items()
         if self._place in ("line", "plane"):
             parts = several(self._place, value, "a pair (point, direction)")
             if len(parts) != 2:
                 raise ArgumentError(self._place, value, "a pair (point, direction)")
-            self._given: tuple[ArrayLike, ...] = tuple(np.array(part) for part in parts)
+            first, second = (f"{self._place}[{i}]" for i in range(2))
+            self._given: tuple[ArrayLike, ...] = (read_point(first, parts[0]), nonzero(second, parts[1]))
         else:
-            self._given = (np.array(value),)
-        self.name = name
+            self._given = (number("height", value) if self._place == "height" else read_point("point", value),)
+        self.name = read_name("name", name)
 
     @classmethod
     def example(cls, robot: Robot) -> FrameProximity:
@@ -89,7 +93,7 @@ class FrameProximity(Criterion):
         """The height, or the point and for a line or plane the direction."""
         robot.frame(self._frame)
         if self._place == "height":
-            return {"height": finite_array("height", self._given[0], ())}
+            return {"height": self._given[0]}
         point = vector("point", self._given[0], robot.dimension)
         if self._place == "point":
             return {"point": point}

@@ -8,7 +8,8 @@ from jtik import register_criterion
 from jtik.robot import Kinematics
 from jtik.symbolic import Expression, fmax
 from jtik_formulations.bibliography import MARCHAND_1996
-from jtik_formulations.criteria._parts.joint_ranges import JointNumbers, JointRangeCriterion
+from jtik_formulations.criteria._parts.joint_numbers import JointNumbers
+from jtik_formulations.criteria._parts.joint_ranges import JointRangeCriterion
 from jtik_formulations.criteria._parts.scalars import number_between
 
 SHORTEST_ZONE = 1e-4

@@ -8,7 +8,8 @@ from jtik import register_criterion
 from jtik.robot import Kinematics
 from jtik.symbolic import Expression, fmax, fmin
 from jtik_formulations.bibliography import CHAN_DUBEY_1995, ZGHAL_1990
-from jtik_formulations.criteria._parts.joint_ranges import JointNumbers, JointRangeCriterion
+from jtik_formulations.criteria._parts.joint_numbers import JointNumbers
+from jtik_formulations.criteria._parts.joint_ranges import JointRangeCriterion
 from jtik_formulations.criteria._parts.scalars import number_between
 
 SMALLEST_MARGIN = 1e-4

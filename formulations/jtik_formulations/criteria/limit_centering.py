@@ -8,7 +8,8 @@ from jtik import register_criterion
 from jtik.robot import Kinematics
 from jtik.symbolic import Expression
 from jtik_formulations.bibliography import LIEGEOIS_1977
-from jtik_formulations.criteria._parts.joint_ranges import JointNumbers, JointRangeCriterion
+from jtik_formulations.criteria._parts.joint_numbers import JointNumbers
+from jtik_formulations.criteria._parts.joint_ranges import JointRangeCriterion
 
 
 @register_criterion("limit_centering")

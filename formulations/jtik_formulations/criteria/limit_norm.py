@@ -8,8 +8,9 @@ from jtik import register_criterion
 from jtik.robot import Kinematics
 from jtik.symbolic import Expression, fmax, if_else, sum1
 from jtik_formulations.bibliography import KLEIN_1984
-from jtik_formulations.criteria._parts.joint_ranges import JointNumbers, JointRangeCriterion
-from jtik_formulations.criteria._parts.scalars import number_between
+from jtik_formulations.criteria._parts.joint_numbers import JointNumbers
+from jtik_formulations.criteria._parts.joint_ranges import JointRangeCriterion
+from jtik_formulations.criteria._parts.scalars import number_from_to
 
 SMALLEST_POWER, LARGEST_POWER = 2.0, 64.0
 """Range of p. A smaller one is not twice differentiable at zero; at a larger one the norm is the largest deviation
@@ -59,7 +60,7 @@ class LimitNorm(JointRangeCriterion):
         name: str = "limit_norm",
     ) -> None:
         super().__init__(lower, upper, weights, name)
-        self._power = number_between("power", power, SMALLEST_POWER - 1e-9, LARGEST_POWER + 1e-9)
+        self._power = number_from_to("power", power, SMALLEST_POWER, LARGEST_POWER)
 
     def options(self) -> Mapping[str, float]:
         """The power p."""

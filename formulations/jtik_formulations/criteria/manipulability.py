@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Literal
 
 from jtik import FrameTask, register_criterion
-from jtik.errors import ArgumentError
+from jtik.arguments import choice
 from jtik.robot import Kinematics
 from jtik.symbolic import Expression, log, sqrt
 from jtik.task.targets import Kind
@@ -61,9 +61,7 @@ class Manipulability(TaskJacobianCriterion):
         name: str = "manipulability",
     ) -> None:
         super().__init__(frame, kind, axes, length, damping, name)
-        if measure not in ("logarithm", "volume"):
-            raise ArgumentError("measure", measure, "'logarithm' or 'volume'")
-        self._measure = measure
+        self._measure = choice("measure", measure, ("logarithm", "volume"))
 
     def options(self) -> Mapping[str, object]:
         """The measure."""

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik import Criterion, register_criterion
-from jtik.arguments import finite_array
-from jtik.errors import ArgumentError
+from jtik.arguments import name as read_name
 from jtik.robot import JointType, Kinematics, Robot, quaternion
 from jtik.symbolic import Expression, dot, fmax, sumsqr
 from jtik.types import Array
 from jtik_formulations.bibliography import WHITNEY_1969
+from jtik_formulations.criteria._parts.joint_numbers import configuration_numbers, non_negative_joint_numbers
 from jtik_formulations.criteria._parts.shown import shown
 
 
@@ -46,6 +46,7 @@ class MinimumDisplacement(Criterion):
     source = "after Whitney 1969"
     bibtex = WHITNEY_1969
     joint_parameters = ("reference",)
+    non_negative_parameters = ("stiffness",)
 
     def __init__(
         self,
@@ -54,9 +55,9 @@ class MinimumDisplacement(Criterion):
         *,
         name: str = "minimum_displacement",
     ) -> None:
-        self._reference = _copied(reference)
-        self._stiffness = _copied(stiffness)
-        self.name = name
+        self._reference = None if reference is None else configuration_numbers("reference", reference)
+        self._stiffness = non_negative_joint_numbers("stiffness", stiffness)
+        self.name = read_name("name", name)
 
     def __repr__(self) -> str:
         given = {"reference": self._reference, "stiffness": self._stiffness}
@@ -90,19 +91,9 @@ class MinimumDisplacement(Criterion):
     def _stiffness_on(self, robot: Robot) -> Array:
         given = self._stiffness
         if isinstance(given, np.ndarray) and given.ndim == 0:
-            stiffness = np.full(robot.n, float(finite_array("stiffness", given, ())))
-        else:
-            stiffness = robot.velocity_values(given, default=1.0, argument="stiffness")
-        if np.any(stiffness < 0):
-            raise ArgumentError("stiffness", float(stiffness.min()), "non-negative numbers")
-        return stiffness
+            return np.full(robot.n, float(given))
+        return robot.velocity_values(given, default=1.0, argument="stiffness")
 
 
 _SMALLEST_SQUARE = 1e-12
 """Smallest squared norm of a live reference quaternion that is divided by."""
-
-
-def _copied(given: ArrayLike | Mapping[str, ArrayLike] | None) -> Array | dict[str, ArrayLike] | None:
-    if given is None:
-        return None
-    return dict(given) if isinstance(given, Mapping) else np.array(given)

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from numpy.typing import ArrayLike
 
 from jtik import Criterion, register_criterion
-from jtik.arguments import finite_array, positive_number
+from jtik.arguments import name as read_name
+from jtik.arguments import number, positive_number
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, cos, cross, dot, fmax, sin, sqrt, sumsqr, vertcat
 from jtik_formulations.bibliography import KREUTZ_DELGADO_1992
@@ -65,11 +66,12 @@ class SwivelAngle(Criterion):
         floor: float = FLOOR,
         name: str = "swivel_angle",
     ) -> None:
-        self._frames = (shoulder, elbow, wrist)
-        self._angle = float(finite_array("angle", angle, ()))
+        frames = {"shoulder": shoulder, "elbow": elbow, "wrist": wrist}
+        self._frames = tuple(read_name(each, frame, "the name of a frame") for each, frame in frames.items())
+        self._angle = number("angle", angle)
         self._reference = direction("reference", reference, 3)
         self._floor = positive_number("floor", floor)
-        self.name = name
+        self.name = read_name("name", name)
 
     @classmethod
     def example(cls, robot: Robot) -> SwivelAngle:

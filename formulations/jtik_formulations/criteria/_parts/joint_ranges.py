@@ -9,18 +9,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jtik import Criterion
+from jtik.arguments import name as read_name
 from jtik.criterion.short_repr import call_text
 from jtik.errors import ArgumentError
 from jtik.robot import JointType, Kinematics, Robot
 from jtik.symbolic import Expression, dot, fmax, sum1
 from jtik.types import Array
-
-JointNumbers = ArrayLike | Mapping[str, float]
-"""One number for each entry of q, in any form of `Robot.joint_values`."""
+from jtik_formulations.criteria._parts.joint_numbers import (
+    JointNumbers,
+    joint_numbers,
+    non_negative_joint_numbers,
+)
 
 SHORTEST_RANGE = 1e-9
 """Shortest range [rad] or [m] that is divided by."""
-
 
 SMALLEST_SUM = 1e-9
 """Smallest sum of weights that is divided by."""
@@ -44,16 +46,19 @@ class JointRangeCriterion(Criterion):
     """
 
     joint_parameters = ("lower", "upper", "weights")
+    non_negative_parameters = ("weights",)
 
     def __init__(
         self, lower: JointNumbers | None, upper: JointNumbers | None, weights: JointNumbers | None, name: str
     ) -> None:
-        self._lower, self._upper, self._weights = _copied(lower), _copied(upper), _copied(weights)
-        self.name = name
+        self._lower = None if lower is None else joint_numbers("lower", lower)
+        self._upper = None if upper is None else joint_numbers("upper", upper)
+        self._weights = None if weights is None else non_negative_joint_numbers("weights", weights)
+        self.name = read_name("name", name)
 
     def __repr__(self) -> str:
         values = {"lower": self._lower, "upper": self._upper, "weights": self._weights, **self.options()}
-        shown = {key: value for key, value in values.items() if value is not None}
+        shown: dict[str, object] = {key: value for key, value in values.items() if value is not None}
         if self.name != type(self).name:
             shown["name"] = self.name
         return call_text(type(self).__name__, **shown)
@@ -98,10 +103,7 @@ class JointRangeCriterion(Criterion):
             given = _named(robot, self._lower, limited) & _named(robot, self._upper, limited)
             scalar = np.isin(np.arange(robot.nq), robot.scalar_q)
             return np.where(scalar & (limited | given), 1.0, 0.0)
-        weights = robot.joint_values(self._weights, default=1.0, argument="weights")
-        if np.any(weights < 0):
-            raise ArgumentError("weights", float(weights.min()), "non-negative numbers")
-        return weights
+        return robot.joint_values(self._weights, default=1.0, argument="weights")
 
 
 def _named(robot: Robot, given: Any, limited: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -123,10 +125,3 @@ def _open_ranges(robot: Robot) -> tuple[Array, Array]:
     lower = np.where(has_lower, robot.lower, np.where(has_upper, robot.upper - 2 * width, -width))
     upper = np.where(has_upper, robot.upper, lower + 2 * width)
     return lower, upper
-
-
-def _copied(given: Any) -> Any:
-    """A copy of what is given, which its owner may change later."""
-    if given is None:
-        return None
-    return dict(given) if isinstance(given, Mapping) else np.array(given)

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik import Criterion
+from jtik.arguments import name as read_name
 from jtik.arguments import positive_number
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, dot, fmax, sqrt, sumsqr, vertcat
-from jtik_formulations.criteria._parts.scalars import direction, vector
+from jtik_formulations.criteria._parts.scalars import direction, frame_or_tip, nonzero, point, vector
 from jtik_formulations.criteria._parts.shown import shown
 
 FLOOR = 1e-3
@@ -25,10 +26,10 @@ class SightCriterion(Criterion):
     """Base: H is a function of the cosine of the angle between an axis of a frame and the line of sight."""
 
     def __init__(self, target: ArrayLike, frame: str | None, axis: ArrayLike | None, floor: float, name: str) -> None:
-        self._target, self._frame = np.array(target), frame
-        self._axis = None if axis is None else np.array(axis)
+        self._target, self._frame = point("target", target), frame_or_tip(frame)
+        self._axis = None if axis is None else nonzero("axis", axis)
         self._floor = positive_number("floor", floor)
-        self.name = name
+        self.name = read_name("name", name)
 
     def __repr__(self) -> str:
         given = {"target": self._target, "frame": self._frame, "axis": self._axis, "floor": self._floor}

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import ClassVar
+from typing import ClassVar, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik import Criterion, FrameTask
-from jtik.arguments import positive_number
+from jtik.arguments import choice, positive_number
+from jtik.arguments import name as read_name
 from jtik.criterion.short_repr import call_text
-from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, dot, fmax, horzcat, identity, sumsqr, vertcat
 from jtik.task.targets import Kind
 from jtik.task.weighted import Axes, kept, named
+from jtik_formulations.criteria._parts.scalars import frame_or_tip
 
 DAMPING = 1e-3
 """Default of the damping: small against the singular values of common arms, large against rounding."""
@@ -59,12 +60,11 @@ class TaskJacobianCriterion(Criterion):
         if isinstance(frame, FrameTask):
             kind, axes = frame.kind, frame.axes
             frame = frame.frame
-        if kind not in ("position", "orientation", "pose"):
-            raise ArgumentError("kind", kind, "'position', 'orientation' or 'pose'")
-        self._frame, self._kind, self._axes = frame, kind, named(axes)
+        self._frame, self._axes = frame_or_tip(frame), named(axes)
+        self._kind: Kind = cast(Kind, choice("kind", kind, get_args(Kind)))
         self._length = None if length is None else positive_number("length", length)
         self._damping = positive_number("damping", damping)
-        self.name = name
+        self.name = read_name("name", name)
 
     def __repr__(self) -> str:
         shown: dict[str, object] = {"frame": self._frame, "kind": self._kind, "axes": self._axes}
