@@ -251,4 +251,4 @@ def test_a_batch_that_is_killed_ten_times_is_found_again(tmp_path):
 
 def _rest():
     """The targets, the starts and the options of the batch, as it identifies itself by them."""
-    return list(TARGETS), [Q0], (0, None, 1000, 1, None, (1e-6, 1e-6, 1e-6), "stationary")
+    return list(TARGETS), [Q0], (0, None, 1000, 1, None, 1e-6, 1e-6, 1e-6, "stationary")
