@@ -156,10 +156,11 @@ def compare(
     known = {"settings": _settings(plan), "machine": machine, "fingerprint": _fingerprint(plan, machine)}
     result_file = ResultFile(save, plan, known)
     schedule = Schedule(plan, result_file.results, executor, runner)
-    result_file.results = []
+    before = {result.unit for result in result_file.results}
     try:
         for result in watched(schedule, progress, "units"):
-            result_file.add(result)
+            if result.unit not in before:
+                result_file.add(result)
     except KeyboardInterrupt:
         result_file.results += schedule.leftover()
     finally:
