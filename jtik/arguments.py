@@ -31,9 +31,9 @@ LARGEST_INTEGER = 2**63 - 1
 """Largest integer that is accepted: the largest one of NumPy and of C."""
 
 
-def number(argument: str, value: object, accepted: str = "one finite number", *, least: float = -math.inf) -> float:
-    """A finite number, not below ``least``, as a float."""
-    return _number(argument, value, accepted, lambda x: least <= x < math.inf and x > -math.inf)
+def number(argument: str, value: object, accepted: str = "one finite number", *, minimum: float = -math.inf) -> float:
+    """A finite number, not below ``minimum``, as a float."""
+    return _number(argument, value, accepted, lambda x: minimum <= x < math.inf and x > -math.inf)
 
 
 def positive_number(argument: str, value: object, accepted: str = "a positive number") -> float:
@@ -74,18 +74,18 @@ def limits(argument: str, lower: object, upper: object) -> tuple[float, float]:
     return low, high
 
 
-def integer(argument: str, value: object, least: int = 0, accepted: str | None = None) -> int:
-    """An integer not below ``least``, 0 or 1; 1.0 and True are none."""
-    if type(value) is int and least <= value <= LARGEST_INTEGER:
+def integer(argument: str, value: object, minimum: int = 0, accepted: str | None = None) -> int:
+    """An integer not below ``minimum``, 0 or 1; 1.0 and True are none."""
+    if type(value) is int and minimum <= value <= LARGEST_INTEGER:
         return value
-    if isinstance(value, (int, np.integer)) and not isinstance(value, bool) and least <= value <= LARGEST_INTEGER:
+    if isinstance(value, (int, np.integer)) and not isinstance(value, bool) and minimum <= value <= LARGEST_INTEGER:
         return int(value)
-    raise ArgumentError(argument, value, accepted or ("a positive integer" if least else "a non-negative integer"))
+    raise ArgumentError(argument, value, accepted or ("a positive integer" if minimum else "a non-negative integer"))
 
 
 def positive_integer(argument: str, value: object) -> int:
     """An integer not below 1."""
-    return integer(argument, value, least=1)
+    return integer(argument, value, minimum=1)
 
 
 def flag(argument: str, value: object, meaning: str = "") -> bool:

@@ -77,7 +77,7 @@ def read_search_options(
         limit=integer("max_iterations", max_iterations),
         restarts=integer("restarts", restarts),
         seed=0 if seed is None else integer("seed", seed),
-        best_of=integer("best_of", best_of, least=1),
+        best_of=integer("best_of", best_of, minimum=1),
         jump_limit=math.inf if jump_limit is None else positive_number("jump_limit", jump_limit),
     )
     if options.best_of > 1 and not options.restarts:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from jtik.robot.loaders.source import PathOrText
 
 
-MOST_TOLD = 10
+MOST_REPORTED = 10
 """How many parts of a file that are not kept its warning names."""
 
 
@@ -228,10 +228,14 @@ class Builders:
 
     @classmethod
     def _described(cls, description: RobotDescription, tip: str | None, name: str | None) -> Self:
-        told = (*description.notes, *description.changes)
-        if told:
-            more = [f"and {len(told) - MOST_TOLD} more: see Robot.ignored"] if len(told) > MOST_TOLD else []
-            warnings.warn(f"{description.label}: {'; '.join([*told[:MOST_TOLD], *more])}", stacklevel=3)
+        reported = (*description.notes, *description.changes)
+        if reported:
+            more = (
+                [f"and {len(reported) - MOST_REPORTED} more: see Robot.ignored"]
+                if len(reported) > MOST_REPORTED
+                else []
+            )
+            warnings.warn(f"{description.label}: {'; '.join([*reported[:MOST_REPORTED], *more])}", stacklevel=3)
         arguments = description.arguments()
         name, tip = _named(name, description.name), None if tip is None else text("tip", tip, "a frame, or None")
         try:

@@ -38,7 +38,7 @@ class Options:
     share: Share = 1.0
     angle: AngleLimit = 1.0
     limit: StepLimit = math.inf
-    from_two: Annotated[float, partial(number, least=2, accepted="a number from 2")] = 2.0
+    from_two: Annotated[float, partial(number, minimum=2, accepted="a number from 2")] = 2.0
     real: float = 0.0
     count: int = 0
     rounds: PositiveInteger | None = None

@@ -54,7 +54,7 @@ class WeightedLeastNorm(ScaledComposition):
     Source: Chan and Dubey (1995).
     """
 
-    max_weight: Annotated[float, partial(number, least=1, accepted="a finite number, at least 1")] = 1e4
+    max_weight: Annotated[float, partial(number, minimum=1, accepted="a finite number, at least 1")] = 1e4
 
     summary = "least norm weighted against joints that approach their limits"
     source = "Chan and Dubey 1995"

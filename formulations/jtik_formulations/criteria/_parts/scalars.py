@@ -26,7 +26,7 @@ def number_between(argument: str, given: float, low: float, high: float) -> floa
 def number_from_to(argument: str, given: float, low: float, high: float) -> float:
     """The number. Raises ArgumentError unless it is from ``low`` to ``high``."""
     accepted = f"a number from {low:g} to {high:g}"
-    value = number(argument, given, accepted, least=low)
+    value = number(argument, given, accepted, minimum=low)
     if value > high:
         raise ArgumentError(argument, given, accepted)
     return value
