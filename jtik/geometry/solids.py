@@ -1,18 +1,16 @@
-"""Solids in the workspace and on the links of a robot, and signed distances to them as CasADi expressions."""
+"""Solids in the workspace and on the links of a robot."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.arguments import array_of, finite_array, non_negative_number, positive_number, several
+from jtik.arguments import array_of, finite_array, non_negative_number, positive_number
 from jtik.errors import ArgumentError
-from jtik.symbolic import TINY, Expression, dot, fmax, fmin, norm, sumsqr
 from jtik.types import Array
 
 
@@ -189,33 +187,3 @@ def enclosing_segment(solid: Solid) -> tuple[Array, Array, float]:
 def _read_only(array: Array) -> Array:
     array.flags.writeable = False
     return array
-
-
-Obstacle: TypeAlias = Ball
-
-
-def centers_and_radii(obstacles: Iterable[Obstacle], dimension: int) -> tuple[Array, Array]:
-    """Centres (k, dimension) [m] and radii (k,) [m] of obstacles.
-
-    Raises:
-        ArgumentError: when one is not a point, circle or sphere of that dimension.
-    """
-    accepted = "jtik.Point or jtik.Circle with center (2,)" if dimension == 2 else "jtik.Point or jtik.Sphere"
-    chosen = several("obstacles", obstacles, accepted)
-    for obstacle in chosen:
-        if not isinstance(obstacle, Ball) or obstacle.center.shape != (dimension,):
-            raise ArgumentError("obstacles", obstacle, f"{accepted} on this {dimension}-dimensional robot")
-    centers = np.array([obstacle.center for obstacle in chosen]).reshape(-1, dimension)
-    return centers, np.array([obstacle.radius for obstacle in chosen])
-
-
-def point_to_ball(point: Expression, center: Expression, radius: Expression) -> Expression:
-    """Signed distance [m] from a point to the surface of a ball; negative inside."""
-    return norm(point - center) - radius
-
-
-def segment_to_ball(start: Expression, end: Expression, center: Expression, radius: Expression) -> Expression:
-    """Signed distance [m] from the closest point of a segment to the surface of a ball; negative inside."""
-    along = end - start
-    parameter = fmin(fmax(dot(center - start, along) / (sumsqr(along) + TINY), 0), 1)
-    return point_to_ball(start + parameter * along, center, radius)
