@@ -9,9 +9,9 @@
 # %% [markdown]
 # # Any function as a criterion
 #
-# What can be computed from q can be minimised: a query of a physics engine, a trained network, a table. Two examples, on
-# a Panda that holds its tool at a pose: the distance to a tilted box, by MuJoCo, and a small network that has learned
-# which postures are comfortable.
+# What can be computed from q can be minimised: a query of a physics engine, a trained network, a table. Two examples,
+# on a Panda that holds its tool at a pose: the distance to a tilted box, by MuJoCo, and a small network that has
+# learned which postures are comfortable.
 
 # %%
 import matplotlib.pyplot as plt
@@ -90,8 +90,8 @@ assert smallest(away.q) > smallest(start)
 # %% [markdown]
 # ## A network by scikit-learn
 #
-# In practice the data would come from people who rated postures, or from a slow simulation. Here the rating is a formula
-# that the network does not know. `tanh` keeps it smooth. Without a gradient jtik takes central differences: 15 calls a
+# In practice the data would come from people who rated postures, or from a slow simulation. Here the rating is a
+# formula that the network does not know. `tanh` keeps it smooth. Without a gradient jtik takes central differences: 15 calls a
 # step for seven joints.
 
 # %%
