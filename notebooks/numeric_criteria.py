@@ -91,8 +91,8 @@ assert smallest(away.q) > smallest(start)
 # ## A network by scikit-learn
 #
 # In practice the data would come from people who rated postures, or from a slow simulation. Here the rating is a
-# formula that the network does not know. `tanh` keeps it smooth. Without a gradient jtik takes central differences: 15 calls a
-# step for seven joints.
+# formula that the network does not know. `tanh` keeps it smooth. Without a gradient jtik takes central differences:
+# 15 calls a step for seven joints.
 
 # %%
 generator = np.random.default_rng(0)
