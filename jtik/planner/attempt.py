@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from jtik.arguments import array_of, finite_array, names, number, positive_number, several, text
 from jtik.errors import ArgumentError
-from jtik.planner.plain import entries, label, plain_mapping
+from jtik.planner.plain import entries, inside, label, plain_mapping
 from jtik.types import Array
 
 MOST_SAMPLES = 2_000_000
@@ -135,35 +135,37 @@ class Attempt:
         made = object.__new__(cls)
         made._set(settings={}, parent=None, branched_at=None)
         made._set(**found)
-        made._set(**_checked(made, f"{where}."))
+        made._set(**_checked(made, where))
         return made
 
 
 def _checked(given: Attempt, where: str) -> dict[str, Any]:
     """The values in the form that the class keeps. Raises ArgumentError for others."""
-    times = _rows(f"{where}times", given.times, [(None,)], "at least one finite time [s]")
+    times = _rows(inside(where, "times"), given.times, [(None,)], "at least one finite time [s]")
     if times[0] != 0 or (np.diff(times) <= 0).any():
-        raise ArgumentError(f"{where}times", _disorder(times), "times that begin with 0 and increase [s]")
+        raise ArgumentError(inside(where, "times"), _disorder(times), "times that begin with 0 and increase [s]")
     k = len(times)
-    q = finite_array(f"{where}configurations", given.configurations, (k, None), f"one configuration for each of {k}")
+    q = finite_array(
+        inside(where, "configurations"), given.configurations, (k, None), f"one configuration for each of {k}"
+    )
     accepted = f"({k}, 2) or ({k}, 3) for positions, ({k}, 7) for poses"
-    targets = array_of(f"{where}targets", given.targets, [(k, 2), (k, 3), (k, 7)], accepted)
-    parent = None if given.parent is None else label(f"{where}parent", given.parent)
+    targets = array_of(inside(where, "targets"), given.targets, [(k, 2), (k, 3), (k, 7)], accepted)
+    parent = None if given.parent is None else label(inside(where, "parent"), given.parent)
     branched_at = given.branched_at
     if branched_at is not None:
-        branched_at = number(f"{where}branched_at", branched_at, "None, or a time from 0 [s]", minimum=0.0)
+        branched_at = number(inside(where, "branched_at"), branched_at, "None, or a time from 0 [s]", minimum=0.0)
         if parent is None:
-            raise ArgumentError(f"{where}branched_at", branched_at, "None for an attempt without a parent")
+            raise ArgumentError(inside(where, "branched_at"), branched_at, "None for an attempt without a parent")
     return {
-        "name": label(f"{where}name", given.name),
-        "dt": positive_number(f"{where}dt", given.dt),
+        "name": label(inside(where, "name"), given.name),
+        "dt": positive_number(inside(where, "dt"), given.dt),
         "times": _frozen(times),
         "configurations": _frozen(q),
         "targets": _frozen(targets),
-        "scenes": _scenes(f"{where}scenes", given.scenes),
-        "strategy": text(f"{where}strategy", given.strategy),
-        "criteria": names(f"{where}criteria", given.criteria, "names of criteria"),
-        "settings": plain_mapping(f"{where}settings", given.settings),
+        "scenes": _scenes(inside(where, "scenes"), given.scenes),
+        "strategy": text(inside(where, "strategy"), given.strategy),
+        "criteria": names(inside(where, "criteria"), given.criteria, "names of criteria"),
+        "settings": plain_mapping(inside(where, "settings"), given.settings),
         "parent": parent,
         "branched_at": branched_at,
     }

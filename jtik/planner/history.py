@@ -10,7 +10,7 @@ from typing import Any, Self
 from jtik.arguments import instances, number
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.planner.attempt import Attempt
-from jtik.planner.plain import entries, label
+from jtik.planner.plain import entries, inside, label
 
 MOST_ATTEMPTS = 10_000
 """Largest number of attempts."""
@@ -36,18 +36,20 @@ class History:
         self._check("")
 
     def _check(self, where: str) -> None:
-        attempts = instances(f"{where}attempts", self.attempts, Attempt, "attempts")
+        attempts = instances(inside(where, "attempts"), self.attempts, Attempt, "attempts")
         object.__setattr__(self, "attempts", attempts)
         if len(attempts) > MOST_ATTEMPTS:
-            raise ArgumentError(f"{where}attempts", f"{len(attempts)} attempts", f"at most {MOST_ATTEMPTS}")
+            raise ArgumentError(inside(where, "attempts"), f"{len(attempts)} attempts", f"at most {MOST_ATTEMPTS}")
         name, count = next(iter(Counter(attempt.name for attempt in attempts).most_common(1)), ("", 0))
         if count > 1:
-            raise ArgumentError(f"{where}attempts", f"{count} with the name {name!r}", "a name of its own for each")
+            raise ArgumentError(
+                inside(where, "attempts"), f"{count} with the name {name!r}", "a name of its own for each"
+            )
         earlier: set[str] = set()
         for i, attempt in enumerate(attempts):
             if attempt.parent is not None and attempt.parent not in earlier:
                 accepted = "None, or the name of an attempt before it"
-                raise ArgumentError(f"{where}attempts[{i}].parent", repr(attempt.parent), accepted)
+                raise ArgumentError(inside(where, f"attempts[{i}].parent"), repr(attempt.parent), accepted)
             earlier.add(attempt.name)
         if self.chosen is not None and self.chosen not in earlier:
             raise UnknownNameError("attempt", str(self.chosen), earlier)
@@ -150,15 +152,15 @@ class History:
         found = entries(where, data, ("attempts", "chosen"))
         given = found["attempts"]
         if not isinstance(given, list):
-            raise ArgumentError(f"{where}.attempts", given, "a list of attempts")
-        attempts = tuple(Attempt.from_json(each, f"{where}.attempts[{i}]") for i, each in enumerate(given))
-        chosen = None if found["chosen"] is None else label(f"{where}.chosen", found["chosen"])
+            raise ArgumentError(inside(where, "attempts"), given, "a list of attempts")
+        attempts = tuple(Attempt.from_json(each, inside(where, f"attempts[{i}]")) for i, each in enumerate(given))
+        chosen = None if found["chosen"] is None else label(inside(where, "chosen"), found["chosen"])
         if chosen is not None and chosen not in {attempt.name for attempt in attempts}:
-            raise ArgumentError(f"{where}.chosen", repr(chosen), "null, or the name of an attempt")
+            raise ArgumentError(inside(where, "chosen"), repr(chosen), "null, or the name of an attempt")
         made = object.__new__(cls)
         object.__setattr__(made, "attempts", attempts)
         object.__setattr__(made, "chosen", chosen)
-        made._check(f"{where}.")
+        made._check(where)
         return made
 
 

@@ -67,3 +67,8 @@ def label(argument: str, value: object) -> str:
         return str(value)
     given = value if not isinstance(value, str) or len(value) <= LONGEST_NAME else f"{len(value)} characters"
     raise ArgumentError(argument, repr(given), f"a name: 1 to {LONGEST_NAME} printable characters")
+
+
+def inside(where: str, key: str) -> str:
+    """The place of a key: "plan.json: chosen" in a file, "attempt.name" in a value; the key itself in no place."""
+    return f"{where}: {key}" if where.endswith(".json") else f"{where}.{key}" if where else key

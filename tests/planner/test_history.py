@@ -132,7 +132,7 @@ def test_a_strangers_history_is_refused_by_file_and_key(damage, key):
     damage(data)
     with pytest.raises(ArgumentError) as error:
         History.from_json(data, "plan.json")
-    assert error.value.argument == ("plan.json" + f".{key}" * bool(key))
+    assert error.value.argument == ("plan.json" + f": {key}" * bool(key))
 
 
 def test_a_recording_replaces_a_sample_of_the_same_time_and_tells_when_the_scene_changed():
