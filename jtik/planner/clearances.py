@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+import numpy as np
+
 from jtik.arguments import choice
 from jtik.geometry import Scene, Slots, Solid
 from jtik.planner.attempt import Attempt, SceneChange
@@ -49,15 +51,19 @@ def smallest(
     """The smallest distance along a motion, see `clearance`."""
     chosen = default_bodies(robot) if bodies is None else choice("bodies", bodies, BODIES)
     changes = list(scenes)
+    if not changes:
+        return Smallest(), ""
     ends = [*(begin for begin, _ in changes[1:]), float(times[-1])]
+    avoidance: Any = criteria["obstacle_avoidance"]
     built: dict[Any, Distances] = {}
     best, name = Smallest(), ""
     for (begin, scene), end in zip(changes, ends, strict=True):
-        rows = (times >= begin) & (times <= end)
+        first = max(int(np.searchsorted(times, begin, side="right")) - 1, 0)
+        rows = slice(first, int(np.searchsorted(times, end)) + 1)  # from the sample before to the sample after
         obstacles = present(scene)
-        if not obstacles or not rows.any():
+        if not obstacles:
             continue
-        measure = criteria["obstacle_avoidance"](list(obstacles.values()), bodies=chosen)
+        measure: Any = avoidance(list(obstacles.values()), bodies=chosen)
         parameters = measure.parameters(robot)
         key = tuple((each, value.shape) for each, value in parameters.items() if hasattr(value, "shape"))
         if key not in built:
@@ -72,6 +78,8 @@ def smallest(
 
 def present(scene: Mapping[str, Any]) -> dict[str, Solid]:
     """The obstacles of a scene that are not switched off, by name."""
+    if not scene:
+        return {}
     read = Scene.from_dict(scene)
     return {name: obstacle for name, obstacle in read.obstacles.items() if read.gains[name] > 0}
 

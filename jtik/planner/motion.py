@@ -70,7 +70,7 @@ def placements(robot: Robot, configurations: Array, *, frame: str | None, pose: 
         pose: whether the Jacobian has the rows of the orientation, too.
     """
     q = symbol("q", robot.nq)
-    d, angular = robot.dimension, 6 if robot.dimension == 3 else 1
+    d = robot.dimension
     J = robot.at(q).jacobian(robot.frame(frame))
     rows = [*range(d), *(range(3, 6) if d == 3 else (5,))] if pose else [*range(d)]
     evaluate = CompiledFunction(function("placement", [q], [robot.at(q).position(robot.frame(frame)), J[rows, :]]))

@@ -82,7 +82,7 @@ class TimedPath:
         return q, first * speed, first * rate[:, None] + second * speed**2
 
     def used(self, velocity: Array, acceleration: Array) -> float:
-        """The largest factor by which time must be stretched so that limits (n,) hold; below 1 there is time to spare."""
+        """The factor by which time must be stretched so that limits (n,) just hold; below 1 there is time to spare."""
         size = np.diff(self.grid)[:, None]
         a, b, c, _ = self.coefficients
         slope = np.diff(self.x)[:, None] / size
@@ -105,7 +105,7 @@ def timed_path(waypoints: Array, velocity: Array, acceleration: Array, *, method
         waypoints: configurations of revolute and prismatic joints, (k, n).
         velocity: largest speeds (n,) [rad/s] or [m/s], infinite for none.
         acceleration: largest accelerations (n,) [rad/s^2] or [m/s^2], finite.
-        method: "toppra" or "trapezoid"; by default the first where it is installed and finds a profile.
+        method: "toppra" or "trapezoid"; by default the faster of both; the second where toppra is not installed.
 
     Raises:
         ArgumentError: when no joint moves, or the method cannot be used.
@@ -113,18 +113,20 @@ def timed_path(waypoints: Array, velocity: Array, acceleration: Array, *, method
     kept = thinned(waypoints)
     if len(kept) < 2:
         raise ArgumentError("attempt", "one in which no joint moves", "an attempt in which the robot moves")
+    if method not in (None, "toppra", "trapezoid"):
+        raise ArgumentError("method", repr(method), "'toppra', 'trapezoid' or None for the faster of both")
     grid, coefficients = _cells(kept)
-    x, used = None, "trapezoid"
-    if method in (None, "toppra"):
-        x, used = _toppra(grid, coefficients, velocity, acceleration), "toppra"
-        if x is None and method == "toppra":
+    profiles: dict[str, Array] = {}
+    if method != "trapezoid":
+        found = _toppra(grid, coefficients, velocity, acceleration)
+        if found is None and method == "toppra":
             raise ArgumentError("method", "'toppra', which is not installed or finds no profile", "'trapezoid'")
-    elif method != "trapezoid":
-        raise ArgumentError("method", repr(method), "'toppra', 'trapezoid' or None")
-    if x is None:
-        x, used = _passes(grid, coefficients, velocity, acceleration), "trapezoid"
-    path = TimedPath(grid, coefficients, x, used)
-    return path.slower(path.used(velocity, acceleration) * (1 + 1e-9))
+        profiles |= {} if found is None else {"toppra": found}
+    if method != "toppra":
+        profiles["trapezoid"] = _passes(grid, coefficients, velocity, acceleration)
+    paths = [TimedPath(grid, coefficients, x, name) for name, x in profiles.items()]
+    paths = [path.slower(path.used(velocity, acceleration) * (1 + 1e-9)) for path in paths]
+    return min(paths, key=lambda path: path.duration)
 
 
 def thinned(waypoints: Array) -> Array:
@@ -197,7 +199,8 @@ def _toppra(grid: Array, coefficients: Array, velocity: Array, acceleration: Arr
                 length = (grid[before + 1] - grid[before])[:, None]
                 left = 6 * coefficients[0, before] * length + 2 * coefficients[1, before]
                 values = np.where(ended & (np.abs(left) > np.abs(values)), left, values)
-            return values[0] if np.ndim(position) == 0 else values
+            chosen: Array = values[0] if np.ndim(position) == 0 else values
+            return chosen
 
         @property
         def dof(self) -> int:
@@ -228,4 +231,5 @@ def _largest(quadratic: Array, linear: Array, constant: Array, size: Array) -> A
         vertex = np.where(quadratic != 0, -linear / (2 * quadratic), 0.0)
     inside = np.clip(np.nan_to_num(vertex), 0, size)
     values = [np.abs((quadratic * s + linear) * s + constant) for s in (0 * size, inside, size + 0 * inside)]
-    return np.maximum.reduce(np.broadcast_arrays(*values))
+    largest: Array = np.maximum.reduce(np.broadcast_arrays(*values))
+    return largest

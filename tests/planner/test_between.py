@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -51,7 +52,7 @@ def test_random_motions_against_dense_sampling(kind, accuracy, rng):
         q = np.array([robot.random_configuration(rng) for _ in range(3)])
         found = distances.smallest(np.arange(3.0), q, accuracy=accuracy)
         dense = math.inf
-        for start, end in zip(q[:-1], q[1:], strict=True):
+        for start, end in itertools.pairwise(q):
             dq = robot.difference(start, end)
             for share in np.linspace(0, 1, 2000):
                 values = distances._distances(
