@@ -47,8 +47,17 @@ class MeshFile:
         """Its vertices (n, 3) [m] in the geom's frame; none when its file is missing or MuJoCo cannot read it."""
         if self.vertices.size:
             return self.vertices * self.scale
-        path = next(filter(_is_file, self.paths), None)
-        return np.zeros((0, 3)) if path is None else _read(path, self.scale)
+        return np.zeros((0, 3)) if self.file is None else _read(self.file, self.scale)
+
+    @cached_property
+    def file(self) -> Path | None:
+        """The first of its paths that is a file; None without one."""
+        return next(filter(_is_file, self.paths), None)
+
+
+def first_file(file: str, folder: Path, meshdir: str) -> Path | None:
+    """The file that a description in ``folder`` names; None where it is not found."""
+    return next(filter(_is_file, _candidates(file, folder, meshdir)), None) if file else None
 
 
 def _candidates(file: str, folder: Path, meshdir: str) -> Iterator[Path]:

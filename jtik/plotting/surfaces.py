@@ -1,0 +1,148 @@
+"""Surfaces of solids as triangles, for pictures."""
+
+from __future__ import annotations
+
+import math
+from functools import singledispatch
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jtik.errors import ArgumentError
+from jtik.geometry import Ball, Box, Capsule, Cylinder
+from jtik.types import Array
+
+SIDES = 16
+"""Corners of a circle."""
+
+POINT = 0.01
+"""Radius with which a point is drawn [m]."""
+
+
+class Surface(NamedTuple):
+    """A closed surface.
+
+    Attributes:
+        vertices: its corners, (n, 3) [m].
+        faces: the corners of each triangle, (m, 3), anticlockwise seen from outside.
+        smooth: whether it has no edges, so that its shading is smooth.
+    """
+
+    vertices: Array
+    faces: NDArray[np.int64]
+    smooth: bool
+
+    def at(self, pose: Array) -> Surface:
+        """The surface at a pose (4, 4) [m]."""
+        return self._replace(vertices=self.vertices @ pose[:3, :3].T + pose[:3, 3])
+
+
+@singledispatch
+def surface(solid: object) -> Surface:
+    """The surface of a solid in space.
+
+    Raises:
+        ArgumentError: for a solid that cannot be drawn in space.
+    """
+    raise ArgumentError("solid", solid, "a solid in space, such as jtik.Sphere, Capsule, Cylinder or Box")
+
+
+@surface.register
+def _ball(solid: Ball) -> Surface:
+    if solid.center.shape != (3,):
+        raise ArgumentError("solid", solid, "a ball in space, with center (3,)")
+    return _capsule(solid.center, solid.center, solid.radius or POINT)
+
+
+@surface.register
+def _of_capsule(solid: Capsule) -> Surface:
+    return _capsule(solid.start, solid.end, solid.radius)
+
+
+@surface.register
+def _of_cylinder(solid: Cylinder) -> Surface:
+    length = float(np.linalg.norm(solid.end - solid.start))
+    pieces = _pieces(length, solid.radius)
+    side = [(solid.radius, length * k / pieces) for k in range(pieces + 1)]
+    return _revolved(solid.start, solid.end, [(0.0, 0.0), *side, (0.0, length)], smooth=False)
+
+
+@surface.register
+def _of_box(solid: Box) -> Surface:
+    return box(solid.half).at(solid.pose)
+
+
+def box(half: Array, pieces: int = 3) -> Surface:
+    """The surface of a box about the origin, each side of it in pieces.
+
+    Args:
+        half: half of the length of each edge, (3,) [m].
+        pieces: number of pieces along each edge.
+    """
+    ticks = np.linspace(-1.0, 1.0, pieces + 1)
+    u, v = (each.ravel() for each in np.meshgrid(ticks, ticks, indexing="ij"))
+    corner = np.arange((pieces + 1) ** 2).reshape(pieces + 1, pieces + 1)
+    a, b, c, d = (part.ravel() for part in (corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]))
+    outward = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    vertices, faces = [], []
+    for axis in range(3):
+        for sign in (1.0, -1.0):
+            side = np.zeros((len(u), 3))
+            side[:, axis], side[:, (axis + 1) % 3], side[:, (axis + 2) % 3] = sign, u, v
+            faces.append((outward if sign > 0 else outward[:, ::-1]) + len(u) * len(vertices))
+            vertices.append(side)
+    return Surface(np.concatenate(vertices) * half, np.concatenate(faces), smooth=False)
+
+
+def _capsule(start: Array, end: Array, radius: float) -> Surface:
+    length = float(np.linalg.norm(end - start))
+    turns = np.linspace(0.0, math.pi / 2, SIDES // 4 + 1)
+    below = [(radius * math.sin(t), -radius * math.cos(t)) for t in turns]
+    above = [(r, length - z) for r, z in reversed(below)]
+    pieces = _pieces(length, radius)
+    between = [(radius, length * k / pieces) for k in range(1, pieces)]
+    return _revolved(start, end, [*below, *between, *(above if length > 0 else above[1:])], smooth=True)
+
+
+def capsule(start: Array, end: Array, radius: float) -> Surface:
+    """The surface of all points within ``radius`` [m] of the segment from ``start`` to ``end``, (3,) [m] each."""
+    return _capsule(start, end, radius)
+
+
+def _pieces(length: float, radius: float) -> int:
+    """In how many pieces a side is divided: long triangles cannot be drawn in the order of their depth."""
+    return int(min(8, max(1, math.ceil(length / (3 * radius)))))
+
+
+def _revolved(start: Array, end: Array, profile: list[tuple[float, float]], *, smooth: bool) -> Surface:
+    """A profile of (distance from the axis, height above ``start``), revolved about the axis to ``end``.
+
+    Its first and its last point are on the axis.
+    """
+    angles = 2 * math.pi * np.arange(SIDES) / SIDES
+    circle = np.stack([np.cos(angles), np.sin(angles), np.zeros(SIDES)], axis=1)
+    rings = [radius * circle + [0.0, 0.0, height] for radius, height in profile[1:-1]]
+    ends = [[0.0, 0.0, profile[0][1]], [0.0, 0.0, profile[-1][1]]]
+    vertices = np.concatenate([*rings, ends])
+    here, following = np.arange(SIDES), (np.arange(SIDES) + 1) % SIDES
+    first, last, top = len(vertices) - 2, len(vertices) - 1, (len(rings) - 1) * SIDES
+    faces = [np.stack([following, here, np.full(SIDES, first)], axis=1)]
+    for k in range(len(rings) - 1):
+        low, high = k * SIDES, (k + 1) * SIDES
+        faces.append(np.stack([low + here, low + following, high + following], axis=1))
+        faces.append(np.stack([low + here, high + following, high + here], axis=1))
+    faces.append(np.stack([top + here, top + following, np.full(SIDES, last)], axis=1))
+    return Surface(vertices @ along(start, end).T + start, np.concatenate(faces), smooth)
+
+
+def along(start: Array, end: Array) -> Array:
+    """A rotation (3, 3) whose z axis points from ``start`` to ``end``; the identity where they coincide."""
+    length = np.linalg.norm(end - start)
+    if length == 0:
+        return np.eye(3)
+    z = (end - start) / length
+    x = np.eye(3)[int(np.argmin(np.abs(z)))]
+    x = x - (x @ z) * z
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(z, x), z], axis=1)
