@@ -19,7 +19,7 @@ What is in ``jtik`` itself is public, and so are these modules:
 - `jtik.geometry`: obstacles and other shapes.
 - `jtik.study`: comparisons of strategies.
 - `jtik.problems`: generators and collections of problems.
-- `jtik.plotting`: pictures of planar robots.
+- `jtik.plotting`: pictures of robots.
 - `jtik.interop`: mink, pink, MuJoCo, Pinocchio.
 - `jtik.testing`: the contract that every strategy and criterion must pass.
 - `jtik.registry`, `jtik.errors`, `jtik.types`, `jtik.progress`: names to classes, errors, array types, progress.

@@ -82,7 +82,7 @@ class Body:
 
 
 def reach(robot: Robot) -> float:
-    """The length of the robot's longest chain of links at its neutral configuration [m]; 1 for a robot without links."""
+    """Length of the robot's longest chain of links, at its neutral configuration [m]; 1 without links."""
     poses = Poses(robot)(robot.neutral)
     steps = {
         joint.name: float(np.linalg.norm(poses[joint.child][:3, 3] - poses[joint.parent][:3, 3]))

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
-from jtik.plotting.body import Body, triangles
+from jtik.plotting.body import triangles
 from jtik.plotting.figure import Axes, Figure, new_figure
 from jtik.plotting.style import BACKGROUND, INK, MUTED, OBSTACLE_FACE, THIN
 from jtik.plotting.surfaces import Surface, surface
@@ -18,6 +18,9 @@ VIEW = (22.0, -52.0)
 
 LIGHT = np.array([0.35, -0.55, 0.76])
 """Direction to the light, relative to a viewer at azimuth -90 degrees."""
+
+TRANSLUCENT = 0.7
+"""Opacity of an obstacle, through which the arm is seen."""
 
 SHADE = 0.45
 """How much darker a surface is that faces away from the light."""
@@ -50,13 +53,18 @@ class SpatialScene:
     def fix(self, obstacles: Iterable[Any]) -> None:
         """Draw obstacles, which stay."""
         surfaces = [surface(each) for each in obstacles]
-        self._fixed = self._lit(surfaces, [OBSTACLE_FACE] * len(surfaces), 0.62)
+        corners, tints = self._lit(surfaces, [OBSTACLE_FACE] * len(surfaces), TRANSLUCENT)
+        elevation, azimuth = np.deg2rad([self.axes.elev, self.axes.azim])
+        viewer = [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)]
+        front = _normals(corners) @ viewer > 0  # else its own back shows through a translucent surface
+        self._fixed = corners[front], tints[front]
         self._include(self._fixed[0])
 
     def show(self, bodies: Sequence[tuple[list[Surface], Any]]) -> None:
         """Draw bodies, each with a colour, instead of those that were shown before."""
-        surfaces = [each for body, _ in bodies for each in body]
-        colors = [color for body, color in bodies for _ in body]
+        # of links that several postures share, the last is drawn: at equal depth neither hides the other
+        unique = {each.vertices.round(6).tobytes(): (each, color) for body, color in bodies for each in body}
+        surfaces, colors = [each for each, _ in unique.values()], [color for _, color in unique.values()]
         corners, faces = self._lit(surfaces, colors, 1.0)
         self._include(corners)
         polygons = np.concatenate([self._fixed[0], corners])
@@ -64,6 +72,7 @@ class SpatialScene:
         self._collection.set_verts(polygons)
         self._collection.set_facecolor(tints)
         self._collection.set_edgecolor(np.where(tints[:, 3:] < 1, 0.0, tints))
+        self._collection.set_antialiased(tints[:, 3] == 1)  # else the edges within a translucent surface show
 
     def line(self, points: Array, **style: Any) -> Any:
         """Draw a path (k, 3) [m] as a thin dashed line."""
@@ -78,11 +87,9 @@ class SpatialScene:
         corners, owners = triangles(surfaces)
         if not len(corners):
             return corners, np.zeros((0, 4))
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
         turn = np.deg2rad(self.axes.azim + 90)
         rotation = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
-        bright = 1 - SHADE * (1 - normal @ (rotation @ LIGHT)) / 2
+        bright = 1 - SHADE * (1 - _normals(corners) @ (rotation @ LIGHT)) / 2
         base = np.array([to_rgb(color) for color in colors])[owners]
         return corners, np.column_stack([np.clip(base * (0.12 + bright[:, None]), 0, 1), np.full(len(base), alpha)])
 
@@ -114,9 +121,13 @@ class SpatialScene:
             axis.labelpad = -1
 
 
-def spatial_figure(
-    view: tuple[float, float], width: float, draw: Any
-) -> Figure:
+def _normals(corners: Array) -> Array:
+    """Outward unit normals (m, 3) of triangles (m, 3, 3)."""
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return np.asarray(normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12))
+
+
+def spatial_figure(view: tuple[float, float], width: float, draw: Callable[[SpatialScene], None]) -> Figure:
     """A figure with 3-D axes that fill it; its height follows from what ``draw`` draws.
 
     Args:
@@ -137,10 +148,11 @@ def spatial_figure(
 def fill(figure: Figure, axes: Axes, width: float) -> None:
     """Resize axes and figure, so that what is drawn fills the figure of that width [inch]."""
     side, left, bottom, height = width, 0.0, 0.0, width
-    for _ in range(4):
+    for _ in range(6):
         figure.set_size_inches(width, height)
         axes.set_position((left / width, bottom / height, side / width, side / height))
         figure.draw_without_rendering()
+        _separate_labels(axes, figure.canvas.get_renderer())
         seen = axes.get_tightbbox(figure.canvas.get_renderer()).transformed(figure.dpi_scale_trans.inverted())
         grow = (width - 2 * PAD) / seen.width
         left, bottom = PAD + (left - seen.x0) * grow, PAD + (bottom - seen.y0) * grow
@@ -149,6 +161,10 @@ def fill(figure: Figure, axes: Axes, width: float) -> None:
     axes.set_position((left / width, bottom / height, side / width, side / height))
 
 
-def body_of(robot: Any, count: int) -> Body:
-    """What is drawn of a robot in so many postures: its solids in one, links in several, which hide less."""
-    return Body(robot, "shapes" if count == 1 else "links")
+def _separate_labels(axes: Axes, renderer: Any) -> None:
+    """Move the labels of axes away from the numbers that they touch."""
+    every = (axes.xaxis, axes.yaxis, axes.zaxis)
+    numbers = [tick.label1.get_window_extent(renderer) for axis in every for tick in axis.majorTicks]
+    for axis in every:
+        if axis.label.get_window_extent(renderer).padded(2).count_overlaps(numbers):
+            axis.labelpad += 3

@@ -13,7 +13,7 @@ from jtik.errors import ArgumentError
 from jtik.geometry import Ball, Box, Capsule, Cylinder
 from jtik.types import Array
 
-SIDES = 16
+SIDES = 20
 """Corners of a circle."""
 
 POINT = 0.01
@@ -73,7 +73,7 @@ def _of_box(solid: Box) -> Surface:
     return box(solid.half).at(solid.pose)
 
 
-def box(half: Array, pieces: int = 3) -> Surface:
+def box(half: Array, pieces: int = 6) -> Surface:
     """The surface of a box about the origin, each side of it in pieces.
 
     Args:
@@ -85,7 +85,8 @@ def box(half: Array, pieces: int = 3) -> Surface:
     corner = np.arange((pieces + 1) ** 2).reshape(pieces + 1, pieces + 1)
     a, b, c, d = (part.ravel() for part in (corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]))
     outward = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
-    vertices, faces = [], []
+    vertices: list[Array] = []
+    faces: list[NDArray[np.int64]] = []
     for axis in range(3):
         for sign in (1.0, -1.0):
             side = np.zeros((len(u), 3))
@@ -112,7 +113,7 @@ def capsule(start: Array, end: Array, radius: float) -> Surface:
 
 def _pieces(length: float, radius: float) -> int:
     """In how many pieces a side is divided: long triangles cannot be drawn in the order of their depth."""
-    return int(min(8, max(1, math.ceil(length / (3 * radius)))))
+    return int(min(12, max(1, math.ceil(length / (2 * radius)))))
 
 
 def _revolved(start: Array, end: Array, profile: list[tuple[float, float]], *, smooth: bool) -> Surface:

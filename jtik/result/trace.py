@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
 
 from jtik.types import Array
 
@@ -49,3 +51,23 @@ class Trace:
 
     def __len__(self) -> int:
         return len(self.q) - 1
+
+    def plot(self, **options: Any) -> Any:
+        """A figure of the task error [m, rad], the criterion and the null-space residual by iteration.
+
+        Example::
+
+            solution = ik.solve(target, trace=True)
+            solution.trace.plot().savefig("solve.pdf")
+
+        Args:
+            options: width [inch], that of `jtik.plotting.trace_figure`.
+
+        Returns:
+            A matplotlib Figure, which a notebook shows.
+
+        Raises:
+            ArgumentError: for a trace without an iteration.
+            MissingExtraError: when matplotlib is not installed.
+        """
+        return import_module("jtik.plotting").trace_figure(self, **options)

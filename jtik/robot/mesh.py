@@ -42,9 +42,7 @@ class Mesh:
         return partial(type(self), self.file, self.pose, self.scale), ()
 
 
-def meshes_on(
-    frames: Sequence[str], meshes: Mapping[str, Sequence[Mesh]] | None
-) -> dict[str, tuple[Mesh, ...]]:
+def meshes_on(frames: Sequence[str], meshes: Mapping[str, Sequence[Mesh]] | None) -> dict[str, tuple[Mesh, ...]]:
     """The meshes by frame; raises UnknownNameError for a frame that does not exist."""
     accepted = "a list, each a jtik.robot.Mesh"
     named = {} if meshes is None else mapping("meshes", meshes, f"a dict from frame to {accepted}; or None")

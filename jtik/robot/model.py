@@ -12,6 +12,7 @@ from jtik.errors import ArgumentError, ImmutableError, UnknownNameError
 from jtik.geometry import Solid
 from jtik.robot import skeleton
 from jtik.robot.builders import Builders
+from jtik.robot.drawable import Drawable
 from jtik.robot.evaluator import Evaluator
 from jtik.robot.home import home_of
 from jtik.robot.joint_layout import JointLayout
@@ -24,7 +25,7 @@ from jtik.symbolic import SX, Expression, is_equal
 from jtik.types import Array
 
 
-class Robot(Variants, Builders):
+class Robot(Variants, Builders, Drawable):
     """A kinematic model: a tree of joints, the frames they carry, and limits.
 
     A configuration q has nq numbers and a velocity n numbers; the two differ for ball and free joints. Methods that
@@ -172,7 +173,7 @@ class Robot(Variants, Builders):
 
     @property
     def meshes(self) -> Mapping[str, tuple[Mesh, ...]]:
-        """The meshes on each frame that has any, for pictures: their files, which are not read before they are drawn."""
+        """The meshes on each frame that has any, for pictures: files, which are read when they are drawn."""
         return MappingProxyType(self._meshes)
 
     @property
