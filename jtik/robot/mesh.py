@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from jtik.arguments import finite_array, mapping, path, several
 from jtik.errors import ArgumentError, UnknownNameError
@@ -37,6 +38,19 @@ class Mesh:
         object.__setattr__(self, "file", path("Mesh.file", self.file))
         object.__setattr__(self, "pose", frozen(finite_array("Mesh.pose", self.pose, (4, 4))))
         object.__setattr__(self, "scale", frozen(finite_array("Mesh.scale", self.scale, (3,))))
+
+    def triangles(self) -> tuple[Array, NDArray[np.int64]]:
+        """Its corners (n, 3) [m] in the frame, and the corners of each triangle (m, 3).
+
+        STL, OBJ and MSH files are read by MuJoCo, COLLADA (.dae) files by jtik, without colours.
+
+        Raises:
+            RobotFileError: when the file is missing or cannot be read.
+        """
+        from jtik.robot.loaders.triangles import read_triangles
+
+        vertices, faces = read_triangles(self.file, self.scale)
+        return vertices @ self.pose[:3, :3].T + self.pose[:3, 3], faces
 
     def __reduce__(self) -> tuple[Any, ...]:
         return partial(type(self), self.file, self.pose, self.scale), ()

@@ -88,17 +88,22 @@ def _is_file(path: Path) -> bool:
 
 
 def _read(path: Path, scale: Array) -> Array:
+    model = mesh_model(path, scale)
+    return np.zeros((0, 3)) if model is None else vertices_of(model, 0)
+
+
+def mesh_model(path: Path, scale: Array) -> Any:
+    """A ``mujoco.MjModel`` of one mesh; None for a file that MuJoCo cannot read."""
     if path.suffix.lower() not in READABLE:
-        return np.zeros((0, 3))
+        return None
     spec = mujoco.MjSpec()
     mesh = spec.add_mesh(name="mesh", file=str(path), scale=scale)
     mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="mesh", contype=0, conaffinity=0)
     try:
-        model = spec.compile()
+        return spec.compile()
     except ValueError:  # a file that MuJoCo refuses counts as missing
-        return np.zeros((0, 3))
-    return vertices_of(model, 0)
+        return None
 
 
 def vertices_of(model: Any, geom: int) -> Array:
