@@ -48,6 +48,27 @@ def surface(solid: object) -> Surface:
     raise ArgumentError("solid", solid, "a solid in space, such as jtik.Sphere, Capsule, Cylinder or Box")
 
 
+FLAT = 0.02
+"""Half of the height with which a solid in the plane is drawn in space, as a share of the robot's reach."""
+
+
+def drawn_surface(solid: object, reach: float) -> Surface:
+    """The surface of a solid in space, or of one in the plane as a disc.
+
+    Args:
+        solid: the solid.
+        reach: the robot's reach [m], by which discs have their height.
+
+    Raises:
+        ArgumentError: for a solid that cannot be drawn.
+    """
+    if isinstance(solid, Ball) and solid.center.shape == (2,):
+        x, y = solid.center.tolist()
+        height = FLAT * reach
+        return surface(Cylinder((x, y, -height), (x, y, height), solid.radius or POINT))  # type: ignore[arg-type]
+    return surface(solid)
+
+
 @surface.register
 def _ball(solid: Ball) -> Surface:
     if solid.center.shape != (3,):

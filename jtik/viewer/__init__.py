@@ -3,7 +3,7 @@
 It needs the extra "view" (viser).
 """
 
-from jtik.viewer.view import view
+from jtik.viewer.show import view
 from jtik.viewer.viewer import Viewer
 
 __all__ = ["Viewer", "view"]

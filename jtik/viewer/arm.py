@@ -49,20 +49,23 @@ class ArmNodes:
         self._style = {"color": color, "opacity": opacity}
         self._poses = Poses(robot)
         self.root = scene.add_frame(path, show_axes=False)
-        surfaces = _surfaces(robot, show)
+        surfaces, length = _surfaces(robot, show), reach(robot)
         self.shown = next(iter(surfaces))
         self.frames: dict[str, Any] = {}
         for frame in self._poses.frames:
             axes = frame == robot.tip
             self.frames[frame] = scene.add_frame(
-                f"{path}/{_escaped(frame)}", show_axes=axes, axes_length=0.08 * reach(robot), axes_radius=0.004 * reach(robot)
+                f"{path}/{_escaped(frame)}",
+                show_axes=axes,
+                axes_length=0.08 * reach(robot),
+                axes_radius=0.004 * reach(robot),
             )
         for k, (frame, each) in enumerate(surfaces[self.shown]):
             self._add(f"{path}/{_escaped(frame)}/{k}", each)
         self.links: list[tuple[str, str, Any]] = []
         self._lengths: list[float] = []
         if self.shown == "links":
-            self._radius = THICKNESS * reach(robot)
+            self._radius = THICKNESS * length
             for k, (inner, outer) in enumerate(robot.segments):
                 self.links.append((inner, outer, self._add(f"{path}/links/{k}", self._link(1.0))))
                 self._lengths.append(1.0)
@@ -101,7 +104,7 @@ class ArmNodes:
 
 
 def _surfaces(robot: Robot, show: str) -> dict[str, list[tuple[str, Surface]]]:
-    """What is shown, by its kind, with the surfaces on the frames; a frame whose meshes cannot be read has its solids."""
+    """The surfaces on the frames, by what is shown; a frame whose meshes cannot be read has its solids."""
     if show == "meshes":
         found: list[tuple[str, Surface]] = []
         read = False

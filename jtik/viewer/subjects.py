@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from jtik.arguments import instance
 from jtik.errors import ArgumentError
+from jtik.plotting.body import THICKNESS, Poses, reach
 from jtik.plotting.obstacles_in import obstacles_in
-from jtik.plotting.postures import configurations_of
+from jtik.plotting.postures import configurations_of, spaced
+from jtik.plotting.surfaces import drawn_surface
 from jtik.result import Solution, Trajectory
 from jtik.robot import Robot
 from jtik.solver import InverseKinematics
@@ -45,6 +47,10 @@ class Subject:
         """Whether it has a motion."""
         return len(self.q) > 1
 
+    def with_obstacles(self, obstacles: tuple[Any, ...]) -> Subject:
+        """The same with other obstacles of its solver."""
+        return replace(self, obstacles=obstacles)
+
     def at(self, time: float) -> Array:
         """The configuration (nq,) at a time: on a straight line in joint space between those given."""
         k = int(np.clip(np.searchsorted(self.times, time, side="right") - 1, 0, len(self.q) - 1))
@@ -73,7 +79,9 @@ def read_subjects(given: Sequence[Any], robot: Any, labels: Iterable[str] | None
             owner = unused = each
             continue
         if owner is None:
-            raise ArgumentError("robot", None, f"the robot of {_short(each)}: robot=..., or a robot or solver before it")
+            raise ArgumentError(
+                "robot", None, f"the robot of {_short(each)}: robot=..., or a robot or solver before it"
+            )
         found.append(_with_motion(owner, each))
         unused = None
     if unused is not None:
@@ -109,19 +117,50 @@ def _parts(owner: Robot | InverseKinematics) -> tuple[Robot, InverseKinematics |
 
 def _labelled(subjects: list[Subject], labels: Iterable[str] | None) -> list[Subject]:
     """The subjects with the labels given, or else with a number where several have the same name."""
-    from dataclasses import replace
-
     if labels is not None:
         names = [str(each) for each in labels]
         if len(names) != len(subjects) or len(set(names)) != len(names):
             raise ArgumentError("labels", names, f"{len(subjects)} different texts, one for each arm")
     else:
         own = [subject.label for subject in subjects]
-        names = [
-            name if own.count(name) == 1 else f"{name} {own[: k + 1].count(name)}" for k, name in enumerate(own)
-        ]
+        names = [name if own.count(name) == 1 else f"{name} {own[: k + 1].count(name)}" for k, name in enumerate(own)]
     return [replace(subject, label=name) for subject, name in zip(subjects, names, strict=True)]
 
 
-def _short(value: object) -> str:
-    return f"a {type(value).__name__}"
+class Size(NamedTuple):
+    """How large what is shown is.
+
+    Attributes:
+        middle: its middle, (3,) [m].
+        radius: radius of a ball around it [m].
+        reach: the longest reach of the robots [m].
+        planar: whether all robots are planar.
+    """
+
+    middle: Array
+    radius: float
+    reach: float
+    planar: bool
+
+    @property
+    def thickness(self) -> float:
+        """Radius of a link without a solid [m]."""
+        return THICKNESS * self.reach
+
+
+def size_of(subjects: Sequence[Subject], obstacles: Sequence[Any]) -> Size:
+    """The size of subjects and obstacles."""
+    longest = max(reach(subject.robot) for subject in subjects)
+    points = []
+    for subject in subjects:
+        poses = Poses(subject.robot)
+        for q in spaced(subject.q, 8):
+            points += [pose[:3, 3] for pose in poses(q).values()]
+    every = [*obstacles] or [each for subject in subjects for each in subject.obstacles]
+    for obstacle in every:
+        vertices = drawn_surface(obstacle, longest).vertices
+        points += [vertices.min(axis=0), vertices.max(axis=0)]
+    table = np.array(points)
+    low, high = table.min(axis=0), table.max(axis=0)
+    radius = max(float(np.linalg.norm(high - low)) / 2, 0.5 * longest)
+    return Size((low + high) / 2, radius, longest, all(subject.robot.dimension == 2 for subject in subjects))

@@ -18,17 +18,13 @@ from jtik.types import Array
 _DEEPEST = 100
 """How deep nodes may be nested, instances included: a file whose nodes contain themselves ends here."""
 
-_UPWARDS = {
-    "X_UP": [[0, -1, 0], [1, 0, 0], [0, 0, 1]],
-    "Y_UP": [[1, 0, 0], [0, 0, -1], [0, 1, 0]],
-}
-"""Rotations that make z the axis that points upwards."""
-
 _Triangles = tuple[Array, NDArray[np.int64]]
 
 
 def read_collada(file: Path) -> _Triangles:
-    """The triangles of a file, in metres, with z upwards, as robot descriptions expect them.
+    """The triangles of a file, in metres.
+
+    As in other readers of robot descriptions, its upward axis is not used: its axes are those of the frame.
 
     Raises:
         RobotFileError: when it cannot be read or has no triangle.
@@ -55,7 +51,6 @@ class _Collada:
     def triangles(self) -> _Triangles:
         unit = self._root.find("asset/unit")
         meter = 1.0 if unit is None else float(unit.get("meter", "1"))
-        upward = np.array(_UPWARDS.get(self._root.findtext("asset/up_axis", "Y_UP").strip(), np.eye(3)), dtype=float)
         parts: list[_Triangles] = []
         for scene in self._root.findall("library_visual_scenes/visual_scene")[:1]:
             for node in scene.findall("node"):
@@ -68,7 +63,7 @@ class _Collada:
         offsets = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
         vertices = np.concatenate([vertices for vertices, _ in parts])
         faces = np.concatenate([faces + offset for (_, faces), offset in zip(parts, offsets[:-1], strict=True)])
-        return meter * vertices @ upward.T, faces
+        return meter * vertices, faces
 
     def _of_node(self, node: Element, above: Array, depth: int) -> Iterator[_Triangles]:
         if depth > _DEEPEST:
