@@ -39,7 +39,7 @@ from typing import TYPE_CHECKING, Any
 from jtik.constraints import Clearance, Limits
 from jtik.criterion import Criterion, CriterionError, CriterionSum, criterion
 from jtik.errors import ArgumentError, JtikError, MissingExtraError, RobotFileError, UnknownNameError
-from jtik.geometry import Box, Capsule, Circle, Cylinder, Point, Sphere
+from jtik.geometry import Box, Capsule, Circle, Cylinder, HalfSpace, Point, Polygon, Scene, Sphere
 from jtik.registry import (
     PluginError,
     citations,
@@ -78,6 +78,7 @@ __all__ = [
     "CriterionSum",
     "Cylinder",
     "FrameTask",
+    "HalfSpace",
     "InverseKinematics",
     "Joint",
     "JointType",
@@ -87,10 +88,12 @@ __all__ = [
     "MissingExtraError",
     "PluginError",
     "Point",
+    "Polygon",
     "RelativeFrameTask",
     "Relaxation",
     "Robot",
     "RobotFileError",
+    "Scene",
     "Solution",
     "SolutionBatch",
     "Sphere",
