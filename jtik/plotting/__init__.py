@@ -34,6 +34,7 @@ from jtik.plotting.style import (
     MUTED,
     OBSTACLE_EDGE,
     OBSTACLE_FACE,
+    SINGLE,
     THIN,
     shades,
 )
@@ -49,6 +50,7 @@ __all__ = [
     "MUTED",
     "OBSTACLE_EDGE",
     "OBSTACLE_FACE",
+    "SINGLE",
     "THIN",
     "Axes",
     "DrawnArm",

@@ -174,10 +174,11 @@ def _spatial(
 
     def draw(scene: SpatialScene) -> None:
         scenes.append(scene)
-        scene.fix(discs)
         scene.line(line)
-        for q in frames[:: max(1, len(frames) // 20)]:  # all of them have room
-            scene.show([(body.surfaces(q), SINGLE)])
+        several = [body.surfaces(q) for q in frames[:: max(1, len(frames) // 20)]]
+        scene.fix(discs, [each for own in several for each in own])
+        for own in several:  # all of them have room
+            scene.show([(own, SINGLE)])
 
     figure = spatial_figure(view, width, draw)
     return figure, lambda k: scenes[0].show([(body.surfaces(frames[k]), SINGLE)])

@@ -82,10 +82,11 @@ def posture_figure(
     colors = [SINGLE] if len(table) == 1 else shades(len(table))
 
     def draw(scene: SpatialScene) -> None:
-        scene.fix(discs)
-        scene.show([(body.surfaces(q), color) for q, color in zip(table, colors, strict=True)])
+        bodies = [(body.surfaces(q), color) for q, color in zip(table, colors, strict=True)]
         if line is not None:
             scene.line(line)
+        scene.fix(discs, [each for own, _ in bodies for each in own])
+        scene.show(bodies)
 
     return spatial_figure(read_view(view), positive_number("width", 6.0 if width is None else width), draw)
 

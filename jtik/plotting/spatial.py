@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from jtik.geometry import HalfSpace, Solid
 from jtik.plotting.body import triangles
 from jtik.plotting.figure import Axes, Figure, new_figure
 from jtik.plotting.style import BACKGROUND, INK, MUTED, OBSTACLE_FACE, THIN
-from jtik.plotting.surfaces import Surface, surface
+from jtik.plotting.surfaces import Surface, extent_of, obstacle_surface, surface
 from jtik.types import Array
 
 VIEW = (22.0, -52.0)
@@ -50,9 +51,13 @@ class SpatialScene:
         axes.add_collection3d(self._collection, autolim=False)
         axes.computed_zorder = False
 
-    def fix(self, obstacles: Iterable[Any]) -> None:
-        """Draw obstacles, which stay."""
-        surfaces = [surface(each) for each in obstacles]
+    def fix(self, obstacles: Iterable[Solid], bodies: Sequence[Surface]) -> None:
+        """Draw obstacles, which stay; half-spaces as far as bodies and other obstacles reach."""
+        given = tuple(obstacles)
+        points = [each.vertices for each in bodies] + [self._corners]
+        points += [surface(each).vertices for each in given if not isinstance(each, HalfSpace)]
+        extent = extent_of(np.concatenate(points))
+        surfaces = [obstacle_surface(each, extent) for each in given]
         corners, tints = self._lit(surfaces, [OBSTACLE_FACE] * len(surfaces), TRANSLUCENT)
         elevation, azimuth = np.deg2rad([self.axes.elev, self.axes.azim])
         viewer = [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)]
@@ -93,18 +98,27 @@ class SpatialScene:
         base = np.array([to_rgb(color) for color in colors])[owners]
         return corners, np.column_stack([np.clip(base * (0.12 + bright[:, None]), 0, 1), np.full(len(base), alpha)])
 
+    def include(self, surfaces: Sequence[Surface]) -> None:
+        """Leave room for surfaces that are not drawn now."""
+        for each in surfaces:
+            self._include(each.vertices)
+
     def _include(self, points: Array) -> None:
         self._corners = np.concatenate([self._corners, points.reshape(-1, 3)])
 
-    def frame(self) -> None:
-        """Set the limits to what is drawn, at equal scale, and label the axes."""
+    def frame(self, zoom: float = 1.0) -> None:
+        """Set the limits to what is drawn, at equal scale, and label the axes.
+
+        Args:
+            zoom: size of the box in the axes, relative to matplotlib's.
+        """
         low, high = self._corners.min(axis=0), self._corners.max(axis=0)
         span = np.maximum(high - low, max(THINNEST * float((high - low).max()), 1e-6))
         middle = (low + high) / 2
         axes = self.axes
         for name, at, side in zip("xyz", middle, span, strict=True):
             getattr(axes, f"set_{name}lim")(at - 0.52 * side, at + 0.52 * side, auto=None)
-        axes.set_box_aspect(span)
+        axes.set_box_aspect(span, zoom=zoom)
         self._style(span / span.max())
 
     def _style(self, shares: Array) -> None:

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.errors import ArgumentError
-from jtik.geometry import Ball, Box, Capsule, Cylinder
+from jtik.geometry import Ball, Box, Capsule, Cylinder, HalfSpace, Solid
+from jtik.plotting.scenery import outline
 from jtik.types import Array
 
 SIDES = 20
@@ -48,25 +49,68 @@ def surface(solid: object) -> Surface:
     raise ArgumentError("solid", solid, "a solid in space, such as jtik.Sphere, Capsule, Cylinder or Box")
 
 
-FLAT = 0.02
-"""Half of the height with which a solid in the plane is drawn in space, as a share of the robot's reach."""
+FLAT, DEPTH = 0.02, 0.12
+"""Half of the height of an obstacle in the plane, and how deep a half-space is drawn, as shares of a radius."""
 
 
-def drawn_surface(solid: object, reach: float) -> Surface:
-    """The surface of a solid in space, or of one in the plane as a disc.
+class Extent(NamedTuple):
+    """A ball around what is drawn: how far a half-space is drawn, and how high an obstacle in the plane.
+
+    Attributes:
+        middle: its middle, (3,) [m].
+        radius: its radius [m].
+    """
+
+    middle: Array
+    radius: float
+
+
+def extent_of(points: Array) -> Extent:
+    """The ball around the box of points (k, 3) [m]."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    return Extent((low + high) / 2, max(float(np.linalg.norm(high - low)) / 2, 1e-3))
+
+
+def obstacle_surface(solid: Solid, extent: Extent) -> Surface:
+    """The surface of an obstacle: a half-space is a patch, and an obstacle in the plane is a disc.
 
     Args:
-        solid: the solid.
-        reach: the robot's reach [m], by which discs have their height.
+        solid: the obstacle.
+        extent: what else is drawn.
 
     Raises:
         ArgumentError: for a solid that cannot be drawn.
     """
-    if isinstance(solid, Ball) and solid.center.shape == (2,):
+    radius = extent.radius
+    if isinstance(solid, HalfSpace):
+        normal = np.pad(solid.normal, (0, 3 - len(solid.normal)))
+        point = np.pad(solid.point, (0, 3 - len(solid.point)))
+        pose = np.eye(4)
+        pose[:3, :3] = along(np.zeros(3), normal)
+        depth = DEPTH * radius if solid.dimension == 2 else 0.01 * radius
+        pose[:3, 3] = extent.middle - ((extent.middle - point) @ normal + depth) * normal
+        if solid.dimension == 2:
+            pose[:3, :3] = np.stack([np.cross(normal, [0.0, 0.0, 1.0]), [0.0, 0.0, 1.0], normal], axis=1)
+            return box(np.array([1.2 * radius, FLAT * radius, depth])).at(pose)
+        return box(np.array([1.2 * radius, 1.2 * radius, depth]), 10).at(pose)
+    if solid.dimension == 3:
+        return surface(solid)
+    if isinstance(solid, Ball):
         x, y = solid.center.tolist()
-        height = FLAT * reach
+        height = FLAT * radius
         return surface(Cylinder((x, y, -height), (x, y, height), solid.radius or POINT))  # type: ignore[arg-type]
-    return surface(solid)
+    return prism(outline(solid), FLAT * radius)
+
+
+def prism(corners: Array, half: float) -> Surface:
+    """The surface of a prism over a convex polygon (k, 2) [m] about z = 0, of half a height [m]."""
+    count, here = len(corners), np.arange(len(corners))
+    following = (here + 1) % count
+    vertices = np.concatenate([np.column_stack([corners, np.full(count, z)]) for z in (-half, half)])
+    fan = np.stack([np.zeros(count - 2, dtype=np.int64), here[1:-1], here[2:]], axis=1)
+    above = following + count
+    sides = [np.stack([here, following, above], axis=1), np.stack([here, above, here + count], axis=1)]
+    return Surface(vertices, np.concatenate([fan[:, ::-1], fan + count, *sides]), smooth=False)
 
 
 @surface.register

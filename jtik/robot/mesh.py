@@ -56,7 +56,11 @@ class Mesh:
         return partial(type(self), self.file, self.pose, self.scale), ()
 
 
-def meshes_on(frames: Sequence[str], meshes: Mapping[str, Sequence[Mesh]] | None) -> dict[str, tuple[Mesh, ...]]:
+class Meshes(dict[str, tuple[Mesh, ...]]):
+    """Meshes by frame. They are for pictures: nothing that is computed depends on them, nor does a fingerprint."""
+
+
+def meshes_on(frames: Sequence[str], meshes: Mapping[str, Sequence[Mesh]] | None) -> Meshes:
     """The meshes by frame; raises UnknownNameError for a frame that does not exist."""
     accepted = "a list, each a jtik.robot.Mesh"
     named = {} if meshes is None else mapping("meshes", meshes, f"a dict from frame to {accepted}; or None")
@@ -67,4 +71,4 @@ def meshes_on(frames: Sequence[str], meshes: Mapping[str, Sequence[Mesh]] | None
         for mesh in own:
             if not isinstance(mesh, Mesh):
                 raise ArgumentError(f"meshes[{frame!r}]", mesh, accepted)
-    return {frame: own for frame, own in found.items() if own}
+    return Meshes({frame: own for frame, own in found.items() if own})

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from jtik.study.figures.robot_drawing import obstacles_in_case
-from jtik.study.figures.selection import Selection, choose_case, configurations_of, recorded_cases
+from jtik.study.figures.selection import Selection, choose_case, configurations_of, obstacles_of_case, recorded_cases
 from jtik.viewer.subjects import Subject
 from jtik.viewer.viewer import Viewer
 
@@ -34,7 +33,7 @@ def view_comparison(comparison: Comparison, obstacles: tuple[Any, ...], **option
     def shown(at: Selection) -> tuple[list[Subject], tuple[Any, ...]]:
         found = configurations_of(comparison, at, None)
         subjects = [Subject(name, comparison.robot, q, np.arange(len(q), dtype=float)) for name, q in found.items()]
-        return subjects, obstacles or obstacles_in_case(comparison, at)
+        return subjects, obstacles or obstacles_of_case(comparison, at)
 
     viewer = Viewer(*shown(first), unit="iteration or target", rate=RATE, title="jtik compare", **options)
     gui = viewer.gui

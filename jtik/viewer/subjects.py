@@ -10,10 +10,11 @@ import numpy as np
 
 from jtik.arguments import instance
 from jtik.errors import ArgumentError
+from jtik.geometry import HalfSpace
 from jtik.plotting.body import THICKNESS, Poses, reach
 from jtik.plotting.obstacles_in import obstacles_in
 from jtik.plotting.postures import configurations_of, spaced
-from jtik.plotting.surfaces import drawn_surface
+from jtik.plotting.surfaces import Extent, extent_of, obstacle_surface
 from jtik.result import Solution, Trajectory
 from jtik.robot import Robot
 from jtik.solver import InverseKinematics
@@ -80,7 +81,7 @@ def read_subjects(given: Sequence[Any], robot: Any, labels: Iterable[str] | None
             continue
         if owner is None:
             raise ArgumentError(
-                "robot", None, f"the robot of {_short(each)}: robot=..., or a robot or solver before it"
+                "robot", None, f"the robot of the {type(each).__name__}, or a robot or solver before it"
             )
         found.append(_with_motion(owner, each))
         unused = None
@@ -131,14 +132,12 @@ class Size(NamedTuple):
     """How large what is shown is.
 
     Attributes:
-        middle: its middle, (3,) [m].
-        radius: radius of a ball around it [m].
+        extent: a ball around it.
         reach: the longest reach of the robots [m].
         planar: whether all robots are planar.
     """
 
-    middle: Array
-    radius: float
+    extent: Extent
     reach: float
     planar: bool
 
@@ -157,10 +156,11 @@ def size_of(subjects: Sequence[Subject], obstacles: Sequence[Any]) -> Size:
         for q in spaced(subject.q, 8):
             points += [pose[:3, 3] for pose in poses(q).values()]
     every = [*obstacles] or [each for subject in subjects for each in subject.obstacles]
+    own = extent_of(np.array(points))
     for obstacle in every:
-        vertices = drawn_surface(obstacle, longest).vertices
-        points += [vertices.min(axis=0), vertices.max(axis=0)]
-    table = np.array(points)
-    low, high = table.min(axis=0), table.max(axis=0)
-    radius = max(float(np.linalg.norm(high - low)) / 2, 0.5 * longest)
-    return Size((low + high) / 2, radius, longest, all(subject.robot.dimension == 2 for subject in subjects))
+        if not isinstance(obstacle, HalfSpace):
+            vertices = obstacle_surface(obstacle, own).vertices
+            points += [vertices.min(axis=0), vertices.max(axis=0)]
+    extent = extent_of(np.array(points))
+    extent = extent._replace(radius=max(extent.radius, 0.5 * longest))
+    return Size(extent, longest, all(subject.robot.dimension == 2 for subject in subjects))

@@ -11,12 +11,12 @@ import numpy as np
 
 from jtik.plotting.obstacles_in import obstacles_in
 from jtik.plotting.style import COLORS, OBSTACLE_FACE, SINGLE
-from jtik.plotting.surfaces import drawn_surface
+from jtik.plotting.surfaces import Extent, obstacle_surface
 from jtik.types import Array
 from jtik.viewer.playing import Player
 from jtik.viewer.server import HOST, start
 from jtik.viewer.shown_arm import ShownArm
-from jtik.viewer.subjects import Subject, size_of
+from jtik.viewer.subjects import Size, Subject, size_of
 
 if TYPE_CHECKING:
     from jtik.solver import InverseKinematics
@@ -65,7 +65,7 @@ class Viewer:
     def _show_all(self) -> None:
         size = size_of(self._subjects, self._given)
         with self._server.atomic():
-            self._draw_obstacles(size.reach)
+            self._draw_obstacles(size.extent)
             for k, subject in enumerate(self._subjects):
                 single = len(self._subjects) == 1
                 color = rgb(SINGLE if single else COLORS[k % len(COLORS)])
@@ -74,13 +74,15 @@ class Viewer:
                 self.arms.append(arm)
             self._place_camera(size)
 
-    def _place_camera(self, size: Any) -> None:
+    def _place_camera(self, size: Size) -> None:
         scene, camera, planar = self._server.scene, self._server.initial_camera, size.planar
-        camera.look_at = size.middle
+        camera.look_at = size.extent.middle
         offset = np.array([0.0, -1e-3, 1.0]) if planar else np.array([0.75, -1.0, 0.5])
-        camera.position = size.middle + (1.5 if planar else 1.6) * size.radius * offset / np.linalg.norm(offset)
+        camera.position = size.extent.middle + (1.5 if planar else 1.6) * size.extent.radius * offset / np.linalg.norm(
+            offset
+        )
         camera.up = (0.0, 1.0, 0.0) if planar else (0.0, 0.0, 1.0)
-        cell = 10.0 ** np.floor(np.log10(max(size.radius, 1e-3)))
+        cell = 10.0 ** np.floor(np.log10(max(size.extent.radius, 1e-3)))
         depth = -3 * size.thickness if planar else 0.0
         scene.add_grid(
             "/floor",
@@ -91,16 +93,16 @@ class Viewer:
             cell_color=(225, 227, 230),
             section_color=(205, 208, 212),
             position=(0.0, 0.0, depth),
-            fade_distance=12 * size.radius,
+            fade_distance=12 * size.extent.radius,
         )
 
-    def _draw_obstacles(self, reach: float) -> None:
+    def _draw_obstacles(self, extent: Extent) -> None:
         for node in self.obstacles:
             node.remove()
         every = self._given or tuple(each for subject in self._subjects for each in subject.obstacles)
         self.obstacles = []
         for k, obstacle in enumerate(every):
-            each = drawn_surface(obstacle, reach)
+            each = obstacle_surface(obstacle, extent)
             vertices, faces = each.vertices.astype(np.float32), each.faces.astype(np.uint32)
             style = {"color": rgb(OBSTACLE_FACE), "opacity": 0.8, "flat_shading": not each.smooth, "side": "double"}
             self.obstacles.append(self._server.scene.add_mesh_simple(f"/obstacles/{k}", vertices, faces, **style))
@@ -125,7 +127,7 @@ class Viewer:
         for arm in self.arms:
             if arm.subject.ik is ik and arm.target is not None:
                 arm.target.update(ik)
-        self._draw_obstacles(size_of(self._subjects, self._given).reach)
+        self._draw_obstacles(size_of(self._subjects, self._given).extent)
 
     def replace(self, subjects: Sequence[Subject], obstacles: Sequence[Any]) -> None:
         """Show other subjects and obstacles; the view stays."""
