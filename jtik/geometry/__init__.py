@@ -25,6 +25,7 @@ from jtik.geometry.kinds import Distances
 from jtik.geometry.obstacles import Obstacle, centers_and_radii
 from jtik.geometry.polygons import Sides, point_to_polygon, segment_to_polygon
 from jtik.geometry.scene import Scene
+from jtik.geometry.segments import closest_points, segment_to_segment
 from jtik.geometry.slots import Slot, Slots
 from jtik.geometry.solids import Ball, Box, Capsule, Circle, Cylinder, Point, Solid, Sphere
 
@@ -48,6 +49,7 @@ __all__ = [
     "Sphere",
     "bounds",
     "centers_and_radii",
+    "closest_points",
     "enclosing_segment",
     "in_axes",
     "point_to_ball",
@@ -62,4 +64,5 @@ __all__ = [
     "segment_to_cylinder",
     "segment_to_half_space",
     "segment_to_polygon",
+    "segment_to_segment",
 ]
