@@ -45,7 +45,7 @@ ARMS = {"planar": lambda: jtik.Robot.planar(4), "ball": ball_arm, "floating": fl
 def test_random_motions_against_dense_sampling(kind, accuracy, rng):
     robot = ARMS[kind]()
     shape = jtik.Circle if robot.dimension == 2 else jtik.Sphere
-    for _ in range(3):
+    for _ in range(2):
         balls = [shape(rng.normal(size=robot.dimension), rng.uniform(0, 0.3)) for _ in range(3)]
         measure = ObstacleAvoidance(balls, bodies="both")
         distances = Distances(robot, measure)
@@ -54,7 +54,7 @@ def test_random_motions_against_dense_sampling(kind, accuracy, rng):
         dense = math.inf
         for start, end in itertools.pairwise(q):
             dq = robot.difference(start, end)
-            for share in np.linspace(0, 1, 2000):
+            for share in np.linspace(0, 1, 300):
                 values = distances._distances(
                     start, dq, share, *[np.asarray(v) for v in measure.parameters(robot).values()]
                 )
