@@ -135,7 +135,7 @@ def timed(
     bounds, notes = _assumed(robot, limits)
     path = timed_path(attempt.configurations, bounds.velocity, bounds.acceleration, method=method)
     if path.method == "trapezoid" and method is None and not _has_toppra():
-        notes.append("toppra is not installed: a trapezoid was used, which is slower")
+        notes.append("a trapezoid was used, which is slower than what toppra finds: pip install 'jtik[timing]'")
     count = math.ceil(path.duration / period)
     path = path.slower(count * period / path.duration)
     times: Array = np.arange(count + 1, dtype=np.float64) * period
