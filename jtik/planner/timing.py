@@ -25,9 +25,6 @@ from jtik.types import Array
 CELLS = 400
 """Smallest number of cells of the grid."""
 
-MOST_WAYPOINTS = 2000
-"""Largest number of samples through which the path goes."""
-
 SPACING = 1e-3
 """Samples nearer than this to the one before are left out: the largest motion of a joint between them [rad] or [m]."""
 
@@ -131,11 +128,9 @@ def timed_path(waypoints: Array, velocity: Array, acceleration: Array, *, method
 
 def thinned(waypoints: Array) -> Array:
     """The waypoints without those that are hardly away from the one before; the last one always stays."""
-    total = float(np.abs(np.diff(waypoints, axis=0)).max(axis=1, initial=0.0).sum()) if len(waypoints) > 1 else 0.0
-    spacing = max(SPACING, total / MOST_WAYPOINTS)
     kept = [0]
     for i in range(1, len(waypoints)):
-        if np.abs(waypoints[i] - waypoints[kept[-1]]).max(initial=0.0) >= spacing:
+        if np.abs(waypoints[i] - waypoints[kept[-1]]).max(initial=0.0) >= SPACING:
             kept.append(i)
     last = len(waypoints) - 1
     if kept[-1] != last and (waypoints[kept[-1]] != waypoints[last]).any():
