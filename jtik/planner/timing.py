@@ -30,6 +30,9 @@ SPACING = 1e-3
 
 TINY = 1e-12
 
+PASSES = 10
+"""Passes of the smoothing; more of them make no path faster."""
+
 
 @dataclass(frozen=True, eq=False)
 class TimedPath:
@@ -124,6 +127,25 @@ def timed_path(waypoints: Array, velocity: Array, acceleration: Array, *, method
     paths = [TimedPath(grid, coefficients, x, name) for name, x in profiles.items()]
     paths = [path.slower(path.used(velocity, acceleration) * (1 + 1e-9)) for path in paths]
     return min(paths, key=lambda path: path.duration)
+
+
+def smoothed(waypoints: Array, tolerance: float) -> Array:
+    """The waypoints, smoothed within a tolerance; the first and the last stay.
+
+    Each pass takes the mean of a waypoint and its neighbours, and moves it back to where no joint is farther from the
+    given waypoint than the tolerance. Every joint stays within the range of its neighbours, so that position limits
+    that hold at the waypoints go on to hold.
+
+    Args:
+        waypoints: configurations (k, n).
+        tolerance: largest change of any joint [rad] or [m].
+    """
+    found = waypoints.copy()
+    for _ in range(PASSES if len(waypoints) > 2 else 0):
+        for _ in range(2):
+            found[1:-1] = (found[:-2] + found[1:-1] + found[2:]) / 3
+        found = waypoints + np.clip(found - waypoints, -tolerance, tolerance)
+    return found
 
 
 def thinned(waypoints: Array) -> Array:
