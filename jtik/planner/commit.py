@@ -10,14 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from jtik.arguments import choice, non_negative_number, positive_number
+from jtik.arguments import choice, instance, non_negative_number, positive_number
 from jtik.arguments import path as read_path
 from jtik.constraints import Limits
 from jtik.constraints.limits import Bounds
 from jtik.errors import ArgumentError
+from jtik.geometry import Scene
 from jtik.planner.attempt import Attempt
 from jtik.planner.checks import Finding, check
 from jtik.planner.commands import FORMATS, JointCommands, export
+from jtik.planner.motion import read_attempt
 from jtik.planner.timing import smoothed, timed_path
 from jtik.planner.trajectories import animation, figure
 from jtik.robot import Robot
@@ -60,7 +62,7 @@ def commit(
     format: str,
     *,
     limits: Limits | None = None,
-    scene: Mapping[str, Any] | None = None,
+    scene: Scene | Mapping[str, Any] | None = None,
     safe: float = 0.0,
     bodies: str | None = None,
     period: float = PERIOD,
@@ -76,7 +78,7 @@ def commit(
         format: "csv", "json", "npz", "ros2_json" or "ros2_yaml", see `jtik.planner.commands.export`; "figure" for a
             picture, whose kind follows from the suffix; "animation" for a GIF.
         limits: limits of the commands, see `timed`.
-        scene: the obstacles, a dict of `jtik.Scene.to_dict`; by default those of the attempt when it ended.
+        scene: the obstacles, a `jtik.Scene` or its dict; by default those of the attempt when it ended.
         safe: smallest distance allowed of any body to any obstacle [m].
         bodies: what may not come close to obstacles; by default "shapes" on a robot that has any, else "links".
         period: time between two commands [s].
@@ -136,7 +138,7 @@ def timed(
     Raises:
         ArgumentError: for a robot with ball or free joints, or an attempt in which no joint moves.
     """
-    period, units = positive_number("period", period), _units(robot)
+    period, units = positive_number("period", period), _units(attempt, robot)
     bounds, notes = _assumed(robot, limits)
     tolerance = non_negative_number("smoothing", smoothing, "a non-negative angle or length [rad] or [m]")
     waypoints = smoothed(attempt.configurations, tolerance) if tolerance else attempt.configurations
@@ -165,7 +167,7 @@ def timed(
 
 def as_recorded(attempt: Attempt, robot: Robot) -> JointCommands:
     """Joint commands at the times of an attempt. Raises ArgumentError for a robot with ball or free joints."""
-    units, q, times = _units(robot), attempt.configurations, attempt.times
+    units, q, times = _units(attempt, robot), attempt.configurations, attempt.times
     several = len(times) > 1
     velocities = np.gradient(q, times, axis=0) if several else np.zeros_like(q)
     return JointCommands(
@@ -179,8 +181,9 @@ def as_recorded(attempt: Attempt, robot: Robot) -> JointCommands:
     )
 
 
-def _units(robot: Robot) -> tuple[str, ...]:
-    """Unit of each joint. Raises ArgumentError where a joint has more than one number."""
+def _units(attempt: Attempt, robot: Robot) -> tuple[str, ...]:
+    """Unit of each joint. Raises ArgumentError where one has several numbers, or the attempt is of another robot."""
+    read_attempt(attempt, robot)
     if len(robot.scalar_q) != robot.nq:
         given = f"{robot!r}, which has ball or free joints"
         raise ArgumentError("robot", given, "a robot of revolute and prismatic joints")
@@ -197,7 +200,7 @@ def _has_toppra() -> bool:
 
 def _assumed(robot: Robot, limits: Limits | None) -> tuple[Bounds, list[str]]:
     """The limits, with what is assumed where there are none, and sentences that say so."""
-    given = Limits() if limits is None else limits
+    given = Limits() if limits is None else instance("limits", limits, Limits, "a jtik.Limits, or None")
     bounds, notes = given.of(robot), []
     velocity, acceleration = bounds.velocity.copy(), bounds.acceleration.copy()
     if given.velocity is True and not np.isfinite(velocity).all():
