@@ -69,7 +69,7 @@ def commit(
     smoothing: float = 0.0,
     recorded: bool = False,
 ) -> Committed:
-    """Time an attempt, check the commands, and write them. They are written in any case: the findings are told.
+    """Time an attempt, check the commands, and write them. They are written in any case; what is wrong with them is returned.
 
     Args:
         attempt: the attempt.

@@ -29,6 +29,7 @@ SPACING = 1e-3
 """Samples nearer than this to the one before are left out: the largest motion of a joint between them [rad] or [m]."""
 
 TINY = 1e-12
+"""Smallest first or second derivative along a path that limits its speed."""
 
 PASSES = 10
 """Passes of the smoothing; more of them make no path faster."""
