@@ -69,7 +69,7 @@ def commit(
     smoothing: float = 0.0,
     recorded: bool = False,
 ) -> Committed:
-    """Time an attempt, check the commands, and write them. They are written in any case; what is wrong with them is returned.
+    """Time an attempt, check the commands, and write them, whatever the check finds: it returns the findings.
 
     Args:
         attempt: the attempt.
