@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from jtik.arguments import finite_array, instances, non_negative_number, positive_number, shape_of
 from jtik.errors import ArgumentError, MissingExtraError
-from jtik.geometry import Obstacle
+from jtik.geometry import Obstacle, bounds
 from jtik.plotting.style import BACKGROUND, MARGIN, MUTED, THIN
 
 Window: TypeAlias = tuple[float, float, float, float]
@@ -85,6 +85,8 @@ def label_axes(axes: Axes, size: float = 13.0) -> None:
         size: size of the text [points].
     """
     axes.tick_params(direction="in", length=0.4 * size, color=THIN, labelcolor=MUTED, labelsize=size, pad=-0.5 * size)
+    for axis, room in ((axes.xaxis, 4.5 * size), (axes.yaxis, 2.2 * size)):
+        axis.set_major_locator(_locator(room))
     style = {"textcoords": "offset points", "color": MUTED, "fontsize": size}
     axes.annotate("x [m]", (1, 0), (-0.6 * size, 0.5 * size), xycoords="axes fraction", ha="right", **style)
     axes.annotate("y [m]", (0, 1), (0.5 * size, -0.6 * size), xycoords="axes fraction", va="top", **style)
@@ -92,6 +94,21 @@ def label_axes(axes: Axes, size: float = 13.0) -> None:
         label.set_verticalalignment("bottom")
     for label in axes.get_yticklabels():
         label.set_horizontalalignment("left")
+
+
+def _locator(room: float) -> Any:
+    """Ticks that leave the end of an axis free, where its label is, for as many points."""
+    from matplotlib.ticker import AutoLocator
+
+    class Locator(AutoLocator):
+        def __call__(self) -> Any:
+            axis: Any = self.axis
+            axes, index = axis.axes, 0 if axis.axis_name == "x" else 1
+            ticks = np.asarray(super().__call__())
+            places = axes.transData.transform(np.outer(ticks, np.eye(2)[index]))[:, index]
+            return ticks[places < axes.bbox.max[index] - room * axes.figure.dpi / 72]
+
+    return Locator()
 
 
 def frame_axes(axes: Axes) -> None:
@@ -105,7 +122,7 @@ def window_around(points: ArrayLike, obstacles: Iterable[Obstacle] = (), margin:
 
     Args:
         points: positions (..., 2) [m].
-        obstacles: points and circles.
+        obstacles: obstacles in the plane; of a half-space its point is shown.
         margin: margin on every side, as a share of the larger side.
 
     Returns:
@@ -114,12 +131,12 @@ def window_around(points: ArrayLike, obstacles: Iterable[Obstacle] = (), margin:
     shape = shape_of(points) or ()
     flat = finite_array("points", points, (*[None] * (len(shape) - 1), 2), "finite positions of shape (..., 2)")
     flat = flat.reshape(-1, 2)
-    discs = instances("obstacles", obstacles, Obstacle, "points and circles")
+    shown = instances("obstacles", obstacles, Obstacle, "obstacles in the plane")
     margin = non_negative_number("margin", margin)
-    if not len(flat) and not discs:
+    if not len(flat) and not shown:
         raise ArgumentError("points", "none", "at least one position or obstacle")
-    low = np.min([*flat, *(disc.center - disc.radius for disc in discs)], axis=0)
-    high = np.max([*flat, *(disc.center + disc.radius for disc in discs)], axis=0)
+    low = np.min([*flat, *(bounds(each)[0] for each in shown)], axis=0)
+    high = np.max([*flat, *(bounds(each)[1] for each in shown)], axis=0)
     border = margin * max(float((high - low).max()), 1e-6)
     return (float(low[0] - border), float(high[0] + border), float(low[1] - border), float(high[1] + border))
 
