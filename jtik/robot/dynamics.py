@@ -12,7 +12,7 @@ from jtik.robot.joint_type import JointType
 from jtik.robot.masses_and_shapes import Mass
 from jtik.robot.rigid_bodies import moving_joints
 from jtik.robot.tree import Joint
-from jtik.symbolic import SX, Expression, cross, dot, identity, vertcat
+from jtik.symbolic import SX, Expression, cross, dot, stack, sumsqr, vertcat
 from jtik.types import Array
 
 if TYPE_CHECKING:
@@ -29,6 +29,10 @@ def standard_gravity(dimension: int) -> Array:
     return gravity
 
 
+_UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+"""Rows and columns of the entries of a symmetric matrix that are computed."""
+
+
 @dataclass(frozen=True)
 class _Composite:
     """A rigid body about the reference point, in base axes.
@@ -36,7 +40,8 @@ class _Composite:
     Attributes:
         mass: mass [kg].
         moment: mass times the position of the centre of mass, (3, 1) [kg m].
-        inertia: inertia about the reference point, (3, 3) [kg m^2]; None where it is not needed.
+        inertia: entries of the inertia about the reference point, in the order of `_UPPER` (6, 1) [kg m^2]; None where
+            it is not needed.
     """
 
     mass: float
@@ -107,6 +112,23 @@ class Dynamics:
                 before = inward[before.name]
         return M
 
+    def kinetic_energy(self, v: Expression) -> Expression:
+        """1/2 v' M v [J] without M, which takes a third of the operations."""
+        twists: dict[str, Expression] = {}
+        total: Expression = 0
+        for joint, before in self._joints:
+            twist = SX.zeros(6) if before is None else twists[before.name]
+            for k, gain, column in self._entries(joint):
+                twist = twist + gain * v[k] * column
+            twists[joint.name] = twist
+            mass = self._robot.bodies.get(joint.child)
+            if mass is not None:
+                center = self._kinematics.space_point(joint.child, mass.center) - self._reference
+                speed = twist[:3] + cross(twist[3:], center)
+                turning = self._kinematics.rotation(joint.child).T @ twist[3:]
+                total += mass.mass * sumsqr(speed) + dot(turning, mass.inertia @ turning)
+        return total / 2
+
     def _entries(self, joint: Joint) -> list[tuple[int, float, Expression]]:
         """Velocity entry, ratio and column (6, 1) of each column of a joint."""
         gain = 1.0 if joint.mimic is None else joint.mimic.multiplier
@@ -131,9 +153,12 @@ class Dynamics:
         if not with_inertia:
             return _Composite(mass.mass, mass.mass * center, None)
         R = self._kinematics.rotation(frame)
-        turned = R @ mass.inertia @ R.T
-        shift = mass.mass * (dot(center, center) * identity(3) - center @ center.T)
-        return _Composite(mass.mass, mass.mass * center, turned + shift)
+        turned, square = R @ mass.inertia, dot(center, center)
+        entries = []
+        for i, j in _UPPER:
+            shift = (square if i == j else 0) - center[i] * center[j]
+            entries.append(dot(turned[i, :].T, R[j, :].T) + mass.mass * shift)
+        return _Composite(mass.mass, mass.mass * center, vertcat(*entries))
 
     def _reference_point(self) -> Expression:
         """The origin of the frame after the joints at the base that shift the whole robot."""
@@ -148,7 +173,13 @@ class Dynamics:
 def _momentum(body: _Composite, column: Expression) -> Expression:
     """Linear and angular momentum (6, 1) about the reference point, of a motion of the same form."""
     v, w = column[:3], column[3:]
-    return vertcat(body.mass * v + cross(w, body.moment), body.inertia @ w + cross(body.moment, v))
+    return vertcat(body.mass * v + cross(w, body.moment), _symmetric(body.inertia) @ w + cross(body.moment, v))
+
+
+def _symmetric(entries: Expression) -> Expression:
+    """The matrix (3, 3) of the entries of `_UPPER`."""
+    xx, xy, xz, yy, yz, zz = (entries[k] for k in range(6))
+    return stack([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 def _add(M: Expression, i: int, k: int, value: Expression, *, twice: bool) -> None:

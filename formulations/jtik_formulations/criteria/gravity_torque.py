@@ -81,14 +81,15 @@ class GravityTorque(Criterion):
     def _inverse_scale(self, robot: Robot) -> Array:
         """1 / scale (n,); zero for free joints that a scale for each joint does not name."""
         effort = robot.effort_limit
-        known = np.where(np.isfinite(effort), effort, 1.0)
+        known, moved_by_motors = np.where(np.isfinite(effort), effort, 1.0), np.ones(robot.n)
         for joint in robot.independent_joints:
             if joint.type is JointType.FREE:
-                known[robot.v_slice(joint.name)] = np.inf
+                moved_by_motors[robot.v_slice(joint.name)] = 0.0
         if self._scale is None:
-            scale = known
-        elif isinstance(self._scale, np.ndarray) and self._scale.ndim == 0:
-            scale = np.where(np.isinf(known), np.inf, self._scale)
-        else:
-            scale = robot.velocity_values(self._scale, default=known, argument="scale")
-        return np.asarray(1 / scale)
+            return np.asarray(moved_by_motors / known)
+        if isinstance(self._scale, np.ndarray):
+            if self._scale.ndim == 0:
+                return np.asarray(moved_by_motors / self._scale)
+            return 1 / robot.velocity_values(self._scale, default=1.0, argument="scale")
+        named = robot.velocity_values(self._scale, default=0.0, argument="scale")
+        return np.where(named > 0, 1 / np.where(named > 0, named, 1.0), moved_by_motors / known)

@@ -81,5 +81,4 @@ class KineticEnergy(Criterion):
     def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
         """1/2 d' (M + diag(rotor inertia)) d."""
         d = displacement(kinematics.robot, kinematics.q, parameters["reference"])
-        momentum = kinematics.mass_matrix() @ d + parameters["rotor_inertia"] * d
-        return dot(d, momentum) / 2
+        return kinematics.kinetic_energy(d) + dot(parameters["rotor_inertia"], d**2) / 2
