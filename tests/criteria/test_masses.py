@@ -171,7 +171,7 @@ class TestSupportPolygon:
 
     @pytest.mark.parametrize(
         ("x", "wanted"),
-        [(0.9, 0.1**3 / 1.2), (1.0, 0.2**2 / 6), (1.5, 0.7**2 / 2 - 0.7 * 0.1 + 0.04 / 6)],
+        [(0.9, 0.5**3 / 6), (1.0, 1 / 6), (1.5, 3.5**2 / 2 - 3.5 / 2 + 1 / 6)],
         ids=["in the margin", "on the edge", "outside"],
     )
     def test_beyond_one_edge(self, x, wanted):
@@ -192,9 +192,9 @@ class TestSupportPolygon:
             assert np.all(np.diff(away) >= -1e-12)
             assert away[-1] > 0
 
-    def test_without_a_margin_it_begins_at_the_edge(self):
-        assert self.at((1.0, 0.0), margin=0.0) == 0
-        assert self.at((1.1, 0.0), margin=0.0) == pytest.approx(0.1**2 / 2)
+    def test_a_live_margin_of_zero_counts_as_a_millimetre(self):
+        criterion, q = made(tuple(SQUARE), 0.2), [0.9995, 0.0, 0.0]
+        assert criterion(q, self.robot, margin=0.0) == pytest.approx(0.5**3 / 6)
 
     def test_a_corner_that_is_repeated_counts_once(self):
         criterion, q = SupportPolygon(SQUARE, margin=0.2), [1.4, 0.3, 0.0]
@@ -305,7 +305,7 @@ class TestWrongArguments:
             KineticEnergy([0.1, 0.2, 0.3])([0.1, 0.2], robot)
 
     def test_support_polygon(self):
-        with pytest.raises(jtik.ArgumentError, match=r"^margin: given -0.1; accepted: a non-negative distance"):
-            SupportPolygon(SQUARE, margin=-0.1)
+        with pytest.raises(jtik.ArgumentError, match=r"^margin: given 0.0; accepted: a positive distance"):
+            SupportPolygon(SQUARE, margin=0.0)
         with pytest.raises(jtik.UnknownNameError, match="hand"):
             SupportPolygon(SQUARE, frame="hand")([0.1, 0.2], weighted(planar(2)))

@@ -544,6 +544,10 @@ OF_OPTIONS: dict[str, dict[str, Kind]] = {
         "floor": POSITIVE,
         "name": NAME,
     },
+    "gravity_torque": {"scale": POSITIVE | "{}" | "None", "gravity": NOTHING | "None", "name": NAME},
+    "kinetic_energy": {"reference": NOTHING | "None" | "{}", "rotor_inertia": NON_NEGATIVE | "{}", "name": NAME},
+    "effective_mass": {"direction": NOTHING, "frame": FRAME, "rotor_inertia": NON_NEGATIVE | "{}", "name": NAME},
+    "support_polygon": {"vertices": NOTHING, "margin": POSITIVE, "frame": FRAME, "name": NAME},
     "compact_posture": {"center": NOTHING | "None", "name": NAME},
     "directional_manipulability": {"direction": NOTHING | "None", **OF_ROWS, "measure": NOTHING},
     "frame_proximity": {
@@ -575,6 +579,8 @@ OF_OPTIONS: dict[str, dict[str, Kind]] = {
 NEEDED: dict[str, dict[str, Any]] = {
     "obstacle_avoidance": {"obstacles": FIELD},
     "frame_proximity": {"height": 0.4},
+    "effective_mass": {"direction": (1.0, 0.5)},
+    "support_polygon": {"vertices": [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]},
     "look_at": {"target": (1.0, 0.5)},
     "swivel_angle": {"shoulder": "base", "elbow": "link2", "wrist": "tip"},
     "visibility": {"target": (1.0, 0.5)},

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik import Criterion, register_criterion
-from jtik.arguments import array_of, non_negative_number
+from jtik.arguments import array_of, positive_number
 from jtik.arguments import name as read_name
 from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
@@ -22,15 +22,18 @@ MARGIN = 0.02
 """Default of the margin [m]."""
 
 SMALLEST = 1e-9
-"""Length of a live edge [m] that counts as none, and smallest width [m] of the transition."""
+"""Length of a live edge [m] that counts as none."""
+
+SMALLEST_MARGIN = 1e-3
+"""Smallest margin [m] that is used: H is curved by its square."""
 
 
 @register_criterion("support_polygon")
 class SupportPolygon(Criterion):
-    """H = sum over the edges of phi(margin - d_i) [m^2], d_i the distance of the centre of mass inside the edge i.
+    """H = sum over the edges of phi(1 - d_i / margin), no unit, d_i the distance of the centre of mass inside the edge.
 
-    phi(s) is zero for s <= 0, and half of the square far outside, with a continuous second derivative: H is zero where
-    the centre of mass is above the polygon and ``margin`` away from its edges. Prefer it to keep a legged robot, or an
+    phi(x) is zero for x <= 0, 1/6 on the edge and quadratic outside, with a continuous second derivative: H is zero
+    where the centre of mass is above the polygon and ``margin`` away from its edges. Prefer it to keep a legged robot, or an
     arm on a vehicle, from tipping over where other criteria may ask for more; prefer a `jtik.CenterOfMassTask` where
     the place of the centre of mass must be reached. It is a cost, and no guarantee.
 
@@ -39,13 +42,13 @@ class SupportPolygon(Criterion):
 
     Args:
         vertices: corners (k, 2) [m] of a convex polygon, in order, in the x-y plane of ``frame``.
-        margin: non-negative distance from the edges [m] at which the cost begins.
+        margin: positive distance from the edges [m] at which the cost begins; at least 1 mm is used.
         frame: name of the frame that carries the polygon, such as that of a vehicle; the base when None.
         name: the first part of the names of its parameters.
 
     Raises:
-        ArgumentError: when the polygon has fewer than three corners, no area or is not convex, the margin is negative,
-            or the robot has no masses.
+        ArgumentError: when the polygon has fewer than three corners, no area or is not convex, the margin is not
+            positive, or the robot has no masses.
         UnknownNameError: when the robot has no such frame.
 
     Source: McGhee and Frank (1968), the static stability margin.
@@ -66,7 +69,7 @@ class SupportPolygon(Criterion):
         name: str = "support_polygon",
     ) -> None:
         self._vertices = _convex("vertices", vertices)
-        self._margin = non_negative_number("margin", margin, "a non-negative distance [m]")
+        self._margin = positive_number("margin", margin, "a positive distance [m]")
         self._frame = frame_or_tip(frame)
         self.name = read_name("name", name)
 
@@ -88,22 +91,20 @@ class SupportPolygon(Criterion):
         return {"vertices": self._vertices, "margin": self._margin}
 
     def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
-        """The sum of phi(margin - d_i)."""
-        margin, corners = parameters["margin"], parameters["vertices"]
+        """The sum of phi(1 - d_i / margin)."""
+        margin, corners = fmax(parameters["margin"], SMALLEST_MARGIN), parameters["vertices"]
         rows = [(corners[i, 0], corners[i, 1]) for i in range(self._vertices.shape[0])]
         edges = list(zip(rows, [*rows[1:], rows[0]], strict=True))
         twice_area = sum(ax * by - bx * ay for (ax, ay), (bx, by) in edges)
         x, y = self._ground_point(kinematics)
-        width = fmax(margin, SMALLEST)
         total: Expression = 0
         for (ax, ay), (bx, by) in edges:
             ex, ey = bx - ax, by - ay
             length = sqrt(fmax(ex**2 + ey**2, SMALLEST**2))
             inside = if_else(twice_area < 0, -1, 1) * (ex * (y - ay) - ey * (x - ax)) / length
-            beyond = fmax(margin - inside, 0)
-            near = beyond**3 / (6 * width)
-            far = beyond**2 / 2 - beyond * width / 2 + width**2 / 6
-            total += if_else(length > SMALLEST, if_else(beyond < width, near, far), 0)
+            beyond = fmax(1 - inside / margin, 0)
+            phi = if_else(beyond < 1, beyond**3 / 6, (beyond**2 - beyond) / 2 + 1 / 6)
+            total += if_else(length > SMALLEST, phi, 0)
         return total
 
     def _ground_point(self, kinematics: Kinematics) -> tuple[Expression, Expression]:
