@@ -33,9 +33,9 @@ class SupportPolygon(Criterion):
     """H = sum over the edges of phi(1 - d_i / margin), no unit, d_i the distance of the centre of mass inside the edge.
 
     phi(x) is zero for x <= 0, 1/6 on the edge and quadratic outside, with a continuous second derivative: H is zero
-    where the centre of mass is above the polygon and ``margin`` away from its edges. Prefer it to keep a legged robot, or an
-    arm on a vehicle, from tipping over where other criteria may ask for more; prefer a `jtik.CenterOfMassTask` where
-    the place of the centre of mass must be reached. It is a cost, and no guarantee.
+    where the centre of mass is above the polygon and ``margin`` away from its edges. Prefer it to keep a legged robot,
+    or an arm on a vehicle, from tipping over where other criteria may ask for more; prefer a `jtik.CenterOfMassTask`
+    where the place of the centre of mass must be reached. It is a cost, and no guarantee.
 
     Live parameters: ``support_polygon.vertices`` (k, 2) [m] and ``support_polygon.margin`` [m]. A repeated vertex
     counts once, so that a polygon can lose corners while a program runs; live vertices must stay convex.
