@@ -41,7 +41,7 @@ MARKS = {"as it should": "✓", "slow": "s", "saddle": "d", "off the task": "t",
 """The outcomes, best first, and their marks."""
 
 REASONS = {
-    "slow": f"on target, and H has not risen, but is not stationary after {ITERATIONS} iterations, or makes no progress",
+    "slow": f"on target, H has not risen, and is not stationary after {ITERATIONS} iterations or without progress",
     "saddle": "on target, at a saddle point or a maximum of H that the solver reports as such",
     "off the task": "the task is off by more than its tolerance at the end, as where a strategy weighs it against H",
     "H rises": "H is higher at the end than at the start",

@@ -49,7 +49,7 @@ def test_a_solve_from_a_feasible_start_ends_as_it_should(matrix, cell):
 def test_too_few_iterations_are_no_success(matrix):
     found = matrix.outcome("ten", "joint_centering", "hybrid", starts=1, iterations=1)
     assert found["outcome"] in ("slow", "off the task")
-    assert "iterations" in found["sentence"] or "could still fall" in found["sentence"]
+    assert "iteration limit" in found["sentence"] or "could still fall" in found["sentence"]
 
 
 def test_the_page_lists_every_pair_and_the_reasons(matrix):
