@@ -135,6 +135,27 @@ class TestSymbols:
         assert standard[:, 0] == pytest.approx(robot.gravity_torque(at), abs=AGREEMENT)
         assert pytest.approx(robot.mass_matrix(at), abs=AGREEMENT) == M
 
+    def test_they_are_there_within_a_criterion(self):
+        robot = weighted(planar(3))
+
+        @jtik.criterion
+        def effort(q, robot):
+            torque, M = robot.gravity_torque(q), robot.mass_matrix(q)
+            return torque.T @ torque / 2 + M[0, 0]
+
+        q = robot.random_configuration(0)
+        wanted = robot.gravity_torque(q) @ robot.gravity_torque(q) / 2 + robot.mass_matrix(q)[0, 0]
+        assert effort(q, robot) == pytest.approx(wanted)
+        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "position"), criteria=effort)
+        solution = ik.solve(robot.position(q), q0=q, until="stationary")
+        assert solution.cost < wanted
+
+    def test_the_energy_is_that_of_the_mass_matrix(self, robot, rng):
+        q, v = casadi.SX.sym("q", robot.nq), rng.standard_normal(robot.n)
+        at = robot.random_configuration(rng)
+        energy = float(casadi.Function("f", [q], [robot.at(q).kinetic_energy(v)])(at))
+        assert energy == pytest.approx(v @ robot.mass_matrix(at) @ v / 2)
+
     def test_an_mx_calls_the_compiled_functions(self):
         robot = ROBOTS["dh"]()
         q, at = casadi.MX.sym("q", robot.nq), robot.random_configuration(0)
