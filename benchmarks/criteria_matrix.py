@@ -43,7 +43,7 @@ MARKS = {"as it should": "✓", "slow": "s", "saddle": "d", "off the task": "t",
 REASONS = {
     "slow": f"on target, H has not risen, and is not stationary after {ITERATIONS} iterations or without progress",
     "saddle": "on target, at a saddle point or a maximum of H that the solver reports as such",
-    "off the task": "the task is off by more than its tolerance at the end, as where a strategy weighs it against H",
+    "off the task": "the task is off by more than its tolerance: its step converges slowly, or is weighed against H",
     "H rises": "H is higher at the end than at the start",
     "refused": "the solver refuses the pair, or the robot",
 }
