@@ -10,14 +10,20 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+import numpy as np
+
 import jtik
 from jtik.plotting import BACKGROUND, posture_figure
+from jtik.robot import Mass
 from jtik_formulations import (
     CompactPosture,
     DirectionalManipulability,
+    EffectiveMass,
     FrameProximity,
+    GravityTorque,
     Isotropy,
     JointCentering,
+    KineticEnergy,
     LimitActivation,
     LimitBarrier,
     LimitCentering,
@@ -27,6 +33,7 @@ from jtik_formulations import (
     MinimumDisplacement,
     ObstacleAvoidance,
     SmallestSingularValue,
+    SupportPolygon,
     SwivelAngle,
     Visibility,
 )
@@ -34,7 +41,8 @@ from jtik_formulations import (
 FOLDER = Path(__file__).parent / "criteria"
 WINDOW = (-1.3, 5.3, -1.6, 3.6)  # left, right, bottom, top [m]
 
-ARM = jtik.Robot.planar(6, lower=-2.2, upper=2.2)
+ROD = Mass(1.0, [0.5, 0.0, 0.0], np.diag([0.0, 1 / 12, 1 / 12]))
+ARM = jtik.Robot.planar(6, lower=-2.2, upper=2.2).with_masses({f"link{k}": ROD for k in range(1, 7)})
 START = [1.9, -1.3, -1.1, 0.9, 0.5, -0.9]  # [rad]
 TARGET = ARM.position(START)
 BALL = jtik.Circle(center=(2.2, 0.55), radius=0.45)
@@ -53,6 +61,10 @@ CRITERIA: dict[str, tuple[jtik.Criterion, list[jtik.Circle]]] = {
     "isotropy": (Isotropy(kind="position"), []),
     "smallest_singular_value": (SmallestSingularValue(kind="position"), []),
     "directional_manipulability": (DirectionalManipulability([0.0, 1.0]), []),
+    "gravity_torque": (GravityTorque(), []),
+    "kinetic_energy": (KineticEnergy(), []),
+    "effective_mass": (EffectiveMass([1.0, 0.0]), []),
+    "support_polygon": (SupportPolygon([(-0.5, -4.0), (1.0, -4.0), (1.0, 4.0), (-0.5, 4.0)], margin=0.1), []),
     "look_at": (LookAt((1.0, 3.2), "link5"), [jtik.Circle((1.0, 3.2), 0.08)]),
     "visibility": (Visibility((1.0, 3.2), "link5"), [jtik.Circle((1.0, 3.2), 0.08)]),
     "obstacle_avoidance": (ObstacleAvoidance([BALL], bodies="links"), [BALL]),

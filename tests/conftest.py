@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import jtik
-from jtik.robot import JointType
+from jtik.robot import JointType, Mass
 
 EXACT = 1e-12
 """Rounding of some dozens of operations on numbers of order one."""
@@ -97,6 +97,24 @@ def floating_arm():
         ],
         name="floating_arm",
     )
+
+
+def random_mass(rng):
+    """A mass with a centre and the inertia of a body, off the axes of its frame."""
+    points = rng.normal(scale=0.1, size=(6, 3))
+    offsets = points - points.mean(axis=0)
+    inertia = sum(p @ p * np.eye(3) - np.outer(p, p) for p in offsets)
+    return Mass(rng.uniform(0.5, 3.0), points.mean(axis=0), inertia)
+
+
+@functools.cache
+def weighted(robot, seed=0):
+    """The robot with a random mass on every frame but the base, in the plane of a planar robot."""
+    rng = np.random.default_rng(seed)
+    masses = {frame: random_mass(rng) for frame in robot.frame_names[1:]}
+    if robot.dimension == 2:
+        masses = {frame: Mass(m.mass, m.center * [1, 1, 0], m.inertia) for frame, m in masses.items()}
+    return robot.with_masses(masses)
 
 
 def report_at(ik, q, target):

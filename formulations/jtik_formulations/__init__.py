@@ -2,9 +2,12 @@
 
 from jtik_formulations.criteria.compact_posture import CompactPosture
 from jtik_formulations.criteria.directional_manipulability import DirectionalManipulability
+from jtik_formulations.criteria.effective_mass import EffectiveMass
 from jtik_formulations.criteria.frame_proximity import FrameProximity
+from jtik_formulations.criteria.gravity_torque import GravityTorque
 from jtik_formulations.criteria.isotropy import Isotropy
 from jtik_formulations.criteria.joint_centering import JointCentering
+from jtik_formulations.criteria.kinetic_energy import KineticEnergy
 from jtik_formulations.criteria.limit_activation import LimitActivation
 from jtik_formulations.criteria.limit_barrier import LimitBarrier
 from jtik_formulations.criteria.limit_centering import LimitCentering
@@ -14,6 +17,7 @@ from jtik_formulations.criteria.manipulability import Manipulability
 from jtik_formulations.criteria.minimum_displacement import MinimumDisplacement
 from jtik_formulations.criteria.obstacle_avoidance import ObstacleAvoidance
 from jtik_formulations.criteria.smallest_singular_value import SmallestSingularValue
+from jtik_formulations.criteria.support_polygon import SupportPolygon
 from jtik_formulations.criteria.swivel_angle import SwivelAngle
 from jtik_formulations.criteria.visibility import Visibility
 from jtik_formulations.strategies.damped import Damped
@@ -42,11 +46,14 @@ __all__ = [
     "ConstantDamped",
     "Damped",
     "DirectionalManipulability",
+    "EffectiveMass",
     "FrameProximity",
+    "GravityTorque",
     "Hybrid",
     "Isotropy",
     "JParse",
     "JointCentering",
+    "KineticEnergy",
     "LexicographicQP",
     "LimitActivation",
     "LimitBarrier",
@@ -65,6 +72,7 @@ __all__ = [
     "SelectivelyDamped",
     "SmallestSingularValue",
     "Sugihara",
+    "SupportPolygon",
     "SwivelAngle",
     "TaskPriority",
     "Transpose",

@@ -235,6 +235,32 @@ KREUTZ_DELGADO_1992 = """@article{kreutz1992,
   year = {1992},
 }"""
 
+HOLLERBACH_SUH_1987 = """@article{hollerbach1987,
+  author = {Hollerbach, John M. and Suh, Ki C.},
+  title = {Redundancy Resolution of Manipulators Through Torque Optimization},
+  journal = {IEEE Journal of Robotics and Automation},
+  volume = {3},
+  number = {4},
+  year = {1987},
+}"""
+
+KHATIB_1995 = """@article{khatib1995,
+  author = {Khatib, Oussama},
+  title = {Inertial Properties in Robotic Manipulation: An Object-Level Framework},
+  journal = {International Journal of Robotics Research},
+  volume = {14},
+  number = {1},
+  year = {1995},
+}"""
+
+MCGHEE_FRANK_1968 = """@article{mcghee1968,
+  author = {McGhee, Robert B. and Frank, Andrew A.},
+  title = {On the Stability Properties of Quadruped Creeping Gaits},
+  journal = {Mathematical Biosciences},
+  volume = {3},
+  year = {1968},
+}"""
+
 LIEGEOIS_1977 = """@article{liegeois1977,
   author = {Liegeois, Alain},
   title = {Automatic Supervisory Control of the Configuration and Behavior of Multibody Mechanisms},

@@ -33,8 +33,8 @@ _TYPES = {
 def to_mujoco(robot: Robot, *, obstacles: Iterable[Solid] = ()) -> Any:
     """The robot as a ``mujoco.MjModel``; every frame becomes a body, and every joint a joint, with the same name.
 
-    Limits, masses, the solids of the frames (as geoms "FRAME solid0" ...) and mimic joints (as equalities of joints)
-    are kept. qpos is in MuJoCo's order, see `MujocoCorrespondence`.
+    Limits, masses with their inertias, the solids of the frames (as geoms "FRAME solid0" ...) and mimic joints (as
+    equalities of joints) are kept. qpos is in MuJoCo's order, see `MujocoCorrespondence`.
 
     Args:
         robot: the robot.
@@ -161,6 +161,9 @@ def _add_joint(body: Any, joint: Joint, robot: Robot) -> None:
         made.limited = True
         low, high = np.clip([joint.lower, joint.upper], -UNLIMITED, UNLIMITED)
         made.range = low, max(high, low + MINIMUM_RANGE)
+    if np.isfinite(joint.effort_limit):
+        made.actfrclimited = True
+        made.actfrcrange = -joint.effort_limit, joint.effort_limit
 
 
 MINIMUM_RANGE = 1e-9
@@ -174,7 +177,13 @@ def _add_mass(body: Any, frame: str, robot: Robot) -> None:
     found = robot.masses.get(frame)
     body.explicitinertial = True
     body.mass = max(found.mass if found else 0.0, NEGLIGIBLE)
-    body.inertia = np.full(3, NEGLIGIBLE)
+    moments, axes = np.linalg.eigh(np.zeros((3, 3)) if found is None else found.inertia)
+    if np.linalg.det(axes) < 0:
+        axes[:, 0] = -axes[:, 0]
+    moments = np.maximum(moments, NEGLIGIBLE)
+    # MuJoCo refuses a largest moment above the sum of the others, which no body has: it gets those of a flat one
+    moments[:2] += max(0.0, (moments[2] - moments[0] - moments[1]) / 2)
+    body.inertia, body.iquat = moments, _quaternion(axes)
     body.ipos = found.center if found else np.zeros(3)
 
 

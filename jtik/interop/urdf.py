@@ -93,13 +93,14 @@ def _add_joint(root: Element, joint: Joint, limit: float | None, frames: list[st
         return
     SubElement(element, "axis", xyz=_words(joint.axis))
     speed = _word(min(joint.velocity_limit, UNLIMITED))
+    effort = _word(joint.effort_limit) if math.isfinite(joint.effort_limit) else "0"
     if kind == "continuous":
-        SubElement(element, "limit", effort="0", velocity=speed)
+        SubElement(element, "limit", effort=effort, velocity=speed)
     else:
         bound = limit if unlimited and limit is not None and joint.type is JointType.REVOLUTE else UNLIMITED
         low, high = max(joint.lower, -bound), min(joint.upper, bound)
         bounds = {"lower": _word(low), "upper": _word(max(high, low + MINIMUM_RANGE))}
-        SubElement(element, "limit", bounds, effort="0", velocity=speed)
+        SubElement(element, "limit", bounds, effort=effort, velocity=speed)
     if joint.mimic is not None:
         follow = joint.mimic
         ratio = {"multiplier": _word(follow.multiplier), "offset": _word(follow.offset)}
@@ -107,11 +108,12 @@ def _add_joint(root: Element, joint: Joint, limit: float | None, frames: list[st
 
 
 def _add_mass(link: Element, mass: Mass) -> None:
-    """The mass as a point mass: jtik has no inertias."""
+    """The mass, its centre and its inertia in the axes of the link."""
     inertial = SubElement(link, "inertial")
     SubElement(inertial, "origin", xyz=_words(np.asarray(mass.center, dtype=float)), rpy="0 0 0")
     SubElement(inertial, "mass", value=_word(mass.mass))
-    SubElement(inertial, "inertia", {"ixx": "0", "iyy": "0", "izz": "0"}, ixy="0", ixz="0", iyz="0")
+    moments = {f"i{'xyz'[i]}{'xyz'[j]}": _word(mass.inertia[i, j]) for i in range(3) for j in range(i, 3)}
+    SubElement(inertial, "inertia", moments)
 
 
 def _angles(R: Array) -> Array:

@@ -144,8 +144,8 @@ class Builders:
         ``mimic`` joints follow their leaders, floating joints become free joints, and a planar joint becomes the
         prismatic joints "NAME_TX" and "NAME_TY" and the revolute joint "NAME_RZ". Limits that are all zero, and speeds
         of zero, count as none; with an effort beside them, zeros lock the joint. A follower stays within its own
-        limits: they reduce those of its leader. Masses are kept. Collision primitives become shapes, and so do capsules
-        around meshes whose STL or OBJ files are found; mesh files are optional.
+        limits: they reduce those of its leader. Masses, inertias and effort limits are kept. Collision primitives
+        become shapes, and so do capsules around meshes whose STL or OBJ files are found; mesh files are optional.
 
         Args:
             path_or_xml: the path of a file, or text that starts with "<". A XACRO is expanded by the package xacro,
@@ -188,9 +188,9 @@ class Builders:
         mimic joint, and so does one of a fixed tendon of two joints. Ranges of ball joints, closed loops, and other
         constraints are not kept; `ignored` lists them. `neutral` is ``qpos0``. Free bodies without further joints
         beside a robot are objects: they stay where the file has them, and their joints are not in q. `full` is the
-        scene with them, `full_configuration` MuJoCo's order of it. Masses, but those of objects, and keyframes are
-        kept. Geoms become shapes: those that collide, or all
-        of them where none does. Mesh files are optional; the mass of a mesh is that of the file, or zero.
+        scene with them, `full_configuration` MuJoCo's order of it. Masses and inertias, but those of objects, limits of
+        actuator forces, and keyframes are kept. Geoms become shapes: those that collide, or all of them where none
+        does. Mesh files are optional; the mass of a mesh is that of the file, or zero.
 
         Args:
             path_or_xml: the path of a file, or text that starts with "<".
@@ -255,7 +255,8 @@ class Builders:
         R820), "xarm7" (UFACTORY), "gen3" (Kinova, 7 joints), "jaco2" (Kinova, 6 joints), "vehicle_panda" (a Panda on an
         omnidirectional vehicle), "vehicle3" (planar vehicle with three links) and "planar10" (ten unit links). The
         figures are those of the makers: see `jtik.robot.gallery`, whose ``names()`` lists the names. Every robot has
-        the frame "tip" and the keyframe "home"; the real ones have the solids of their links.
+        the frame "tip" and the keyframe "home"; the real ones have the solids of their links, and, but for "iiwa14",
+        their masses and inertias, from the maker's robot description or a publication.
 
         Args:
             name: one of these names.

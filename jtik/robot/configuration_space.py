@@ -60,6 +60,11 @@ class ConfigurationSpace:
         return self._layout.velocity_limit
 
     @property
+    def effort_limit(self) -> Array:
+        """Maximum torques [N m] and forces [N] of the joints (n,); inf where they are not known. Read-only."""
+        return self._layout.effort_limit
+
+    @property
     def neutral(self) -> Array:
         """Where joints are that nothing else is said of, such as locked ones, (nq,). Read-only.
 

@@ -14,7 +14,9 @@ from jtik.symbolic import SX, Expression, Function, function, is_symbolic, symbo
 if TYPE_CHECKING:
     from jtik.robot.model import Robot
 
-FrameQuantity: TypeAlias = Literal["pose", "position", "jacobian", "center_of_mass"]
+FrameQuantity: TypeAlias = Literal[
+    "pose", "position", "jacobian", "center_of_mass", "first_moment_jacobian", "mass_matrix"
+]
 LayoutQuantity: TypeAlias = Literal["tangent", "integrate", "difference"]
 
 _ARGUMENTS: dict[LayoutQuantity, tuple[str, ...]] = {

@@ -28,6 +28,7 @@ class JointLayout:
         lower: lower limits (nq,) [rad] or [m].
         upper: upper limits (nq,) [rad] or [m].
         velocity_limit: maximum speeds (nv,) [rad/s] or [m/s].
+        effort_limit: maximum torques [N m] and forces [N] (nv,); of a leader its own, without those of its followers.
         neutral: zero clamped to the limits, and identity quaternions, or what `with_neutral` put in their place, (nq,).
         rotational: True for velocity entries that are rotations, (nv,).
         scalar_q: indices in q of the revolute and prismatic joints.
@@ -43,6 +44,7 @@ class JointLayout:
     lower: Array
     upper: Array
     velocity_limit: Array
+    effort_limit: Array
     neutral: Array
     rotational: NDArray[np.bool_]
     scalar_q: NDArray[np.intp]
@@ -64,11 +66,13 @@ class JointLayout:
             v_slices[joint.name] = slice(nv, nv + joint.type.nv)
             nq, nv = nq + joint.type.nq, nv + joint.type.nv
         lower, upper, speed = np.full(nq, -math.inf), np.full(nq, math.inf), np.full(nv, math.inf)
+        effort = np.full(nv, math.inf)
         for joint in independent:
             if joint.type.is_scalar:
                 lower[q_slices[joint.name]] = joint.lower
                 upper[q_slices[joint.name]] = joint.upper
             speed[v_slices[joint.name]] = joint.velocity_limit
+            effort[v_slices[joint.name]] = joint.effort_limit
         for joint in joints:
             if joint.mimic is None:
                 continue
@@ -97,6 +101,7 @@ class JointLayout:
             frozen(lower),
             frozen(upper),
             frozen(speed),
+            frozen(effort),
             frozen(np.clip(neutral, lower, upper)),
             rotational,
             scalar_q,

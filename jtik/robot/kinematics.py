@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from jtik.errors import ArgumentError
 from jtik.robot import quaternion
+from jtik.robot.dynamics import Dynamics, standard_gravity
 from jtik.robot.joint_type import JointType
 from jtik.robot.rotation import Rotation
 from jtik.robot.row_indexing import by_rows
@@ -61,6 +62,7 @@ class Kinematics:
         self._poses = {robot.base: _FramePose(Rotation(), SX.zeros(3))}
         self._rotations: dict[str, Expression] = {}
         self._jacobians: dict[str, Expression] = {}
+        self._dynamics: Dynamics | None = None
 
     @property
     def robot(self) -> Robot:
@@ -110,9 +112,17 @@ class Kinematics:
         Raises:
             UnknownNameError: when there is no such frame.
         """
-        pose = self._pose_of(self._robot.frame(frame))
-        point = pose.origin + pose.rotation.apply(offset)
+        point = self.space_point(frame, offset)
         return point[:2] if self._robot.dimension == 2 else point
+
+    def space_point(self, frame: str, offset: Array | None = None) -> Expression:
+        """The point at ``offset`` (3,) [m] in ``frame``, its origin by default, in the base frame, (3, 1).
+
+        Raises:
+            UnknownNameError: when there is no such frame.
+        """
+        pose = self._pose_of(self._robot.frame(frame))
+        return pose.origin if offset is None else pose.origin + pose.rotation.apply(offset)
 
     def center_of_mass(self, _: str | None = None) -> Expression:
         """The centre of mass in the base frame [m], shape (3, 1), or (2, 1) of a planar robot.
@@ -125,6 +135,50 @@ class Kinematics:
             raise ArgumentError("robot", self._robot, "a robot with masses")
         total = sum(body.mass for body in masses.values())
         return sum(body.mass / total * self.point(frame, body.center) for frame, body in masses.items())
+
+    def gravity_torque(self, gravity: Expression | None = None) -> Expression:
+        """The torques and forces (n, 1) [N m] and [N] with which the joints hold the robot against gravity.
+
+        Args:
+            gravity: gravity in the base frame (3, 1) [m/s^2], or (2, 1) of a planar robot; 9.81 along -z, or along -y
+                of a planar robot, when None.
+
+        Raises:
+            ArgumentError: when no joint moves a mass.
+        """
+        g = standard_gravity(self._robot.dimension) if gravity is None else gravity
+        return -self.first_moment_jacobian().T[:, : self._robot.dimension] @ g
+
+    def first_moment_jacobian(self, _: str | None = None) -> Expression:
+        """The derivative (3, n) of the mass times the centre of mass [kg m/rad] or [kg], without masses at rest.
+
+        Raises:
+            ArgumentError: when no joint moves a mass.
+        """
+        return self._with_masses().first_moment_jacobian()
+
+    def mass_matrix(self, _: str | None = None) -> Expression:
+        """The mass matrix M (n, n): 1/2 v' M v is the kinetic energy [J] at the velocity v.
+
+        Entries are in [kg m^2] of two rotations, [kg] of two translations, [kg m] of one of each.
+
+        Raises:
+            ArgumentError: when no joint moves a mass.
+        """
+        return self._with_masses().mass_matrix()
+
+    def kinetic_energy(self, v: Expression) -> Expression:
+        """1/2 v' M v [J] at the velocity v (n, 1); the same as by `mass_matrix`, in fewer operations.
+
+        Raises:
+            ArgumentError: when no joint moves a mass.
+        """
+        return self._with_masses().kinetic_energy(v)
+
+    def _with_masses(self) -> Dynamics:
+        if self._dynamics is None:
+            self._dynamics = Dynamics(self)
+        return self._dynamics
 
     def relative(self, frame: str, reference: str) -> tuple[Expression, Expression]:
         """Rotation (3, 3) and origin (3, 1) [m] of ``frame`` in ``reference``.
@@ -191,11 +245,12 @@ class Kinematics:
                 continue
             gain = 1.0 if joint.mimic is None else joint.mimic.multiplier
             first = self._robot.v_slice(joint.name).start
-            for offset, column in enumerate(self._columns(joint, end)):
+            for offset, column in enumerate(self.joint_columns(joint, end)):
                 columns[first + offset] += gain * column
         return horzcat(SX(6, 0), *columns)  # SX(6, 0) keeps six rows when no joint moves
 
-    def _columns(self, joint: Joint, end: Expression) -> Iterator[Expression]:
+    def joint_columns(self, joint: Joint, end: Expression) -> Iterator[Expression]:
+        """The columns (6, 1) of a moving joint for the point ``end`` (3, 1) [m] of a body it moves: for the engine."""
         pose = self._pose_of(joint.child)
         arm = end - pose.origin
         none = SX.zeros(3)

@@ -1,4 +1,4 @@
-"""Masses on the frames, for the centre of mass, and shapes on the frames, for clearances."""
+"""Masses and inertias on the frames, for statics and dynamics, and shapes on the frames, for clearances."""
 
 from __future__ import annotations
 
@@ -15,25 +15,51 @@ from jtik.geometry import Solid
 from jtik.robot.tree import frozen
 from jtik.types import Array
 
+ROUNDING = 1e-9
+"""Asymmetry and negative principal moment of an inertia, relative to its largest entry, that count as rounding."""
+
+NEGLIGIBLE = 1e-15
+"""Asymmetry and negative principal moment of an inertia that always count as rounding [kg m^2]."""
+
 
 @dataclass(frozen=True, eq=False)
 class Mass:
-    """A point mass on a frame, for the centre of mass.
+    """The mass and the inertia of what a frame carries.
 
     Attributes:
         mass: non-negative mass [kg].
-        center: position in its frame, (3,) [m].
+        center: position of the centre of mass in its frame, (3,) [m].
+        inertia: inertia tensor about the centre of mass, in the axes of the frame, (3, 3) [kg m^2]; zero, a point mass,
+            by default. Its off-diagonal entries are ixy = -(integral of x y dm), as in URDF and MuJoCo.
+
+    Raises:
+        ArgumentError: when a value is not finite, the mass is negative, or the tensor is not symmetric or has a
+            negative principal moment.
     """
 
     mass: float
     center: Array = field(default_factory=lambda: np.zeros(3))
+    inertia: Array = field(default_factory=lambda: np.zeros((3, 3)))
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "mass", non_negative_number("Mass.mass", self.mass, "a non-negative mass [kg]"))
         object.__setattr__(self, "center", frozen(finite_array("Mass.center", self.center, (3,))))
+        inertia = finite_array("Mass.inertia", self.inertia, (3, 3))
+        if not is_inertia(inertia):
+            accepted = "a symmetric (3, 3) tensor [kg m^2] without negative principal moments"
+            raise ArgumentError("Mass.inertia", inertia.tolist(), accepted)
+        object.__setattr__(self, "inertia", frozen((inertia + inertia.T) / 2))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return partial(type(self), self.mass, self.center), ()
+        return partial(type(self), self.mass, self.center, self.inertia), ()
+
+
+def is_inertia(tensor: Array) -> bool:
+    """Whether a finite tensor (3, 3) is symmetric and has no negative principal moment, up to rounding."""
+    rounding = max(ROUNDING * float(np.abs(tensor).max()), NEGLIGIBLE)
+    if np.abs(tensor - tensor.T).max() > rounding:
+        return False
+    return bool(np.linalg.eigvalsh((tensor + tensor.T) / 2)[0] >= -rounding)
 
 
 def masses_on(frames: Sequence[str], masses: Mapping[str, Mass] | None) -> dict[str, Mass]:

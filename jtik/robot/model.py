@@ -17,6 +17,7 @@ from jtik.robot.evaluator import Evaluator
 from jtik.robot.home import home_of
 from jtik.robot.joint_layout import JointLayout
 from jtik.robot.kinematics import JacobianRows, Kinematics, jacobian_rows
+from jtik.robot.mass_properties import MassProperties
 from jtik.robot.masses_and_shapes import Mass, masses_on, shapes_on
 from jtik.robot.mesh import Mesh, meshes_on
 from jtik.robot.tree import Joint, check_planar, check_tree, frozen
@@ -25,7 +26,7 @@ from jtik.symbolic import SX, Expression, is_equal
 from jtik.types import Array
 
 
-class Robot(Variants, Builders, Drawable):
+class Robot(Variants, Builders, Drawable, MassProperties):
     """A kinematic model: a tree of joints, the frames they carry, and limits.
 
     A configuration q has nq numbers and a velocity n numbers; the two differ for ball and free joints. Methods that
@@ -39,7 +40,8 @@ class Robot(Variants, Builders, Drawable):
         planar: whether the workspace is the x-y plane, so that positions are (x, y).
         base: name of the root frame.
         tip: name of the end effector's frame; the last joint's child when None.
-        masses: the mass on each frame that has one, for the centre of mass.
+        masses: the mass, with its inertia, on each frame that has one: for the centre of mass, gravity torques and the
+            mass matrix.
         shapes: solids on the frames, in the coordinates of the frames, for clearances.
         meshes: meshes on the frames, for pictures.
         keyframes: named configurations, in any form that `configuration` accepts.
@@ -290,14 +292,6 @@ class Robot(Variants, Builders, Drawable):
         selected = jacobian_rows(rows, self.dimension)
         J = self._evaluator.of_frame("jacobian", q, frame)
         return J if selected is None else J[selected]
-
-    def center_of_mass(self, q: Expression) -> Any:
-        """The centre of mass in the base frame [m], shape (3,), or (2,) of a planar robot.
-
-        Raises:
-            ArgumentError: when the robot has no masses, or ``q`` has another shape than (nq,) or is not finite.
-        """
-        return self._evaluator.of_frame("center_of_mass", q, None)
 
     def tangent(self, q: Expression) -> Any:
         """The tangent map T(q) with dq/dt = T(q) v, shape (nq, n).

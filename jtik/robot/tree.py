@@ -62,6 +62,7 @@ class Joint:
         lower: lower limit [rad] or [m] of a revolute or prismatic joint; -inf when there is none.
         upper: upper limit [rad] or [m] of a revolute or prismatic joint; inf when there is none.
         velocity_limit: maximum speed of each velocity entry [rad/s] or [m/s]; inf when there is none.
+        effort_limit: maximum torque [N m] or force [N] of each velocity entry; inf when it is not known.
         mimic: the joint that it follows, for a revolute or prismatic joint without a position of its own.
 
     Raises:
@@ -77,6 +78,7 @@ class Joint:
     lower: float = field(default=-math.inf, kw_only=True)
     upper: float = field(default=math.inf, kw_only=True)
     velocity_limit: float = field(default=math.inf, kw_only=True)
+    effort_limit: float = field(default=math.inf, kw_only=True)
     mimic: Mimic | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
@@ -91,7 +93,9 @@ class Joint:
         object.__setattr__(self, "axis", frozen(_unit(f"{who} axis", self.axis)))
         lower, upper = limits(f"{who} limits", self.lower, self.upper)
         speed = positive_or_infinite(f"{who} velocity_limit", self.velocity_limit, "a positive number or inf")
-        for attribute, value in (("lower", lower), ("upper", upper), ("velocity_limit", speed)):
+        effort = positive_or_infinite(f"{who} effort_limit", self.effort_limit, "a positive number or inf")
+        values = {"lower": lower, "upper": upper, "velocity_limit": speed, "effort_limit": effort}
+        for attribute, value in values.items():
             object.__setattr__(self, attribute, value)
         if not self.type.is_scalar:
             if math.isfinite(lower) or math.isfinite(upper):

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Self
 
-from jtik.arguments import instances, non_negative_number
+from jtik.arguments import instances, mapping, non_negative_number
 from jtik.arguments import name as read_name
 from jtik.errors import ArgumentError
 from jtik.geometry import Solid
@@ -99,9 +99,25 @@ class Variants(ConfigurationSpace):
         new = _fixed(full, name, flange if carrier == TIP else carrier, name, pose)
         options["tip"] = name
         if mass is not None:
-            options["masses"] = {**options["masses"], name: _mass(mass)}
+            options["masses"] = {**options["masses"], name: _mass(mass, "mass")}
         options["shapes"] = {**options["shapes"], name: solids}
         return self._rebuilt((*joints, new), options)
+
+    def with_masses(self, masses: Mapping[str, float | Mass]) -> Self:
+        """This robot with other masses; those on frames that are not named stay.
+
+        Args:
+            masses: for each frame a mass [kg] at its origin, or a `Mass` with its centre and inertia in that frame.
+
+        Raises:
+            ArgumentError: when a mass cannot be used.
+            UnknownNameError: when there is no such frame.
+        """
+        accepted = "a dict from frame to a non-negative mass [kg] or a jtik.robot.Mass"
+        named = mapping("masses", masses, accepted)
+        given = {frame: _mass(mass, f"masses[{frame!r}]") for frame, mass in named.items()}
+        full = _outermost(self)
+        return self._rebuilt(full.joints, full._options() | {"masses": {**full._options()["masses"], **given}})
 
     def with_base(self, pose: object, *, name: str = "world") -> Self:
         """This robot mounted at a pose: a new base frame carries the present one.
@@ -134,9 +150,9 @@ class Variants(ConfigurationSpace):
         return self._reduction.locked
 
 
-def _mass(mass: float | Mass) -> Mass:
-    accepted = "a non-negative mass [kg], a jtik.robot.Mass, or None"
-    return mass if isinstance(mass, Mass) else Mass(non_negative_number("mass", mass, accepted))
+def _mass(mass: float | Mass, argument: str) -> Mass:
+    accepted = f"a non-negative mass [kg], a jtik.robot.Mass{', or None' if argument == 'mass' else ''}"
+    return mass if isinstance(mass, Mass) else Mass(non_negative_number(argument, mass, accepted))
 
 
 def _outermost(robot: Any) -> Any:

@@ -7,8 +7,11 @@ import numpy as np
 from jtik_formulations import (
     CompactPosture,
     DirectionalManipulability,
+    EffectiveMass,
     FrameProximity,
+    GravityTorque,
     Isotropy,
+    KineticEnergy,
     LimitActivation,
     LimitBarrier,
     LimitCentering,
@@ -17,6 +20,7 @@ from jtik_formulations import (
     Manipulability,
     MinimumDisplacement,
     SmallestSingularValue,
+    SupportPolygon,
     SwivelAngle,
     Visibility,
 )
@@ -40,6 +44,13 @@ def _swivel(robot):
     return SwivelAngle("panda_link2", "panda_link4", "panda_link6", angle=0.8)
 
 
+def _support(robot):
+    if robot.dimension == 2:
+        return SupportPolygon([(-1.0, -2.0), (3.0, -1.0), (2.0, 2.0), (-2.0, 1.0)], margin=0.3)
+    frame = "vehicle" if "vehicle" in robot.frame_names else None
+    return SupportPolygon([(-0.05, -0.05), (0.02, -0.05), (-0.02, 0.05)], margin=0.03, frame=frame)
+
+
 CASES = {
     "limit_centering": lambda robot: LimitCentering(),
     "limit_barrier": lambda robot: LimitBarrier(),
@@ -61,6 +72,10 @@ CASES = {
     "look_at": lambda robot: LookAt(
         (0.5, 0.4, 0.3)[: robot.dimension], None if robot.dimension == 2 else _elbow(robot)
     ),
+    "gravity_torque": lambda robot: GravityTorque(),
+    "kinetic_energy": lambda robot: KineticEnergy(),
+    "effective_mass": lambda robot: EffectiveMass([0.6, 0.8, 0.5][: robot.dimension]),
+    "support_polygon": lambda robot: _support(robot),
     "visibility": lambda robot: Visibility((0.5, 0.4, 0.3)[: robot.dimension], _elbow(robot)),
 }
 """Criteria by name, each made for a robot."""

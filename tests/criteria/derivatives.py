@@ -7,6 +7,7 @@ import functools
 import numpy as np
 
 import jtik
+from jtik.robot import Mass
 from jtik.symbolic import function, gradient, hessian, symbol
 
 HESSIAN_STEPS = (1e-4, 1e-5, 1e-6)
@@ -18,8 +19,10 @@ HESSIAN_TOLERANCE = 1e-4
 
 @functools.cache
 def ten_links():
-    """Ten unit links with limits."""
-    return jtik.Robot.planar(10, lower=-2.0, upper=1.5)
+    """Ten unit links with limits, rods of 1 kg."""
+    rod = Mass(1.0, [0.5, 0.0, 0.0], np.diag([0.0, 1 / 12, 1 / 12]))
+    robot = jtik.Robot.planar(10, lower=-2.0, upper=1.5)
+    return robot.with_masses({f"link{k}": rod for k in range(1, 11)})
 
 
 @functools.cache

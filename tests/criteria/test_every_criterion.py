@@ -7,7 +7,7 @@ import pytest
 import jtik
 from jtik.testing import check_criterion, example_criterion
 
-from ..conftest import ball_arm, dh_arm, floating_arm, planar
+from ..conftest import ball_arm, dh_arm, floating_arm, planar, weighted
 
 ROBOTS = {
     "planar": lambda: planar(5),
@@ -22,5 +22,5 @@ ROBOTS = {
 @pytest.mark.parametrize("name", sorted(jtik.criteria))
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_contract(name, robot):
-    body = ROBOTS[robot]()
+    body = weighted(ROBOTS[robot]())
     check_criterion(example_criterion(jtik.criteria[name], body), body)

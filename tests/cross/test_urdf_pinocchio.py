@@ -53,6 +53,8 @@ def load(path):
     with warnings.catch_warnings():
         # the fingers of one robot mimic joints that do not exist
         warnings.filterwarnings("ignore", message=".*alex_psyonic_hands.*stays independent")
+        # the antennas of TIAGo, and three links of a Romeo
+        warnings.filterwarnings("ignore", message=".*(tiago|romeo_laas).*inertia with a negative principal moment")
         return jtik.Robot.from_urdf(path)
 
 

@@ -153,3 +153,21 @@ def test_old_names_are_aliases():
     for module in (gallery, loaders):
         with pytest.raises(AttributeError, match="has no attribute 'Table'"):
             module.Table  # noqa: B018
+
+
+@pytest.mark.parametrize("name", gallery.names())
+def test_masses_have_a_source_or_a_reason(name):
+    described = gallery.describe(name)
+    robot = jtik.Robot.builtin(name)
+    assert described.mass_source
+    assert bool(robot.masses) != described.mass_source.startswith("none: ")
+    if robot.masses:
+        assert robot.massless_frames == ()
+        assert all(np.any(mass.inertia) for mass in robot.masses.values())
+
+
+def test_the_masses_add_up_to_the_arms():
+    """Weights that the makers state: UR5e 20.6 kg, UR5 18.4 kg, Gen3 8.2 kg, with the base [kg]."""
+    for name, weight, uncertain in (("ur5e", 20.6, 1.2), ("ur5", 18.4, 2.7), ("gen3", 8.2, 0.1)):
+        total = sum(mass.mass for mass in jtik.Robot.builtin(name).masses.values())
+        assert total == pytest.approx(weight, abs=uncertain)

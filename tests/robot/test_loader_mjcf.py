@@ -325,6 +325,7 @@ def test_a_cycle_of_followers_keeps_the_first_equalities():
     assert robot.joints[1].mimic.multiplier == 2.0
 
 
+@pytest.mark.filterwarnings("ignore:.*its masses count as point masses")
 def test_bodies_without_mass_textures_without_files_and_invalid_inertias_are_accepted():
     robot = Robot.from_mjcf(
         """<mujoco><asset><texture name="t" type="2d" file="no.png"/><material name="m" texture="t"/>

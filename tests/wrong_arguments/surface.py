@@ -200,6 +200,7 @@ ROBOT: dict[str, Entry] = {
             "frame": NOTHING | "None",
         },
     ),
+    "Robot.with_masses": Entry(SPATIAL.with_masses, nothing, {"masses": Kind(frozenset({"{}"}))}),
     "Robot.with_base": Entry(SPATIAL.with_base, lambda: {"pose": np.eye(4)}, {"pose": NOTHING, "name": NAME}),
     "Robot.at": Entry(ARM.at, nothing, {"q": NOTHING}),
     **{
@@ -215,7 +216,11 @@ ROBOT: dict[str, Entry] = {
         f"Robot.{name}": Entry(getattr(ARM, name), nothing, {"q": CONFIGURATION})
         for name in ("tangent", "full_configuration", "reduced")
     },
-    "Robot.center_of_mass": Entry(SPATIAL.center_of_mass, nothing, {"q": NOTHING}),
+    "Robot.center_of_mass": Entry(SPATIAL.center_of_mass, nothing, {"q": CONFIGURATION}),
+    "Robot.mass_matrix": Entry(SPATIAL.mass_matrix, nothing, {"q": CONFIGURATION}),
+    "Robot.gravity_torque": Entry(
+        SPATIAL.gravity_torque, fixed(q=SPATIAL.home), {"q": CONFIGURATION, "gravity": NOTHING | "None"}
+    ),
     "Robot.configuration": Entry(ARM.configuration, nothing, {"q": CONFIGURATION}),
     "Robot.integrate": Entry(ARM.integrate, fixed(q=[0.1, 0.2], dq=[0.1, 0.2]), {"q": CONFIGURATION, "dq": NOTHING}),
     "Robot.difference": Entry(
@@ -245,6 +250,7 @@ ROBOT: dict[str, Entry] = {
             "lower": NUMBER,
             "upper": LENGTH_OR_ONE_EACH,
             "velocity_limit": POSITIVE_OR_INFINITE,
+            "effort_limit": POSITIVE_OR_INFINITE,
             "mimic": NOTHING | "None",
         },
     ),
@@ -253,7 +259,7 @@ ROBOT: dict[str, Entry] = {
         fixed(joint="a"),
         {"joint": TEXT, "multiplier": Kind(NUMBER.accepted - {"0"}), "offset": NUMBER},
     ),
-    "Mass": Entry(Mass, fixed(mass=1.0), {"mass": NON_NEGATIVE, "center": NOTHING}),
+    "Mass": Entry(Mass, fixed(mass=1.0), {"mass": NON_NEGATIVE, "center": NOTHING, "inertia": NOTHING}),
     "DHRow": Entry(
         DHRow,
         fixed(a=1.0, alpha=0.0),
@@ -543,6 +549,10 @@ OF_OPTIONS: dict[str, dict[str, Kind]] = {
         "floor": POSITIVE,
         "name": NAME,
     },
+    "gravity_torque": {"scale": POSITIVE | "{}" | "None", "gravity": NOTHING | "None", "name": NAME},
+    "kinetic_energy": {"reference": NOTHING | "None" | "{}", "rotor_inertia": NON_NEGATIVE | "{}", "name": NAME},
+    "effective_mass": {"direction": NOTHING, "frame": FRAME, "rotor_inertia": NON_NEGATIVE | "{}", "name": NAME},
+    "support_polygon": {"vertices": NOTHING, "margin": POSITIVE, "frame": FRAME, "name": NAME},
     "compact_posture": {"center": NOTHING | "None", "name": NAME},
     "directional_manipulability": {"direction": NOTHING | "None", **OF_ROWS, "measure": NOTHING},
     "frame_proximity": {
@@ -574,6 +584,8 @@ OF_OPTIONS: dict[str, dict[str, Kind]] = {
 NEEDED: dict[str, dict[str, Any]] = {
     "obstacle_avoidance": {"obstacles": FIELD},
     "frame_proximity": {"height": 0.4},
+    "effective_mass": {"direction": (1.0, 0.5)},
+    "support_polygon": {"vertices": [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]},
     "look_at": {"target": (1.0, 0.5)},
     "swivel_angle": {"shoulder": "base", "elbow": "link2", "wrist": "tip"},
     "visibility": {"target": (1.0, 0.5)},

@@ -9,10 +9,11 @@ from numpy.typing import ArrayLike
 
 from jtik import Criterion, register_criterion
 from jtik.arguments import name as read_name
-from jtik.robot import JointType, Kinematics, Robot, quaternion
-from jtik.symbolic import Expression, dot, fmax, sumsqr
+from jtik.robot import Kinematics, Robot
+from jtik.symbolic import Expression, dot
 from jtik.types import Array
 from jtik_formulations.bibliography import WHITNEY_1969
+from jtik_formulations.criteria._parts.displacement import displacement
 from jtik_formulations.criteria._parts.joint_numbers import configuration_numbers, non_negative_joint_numbers
 from jtik_formulations.criteria._parts.shown import shown
 
@@ -73,27 +74,11 @@ class MinimumDisplacement(Criterion):
 
     def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
         """1/2 sum of k_i d_i^2."""
-        robot, total = kinematics.robot, 0
-        for joint in robot.independent_joints:
-            entries, velocities = robot.q_slice(joint.name), robot.v_slice(joint.name)
-            q, reference = kinematics.q[entries], parameters["reference"][entries]
-            k = parameters["stiffness"][velocities]
-            if joint.type.is_scalar:
-                total += dot(k, (q - reference) ** 2)
-                continue
-            if joint.type is JointType.FREE:
-                total += dot(k[:3], (q[:3] - reference[:3]) ** 2)
-                q, reference, k = q[3:], reference[3:], k[3:]
-            turned = quaternion.product(quaternion.conjugate(reference), q)
-            total += 4 * dot(k, turned[1:] ** 2) / fmax(sumsqr(reference), _SMALLEST_SQUARE)
-        return total / 2
+        d = displacement(kinematics.robot, kinematics.q, parameters["reference"])
+        return dot(parameters["stiffness"], d**2) / 2
 
     def _stiffness_on(self, robot: Robot) -> Array:
         given = self._stiffness
         if isinstance(given, np.ndarray) and given.ndim == 0:
             return np.full(robot.n, float(given))
         return robot.velocity_values(given, default=1.0, argument="stiffness")
-
-
-_SMALLEST_SQUARE = 1e-12
-"""Smallest squared norm of a live reference quaternion that is divided by."""

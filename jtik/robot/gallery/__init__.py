@@ -1,7 +1,8 @@
 """Robots that come with jtik, from the published figures of their makers.
 
-Each module holds tables: joints with limits and speeds, solids around the links, a configuration "home", and the source
-of the figures. Frames and joints have the names of the maker's own description; the frame "tip" is that of the tool.
+Each module holds tables: joints with limits, speeds and torques, solids around the links, masses and inertias, a
+configuration "home", and the sources of the figures. Frames and joints have the names of the maker's own description;
+the frame "tip" is that of the tool.
 """
 
 from __future__ import annotations

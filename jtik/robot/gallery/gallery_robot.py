@@ -12,6 +12,7 @@ import numpy as np
 from jtik.geometry import Capsule, Solid
 from jtik.robot.dh import rotation_x, rotation_z, translation
 from jtik.robot.joint_type import JointType
+from jtik.robot.masses_and_shapes import Mass
 from jtik.robot.rotation import snapped
 from jtik.robot.tree import Joint
 from jtik.types import Array
@@ -33,6 +34,7 @@ class Revolute(NamedTuple):
         lower: lower limit [rad].
         upper: upper limit [rad].
         speed: maximum speed [rad/s].
+        effort: maximum torque [N m].
     """
 
     joint: str
@@ -42,6 +44,7 @@ class Revolute(NamedTuple):
     lower: float
     upper: float
     speed: float
+    effort: float = math.inf
 
 
 class Fixture(NamedTuple):
@@ -68,21 +71,25 @@ class GalleryRobot:
         name: name of the robot.
         summary: one line of description.
         source: where its figures are published.
+        mass_source: where its masses and inertias are published, or why it has none.
         home: a start configuration away from singularities, one number for each joint.
         joints: the tree of joints.
         base: name of the root frame.
         planar: whether its workspace is the x-y plane.
         shapes: solids on the links, by frame.
+        masses: masses and inertias of the links, by frame.
     """
 
     name: str
     summary: str
     source: str
+    mass_source: str
     home: tuple[float, ...]
     joints: tuple[Joint, ...]
     base: str = "base"
     planar: bool = False
     shapes: Mapping[str, Sequence[Solid]] = field(default_factory=dict)
+    masses: Mapping[str, Mass] = field(default_factory=dict)
 
     def arguments(self) -> dict[str, Any]:
         """The arguments of `Robot`; the tip is the frame "tip"."""
@@ -93,6 +100,7 @@ class GalleryRobot:
             "base": self.base,
             "tip": "tip",
             "shapes": self.shapes,
+            "masses": self.masses,
             "keyframes": {"home": self.home},
         }
 
@@ -115,6 +123,7 @@ def chain(base: str, rows: Sequence[Revolute], fixtures: Sequence[Fixture], *, t
                 lower=row.lower,
                 upper=row.upper,
                 velocity_limit=row.speed,
+                effort_limit=row.effort,
             )
         )
         parent = row.link
@@ -141,6 +150,25 @@ def pose_at(xyz: Triple, rpy: Triple = (0.0, 0.0, 0.0)) -> Array:
 def capsule(start: Triple, end: Triple, radius: float) -> Capsule:
     """A capsule in the frame of its link: the ends of its axis and its radius [m]."""
     return Capsule(np.array(start), np.array(end), radius)
+
+
+def body(mass: float, center: Triple, moments: tuple[float, ...], rpy: Triple = (0.0, 0.0, 0.0)) -> Mass:
+    """A link: its mass [kg], its centre of mass [m] and its inertia about that.
+
+    Args:
+        mass: mass [kg].
+        center: centre of mass in the frame of the link [m].
+        moments: ixx, iyy, izz, ixy, ixz and iyz [kg m^2], in axes at the centre of mass.
+        rpy: orientation of these axes in the frame of the link, as in `Revolute` [rad].
+    """
+    xx, yy, zz, xy, xz, yz = moments
+    R = pose_at((0.0, 0.0, 0.0), rpy)[:3, :3]
+    return Mass(mass, np.array(center), R @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ R.T)
+
+
+def round_moments(along: float, across: float) -> tuple[float, ...]:
+    """The moments for `body` of a body of revolution about z: about z, and about x and y [kg m^2]."""
+    return (across, across, along, 0.0, 0.0, 0.0)
 
 
 def _rotation_y(angle: float) -> Array:

@@ -8,7 +8,7 @@ from jtik.robot.gallery.gallery_robot import QUARTER, Fixture, GalleryRobot, Rev
 
 _PI = math.pi
 
-# Axes A1 to A7: KUKA, "LBR iiwa 7 R800, LBR iiwa 14 R820 Specification", section 4.3.2, axis data: range [degrees] and
+# Axes A1 to A7: KUKA, "LBR iiwa 7 R800, LBR iiwa 14 R820 Specification", section 4.3.2, axis data: range [degrees],
 # speed with rated payload [degrees/s].
 _AXES = ((170, 85), (120, 85), (170, 100), (120, 75), (170, 130), (120, 135), (175, 135))
 
@@ -54,6 +54,7 @@ def iiwa14() -> GalleryRobot:
         name="iiwa14",
         summary="KUKA LBR iiwa 14 R820, 7 joints",
         source="KUKA, LBR iiwa specification, 4.3.2",
+        mass_source="none: KUKA publishes neither masses nor inertias of the links",
         joints=chain("iiwa_link_0", joints, fixtures, tip="iiwa_link_ee"),
         base="iiwa_link_0",
         shapes=_SHAPES,

@@ -130,7 +130,17 @@ class ModelReader:
         at_zero = -float(model.qpos0[model.jnt_qposadr[number]])
         offset = rotation_about(axis, at_zero) if kind is JointType.REVOLUTE else translation(at_zero * axis)
         lower, upper = self._limits(number)
-        return Joint(name, kind, parent, child, origin=origin @ offset, axis=axis, lower=lower, upper=upper)
+        return Joint(
+            name,
+            kind,
+            parent,
+            child,
+            origin=origin @ offset,
+            axis=axis,
+            lower=lower,
+            upper=upper,
+            effort_limit=self._effort(number),
+        )
 
     def _limits(self, number: int) -> tuple[float, float]:
         lower, upper = map(float, self._model.jnt_range[number])
@@ -138,6 +148,12 @@ class ModelReader:
             where = f"joint {self._joint_names[number]!r}"
             raise RobotFileError(self._label, where, f"its limits are {lower:g} and {upper:g}; accepted: no NaN")
         return (lower, upper) if self._model.jnt_limited[number] else (-math.inf, math.inf)
+
+    def _effort(self, number: int) -> float:
+        """The range of the force of all actuators on a joint, where it is limited."""
+        if not self._model.jnt_actfrclimited[number]:
+            return math.inf
+        return float(np.abs(self._model.jnt_actfrcrange[number]).max()) or math.inf
 
     def _site_frames(self, body: int) -> Iterator[Joint]:
         model = self._model
@@ -159,10 +175,17 @@ class ModelReader:
         """The masses of the bodies, without those of objects."""
         model = self._model
         return {
-            self._bodies[body]: Mass(float(model.body_mass[body]), np.array(model.body_ipos[body]))
+            self._bodies[body]: Mass(float(model.body_mass[body]), model.body_ipos[body], self._inertia(body))
             for body in range(self._root, model.nbody)
             if model.body_mass[body] > self._negligible_mass and model.body_rootid[body] not in objects
         }
+
+    def _inertia(self, body: int) -> Array:
+        """The inertia of a body about its centre of mass, in its axes; zero where it is negligible."""
+        moments = np.array(self._model.body_inertia[body])
+        R = pose_of(np.zeros(3), self._model.body_iquat[body])[:3, :3]
+        inertia: Array = R @ np.diag(np.where(moments > self._negligible_mass, moments, 0.0)) @ R.T
+        return inertia
 
     def _keyframes(self) -> dict[str, dict[str, Array]]:
         model = self._model

@@ -21,7 +21,9 @@ from jtik.robot.loaders.spec import MINIMUM_MASS, compile_source
 from jtik.robot.loaders.urdf import UrdfTree, read_tree
 from jtik.robot.loaders.urdf_links import mujoco_text
 from jtik.robot.loaders.visuals import urdf_meshes
+from jtik.robot.masses_and_shapes import Mass
 from jtik.robot.tree import Joint
+from jtik.types import Array
 
 
 def load_urdf(
@@ -43,12 +45,14 @@ def load_urdf(
     with _named(source.label):
         read = reader.read()
         joints = [_as_stated(joint, tree) for joint in read.joints]
+        masses = {link: _with_inertia(mass, bare.inertias.get(link)) for link, mass in read.masses.items()}
     couplings = [joint.coupling for joint in tree.joints.values() if joint.coupling is not None]
     description = replace(
         read,
         joints=tuple(joints),
         couplings=tuple(couplings),
         meshes=urdf_meshes(source),
+        masses=masses,
         neutral=None,  # a URDF has none; that of the MuJoCo model has other joint types
         name=_name(source),
         notes=(*tree.notes, *bare.notes),
@@ -68,6 +72,10 @@ def load_mjcf(path_or_xml: PathOrText) -> RobotDescription:
     reader = ModelReader(compiled.model, source.label, meshes=compiled.meshes, negligible_mass=MINIMUM_MASS)
     with _named(source.label):
         read = _some_body(reader.read())
+    if not compiled.has_inertias:
+        points = {frame: Mass(mass.mass, mass.center) for frame, mass in read.masses.items()}
+        change = "its masses count as point masses: MuJoCo refuses their inertias"
+        read = replace(read, masses=points, changes=(*read.changes, change))
     return with_mimic_joints(replace(read, name=_name(source)))
 
 
@@ -135,7 +143,13 @@ def _as_stated(joint: Joint, tree: UrdfTree) -> Joint:
     if stated.type in ("floating", "spherical"):
         kind = JointType.FREE if stated.type == "floating" else JointType.BALL
         return replace(joint, name=stated.name, type=kind)
-    return replace(joint, lower=stated.lower, upper=stated.upper, velocity_limit=stated.velocity_limit)
+    joint = replace(joint, lower=stated.lower, upper=stated.upper)
+    return replace(joint, velocity_limit=stated.velocity_limit, effort_limit=stated.effort_limit)
+
+
+def _with_inertia(mass: Mass, per_mass: Array | None) -> Mass:
+    """The mass with an inertia, which is given per mass; a point mass without one."""
+    return Mass(mass.mass, mass.center, np.zeros((3, 3)) if per_mass is None else mass.mass * per_mass)
 
 
 def _on_base(description: RobotDescription, base_joints: Mapping[str, tuple[JointType, Any]]) -> RobotDescription:

@@ -29,10 +29,12 @@ class CompiledModel:
     Attributes:
         model: the ``mujoco.MjModel``; a small sphere replaces each mesh.
         meshes: the meshes by the number of the geom that replaces them.
+        has_inertias: whether its inertias are those of the description.
     """
 
     model: Any
     meshes: dict[int, MeshFile]
+    has_inertias: bool
 
 
 def compile_source(
@@ -87,7 +89,8 @@ def _compile(
     compiler.boundinertia = max(compiler.boundinertia, MINIMUM_MASS)
     model = spec.compile()
     kept = {geom.name: geom.id for geom in spec.geoms}
-    return CompiledModel(model, {kept[name]: mesh for name, mesh in meshes.items() if name in kept})
+    found = {kept[name]: mesh for name, mesh in meshes.items() if name in kept}
+    return CompiledModel(model, found, has_inertias=inertias)
 
 
 def _included(root: Element, path: Path | None) -> dict[str, bytes]:

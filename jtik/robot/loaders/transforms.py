@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -38,3 +39,10 @@ def translation(offset: Array) -> Array:
 def rotation_about(axis: Array, angle: float) -> Array:
     """The rotation by ``angle`` [rad] about the unit vector ``axis`` (3,)."""
     return pose_of(np.zeros(3), np.array([math.cos(angle / 2), *(math.sin(angle / 2) * axis)]))
+
+
+def rotation_of_angles(angles: Sequence[float]) -> Array:
+    """The rotation (3, 3) by roll, pitch and yaw [rad] about the fixed axes x, then y, then z."""
+    roll, pitch, yaw = (rotation_about(axis, angle) for axis, angle in zip(np.eye(3), angles, strict=True))
+    rotation: Array = (yaw @ pitch @ roll)[:3, :3]
+    return rotation

@@ -36,6 +36,7 @@ class UrdfJoint:
         lower: lower limit [rad] or [m]; -inf when there is none.
         upper: upper limit [rad] or [m]; inf when there is none.
         velocity_limit: maximum speed [rad/s] or [m/s]; inf when there is none.
+        effort_limit: maximum torque [N m] or force [N]; inf when there is none.
         coupling: the coupling to the joint that it mimics, or None.
     """
 
@@ -46,6 +47,7 @@ class UrdfJoint:
     lower: float
     upper: float
     velocity_limit: float
+    effort_limit: float
     coupling: JointCoupling | None
 
 
@@ -121,7 +123,8 @@ def _read_joint(source: Source, element: Element, links: list[str], changes: lis
             raise RobotFileError(source.label, where, f"its {end} {link!r} is not a link of the file")
         ends.append(link)
     _check_triples(source, where, element)
-    lower, upper, speed = _read_limits(source, where, kind, element.find("limit"), changes)
+    limit = element.find("limit")
+    lower, upper, speed = _read_limits(source, where, kind, limit, changes)
     mimic = element.find("mimic")
     coupling = None
     if mimic is not None and kind in _SCALAR:
@@ -139,6 +142,7 @@ def _read_joint(source: Source, element: Element, links: list[str], changes: lis
         lower=lower,
         upper=upper,
         velocity_limit=speed,
+        effort_limit=math.inf if limit is None or kind not in _SCALAR else _read_effort(where, limit, changes),
         coupling=coupling,
     )
 
@@ -182,6 +186,19 @@ def _read_limits(
         problem = f"its limits are lower {lower:g}, upper {upper:g}; accepted: a range with numbers in it"
         raise RobotFileError(source.label, where, problem)
     return lower, upper, speed
+
+
+def _read_effort(where: str, limit: Element, changes: list[str]) -> float:
+    """The effort limit; infinite where there is none, or zero, which exporters write for it, or no number."""
+    text = limit.get("effort", "0")
+    try:
+        effort = abs(float(text))
+    except ValueError:
+        effort = math.nan
+    if math.isnan(effort):
+        changes.append(f"{where} has no effort limit: effort={text!r} in <limit> is not a number")
+        return math.inf
+    return effort or math.inf
 
 
 def _is_locked(source: Source, where: str, limit: Element) -> bool:

@@ -25,6 +25,11 @@ def non_negative_joint_numbers(argument: str, given: JointNumbers) -> Array | di
     return _read(argument, given, "non-negative numbers", lambda x: (x >= 0) & np.isfinite(x))
 
 
+def positive_joint_numbers(argument: str, given: JointNumbers) -> Array | dict[str, Array]:
+    """The same; raises ArgumentError also where a number is not positive."""
+    return _read(argument, given, "positive numbers", lambda x: (x > 0) & np.isfinite(x))
+
+
 def configuration_numbers(argument: str, given: JointNumbers) -> Array | dict[str, Array]:
     """A copy of a configuration: one number for each entry of q, or a dict. Raises ArgumentError for anything else."""
     return _read(argument, given, "finite numbers", np.isfinite, one=False)
