@@ -59,11 +59,12 @@ def _quaternion(argument: str, value: object) -> tuple[float, ...]:
     return tuple((found / norm).tolist())
 
 
-def _value(argument: str, value: object) -> float | tuple[Any, ...]:
+def _value(argument: str, given: object) -> float | tuple[Any, ...]:
     accepted = f"a number, or numbers in a list or in rows, up to {LARGEST:g}"
     shapes = [(), (None,), (None, None)]
-    found = array_of(argument, value, shapes, accepted, lambda x: np.isfinite(x) & (np.abs(x) <= LARGEST))
-    return _nested(found.tolist())
+    found = array_of(argument, given, shapes, accepted, lambda x: np.isfinite(x) & (np.abs(x) <= LARGEST))
+    value: float | tuple[Any, ...] = _nested(found.tolist())
+    return value
 
 
 def _nested(value: Any) -> Any:

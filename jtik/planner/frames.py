@@ -83,7 +83,8 @@ class StatusLine:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; numbers that are not finite become None."""
-        return plain(asdict(self))
+        found: dict[str, Any] = plain(asdict(self))
+        return found
 
 
 class Message(NamedTuple):
@@ -143,7 +144,8 @@ class Setup:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; numbers that are not finite become None."""
-        return plain(asdict(self))
+        found: dict[str, Any] = plain(asdict(self))
+        return found
 
 
 def plain(value: Any) -> Any:
