@@ -49,7 +49,7 @@ from jtik.registry import (
     secondaries,
     strategies,
 )
-from jtik.result import Relaxation, Solution, SolutionBatch, Status, Step, Trace, Trajectory
+from jtik.result import Jog, Relaxation, Solution, SolutionBatch, Status, Step, Trace, Trajectory
 from jtik.robot import Joint, JointType, Robot
 from jtik.solver import InverseKinematics
 from jtik.strategy import Strategy, StrategyError
@@ -78,6 +78,7 @@ __all__ = [
     "FrameTask",
     "HalfSpace",
     "InverseKinematics",
+    "Jog",
     "Joint",
     "JointType",
     "JtikError",

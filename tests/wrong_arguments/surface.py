@@ -349,6 +349,11 @@ SOLVER: dict[str, Entry] = {
         fixed(q=[0.3, 0.2], target=(1.0, 1.0)),
         {"q": CONFIGURATION, "target": NOTHING, "dt": POSITIVE | "None"},
     ),
+    "InverseKinematics.jog": Entry(
+        IK.jog,
+        fixed(q=[0.3, 0.2], rate=0.5),
+        {"q": CONFIGURATION, "rate": NUMBER, "direction": Kind(frozenset({"0", "None"})), "dt": POSITIVE},
+    ),
     "InverseKinematics.step, arrays": Entry(
         lambda q, target: IK.step(np.array(q) if isinstance(q, list) else q, target),
         lambda: {"q": np.array([0.3, 0.2]), "target": np.array([1.0, 1.0])},

@@ -39,7 +39,18 @@ MODULES = (
 
 NOT_CALLED: dict[str, str] = {
     **dict.fromkeys(
-        ("Solution", "SolutionBatch", "Step", "Trace", "Trajectory", "Relaxation", "Answer", "Row", "Comparison"),
+        (
+            "Jog",
+            "Solution",
+            "SolutionBatch",
+            "Step",
+            "Trace",
+            "Trajectory",
+            "Relaxation",
+            "Answer",
+            "Row",
+            "Comparison",
+        ),
         "a result: the library makes it",
     ),
     **dict.fromkeys(
