@@ -99,9 +99,9 @@ def test_a_step_that_is_judged_safe_is_safe_on_its_whole_path(kind, dimension, r
     """Obstacles beside a link somewhere on the path, which most steps pass between two samples."""
     judged = Judged(kind, dimension)
     kept, refused, closest = 0, 0, np.inf
-    while kept < 15:
+    while kept < 8:
         q = rng.uniform(-2, 2, judged.robot.n)
-        dq = rng.uniform(-1, 1, judged.robot.n) * 10 ** rng.uniform(-2, -0.3)
+        dq = rng.uniform(-1, 1, judged.robot.n) * 10 ** rng.uniform(-1.5, -0.2)
         links = judged.links(q + SHARES[:, None] * dq)
         link = links[rng.integers(FINE), rng.integers(links.shape[1])]
         if np.ptp(link, axis=0).max() < 1e-6:
@@ -123,7 +123,7 @@ def test_a_step_that_is_judged_safe_is_safe_on_its_whole_path(kind, dimension, r
             refused += 1
     assert closest >= -1e-7
     assert closest < 0.01  # some are close
-    assert refused > 1
+    assert refused > 0
 
 
 @pytest.mark.parametrize(("kind", "dimension"), EVERY)
@@ -148,3 +148,30 @@ def test_corners_of_every_planar_shape_with_corners(rng):
         obstacle = random_obstacle(kind, 2, rng)
         for corner in corners_of(obstacle):
             assert distance(obstacle, corner)[0] == pytest.approx(0, abs=1e-12)
+
+
+class Unproved(ObstacleAvoidance):
+    """Distances of which one is none to a fixed set."""
+
+    def rounding(self, robot, parameters):
+        return [[0.0, None] for _ in self.body_names(robot)]
+
+
+def test_a_distance_without_a_bound_is_refused():
+    measure = Unproved([jtik.Point((1, 1)), jtik.Point((2, 1))], name="unproved")
+    with pytest.raises(jtik.ArgumentError, match=r"measure.*distance 1 of link2.*bounded"):
+        problem_of(planar(3), clearances=[jtik.Clearance(measure)])
+
+
+def test_the_radius_of_a_body_makes_longer_steps_safe(rng):
+    """A thick link beside the edge of a box: its axis is as far away as the radius, and turns in a wide arc."""
+    shape = {"link2": [jtik.Capsule((0, 0, 0), (1, 0, 0), 0.2)]}
+    robot = jtik.Robot(planar(2).joints, planar=True, shapes=shape)
+    box = jtik.Box.at((1.5, 1.0), (0.3, 0.3))
+    found = {}
+    for bodies in ("shapes", "links"):
+        measure = ObstacleAvoidance(box, bodies=bodies)
+        rounding = measure.rounding(robot, {name: casadi.SX(value) for name, value in measure.parameters(robot).items()})
+        found[bodies] = [each for body in rounding for each in body]
+    assert found["links"] == [0.0, 0.0]
+    assert found["shapes"] == [0.2]
