@@ -171,7 +171,9 @@ def test_the_radius_of_a_body_makes_longer_steps_safe(rng):
     found = {}
     for bodies in ("shapes", "links"):
         measure = ObstacleAvoidance(box, bodies=bodies)
-        rounding = measure.rounding(robot, {name: casadi.SX(value) for name, value in measure.parameters(robot).items()})
+        rounding = measure.rounding(
+            robot, {name: casadi.SX(value) for name, value in measure.parameters(robot).items()}
+        )
         found[bodies] = [each for body in rounding for each in body]
     assert found["links"] == [0.0, 0.0]
     assert found["shapes"] == [0.2]
