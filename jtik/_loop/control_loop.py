@@ -33,20 +33,6 @@ class ControlLoop:
     def reset(self) -> None:
         """Forget the state that `step` keeps, as after a jump of the target; the robot is then at rest."""
         self._engine.stepping.reset()
-<<<<<<< HEAD
-
-    def report(self, q: ArrayLike, target: Any) -> Report:
-        """Task, criteria and active limits at a configuration, as numbers, without a step.
-
-        Args:
-            q: configuration, (nq,).
-            target: the target, as in `step`.
-
-        Raises:
-            ArgumentError: for an argument of wrong shape, NaN or infinity, naming it.
-        """
-        return self._engine.report(q, target)
-=======
         self._engine.jogging.reset()
 
     def jog(self, q: ArrayLike, rate: float, *, direction: Direction = None, dt: float = 0.02) -> Jog:
@@ -73,4 +59,15 @@ class ControlLoop:
             ArgumentError: for a wrong shape, NaN or infinity, or a direction that is none, naming it.
         """
         return self._engine.jogging.jog(q, rate, direction, dt)
->>>>>>> w-engine
+
+    def report(self, q: ArrayLike, target: Any) -> Report:
+        """Task, criteria and active limits at a configuration, as numbers, without a step.
+
+        Args:
+            q: configuration, (nq,).
+            target: the target, as in `step`.
+
+        Raises:
+            ArgumentError: for an argument of wrong shape, NaN or infinity, naming it.
+        """
+        return self._engine.report(q, target)
