@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn, Self
@@ -24,6 +24,7 @@ from typing import Any, NoReturn, Self
 from jtik.arguments import existing_file, instance, integer, names, several
 from jtik.arguments import path as read_path
 from jtik.errors import ArgumentError
+from jtik.geometry import Scene
 from jtik.planner.attempt import Attempt
 from jtik.planner.history import History
 from jtik.planner.plain import entries, inside, label, plain_mapping
@@ -36,7 +37,7 @@ VERSION = 1
 LARGEST = 2**30
 """Largest file that is read [bytes]."""
 
-ROWS = 200
+ROWS = 50
 """Rows of an array that are written at once: other threads run between."""
 
 ACCEPTED = "a file of a plan that jtik wrote"
@@ -81,18 +82,20 @@ class Plan:
         """
         write_atomically(read_path("path", path), self.pieces())
 
-    def pieces(self, **more: Any) -> Iterator[str]:
-        """The document in pieces of text, none of which takes long to make.
+    def pieces(self, texts: Callable[[Attempt], Iterator[str]] | None = None, **more: Any) -> Iterator[str]:
+        """The document in pieces of ASCII text, none of which takes long to make.
 
         Args:
+            texts: gives the pieces of an attempt; `attempt_pieces` by default.
             more: further keys and values.
         """
+        of_attempt = attempt_pieces if texts is None else texts
         head = {"format": FORMAT, "version": VERSION, "robot": self.robot, **more}
         yield _text(head)[:-1] + f', "scene": {_text(self.scene)}, "settings": {_text(self.settings)}'
         yield f', "chosen": {_text(self.history.chosen)}, "attempts": ['
         for i, attempt in enumerate(self.history):
             yield ",\n" if i else "\n"
-            yield from _attempt_pieces(attempt)
+            yield from of_attempt(attempt)
         yield "]}\n"
 
     @classmethod
@@ -128,7 +131,12 @@ def read(path: Path) -> tuple[Plan, int]:
     history = History.from_json({key: found[key] for key in ("attempts", "chosen")}, where)
     robot = _robot(inside(where, "robot"), found["robot"])
     _check_width(inside(where, "attempts"), history, robot["nq"])
+    known: set[str] = set()
+    for i, attempt in enumerate(history):
+        for j, (_, each) in enumerate(attempt.scenes):
+            _check_scene(inside(where, f"attempts[{i}].scenes[{j}][1]"), _news(each, known))
     scene = plain_mapping(inside(where, "scene"), found["scene"])
+    _check_scene(inside(where, "scene"), scene)
     settings = plain_mapping(inside(where, "settings"), found["settings"])
     number = integer(inside(where, "journal"), found.get("journal", 0))
     return Plan(robot=robot, scene=scene, settings=settings, history=history), number
@@ -187,6 +195,27 @@ def _robot(argument: str, value: object) -> dict[str, Any]:
     }
 
 
+def _news(scene: Mapping[str, Any], known: set[str]) -> Mapping[str, Any]:
+    """The scene without the obstacles that were checked before: most change while the others stay."""
+    rows = scene.get("obstacles")
+    if set(scene) != {"obstacles"} or not isinstance(rows, Mapping):
+        return scene
+    texts = {name: _text(row) for name, row in rows.items()}
+    new = {name: row for name, row in rows.items() if texts[name] not in known}
+    known.update(texts.values())
+    return {"obstacles": new} if new else {}
+
+
+def _check_scene(argument: str, scene: Mapping[str, Any]) -> None:
+    """Raise ArgumentError unless it is a scene, or empty."""
+    if not scene:
+        return
+    try:
+        Scene.from_dict(scene)
+    except ArgumentError as error:
+        raise ArgumentError(f"{argument}.{error.argument}", error.given, error.accepted) from error
+
+
 def _check_width(argument: str, history: History, nq: int) -> None:
     for attempt in history:
         if attempt.configurations.shape[1] != nq:
@@ -194,7 +223,7 @@ def _check_width(argument: str, history: History, nq: int) -> None:
             raise ArgumentError(argument, given, f"{nq} numbers: those of the robot of the plan")
 
 
-def _attempt_pieces(attempt: Attempt) -> Iterator[str]:
+def attempt_pieces(attempt: Attempt) -> Iterator[str]:
     """The text of ``attempt.to_json()``."""
     arrays = ("times", "configurations", "targets")
     rest = attempt.cut(0.0).to_json()
