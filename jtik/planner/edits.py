@@ -71,9 +71,13 @@ def _nested(value: Any) -> Any:
     return tuple(_nested(each) for each in value) if isinstance(value, list) else value
 
 
-def _direction(argument: str, value: object) -> tuple[float, ...]:
-    found = array_of(argument, value, [(None,)], "numbers, one for each velocity entry")
-    return tuple(found.tolist())
+def _direction(argument: str, value: object) -> str | int | tuple[float, ...]:
+    if isinstance(value, str):
+        return _name(argument, value)
+    accepted = "a joint, a criterion, an index from 0, or numbers, one for each velocity entry"
+    if isinstance(value, int) and not isinstance(value, bool):
+        return arguments.integer(argument, value, accepted=accepted)
+    return tuple(array_of(argument, value, [(None,)], accepted).tolist())
 
 
 def _obstacle(argument: str, value: object) -> Mapping[str, Any]:
@@ -95,7 +99,7 @@ Velocity: TypeAlias = Annotated[tuple[float, ...], _velocity]
 Rotation: TypeAlias = Annotated[tuple[float, ...], _rotation]
 Quaternion: TypeAlias = Annotated[tuple[float, ...], _quaternion]
 Value: TypeAlias = Annotated[float | tuple[Any, ...], _value]
-Direction: TypeAlias = Annotated[tuple[float, ...], _direction]
+Direction: TypeAlias = Annotated[str | int | tuple[float, ...], _direction]
 ObstacleData: TypeAlias = Annotated[Mapping[str, Any], _obstacle]
 Options: TypeAlias = Annotated[Mapping[str, Any], _options]
 Names: TypeAlias = Annotated[tuple[str, ...], _names]
@@ -335,11 +339,12 @@ class SetClearance(Edit):
 
 @dataclass(frozen=True)
 class Jog(Edit):
-    """Move the arm along its self-motion, with the end effector at rest, until the next edit of this kind.
+    """Move the arm along its self-motion while the target is at rest, until the next edit of this kind.
 
     Attributes:
         rate: signed speed along the self-motion [rad/s]; 0 stops it.
-        direction: which of the self-motions, (n,); None for the one along which it moves most freely.
+        direction: of a positive rate, as of `jtik.InverseKinematics.jog`: the name of a joint or of a criterion,
+            "descent", an index from 0, or numbers (n,); None is 0.
     """
 
     rate: float

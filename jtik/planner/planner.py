@@ -138,11 +138,12 @@ class Planner:
             slots=Slots.of(obstacles, None, moving.dimension),
         )
         solver = Solver(problem, structure)
+        preferred = np.clip(moving.neutral, moving.lower, moving.upper)
+        values = Values(obstacles, preferred, {}, non_negative_number("safe", safe))
+        solver.fill(values)
         start = moving.home if q0 is None else moving.configuration(q0, argument="q0")
         if demo and q0 is None:
             start = solver.ik.solve(demo.path(2)[0], q0=demo.start).q
-        preferred = np.clip(moving.neutral, moving.lower, moving.upper)
-        values = Values(obstacles, preferred, {}, non_negative_number("safe", safe))
         messages = Messages(clock)
         state = State(problem, solver, values, start, messages=messages)
         state.set_target_speed(*_speeds(target_speed, state.arm.reach))

@@ -67,6 +67,7 @@ class Solver:
             compiled=problem.compiled,
         )
         self.ik.warm_up()
+        self.ik.jog(self.ik.robot.home, 0.0)  # which builds its functions
         self.gauge = Gauge(self.ik.robot, [_measure(problem, common, bodies) for bodies in measured(problem.bodies)])
         parts = [(name, criterion) for name, _, criterion in criteria.named()]
         parts += [("clearance", clearance.measure)] if clearance else []  # type: ignore[list-item]  # has slots, too
