@@ -83,7 +83,9 @@ def test_quaternions_of_matrices_are_those_of_the_rotation(seed: int) -> None:
     given /= np.linalg.norm(given, axis=1, keepdims=True)
     given[given[:, 0] < 0] *= -1
     matrices = np.stack([rotations.matrix(each) for each in given])
-    np.testing.assert_allclose(matrices @ matrices.transpose(0, 2, 1), np.broadcast_to(np.eye(3), (7, 3, 3)), atol=1e-12)
+    np.testing.assert_allclose(
+        matrices @ matrices.transpose(0, 2, 1), np.broadcast_to(np.eye(3), (7, 3, 3)), atol=1e-12
+    )
     found = rotations.quaternions(matrices)
     np.testing.assert_allclose(np.abs((found * given).sum(axis=1)), 1, atol=1e-12)
 

@@ -26,7 +26,12 @@ def test_the_latest_target_wins() -> None:
 
 def test_a_later_change_of_an_obstacle_replaces_an_earlier_one_and_no_other() -> None:
     inbox = Inbox()
-    edits = [ChangeObstacle("a", {"x": 1}), ChangeObstacle("b", {"x": 1}), SetGain("g", 1), ChangeObstacle("a", {"x": 2})]
+    edits = [
+        ChangeObstacle("a", {"x": 1}),
+        ChangeObstacle("b", {"x": 1}),
+        SetGain("g", 1),
+        ChangeObstacle("a", {"x": 2}),
+    ]
     for edit in edits:
         inbox.put(edit)
     assert inbox.take()[0] == edits[1:]
