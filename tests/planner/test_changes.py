@@ -44,9 +44,9 @@ def test_obstacles_in_their_places_build_nothing(operator: Operator) -> None:
         operator.loop.status.clearance["joints"],
         min(distance(operator.state.q, (2.0, 2.4), 0.3), distance(operator.state.q, (1.5, -2.0), 0.3)),
     )
-    operator.does(ChangeObstacle("disc", {**CIRCLE, "center": [2.0, 0.0], "radius": 0.1}))
+    operator.does(ChangeObstacle("disc", {**CIRCLE, "center": [2.0, 1.0], "radius": 0.1}))
     assert operator.loop.settings.scene["disc"]["gain"] == 0.5
-    assert np.isclose(operator.loop.status.clearance["joints"], distance(operator.state.q, (2.0, 0.0), 0.1))
+    assert np.isclose(operator.loop.status.clearance["joints"], distance(operator.state.q, (2.0, 1.0), 0.1))
     operator.does(SetObstacleGain("disc", 0.0), SetObstacleGain("post", 0.0))
     assert operator.loop.status.clearance == {}
     operator.does(DeleteObstacle("disc"), DeleteObstacle("post"))
@@ -58,7 +58,7 @@ def test_obstacles_in_their_places_build_nothing(operator: Operator) -> None:
 def test_an_obstacle_on_the_arm_is_seen_and_the_arm_yields(operator: Operator) -> None:
     operator.does(AVOIDING, seconds=8)
     elbow = ROBOT.position(operator.loop.frame.q, "link3")
-    disc = {"shape": "circle", "center": (elbow + (0.0, 0.1)).tolist(), "radius": 0.2}
+    disc = {"shape": "circle", "center": [elbow[0], elbow[1] + 0.1], "radius": 0.2}
     operator.does(AddObstacle("dropped", disc), seconds=0.1)
     assert "link3" in operator.loop.status.violated
     target = operator.loop.frame.position
