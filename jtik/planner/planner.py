@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik.arguments import array_of, flag, instance, non_negative_number, positive_number
+from jtik.arguments import path as read_path
 from jtik.constraints import Limits
 from jtik.constraints.limits import limits_of
 from jtik.criterion import Criteria, Criterion, CriterionSum
@@ -219,7 +220,7 @@ def _journal(
         return None, ()
     if folder is True:
         raise ArgumentError("folder", folder, "the path of a folder, None for one of the user's, or False")
-    where = None if folder is None else os.fspath(folder)
+    where = None if folder is None else read_path("folder", folder)
     former = tuple(each for each in sessions.recoverable(where) if not each.closed)
 
     def tell(level: str, text: str) -> None:

@@ -130,7 +130,7 @@ def _common(problem: Problem, slots: Slots) -> dict[str, Any]:
 
 
 def _measure(problem: Problem, common: Mapping[str, Any], bodies: str) -> Any:
-    return problem.criteria.make(AVOIDANCE, {**common, "bodies": bodies})
+    return problem.criteria.registered(AVOIDANCE, {**common, "bodies": bodies})
 
 
 def _strategy(problem: Problem, structure: Structure) -> Strategy:

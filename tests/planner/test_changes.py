@@ -58,7 +58,7 @@ def test_obstacles_in_their_places_build_nothing(operator: Operator) -> None:
 def test_an_obstacle_on_the_arm_is_seen_and_the_arm_yields(operator: Operator) -> None:
     operator.does(AVOIDING, seconds=8)
     elbow = ROBOT.position(operator.loop.frame.q, "link3")
-    disc = {"shape": "circle", "center": [elbow[0], elbow[1] + 0.1], "radius": 0.2}
+    disc = {"shape": "circle", "center": [elbow[0], elbow[1] + 0.06], "radius": 0.1}
     operator.does(AddObstacle("dropped", disc), seconds=0.1)
     assert "link3" in operator.loop.status.violated
     target = operator.loop.frame.position
