@@ -10,18 +10,10 @@ import numpy as np
 from jtik import arguments
 from jtik.arguments import array_of, mapping
 from jtik.errors import ArgumentError
+from jtik.planner.plain import label
 
 LARGEST = 1e6
 """Largest coordinate, angle or gain that an edit may have, in its unit: beyond it is a slip of the keyboard."""
-
-LONGEST_NAME = 100
-"""Largest length of a name, in characters."""
-
-
-def readread_name(argument: str, value: object) -> str:
-    if isinstance(value, str) and 0 < len(value) <= LONGEST_NAME and value.isprintable() and value == value.strip():
-        return str(value)
-    raise ArgumentError(argument, repr(value), f"a name: 1 to {LONGEST_NAME} printable characters")
 
 
 def _numbers(argument: str, value: object, sizes: tuple[int, ...], accepted: str) -> tuple[float, ...]:
@@ -65,7 +57,7 @@ def _nested(value: Any) -> Any:
 
 def _direction(argument: str, value: object) -> str | int | tuple[float, ...]:
     if isinstance(value, str):
-        return read_name(argument, value)
+        return label(argument, value)
     accepted = "a joint, a criterion, an index from 0, or numbers, one for each velocity entry"
     if isinstance(value, int) and not isinstance(value, bool):
         return arguments.integer(argument, value, accepted=accepted)
@@ -78,14 +70,14 @@ def _obstacle(argument: str, value: object) -> Mapping[str, Any]:
 
 def _options(argument: str, value: object) -> Mapping[str, Any]:
     found = mapping(argument, value, "a mapping from the names of options to their values")
-    return {read_name(argument, key): each for key, each in found.items()}
+    return {label(argument, key): each for key, each in found.items()}
 
 
 def _names(argument: str, value: object) -> tuple[str, ...]:
-    return tuple(read_name(argument, each) for each in arguments.names(argument, value, "names of criteria"))
+    return tuple(label(argument, each) for each in arguments.names(argument, value, "names of criteria"))
 
 
-Name: TypeAlias = Annotated[str, read_name]
+Name: TypeAlias = Annotated[str, label]
 Point: TypeAlias = Annotated[tuple[float, ...], _point]
 Velocity: TypeAlias = Annotated[tuple[float, ...], _velocity]
 Rotation: TypeAlias = Annotated[tuple[float, ...], _rotation]

@@ -25,8 +25,8 @@ from jtik.planner.edit_fields import (
     Rotation,
     Value,
     Velocity,
-    read_name,
 )
+from jtik.planner.plain import label
 from jtik.strategy.options import NonNegative, Positive, read_options
 
 
@@ -68,7 +68,7 @@ def from_json(data: object) -> Edit:
         UnknownNameError: for a kind that does not exist.
     """
     given = mapping("edit", data, 'an object such as {"edit": "move_target", "position": [6.0, 1.5]}')
-    kind = read_name("edit", given.pop("edit", None))
+    kind = label("edit", given.pop("edit", None))
     if kind not in EDITS:
         raise UnknownNameError("edit", kind, EDITS)
     wanted = {each.name: each for each in fields(EDITS[kind])}
