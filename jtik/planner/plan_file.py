@@ -34,7 +34,7 @@ from jtik.types import Array
 FORMAT = "jtik plan"
 VERSION = 1
 
-LARGEST = 2**30
+LARGEST = 2**29
 """Largest file that is read [bytes]."""
 
 ROWS = 50

@@ -267,6 +267,18 @@ def test_running_sessions_are_not_offered_and_those_that_were_killed_are(tmp_pat
     assert recoverable(tmp_path / "nothing") == ()
 
 
+def test_a_killed_session_in_which_nothing_was_done_is_not_offered(tmp_path):
+    journal = Journal(new_folder(tmp_path), robot=ROBOT)
+    journal.write()
+    journal.close()
+    assert recoverable(tmp_path) == ()
+    again = Journal(new_folder(tmp_path), robot=ROBOT)
+    again.edit(0.0, {"edit": "set_target_speed", "speed": 1.0})
+    again.write()
+    again.close()
+    assert [session.folder for session in recoverable(tmp_path)] == [again.folder]
+
+
 def test_a_session_in_which_nothing_was_done_leaves_nothing(tmp_path):
     journal = Journal(new_folder(tmp_path), robot=ROBOT)
     journal.start()
