@@ -1,0 +1,35 @@
+// Fields for the options of a strategy: numbers, switches and choices, as the strategy declares them.
+
+import { choice, el, words } from "./dom.js";
+
+export function optionFields(declared, given) {
+  return declared
+    .filter(({ kind, type }) => (kind ?? type) !== "other")
+    .map((option) => {
+      const value = given[option.name] ?? option.default;
+      const input = inputFor(option, value);
+      return { option, input, node: el("label", { class: "field", title: option.summary ?? "" }, el("span", {}, words(option.name)), input) };
+    });
+}
+
+function inputFor(option, value) {
+  if (option.choices) {
+    const input = choice(option.choices.map((each) => [String(each), words(String(each))]), () => {});
+    input.value = String(value);
+    return input;
+  }
+  if (typeof value === "boolean" || option.kind === "bool") return el("input", { type: "checkbox", role: "switch", checked: Boolean(value) });
+  if (typeof value === "number" || option.kind === "number") return el("input", { type: "number", step: "any", value: value ?? "" });
+  return el("input", { type: "text", value: value ?? "" });
+}
+
+// The options that were changed from their defaults.
+export function readOptions(fields) {
+  const read = {};
+  for (const { option, input } of fields) {
+    const value = input.type === "checkbox" ? input.checked : input.type === "number" ? input.valueAsNumber : input.value;
+    const empty = value === "" || Number.isNaN(value);
+    if (!empty && value !== option.default) read[option.name] = option.choices?.find((each) => String(each) === value) ?? value;
+  }
+  return read;
+}

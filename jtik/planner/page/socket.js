@@ -1,0 +1,94 @@
+// The connection to the planner: texts and frames come in, edits go out. It is opened again when it is lost.
+
+import { clearPath, emit, state, walk } from "./state.js";
+
+const MODES = ["live", "playing", "scrubbing", "paused"];
+const HEADER = 7;
+
+let socket = null;
+let wait = 250;
+
+export function send(edit, fields = {}) {
+  if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify({ edit, ...fields }));
+}
+
+export function sendRaw(document) {
+  if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(document));
+}
+
+export function connect() {
+  const scheme = location.protocol === "https:" ? "wss" : "ws";
+  socket = new WebSocket(`${scheme}://${location.host}/socket`);
+  socket.binaryType = "arraybuffer";
+  socket.onopen = () => {
+    wait = 250;
+    setConnected(true);
+    sendRaw({ type: "hello" });
+  };
+  socket.onmessage = ({ data }) => (typeof data === "string" ? readText(JSON.parse(data)) : readFrame(data));
+  socket.onclose = () => {
+    setConnected(false);
+    setTimeout(connect, wait);
+    wait = Math.min(4000, 2 * wait);
+  };
+}
+
+function setConnected(connected) {
+  state.connected = connected;
+  emit("connection");
+}
+
+function readText(document) {
+  if (document.type === "setup") {
+    readSetup(document);
+  } else if (document.type === "status") {
+    state.status = document;
+    emit("status");
+  } else if (document.type === "attempts") {
+    state.attempts = document.attempts;
+    const names = state.attempts.map((attempt) => attempt.name);
+    if (!names.includes(state.attempt)) state.attempt = names.at(-1) ?? null;
+    for (const name of state.overlays) if (!names.includes(name)) state.overlays.delete(name);
+    emit("attempts");
+  } else if (document.type === "message") {
+    emit("message", document);
+  }
+}
+
+// Only what changed is sent. Another robot is another page.
+function readSetup(document) {
+  const first = state.setup === null;
+  if (!first && document.robot && JSON.stringify(document.robot) !== JSON.stringify(state.setup.robot)) return location.reload();
+  state.setup = { ...state.setup, ...document };
+  if (state.drag?.done) state.drag = null;
+  if (first) {
+    clearPath();
+    emit("robot");
+  }
+  emit("setup");
+}
+
+// Float32: tick, time, mode, recording, d, nq, frames; target (7); q; poses (frames, 7).
+function readFrame(buffer) {
+  if (state.setup === null) return;
+  const data = new Float32Array(buffer);
+  const [tick, time, mode, recording, , nq, frames] = data;
+  const q = HEADER + 7;
+  if (frames !== state.setup.frames.length) return;
+  const before = state.frame;
+  state.frame = {
+    tick,
+    time,
+    mode: MODES[mode],
+    recording: recording > 0,
+    position: data.subarray(HEADER, HEADER + 3),
+    orientation: data.subarray(HEADER + 3, HEADER + 7),
+    q: data.subarray(q, q + nq),
+    poses: data.subarray(q + nq, q + nq + 7 * frames),
+    received: performance.now(),
+  };
+  if (state.frame.recording && !before?.recording) clearPath();
+  if (state.frame.mode === "live") walk(state.frame);
+  if (before?.mode !== state.frame.mode || before?.recording !== state.frame.recording) emit("mode");
+  emit("frame");
+}

@@ -1,0 +1,291 @@
+"""The planner's web server: the files of the page, and the socket that carries edits, frames and texts."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import http
+import json
+import logging
+import mimetypes
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Protocol
+from urllib.parse import unquote, urlsplit
+
+from jtik.arguments import integer
+from jtik.errors import ArgumentError, JtikError, MissingExtraError
+from jtik.planner import edits
+from jtik.planner.outgoing import Outgoing
+
+if TYPE_CHECKING:
+    from websockets.asyncio.server import ServerConnection
+    from websockets.http11 import Request, Response
+
+    from jtik.planner.outgoing import Published
+
+PORT = 8731
+"""Port when none is given."""
+
+PAGE = Path(__file__).with_name("page")
+"""Folder of the page's files."""
+
+LOOPBACK = ("127.0.0.1", "localhost", "::1")
+"""Names that this machine has for itself. A request that names another host was led here by a foreign page."""
+
+POLL = 1 / 240
+"""Period in which a connection looks for what is new [s]."""
+
+MAX_MESSAGE = 64 * 2**20
+"""Largest message of a page [bytes]: a whole plan."""
+
+STOP: tuple[dict[str, Any], ...] = ({"edit": "hold_target", "velocity": None}, {"edit": "jog", "rate": 0.0})
+"""What is submitted when a page that steered is gone: the target stands still, and so does the self-motion."""
+
+STEERING = ("move_target", "hold_target", "jog")
+"""Edits that keep the arm in motion after they were sent."""
+
+
+class Planning(Protocol):
+    """What the server needs of a planner."""
+
+    @property
+    def loop(self) -> Published:
+        """The loop, which publishes frames and takes edits."""
+
+    def submit(self, edit: Any) -> None:
+        """Hand an edit to the loop, from any thread."""
+
+    def findings(self, attempt: str) -> list[dict[str, Any]]:
+        """What a check of an attempt finds."""
+
+    def exported(self, attempt: str, format: str) -> bytes:
+        """An attempt as a file."""
+
+    def plan_text(self) -> str:
+        """The whole plan as a file."""
+
+    def load_text(self, text: str) -> None:
+        """Go on from the text of a plan."""
+
+
+class PortInUseError(JtikError):
+    """The port is in use by another program."""
+
+
+class Server:
+    """Serves the page of a planner on the loopback address.
+
+    Args:
+        planner: the planner.
+        port: port to listen on; 0 for any free one.
+
+    Attributes:
+        port: the port, once it listens.
+
+    Raises:
+        MissingExtraError: when websockets is not installed.
+        PortInUseError: when the port is taken, by `start` and `run`.
+    """
+
+    def __init__(self, planner: Planning, *, port: int = PORT) -> None:
+        try:
+            import websockets  # noqa: F401
+        except ImportError as error:
+            raise MissingExtraError("websockets", "planner", "the planner's page") from error
+        self._planner = planner
+        self.port = integer("port", port, minimum=0)
+        if self.port > 65535:
+            raise ArgumentError("port", port, "a number from 0 to 65535")
+        self._steering: object = None
+        self._thread: threading.Thread | None = None
+        self._ends: Callable[[], None] = lambda: None
+
+    @property
+    def url(self) -> str:
+        """Address of the page."""
+        return f"http://127.0.0.1:{self.port}/"
+
+    async def serve(self, ready: Callable[[], None] = lambda: None) -> None:
+        """Serve until the task is cancelled; ``ready`` is called once the port is open."""
+        from websockets.asyncio.server import serve
+
+        quiet = logging.getLogger("jtik.planner.server")
+        quiet.addHandler(logging.NullHandler())
+        quiet.propagate = False  # connections that a browser opens ahead and drops are no errors
+        try:
+            server = await serve(
+                self._talk,
+                "127.0.0.1",
+                self.port,
+                process_request=self._answer,
+                max_size=MAX_MESSAGE,
+                compression=None,  # on the loopback address it only costs time
+                logger=quiet,
+                close_timeout=1,
+            )
+        except OSError as error:
+            raise PortInUseError(f"port {self.port} is in use; accepted: a free one, by --port (0: any)") from error
+        async with server:
+            self.port = next(iter(server.sockets)).getsockname()[1]
+            ready()
+            await asyncio.get_running_loop().create_future()
+
+    def start(self) -> Server:
+        """Serve in a thread of its own, until `close`."""
+        listening = threading.Event()
+        failed: list[BaseException] = []
+
+        async def main() -> None:
+            task = asyncio.current_task()
+            loop = asyncio.get_running_loop()
+            assert task is not None
+            self._ends = lambda: loop.call_soon_threadsafe(task.cancel) and None
+            with contextlib.suppress(asyncio.CancelledError):
+                await self.serve(listening.set)
+
+        def work() -> None:
+            try:
+                asyncio.run(main())
+            except BaseException as error:  # told to the caller of `start`
+                failed.append(error)
+            listening.set()
+
+        self._thread = threading.Thread(target=work, name="jtik planner server", daemon=True)
+        self._thread.start()
+        listening.wait()
+        if failed:
+            raise failed[0]
+        return self
+
+    def close(self) -> None:
+        """Close all connections and the port."""
+        if self._thread is not None:
+            with contextlib.suppress(RuntimeError):  # its event loop has ended
+                self._ends()
+            self._thread.join()
+            self._thread = None
+
+    def __enter__(self) -> Server:
+        return self.start()
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    async def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
+        """The answer to a request; None lets the socket open."""
+        path = unquote(urlsplit(request.path).path)
+        host, origin = request.headers.get("Host", ""), request.headers.get("Origin")
+        own = {f"http://{host}", f"https://{host}"}
+        foreign = urlsplit(f"//{host}").hostname not in LOOPBACK or (origin is not None and origin not in own)
+        if foreign or (path == "/socket" and origin is None):
+            return _response(http.HTTPStatus.FORBIDDEN, b"This page may not open the planner.\n", "text/plain")
+        if path == "/socket":
+            return None
+        return await asyncio.to_thread(self._document, path)
+
+    def _document(self, path: str) -> Response:
+        """A file of the page, or what is made on demand: a check, an export, the plan."""
+        place = FILES.get(path)
+        if place is not None:
+            kind = mimetypes.guess_type(place.name)[0] or "application/octet-stream"
+            return _response(http.HTTPStatus.OK, place.read_bytes(), "text/javascript" if place.suffix == ".js" else kind)
+        try:
+            if path == "/plan.json":
+                return _file(self._planner.plan_text().encode(), "plan.json")
+            if path.startswith("/check/"):
+                found = json.dumps(self._planner.findings(path.removeprefix("/check/")))
+                return _response(http.HTTPStatus.OK, found.encode(), "application/json")
+            if path.startswith("/export/"):
+                kind, _, name = path.removeprefix("/export/").partition("/")
+                return _file(self._planner.exported(name, kind), f"{name.replace(' ', '_')}.{kind}")
+        except (JtikError, OSError) as error:
+            return _response(http.HTTPStatus.BAD_REQUEST, f"{error}\n".encode(), "text/plain")
+        return _response(http.HTTPStatus.NOT_FOUND, b"There is nothing at this address.\n", "text/plain")
+
+    async def _talk(self, connection: ServerConnection) -> None:
+        """Serve one page: send what is new, submit its edits, and stop what it steered when it is gone."""
+        from websockets.exceptions import ConnectionClosed
+
+        outgoing = Outgoing(self._planner.loop)
+        sender = asyncio.create_task(_send(connection, outgoing))
+        try:
+            async for text in connection:
+                self._receive(connection, text, outgoing)
+        except ConnectionClosed:
+            pass
+        finally:
+            sender.cancel()
+            if self._steering is connection:
+                self._steering = None
+                self._stop()
+
+    def _receive(self, connection: ServerConnection, text: str | bytes, outgoing: Outgoing) -> None:
+        """Submit the edit that a message describes; one that describes none gets an answer."""
+        try:
+            given = json.loads(text)
+            if not isinstance(given, dict):
+                raise ArgumentError("message", given, "an edit, as an object with the key edit")
+            if given.get("type") == "hello":
+                return
+            if given.get("type") == "load_plan":
+                self._planner.load_text(str(given.get("text", "")))
+                return
+            if given.get("edit") in ("save_plan", "load_plan"):
+                raise ArgumentError("message", given["edit"], "edits that name no file: a page saves by a download")
+            self._planner.submit(edits.from_json(given))
+        except (JtikError, ValueError, RecursionError) as error:
+            outgoing.answer(f"{error}")
+            return
+        if given["edit"] in STEERING:
+            self._steering = connection
+
+    def _stop(self) -> None:
+        """Stop the target and the self-motion."""
+        self._planner.submit(edits.HoldTarget(velocity=None, rotation=None))
+        self._planner.submit(edits.Jog(rate=0.0))
+
+
+async def _send(connection: ServerConnection, outgoing: Outgoing) -> None:
+    """Send what is new, at the pace of the page: one that is slow gets the newest only."""
+    from websockets.exceptions import ConnectionClosed
+
+    with contextlib.suppress(ConnectionClosed):
+        while True:
+            for message in outgoing.news():
+                await connection.send(message)
+            await asyncio.sleep(POLL)
+
+
+def _response(status: http.HTTPStatus, body: bytes, kind: str, **more: str) -> Response:
+    from websockets.datastructures import Headers
+    from websockets.http11 import Response
+
+    text = kind.startswith(("text/", "application/json"))
+    headers = {
+        "Content-Type": f"{kind}; charset=utf-8" if text else kind,
+        "Content-Length": str(len(body)),
+        "Cache-Control": "no-cache",
+        "Connection": "close",
+        "X-Content-Type-Options": "nosniff",
+        "Cross-Origin-Resource-Policy": "same-origin",
+        "Content-Security-Policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; "
+        "frame-ancestors 'self' http://localhost:* http://127.0.0.1:*",
+        **more,
+    }
+    return Response(status.value, status.phrase, Headers(headers), body)
+
+
+def _file(body: bytes, name: str) -> Response:
+    kind = mimetypes.guess_type(name)[0] or "application/octet-stream"
+    named = {"Content-Disposition": f'attachment; filename="{name}"'}
+    return _response(http.HTTPStatus.OK, body, kind, **named)
+
+
+FILES = {f"/{path.name}": path for path in PAGE.iterdir() if path.is_file()}
+"""The files that are served, by their address: no other file can be asked for."""
+FILES["/"] = FILES["/index.html"]
