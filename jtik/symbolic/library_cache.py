@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from jtik.symbolic.c_compiler import CompilerError
+from jtik.symbolic.private_folder import private_folder
 
 LIMIT = 512 * 2**20
 """Size of the cache above which the libraries used least recently are deleted [bytes]."""
@@ -61,7 +62,7 @@ def folder() -> Path:
     """
     try:
         wanted = _wanted()
-        return _private(wanted)
+        return private_folder(wanted)
     except (OSError, RuntimeError) as error:  # RuntimeError: there is no home folder
         return _temporary(str(error), os.getpid())
 
@@ -127,25 +128,6 @@ def _wanted() -> Path:
     given = os.environ.get("XDG_CACHE_HOME", "")
     base = Path(given) if os.path.isabs(given) else Path.home() / ".cache"  # a relative path is to be ignored
     return base / "jtik"
-
-
-def _private(wanted: Path) -> Path:
-    """The folder, made with mode 0700 where it does not exist. Raises OSError where it is not private."""
-    wanted.parent.mkdir(parents=True, exist_ok=True)
-    wanted.mkdir(mode=0o700, exist_ok=True)
-    kept = wanted.resolve()
-    if hasattr(os, "getuid"):
-        found = kept.stat()
-        if not stat.S_ISDIR(found.st_mode):
-            raise OSError(f"{kept} is no folder")
-        if found.st_uid != os.getuid():
-            raise OSError(f"{kept} belongs to another user")
-        if found.st_mode & 0o022:
-            raise OSError(f"{kept} can be changed by other users; correct it with: chmod 700 {kept}")
-        if found.st_mode & 0o077:
-            kept.chmod(0o700)
-    with tempfile.TemporaryFile(dir=kept):  # raises where nothing can be written
-        return kept
 
 
 @lru_cache(maxsize=1)
