@@ -9,7 +9,7 @@ import json
 import logging
 import mimetypes
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Protocol
@@ -18,13 +18,16 @@ from urllib.parse import unquote, urlsplit
 from jtik.arguments import integer
 from jtik.errors import ArgumentError, JtikError, MissingExtraError
 from jtik.planner import edits
-from jtik.planner.outgoing import Outgoing
+from jtik.planner.attempt_rows import AttemptRows, Row
+from jtik.planner.outgoing import Outgoing, Published
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
     from websockets.http11 import Request, Response
 
-    from jtik.planner.outgoing import Published
+    from jtik.planner.arm import Arm
+    from jtik.planner.attempt import Attempt
+    from jtik.planner.history import History
 
 PORT = 8731
 """Port when none is given."""
@@ -38,37 +41,52 @@ LOOPBACK = ("127.0.0.1", "localhost", "::1")
 POLL = 1 / 240
 """Period in which a connection looks for what is new [s]."""
 
+TABULATE = 0.1
+"""Period in which the table of attempts is brought up to date [s]."""
+
 MAX_MESSAGE = 64 * 2**20
 """Largest message of a page [bytes]: a whole plan."""
-
-STOP: tuple[dict[str, Any], ...] = ({"edit": "hold_target", "velocity": None}, {"edit": "jog", "rate": 0.0})
-"""What is submitted when a page that steered is gone: the target stands still, and so does the self-motion."""
 
 STEERING = ("move_target", "hold_target", "jog")
 """Edits that keep the arm in motion after they were sent."""
 
 
 class Planning(Protocol):
-    """What the server needs of a planner."""
+    """What the server needs of a planner; all of it may be called from any thread."""
 
     @property
-    def loop(self) -> Published:
+    def loop(self) -> Running:
         """The loop, which publishes frames and takes edits."""
 
-    def submit(self, edit: Any) -> None:
-        """Hand an edit to the loop, from any thread."""
+    @property
+    def arm(self) -> Arm:
+        """The robot."""
 
-    def findings(self, attempt: str) -> list[dict[str, Any]]:
-        """What a check of an attempt finds."""
+    def measures(self, attempt: Attempt) -> Mapping[str, Any]:
+        """The measures of an attempt by name."""
 
-    def exported(self, attempt: str, format: str) -> bytes:
-        """An attempt as a file."""
+    def findings(self, attempt: Attempt) -> Sequence[str]:
+        """What a check of an attempt finds, in words."""
+
+    def exported(self, attempt: Attempt, kind: str) -> bytes:
+        """An attempt as a file of a kind."""
 
     def plan_text(self) -> str:
         """The whole plan as a file."""
 
     def load_text(self, text: str) -> None:
         """Go on from the text of a plan."""
+
+
+class Running(Published, Protocol):
+    """What the server needs of a loop."""
+
+    @property
+    def history(self) -> History:
+        """The attempts."""
+
+    def submit(self, edit: edits.Edit) -> None:
+        """Hand an edit to the loop."""
 
 
 class PortInUseError(JtikError):
@@ -100,6 +118,8 @@ class Server:
         if self.port > 65535:
             raise ArgumentError("port", port, "a number from 0 to 65535")
         self._steering: object = None
+        self._table = AttemptRows(planner.arm, planner.measures)
+        self._rows: tuple[Row, ...] = ()
         self._thread: threading.Thread | None = None
         self._ends: Callable[[], None] = lambda: None
 
@@ -131,7 +151,7 @@ class Server:
         async with server:
             self.port = next(iter(server.sockets)).getsockname()[1]
             ready()
-            await asyncio.get_running_loop().create_future()
+            await self._tabulate()
 
     def start(self) -> Server:
         """Serve in a thread of its own, until `close`."""
@@ -176,6 +196,19 @@ class Server:
     ) -> None:
         self.close()
 
+    async def _tabulate(self) -> None:
+        """Keep the table of attempts up to date, measured in another thread."""
+        seen = None
+        while True:
+            history = self._planner.loop.history
+            if history is not seen:
+                seen, tables = history, self._table.of(history)
+                while (rows := await asyncio.to_thread(next, tables, None)) is not None:
+                    self._rows = rows
+                    if self._planner.loop.history is not history:
+                        break
+            await asyncio.sleep(TABULATE)
+
     async def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
         """The answer to a request; None lets the socket open."""
         path = unquote(urlsplit(request.path).path)
@@ -198,11 +231,12 @@ class Server:
             if path == "/plan.json":
                 return _file(self._planner.plan_text().encode(), "plan.json")
             if path.startswith("/check/"):
-                found = json.dumps(self._planner.findings(path.removeprefix("/check/")))
-                return _response(http.HTTPStatus.OK, found.encode(), "application/json")
+                found = self._planner.findings(self._planner.loop.history[path.removeprefix("/check/")])
+                return _response(http.HTTPStatus.OK, json.dumps(list(found)).encode(), "application/json")
             if path.startswith("/export/"):
                 kind, _, name = path.removeprefix("/export/").partition("/")
-                return _file(self._planner.exported(name, kind), f"{name.replace(' ', '_')}.{kind}")
+                body = self._planner.exported(self._planner.loop.history[name], kind)
+                return _file(body, f"{name.replace(' ', '_')}.{kind}")
         except (JtikError, OSError) as error:
             return _response(http.HTTPStatus.BAD_REQUEST, f"{error}\n".encode(), "text/plain")
         return _response(http.HTTPStatus.NOT_FOUND, b"There is nothing at this address.\n", "text/plain")
@@ -211,7 +245,7 @@ class Server:
         """Serve one page: send what is new, submit its edits, and stop what it steered when it is gone."""
         from websockets.exceptions import ConnectionClosed
 
-        outgoing = Outgoing(self._planner.loop)
+        outgoing = Outgoing(self._planner.loop, lambda: self._rows)
         sender = asyncio.create_task(_send(connection, outgoing))
         try:
             async for text in connection:
@@ -237,7 +271,7 @@ class Server:
                 return
             if given.get("edit") in ("save_plan", "load_plan"):
                 raise ArgumentError("message", given["edit"], "edits that name no file: a page saves by a download")
-            self._planner.submit(edits.from_json(given))
+            self._planner.loop.submit(edits.from_json(given))
         except (JtikError, ValueError, RecursionError) as error:
             outgoing.answer(f"{error}")
             return
@@ -246,8 +280,9 @@ class Server:
 
     def _stop(self) -> None:
         """Stop the target and the self-motion."""
-        self._planner.submit(edits.HoldTarget(velocity=None, rotation=None))
-        self._planner.submit(edits.Jog(rate=0.0))
+        still = (0.0,) * self._planner.arm.robot.dimension
+        self._planner.loop.submit(edits.HoldTarget(velocity=still))
+        self._planner.loop.submit(edits.Jog(rate=0.0))
 
 
 async def _send(connection: ServerConnection, outgoing: Outgoing) -> None:

@@ -8,8 +8,9 @@ import { emit, on, state } from "./state.js";
 // key, heading, unit, whether a small value is the better one, what it means
 const MEASURES = [
   ["duration", "time", "s", true, "duration of the attempt"],
-  ["length", "length", "rad", true, "length of the path of the joints"],
-  ["smoothness", "smooth", "rad/s²", true, "root mean square of the joint accelerations: small is smooth"],
+  ["path_length", "path", "m", true, "length of the path of the end effector"],
+  ["joint_length", "joint path", "rad", true, "length of the path of the joints"],
+  ["smoothness", "acceleration", "rad/s²", true, "root mean square of the joint accelerations: small is smooth"],
   ["clearance", "clearance", "m", false, "smallest clearance, between the samples too"],
   ["limit_margin", "margin", "rad", false, "smallest distance of a joint from a limit"],
   ["condition", "condition", "", true, "largest condition number of the Jacobian"],
@@ -18,6 +19,7 @@ const MEASURES = [
 
 const FORMATS = [["csv", "CSV"], ["json", "JSON"], ["npz", "NumPy (.npz)"], ["ros2.json", "ROS 2 JSON"], ["ros2.yaml", "ROS 2 YAML"], ["png", "Figure (.png)"], ["gif", "Animation (.gif)"]];
 
+const measured = (attempt, key) => (key === "duration" ? attempt.duration : attempt.measures?.[key]);
 const current = () => state.attempts.find(({ name }) => name === state.attempt) ?? null;
 const mode = () => state.frame?.mode ?? "live";
 
@@ -36,7 +38,7 @@ export function showDock(host) {
   const clock = el("output", { class: "clock" });
   const undo = el("button", { id: "undo", title: "Cut the attempt here and go on recording from here", onclick: () => send("undo", at()) }, "Undo to here");
   const branch = el("button", { id: "branch", title: "Start a new attempt that shares the way up to here", onclick: () => send("branch", at()) }, "Branch here");
-  const live = el("button", { id: "live", title: "Go on guiding from the posture shown", onclick: () => send("pause") }, "Guide");
+  const live = el("button", { id: "live", title: "Leave the attempt, and go on guiding", onclick: () => send("live") }, "Guide");
   const named = el("span", { class: "current" });
   const choose = el("button", { id: "choose", title: "Mark it as the one to carry out", onclick: () => send("choose", { attempt: current().name }) }, "Choose");
   const resolve = choice([["", "Resolve with"], ...state.setup.strategies.map((each) => [each.name, words(each.name)])], (strategy) => {
@@ -79,7 +81,7 @@ export function showDock(host) {
   }
   on("mode attempts", refresh);
   on("frame", () => {
-    if (!scrubbing && mode() !== "live" && state.frame) bar.value = state.status?.attempt_time ?? bar.value;
+    if (!scrubbing && state.frame.shown >= 0) bar.value = state.frame.shown;
     if (mode() !== "live") fill();
   });
   on("attempts robot", () => table.replaceChildren(attemptTable()));
@@ -96,7 +98,7 @@ function attemptTable() {
     return el("p", { class: "empty" }, "No attempts yet. Press Record, guide the target through the field, and press Stop.");
   }
   const best = Object.fromEntries(MEASURES.map(([key, , , small]) => {
-    const values = state.attempts.map((attempt) => attempt.measures?.[key]).filter((value) => typeof value === "number");
+    const values = state.attempts.map((attempt) => measured(attempt, key)).filter((value) => typeof value === "number");
     return [key, values.length > 1 ? (small ? Math.min(...values) : Math.max(...values)) : NaN];
   }));
   const head = el("tr", {}, el("th", {}, "show"), el("th", { class: "left" }, "attempt"), el("th", { class: "left" }, "strategy"),
@@ -119,7 +121,7 @@ function attemptRow(attempt, index, best) {
     el("td", {}, el("label", { class: "dot", style: `--dot: ${attemptColour(index)}` }, show, el("span", {}))),
     label,
     el("td", { class: "left" }, words(attempt.strategy ?? "")),
-    MEASURES.map(([key]) => el("td", { class: attempt.measures?.[key] === best[key] ? "best" : "" }, figure(attempt.measures?.[key]))),
+    MEASURES.map(([key]) => el("td", { class: measured(attempt, key) === best[key] ? "best" : "" }, figure(measured(attempt, key)))),
     el("td", {}, el("button", { class: "quiet", title: `Delete ${name}`, "aria-label": `delete ${name}`, onclick: () => send("delete_attempt", { attempt: name }) }, "×")));
 }
 
@@ -134,6 +136,6 @@ export async function commitDialog(name) {
       el("button", { onclick: () => dialog.close() }, "Close")));
   dialog.showModal();
   const answer = await fetch(`check/${encodeURIComponent(name)}`);
-  const found = answer.ok ? await answer.json() : [{ text: await answer.text() }];
-  findings.replaceChildren(...(found.length ? found.map((each) => el("li", { class: "bad" }, each.text ?? String(each))) : [el("li", { class: "good" }, "Nothing found: the attempt can be committed.")]));
+  const found = answer.ok ? await answer.json() : [await answer.text()];
+  findings.replaceChildren(...(found.length ? found.map((each) => el("li", { class: "bad" }, String(each))) : [el("li", { class: "good" }, "Nothing found: the attempt can be committed.")]));
 }

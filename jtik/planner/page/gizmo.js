@@ -3,7 +3,6 @@
 
 import { add, cross, dot, norm, rigid, scale, sub, transposed, unit } from "./math.js";
 import { rgb } from "./palette.js";
-import { axisTurn } from "./shapes.js";
 
 const AXES = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 const COLOURS = [[0.79, 0.29, 0.21], [0.3, 0.6, 0.36], [0.19, 0.44, 0.74]];
@@ -88,7 +87,7 @@ function around(first, at, axis) {
     return Math.atan2(dot(point, up), dot(point, side));
   };
   const begin = angle(first);
-  return (ray) => ({ axis, angle: angle(ray) - begin, turn: axisTurn(axis, angle(ray) - begin) });
+  return (ray) => ({ axis, angle: angle(ray) - begin });
 }
 
 function toSegment(p, a, b) {

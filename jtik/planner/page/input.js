@@ -11,6 +11,7 @@ const MOVES = {
 };
 const JOGS = { BracketLeft: -1, BracketRight: 1, Comma: -1, Period: 1 };
 const JOG_RATE = 0.6; // share of the fastest jog, for a key
+const JOG_SPEED = 1; // fastest motion along the self-motion [rad/s]
 const DEAD = 0.12; // deflection of a stick that counts as none
 
 const pressed = new Set();
@@ -27,7 +28,7 @@ function direction(deflection, view) {
 
 export function hold(deflection, view) {
   const size = Math.max(1, norm(deflection));
-  const velocity = scale(direction(scale(deflection, 1 / size), view), state.setup.target_speed);
+  const velocity = scale(direction(scale(deflection, 1 / size), view), state.setup.target_speed[0]);
   const text = norm(velocity) > 0 ? JSON.stringify(velocity) : "";
   if (text === held) return;
   held = text;
@@ -37,7 +38,7 @@ export function hold(deflection, view) {
 export function jog(share) {
   if (share === jogged) return;
   jogged = share;
-  send("jog", { rate: share * (state.setup.jog_speed ?? 1) });
+  send("jog", { rate: share * JOG_SPEED });
   emit("jogged", share);
 }
 

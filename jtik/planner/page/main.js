@@ -40,7 +40,7 @@ function resize() {
 
 on("robot", () => {
   const { robot } = state.setup;
-  byId("robot").textContent = `${robot.name} · ${robot.joint_names.length} joints`;
+  byId("robot").textContent = `${robot.name} · ${robot.joints.length} joints`;
   document.title = `${robot.name} - jtik plan`;
   try {
     view = planar() ? new PlanarView(host) : new SpatialView(host);

@@ -1,12 +1,12 @@
 // The part "Obstacles": a list to add to, switch off and delete from; the numbers of the one that is selected.
 
 import { choice, el, numberField, part, toggle, words } from "./dom.js";
-import { angleOf, axisTurn, centre, fresh, moved, planeTurn, sizes, turned, turns, TYPES } from "./shapes.js";
+import { add, sub } from "./math.js";
+import { angleOf, centre, fresh, moved, sizes, turned, turns, TYPES } from "./shapes.js";
 import { send } from "./socket.js";
 import { obstacles, on, select, state } from "./state.js";
-import { add, sub } from "./math.js";
 
-let remembered = {}; // gains of obstacles that were switched off here
+const remembered = {}; // gains of obstacles that were switched off here
 
 export function addObstacle(type) {
   const names = new Set(Object.keys(state.setup.scene));
@@ -38,7 +38,7 @@ export function obstaclePart() {
 
   function refresh() {
     const all = obstacles();
-    const text = all.map(({ name, obstacle }) => `${name}:${obstacle.type}`).join() + JSON.stringify(state.selected);
+    const text = all.map(({ name, obstacle }) => `${name}:${obstacle.shape}`).join() + JSON.stringify(state.selected);
     if (text !== shown) {
       shown = text;
       rows.clear();
@@ -88,8 +88,8 @@ function fields(name, first, gain) {
     numberField(label, { unit: "m", step, change: (value) => change(moved(now, sub(centre(now).map((v, i) => (i === k ? value : v)), centre(now)))) }),
   );
   const size = sizes(first).map(([label], k) => numberField(label, { unit: "m", step: step / 2, min: 0, change: (value) => change(sizes(now)[k][2](value)) }));
-  const turn = d === 2 && angleOf(first) !== null ? [numberField("angle", { unit: "°", step: 5, change: (value) => change(turned(now, planeTurn((value * Math.PI) / 180 - angleOf(now)))) })] : [];
-  const spins = d === 3 && turns(first) ? ["x", "y", "z"].map((label, k) => el("button", { title: `Turn by 15° about ${label}`, onclick: () => change(turned(now, axisTurn([0, 1, 2].map((i) => (i === k ? 1 : 0)), Math.PI / 12))) }, `turn ${label}`)) : [];
+  const turn = d === 2 && angleOf(first) !== null ? [numberField("angle", { unit: "°", step: 5, change: (value) => change(turned(now, (value * Math.PI) / 180 - angleOf(now))) })] : [];
+  const spins = d === 3 && turns(first) ? ["x", "y", "z"].map((label, k) => el("button", { title: `Turn by 15° about ${label}`, onclick: () => change(turned(now, Math.PI / 12, [0, 1, 2].map((i) => (i === k ? 1 : 0)))) }, `turn ${label}`)) : [];
   const weight = numberField("gain", { min: 0, step: 0.5, change: (value) => send("set_obstacle_gain", { name, gain: value }) });
   weight.set(gain);
   return {

@@ -3,23 +3,21 @@
 import { choice, el, words } from "./dom.js";
 
 export function optionFields(declared, given) {
-  return declared
-    .filter(({ kind, type }) => (kind ?? type) !== "other")
-    .map((option) => {
-      const value = given[option.name] ?? option.default;
+  return declared.map((option) => {
+      const value = given[option.name] ?? option.value;
       const input = inputFor(option, value);
-      return { option, input, node: el("label", { class: "field", title: option.summary ?? "" }, el("span", {}, words(option.name)), input) };
+      return { option, input, node: el("label", { class: "field", title: option.summary ?? "" }, el("span", {}, words(option.name.replace(".", ": "))), input) };
     });
 }
 
 function inputFor(option, value) {
-  if (option.choices) {
+  if (option.type === "choice") {
     const input = choice(option.choices.map((each) => [String(each), words(String(each))]), () => {});
     input.value = String(value);
     return input;
   }
-  if (typeof value === "boolean" || option.kind === "bool") return el("input", { type: "checkbox", role: "switch", checked: Boolean(value) });
-  if (typeof value === "number" || option.kind === "number") return el("input", { type: "number", step: "any", value: value ?? "" });
+  if (option.type === "flag") return el("input", { type: "checkbox", role: "switch", checked: Boolean(value) });
+  if (typeof value === "number") return el("input", { type: "number", step: "any", value: value ?? "" });
   return el("input", { type: "text", value: value ?? "" });
 }
 
@@ -29,7 +27,7 @@ export function readOptions(fields) {
   for (const { option, input } of fields) {
     const value = input.type === "checkbox" ? input.checked : input.type === "number" ? input.valueAsNumber : input.value;
     const empty = value === "" || Number.isNaN(value);
-    if (!empty && value !== option.default) read[option.name] = option.choices?.find((each) => String(each) === value) ?? value;
+    if (!empty && value !== option.value) read[option.name] = value;
   }
   return read;
 }

@@ -32,7 +32,7 @@ function targetPart() {
   jogs.node.title = "Moves along the self-motion: the end effector stays where it is";
   const show = () => fields.forEach((field, k) => state.frame && field.set(state.frame.position[k]));
   on("frame", show);
-  on("setup", () => speed.set(state.setup.target_speed));
+  on("setup", () => speed.set(state.setup.target_speed[0]));
   return part("Target", [
     el("div", { class: "row" }, fields.map((field) => field.node)),
     speed.node,
@@ -42,12 +42,14 @@ function targetPart() {
 }
 
 function posturePart() {
-  const { joint_names: names, lower, upper, units } = state.setup.robot;
-  const labels = shortNames(names);
-  const rows = names.map((joint, k) => slider(words(labels[k]), { min: lower[k], max: upper[k], unit: units?.[k] ?? "", change: (value) => send("set_preferred", { joint, value }) }));
-  on("setup", () => rows.forEach((row, k) => row.set(state.setup.preferred[k] ?? 0)));
+  const joints = state.setup.joints.filter(({ scalar }) => scalar);
+  const labels = shortNames(joints.map(({ name }) => name));
+  const rows = joints.map(({ name, type, lower, upper }, k) =>
+    slider(words(labels[k]), { min: lower, max: upper, unit: type === "prismatic" ? "m" : "rad", change: (value) => send("set_preferred", { joint: name, value }) }),
+  );
+  on("setup", () => rows.forEach((row, k) => row.set(state.setup.preferred[joints[k].index] ?? 0)));
   on("status", () => {
-    if (state.frame?.q.length === rows.length) rows.forEach((row, k) => row.mark(state.frame.q[k]));
+    if (state.frame) rows.forEach((row, k) => row.mark(state.frame.q[joints[k].index]));
   });
   return part("Preferred posture", [
     el("div", { class: "sliders" }, rows.map((row) => row.node)),
@@ -83,7 +85,7 @@ function criteriaPart() {
   const list = el("div", { class: "criteria" });
   let shown = "";
   on("setup", () => {
-    const text = JSON.stringify([state.setup.criteria, state.setup.chosen_criteria, Object.keys(state.setup.gains)]);
+    const text = JSON.stringify([state.setup.criteria, state.setup.chosen, Object.keys(state.setup.gains)]);
     if (text !== shown) {
       shown = text;
       list.replaceChildren(...state.setup.criteria.map(criterionRow));
@@ -94,20 +96,20 @@ function criteriaPart() {
 }
 
 function criterionRow({ name, summary }) {
-  const chosen = state.setup.chosen_criteria.includes(name);
+  const chosen = state.setup.chosen.includes(name);
   const box = toggle(words(name), (checked) => {
-    const now = state.setup.chosen_criteria;
+    const now = state.setup.chosen;
     send("set_criteria", { names: checked ? [...now, name] : now.filter((each) => each !== name) });
   });
   box.set(chosen);
   box.node.title = summary ?? "";
-  const gains = Object.keys(state.setup.gains).filter((parameter) => parameter === `weight.${name}` || parameter.startsWith(`${name}.`));
+  const gains = Object.keys(state.setup.gains).filter((parameter) => parameter.startsWith(`${name}.`) && typeof state.setup.gains[parameter] === "number");
   return el("div", { class: "criterion" }, box.node, chosen ? gains.map((parameter) => gainField(parameter, name)) : null);
 }
 
 // A gain over six decades: the left end of the slider is zero.
 function gainField(parameter, criterion) {
-  const label = parameter.startsWith("weight.") ? "weight" : words(parameter.slice(criterion.length + 1));
+  const label = words(parameter.slice(criterion.length + 1));
   const [LOW, HIGH] = [-4, 3];
   const toGain = (share) => (share <= LOW ? 0 : Number((10 ** share).toPrecision(2)));
   const input = el("input", { type: "range", min: LOW, max: HIGH, step: 0.05, "aria-label": `${criterion}: ${label}` });

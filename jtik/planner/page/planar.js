@@ -1,9 +1,8 @@
 // A planar robot, seen from above, on a 2-D canvas.
 
-import { place } from "./math.js";
 import { attemptColour, colours, css, shade } from "./palette.js";
-import { centre, handles } from "./shapes.js";
-import { obstacles, state } from "./state.js";
+import { centre, handles, rotationOf } from "./shapes.js";
+import { limited, obstacles, placed, state, touches } from "./state.js";
 
 export class PlanarView {
   constructor(host) {
@@ -30,7 +29,7 @@ export class PlanarView {
   fit() {
     if (state.setup === null || state.frame === null) return;
     const points = [];
-    for (const { start, end } of this.bodies(state.frame.poses)) points.push(start, end);
+    for (const { start, end } of placed(state.frame.poses)) points.push(start, end);
     for (const { obstacle } of obstacles()) if (!obstacle.normal) points.push(...corners(obstacle));
     points.push([state.frame.position[0], state.frame.position[1]]);
     const [x, y] = [0, 1].map((k) => points.map((point) => point[k]));
@@ -48,14 +47,6 @@ export class PlanarView {
     this.zoom = Math.min(5000, Math.max(2, this.zoom * factor));
     const after = this.toWorld(pixel);
     this.middle = this.middle.map((value, k) => value + before[k] - after[k]);
-  }
-
-  bodies(poses) {
-    const { frames, robot } = state.setup;
-    return robot.bodies.map((body) => {
-      const frame = frames.indexOf(body.frame);
-      return { body, start: place(poses, frame, body.start), end: place(poses, frame, body.end) };
-    });
   }
 
   draw() {
@@ -125,7 +116,7 @@ export class PlanarView {
     const { pen } = this;
     const put = (point) => this.toScreen(point);
     pen.beginPath();
-    if (o.center) {
+    if (o.center && !o.half) {
       pen.arc(...put(o.center), Math.max(3, (o.radius ?? 0) * this.zoom), 0, 7);
     } else if (o.start) {
       const [a, b] = [put(o.start), put(o.end)];
@@ -176,34 +167,33 @@ export class PlanarView {
     const { postures, points } = state.path;
     postures.forEach((poses, k) => {
       const colour = css(shade((0.75 * k) / Math.max(1, postures.length)), 0.75);
-      for (const { start, end, body } of this.bodies(poses)) this.polyline([start, end], colour, Math.max(1.5, 0.55 * this.thickness(body)));
+      for (const { start, end, body } of placed(poses)) this.polyline([start, end], colour, Math.max(1.5, 0.55 * this.thickness(body)));
     });
     this.polyline(points, colours.accent, 2);
   }
 
-  thickness = (body) => Math.max(5, Math.min(2 * body.radius * this.zoom || 0, 400), 0.009 * state.setup.robot.reach * this.zoom);
+  // Width of a body [pixel]; a link that has no shape of its own is as wide as in the figures.
+  thickness(body) {
+    const width = body.to === undefined ? 2 * body.radius : 0.009 * state.setup.robot.reach;
+    return Math.max(4, width * this.zoom);
+  }
 
   arm(poses) {
     const { pen } = this;
-    const violated = new Set(state.status?.violated ?? []);
-    const limited = new Set(state.status?.active_limits ?? []);
-    const drawn = this.bodies(poses);
+    const drawn = placed(poses);
     for (const { start, end, body } of drawn) this.polyline([start, end], colours.bg, this.thickness(body) + 3);
     for (const { start, end, body } of drawn) {
-      const touched = violated.has(body.name) || violated.has(body.frame);
-      this.polyline([start, end], touched ? colours.alarm : css(shade(1)), this.thickness(body));
+      this.polyline([start, end], touches(body) ? colours.alarm : css(shade(1)), this.thickness(body));
     }
     const size = drawn.length ? Math.min(...drawn.map(({ body }) => this.thickness(body))) : 6;
-    const { robot, frames } = state.setup;
-    robot.joint_names.forEach((name, k) => {
-      const frame = frames.indexOf(robot.joint_frames?.[k] ?? name);
-      if (frame < 0) return;
-      const at = this.toScreen([poses[7 * frame], poses[7 * frame + 1]]);
+    for (const joint of state.setup.joints) {
+      if (joint.at < 0) continue;
+      const at = this.toScreen([poses[7 * joint.at], poses[7 * joint.at + 1]]);
       pen.beginPath();
-      pen.arc(...at, limited.has(name) ? 0.62 * size : 0.24 * size, 0, 7);
-      pen.fillStyle = limited.has(name) ? colours.limit : colours.bg;
+      pen.arc(...at, (limited(joint) ? 0.62 : 0.24) * size, 0, 7);
+      pen.fillStyle = limited(joint) ? colours.limit : colours.bg;
       pen.fill();
-    });
+    }
   }
 
   target() {
@@ -258,9 +248,9 @@ export class PlanarView {
 // Corners of a plane shape, or of the square around a round one.
 function corners(o) {
   if (o.vertices) return o.vertices;
-  if (o.pose) {
-    const [[a, b, x], [c, d, y]] = o.pose;
-    return [[1, 1], [-1, 1], [-1, -1], [1, -1]].map(([s, t]) => [x + a * s * o.half[0] + b * t * o.half[1], y + c * s * o.half[0] + d * t * o.half[1]]);
+  if (o.half) {
+    const R = rotationOf(o);
+    return [[1, 1], [-1, 1], [-1, -1], [1, -1]].map((signs) => R.map((row, k) => o.center[k] + row[0] * signs[0] * o.half[0] + row[1] * signs[1] * o.half[1]));
   }
   const radius = o.radius ?? 0;
   return [o.start ?? o.center, o.end ?? o.center].flatMap(([x, y]) => [[x - radius, y - radius], [x + radius, y + radius]]);

@@ -2,7 +2,7 @@
 
 import { el, figure, part, shortNames, words } from "./dom.js";
 import { colours } from "./palette.js";
-import { on, state } from "./state.js";
+import { limited, on, state } from "./state.js";
 
 const KEPT = 200; // statuses: 20 s at 10 a second
 const FLOOR = 1e-9; // smallest value on a logarithmic plot
@@ -99,14 +99,14 @@ export function showFigures(host) {
 
 // The configuration as numbers; a joint at an active limit is marked.
 function showJoints(host) {
-  if (state.frame === null || state.setup === null) return;
-  const { joint_names: names, coordinate_names: coordinates } = state.setup.robot;
-  const labels = shortNames(coordinates ?? names);
-  if (host.childElementCount !== state.frame.q.length) {
-    host.replaceChildren(...[...state.frame.q].map((_, k) => el("div", {}, el("span", { title: labels[k] }, labels[k] ?? `q${k}`), el("output", {}))));
+  if (state.frame === null) return;
+  const { joints } = state.setup;
+  const names = shortNames(joints.map(({ name }) => name));
+  if (host.childElementCount !== joints.length) {
+    host.replaceChildren(...names.map((name) => el("div", {}, el("span", { title: name }, name), el("output", {}))));
   }
-  [...state.frame.q].forEach((value, k) => {
-    host.children[k].lastChild.textContent = value.toFixed(3).replace("-", "−");
-    host.children[k].classList.toggle("limited", (state.status.active_limits ?? []).includes(names[k]));
+  joints.forEach((joint, k) => {
+    host.children[k].lastChild.textContent = joint.scalar ? state.frame.q[joint.index].toFixed(3).replace("-", "−") : joint.type;
+    host.children[k].classList.toggle("limited", limited(joint));
   });
 }

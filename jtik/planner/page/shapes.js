@@ -1,37 +1,35 @@
-// Obstacles as the planner describes them: a type and its numbers. Every function returns a new description.
+// Obstacles as the planner describes them: a shape and its numbers. Every function returns a new description.
 
-import { add, cross, dot, matrixOfRotation, norm, scale, sub, transposed, unit } from "./math.js";
+import { add, cross, dot, matrixOfRotation, norm, quaternionOf, quaternionProduct, rotate, scale, sub, transposed, unit } from "./math.js";
 
 export const TYPES = {
   2: ["circle", "capsule", "box", "polygon", "half_space", "point"],
   3: ["sphere", "capsule", "box", "cylinder", "half_space", "point"],
 };
 
-const SMALLEST = 0.005; // share of the reach that a size is not dragged below
-
 export function fresh(type, at, size) {
   const d = at.length;
   const along = [size, ...Array(d - 1).fill(0)];
   const up = [...Array(d - 1).fill(0), 1];
-  if (type === "circle" || type === "sphere") return { type, center: at, radius: 0.6 * size };
-  if (type === "point") return { type, center: at };
-  if (type === "capsule" || type === "cylinder") return { type, start: sub(at, along), end: add(at, along), radius: 0.35 * size };
-  if (type === "half_space") return { type, point: at, normal: up };
-  if (type === "polygon") return { type, vertices: [0, 1, 2, 3, 4].map((k) => turnedUnit(1.2566 * k + 1.5708, size).map((c, i) => c + at[i])) };
-  return { type, pose: poseOf(at, identity(d)), half: d === 2 ? [0.8 * size, 0.45 * size] : [0.6 * size, 0.4 * size, 0.4 * size] };
+  if (type === "circle" || type === "sphere") return { shape: type, center: at, radius: 0.6 * size };
+  if (type === "point") return { shape: type, center: at };
+  if (type === "capsule" || type === "cylinder") return { shape: type, start: sub(at, along), end: add(at, along), radius: 0.35 * size };
+  if (type === "half_space") return { shape: type, point: at, normal: up };
+  if (type === "polygon") return { shape: type, vertices: [0, 1, 2, 3, 4].map((k) => turnedUnit(1.2566 * k + 1.5708, size).map((c, i) => c + at[i])) };
+  return { shape: type, center: at, half: d === 2 ? [0.8 * size, 0.45 * size] : [0.6 * size, 0.4 * size, 0.4 * size], rotation: d === 2 ? 0 : [1, 0, 0, 0] };
 }
 
 const turnedUnit = (angle, size) => [size * Math.cos(angle), size * Math.sin(angle)];
-const identity = (d) => [...Array(d)].map((_, i) => [...Array(d)].map((_, j) => (i === j ? 1 : 0)));
-const poseOf = (at, R) => [...R.map((row, i) => [...row, at[i]]), [...at.map(() => 0), 1]];
 
-export const rotationOf = (pose) => pose.slice(0, -1).map((row) => row.slice(0, -1));
-export const originOf = (pose) => pose.slice(0, -1).map((row) => row.at(-1));
+// Rotation matrix of a box.
+export function rotationOf(o) {
+  const rotation = o.rotation ?? (o.half.length === 2 ? 0 : [1, 0, 0, 0]);
+  return typeof rotation === "number" ? planeTurn(rotation) : transposed([[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((e) => rotate(rotation, e)));
+}
 
 export function centre(o) {
   if (o.center) return o.center;
   if (o.start) return scale(add(o.start, o.end), 0.5);
-  if (o.pose) return originOf(o.pose);
   if (o.vertices) return scale(o.vertices.reduce(add), 1 / o.vertices.length);
   return o.point;
 }
@@ -39,30 +37,29 @@ export function centre(o) {
 export function moved(o, by) {
   if (o.center) return { ...o, center: add(o.center, by) };
   if (o.start) return { ...o, start: add(o.start, by), end: add(o.end, by) };
-  if (o.pose) return { ...o, pose: poseOf(add(originOf(o.pose), by), rotationOf(o.pose)) };
   if (o.vertices) return { ...o, vertices: o.vertices.map((vertex) => add(vertex, by)) };
   return { ...o, point: add(o.point, by) };
 }
 
-// Turned about its centre by a rotation matrix (d, d).
-export function turned(o, R) {
+// Turned about its centre by an angle [rad], in space about an axis.
+export function turned(o, angle, axis = null) {
   const c = centre(o);
+  const R = axis === null ? planeTurn(angle) : matrixOfRotation(axis, angle);
   const about = (point) => add(c, apply(R, sub(point, c)));
+  if (o.half) return { ...o, rotation: axis === null ? (o.rotation ?? 0) + angle : quaternionProduct(quaternionOf(axis, angle), o.rotation ?? [1, 0, 0, 0]) };
   if (o.start) return { ...o, start: about(o.start), end: about(o.end) };
-  if (o.pose) return { ...o, pose: poseOf(c, product(R, rotationOf(o.pose))) };
   if (o.vertices) return { ...o, vertices: o.vertices.map(about) };
   if (o.normal) return { ...o, normal: unit(apply(R, o.normal)) };
   return o;
 }
 
-export const turns = (o) => Boolean(o.start || o.pose || o.vertices || o.normal);
+export const turns = (o) => Boolean(o.start || o.half || o.vertices || o.normal);
 const apply = (R, v) => R.map((row) => dot(row, v));
-const product = (A, B) => A.map((row) => transposed(B).map((column) => dot(row, column)));
 export const planeTurn = (angle) => [[Math.cos(angle), -Math.sin(angle)], [Math.sin(angle), Math.cos(angle)]];
 
 // The angle [rad] of a plane shape, for its number field.
 export function angleOf(o) {
-  if (o.pose) return Math.atan2(o.pose[1][0], o.pose[0][0]);
+  if (o.half) return o.rotation ?? 0;
   if (o.start) return Math.atan2(o.end[1] - o.start[1], o.end[0] - o.start[0]);
   if (o.normal) return Math.atan2(o.normal[1], o.normal[0]);
   return null;
@@ -71,7 +68,7 @@ export function angleOf(o) {
 // Sizes with names, for number fields: [label, value, (value) => changed obstacle].
 export function sizes(o) {
   const list = [];
-  if (o.radius !== undefined && o.type !== "point") list.push(["radius", o.radius, (radius) => ({ ...o, radius })]);
+  if (o.radius !== undefined) list.push(["radius", o.radius, (radius) => ({ ...o, radius })]);
   if (o.start) {
     const c = centre(o);
     const half = scale(sub(o.end, o.start), 0.5);
@@ -88,7 +85,7 @@ export function sizes(o) {
 // Points of a plane shape that are dragged to change it: [position, (pointer) => changed obstacle, what it does].
 export function handles(o, pixel) {
   const min = (value) => Math.max(2 * pixel, value);
-  if (o.type === "circle") {
+  if (o.shape === "circle") {
     return [[add(o.center, [o.radius, 0]), (p) => ({ ...o, radius: min(norm(sub(p, o.center))) }), "resize"]];
   }
   if (o.start) {
@@ -100,14 +97,14 @@ export function handles(o, pixel) {
       [add(c, scale(side, o.radius)), (p) => ({ ...o, radius: min(Math.abs(dot(sub(p, c), side))) }), "resize"],
     ];
   }
-  if (o.pose) {
-    const R = rotationOf(o.pose);
-    const at = originOf(o.pose);
+  if (o.half) {
+    const R = rotationOf(o);
+    const at = o.center;
     const axes = transposed(R);
     const arm = o.half[0] + 26 * pixel;
     return [
       [add(at, apply(R, o.half)), (p) => ({ ...o, half: axes.map((axis) => min(Math.abs(dot(sub(p, at), axis)))) }), "resize"],
-      [add(at, scale(axes[0], arm)), (p) => ({ ...o, pose: poseOf(at, planeTurn(Math.atan2(p[1] - at[1], p[0] - at[0]))) }), "turn"],
+      [add(at, scale(axes[0], arm)), (p) => ({ ...o, rotation: Math.atan2(p[1] - at[1], p[0] - at[0]) }), "turn"],
     ];
   }
   if (o.vertices) {
@@ -118,7 +115,7 @@ export function handles(o, pixel) {
     const angle = (p) => Math.atan2(p[1] - c[1], p[0] - c[0]);
     return [
       ...o.vertices.map((vertex, k) => [vertex, (p) => convex({ ...o, vertices: o.vertices.map((v, i) => (i === k ? p : v)) }, o), "move this corner"]),
-      [arm, (p) => turned(o, planeTurn(angle(p) - angle(arm))), "turn"],
+      [arm, (p) => turned(o, angle(p) - angle(arm)), "turn"],
     ];
   }
   if (o.normal) {
@@ -140,13 +137,13 @@ function convex(changed, before) {
 
 // Distance [m] of a point from a plane shape, negative inside; near enough to tell what the pointer is on.
 export function distance(o, p) {
-  if (o.center) return norm(sub(p, o.center)) - (o.radius ?? 0);
-  if (o.start) return segmentDistance(p, o.start, o.end) - o.radius;
-  if (o.pose) {
-    const local = apply(transposed(rotationOf(o.pose)), sub(p, originOf(o.pose)));
+  if (o.half) {
+    const local = apply(transposed(rotationOf(o)), sub(p, o.center));
     const over = local.map((value, k) => Math.abs(value) - o.half[k]);
     return Math.max(...over) < 0 ? Math.max(...over) : norm(over.map((value) => Math.max(0, value)));
   }
+  if (o.center) return norm(sub(p, o.center)) - (o.radius ?? 0);
+  if (o.start) return segmentDistance(p, o.start, o.end) - o.radius;
   if (o.vertices) {
     const v = o.vertices;
     let inside = false;
@@ -168,11 +165,11 @@ function segmentDistance(p, a, b) {
 
 // Where a ray meets a spatial shape, as a distance along it, or Infinity. A half-space is not picked.
 export function rayHit(o, from, along) {
-  if (o.center) return raySphere(from, along, o.center, Math.max(o.radius ?? 0, 0.015));
+  if (o.center && !o.half) return raySphere(from, along, o.center, Math.max(o.radius ?? 0, 0.015));
   if (o.start) return rayCapsule(from, along, o.start, o.end, o.radius);
-  if (!o.pose) return Infinity;
-  const R = transposed(rotationOf(o.pose));
-  const f = apply(R, sub(from, originOf(o.pose)));
+  if (!o.half) return Infinity;
+  const R = transposed(rotationOf(o));
+  const f = apply(R, sub(from, o.center));
   const v = apply(R, along);
   let [near, far] = [0, Infinity];
   for (let k = 0; k < 3; k++) {
@@ -205,5 +202,3 @@ export function upTo(direction) {
   return transposed([x, cross(z, x), z]);
 }
 
-export const axisTurn = (axis, angle) => matrixOfRotation(axis, angle);
-export { SMALLEST };

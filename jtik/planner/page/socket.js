@@ -1,12 +1,13 @@
 // The connection to the planner: texts and frames come in, edits go out. It is opened again when it is lost.
 
-import { clearPath, emit, state, walk } from "./state.js";
+import { clearPath, emit, read, state, walk } from "./state.js";
 
 const MODES = ["live", "playing", "scrubbing", "paused"];
-const HEADER = 7;
+const HEADER = 8;
 
 let socket = null;
 let wait = 250;
+let known = ""; // the robot, as text
 
 export function send(edit, fields = {}) {
   if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify({ edit, ...fields }));
@@ -58,8 +59,9 @@ function readText(document) {
 // Only what changed is sent. Another robot is another page.
 function readSetup(document) {
   const first = state.setup === null;
-  if (!first && document.robot && JSON.stringify(document.robot) !== JSON.stringify(state.setup.robot)) return location.reload();
-  state.setup = { ...state.setup, ...document };
+  if (!first && document.robot && JSON.stringify(document.robot) !== known) return location.reload();
+  if (document.robot) known = JSON.stringify(document.robot);
+  state.setup = read({ ...state.setup, ...document });
   if (state.drag?.done) state.drag = null;
   if (first) {
     clearPath();
@@ -68,11 +70,11 @@ function readSetup(document) {
   emit("setup");
 }
 
-// Float32: tick, time, mode, recording, d, nq, frames; target (7); q; poses (frames, 7).
+// Float32: tick, time, mode, recording, d, nq, frames, time shown; target (7); q; poses (frames, 7).
 function readFrame(buffer) {
   if (state.setup === null) return;
   const data = new Float32Array(buffer);
-  const [tick, time, mode, recording, , nq, frames] = data;
+  const [tick, time, mode, recording, , nq, frames, shown] = data;
   const q = HEADER + 7;
   if (frames !== state.setup.frames.length) return;
   const before = state.frame;
@@ -81,6 +83,7 @@ function readFrame(buffer) {
     time,
     mode: MODES[mode],
     recording: recording > 0,
+    shown,
     position: data.subarray(HEADER, HEADER + 3),
     orientation: data.subarray(HEADER + 3, HEADER + 7),
     q: data.subarray(q, q + nq),

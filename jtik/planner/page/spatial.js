@@ -2,10 +2,10 @@
 
 import { drawAxes, drawGizmo } from "./gizmo.js";
 import { FIELD, project, Renderer } from "./gl.js";
-import { add, cross, dot, lookAt, multiply, norm, perspective, place, rigid, rotate, scale, sub, transposed, unit } from "./math.js";
+import { add, cross, dot, lookAt, multiply, norm, perspective, rigid, rotate, scale, sub, transposed, unit } from "./math.js";
 import { attemptRgb, rgb, shade } from "./palette.js";
-import { centre, originOf, rotationOf, turns, upTo } from "./shapes.js";
-import { obstacles, state } from "./state.js";
+import { centre, rotationOf, turns, upTo } from "./shapes.js";
+import { limited, obstacles, placed, state, touches } from "./state.js";
 
 const GIZMO = 74; // length of an arrow [pixel]
 
@@ -34,7 +34,7 @@ export class SpatialView {
 
   fit() {
     if (state.setup === null || state.frame === null) return;
-    const points = this.bodies(state.frame.poses).flatMap(({ start, end }) => [start, end]);
+    const points = placed(state.frame.poses).flatMap(({ start, end }) => [start, end]);
     points.push([...state.frame.position]);
     for (const { obstacle } of obstacles()) if (!obstacle.normal) points.push(centre(obstacle));
     const low = [0, 1, 2].map((k) => Math.min(...points.map((point) => point[k])));
@@ -77,15 +77,7 @@ export class SpatialView {
       const chosen = obstacles().find(({ name }) => name === state.selected.name);
       if (chosen) return { at: centre(chosen.obstacle), turning: turns(chosen.obstacle), chosen };
     }
-    return { at: [...state.frame.position], turning: state.setup.oriented !== false, chosen: null };
-  }
-
-  bodies(poses) {
-    const { frames, robot } = state.setup;
-    return robot.bodies.map((body) => {
-      const frame = frames.indexOf(body.frame);
-      return { body, start: place(poses, frame, body.start), end: place(poses, frame, body.end) };
-    });
+    return { at: [...state.frame.position], turning: state.setup.oriented, chosen: null };
   }
 
   draw() {
@@ -101,7 +93,7 @@ export class SpatialView {
     const R = transposed([[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((e) => rotate(state.frame.orientation, e)));
     const position = [...state.frame.position];
     if (state.selected.kind !== "target") renderer.draw("capsule", rigid(R, position), Array(3).fill(0.1 * this.gizmoSize(position)), rgb("target"), { lit: 0.5 });
-    if (state.setup.oriented !== false) drawAxes(renderer, R, position, 0.62 * this.gizmoSize(position));
+    if (state.setup.oriented) drawAxes(renderer, R, position, 0.62 * this.gizmoSize(position));
     const { at, turning } = this.gizmo();
     drawGizmo(renderer, at, this.gizmoSize(at), { turning, hot: this.hot });
   }
@@ -127,20 +119,16 @@ export class SpatialView {
   }
 
   arm(poses) {
-    const violated = new Set(state.status?.violated ?? []);
-    const limited = new Set(state.status?.active_limits ?? []);
-    const { robot, frames } = state.setup;
-    for (const { start, end, body } of this.bodies(poses)) {
-      const touched = violated.has(body.name) || violated.has(body.frame);
-      this.capsule(start, end, body.radius || 0.012 * robot.reach, touched ? rgb("alarm") : rgb("arm"));
+    for (const { start, end, body } of placed(poses)) {
+      const touched = touches(body);
+      this.capsule(start, end, touched ? 1.01 * body.radius : body.radius, rgb(touched ? "alarm" : "arm"));
     }
-    robot.joint_names.forEach((name, k) => {
-      const frame = frames.indexOf(robot.joint_frames?.[k] ?? name);
-      if (!limited.has(name) || frame < 0) return;
-      const at = [poses[7 * frame], poses[7 * frame + 1], poses[7 * frame + 2]];
-      const body = robot.bodies.find((each) => each.frame === frames[frame]);
-      this.capsule(at, at, 1.35 * (body?.radius || 0.03 * robot.reach), rgb("limit"));
-    });
+    for (const joint of state.setup.joints) {
+      if (!limited(joint) || joint.at < 0) continue;
+      const at = [...poses.subarray(7 * joint.at, 7 * joint.at + 3)];
+      const radius = Math.max(...state.setup.bodies.filter((body) => body.at === joint.at).map((body) => body.radius), 0.03 * state.setup.robot.reach);
+      this.capsule(at, at, 1.2 * radius, rgb("limit"));
+    }
   }
 
   capsule(start, end, radius, colour, options = {}) {
@@ -154,13 +142,13 @@ export class SpatialView {
     const chosen = state.selected.kind === "obstacle" && state.selected.name === name;
     const colour = rgb(chosen ? "obstacle-edge" : "obstacle");
     const options = { alpha: gain > 0 ? 1 : 0.25 };
-    if (o.center) this.capsule(o.center, o.center, o.radius || 0.01 * state.setup.robot.reach, colour, options);
-    else if (o.start && o.type !== "cylinder") this.capsule(o.start, o.end, o.radius, colour, options);
+    if (o.half) renderer.draw("box", rigid(rotationOf(o), o.center), o.half, colour, options);
+    else if (o.center) this.capsule(o.center, o.center, o.radius || 0.01 * state.setup.robot.reach, colour, options);
+    else if (o.start && o.shape !== "cylinder") this.capsule(o.start, o.end, o.radius, colour, options);
     else if (o.start) {
       const along = sub(o.end, o.start);
       renderer.draw("cylinder", rigid(upTo(along), o.start), [o.radius, o.radius, 1], colour, { stretch: norm(along), ...options });
-    } else if (o.pose) renderer.draw("box", rigid(rotationOf(o.pose), originOf(o.pose)), o.half, colour, options);
-    else if (o.normal) {
+    } else if (o.normal) {
       const reach = 1.2 * state.setup.robot.reach;
       renderer.draw("box", rigid(upTo(o.normal), o.point), [reach, reach, 0.001], colour, { alpha: gain > 0 ? 0.35 : 0.12 });
     }
@@ -171,7 +159,8 @@ export class SpatialView {
     const pairs = (points) => points.slice(1).map((point, k) => [points[k], point]);
     const { postures, points } = state.path;
     postures.forEach((poses, k) => {
-      const skeleton = this.bodies(poses).map(({ start, end }) => [start, end]);
+      const origin = (frame) => [...poses.subarray(7 * state.setup.index.get(frame), 7 * state.setup.index.get(frame) + 3)];
+      const skeleton = state.setup.robot.links.map(({ start, end }) => [origin(start), origin(end)]);
       renderer.lines(skeleton, shade((0.8 * k) / Math.max(1, postures.length)), 3, { alpha: 0.55 });
     });
     renderer.lines(pairs(points), rgb("accent"), 3);

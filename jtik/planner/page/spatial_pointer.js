@@ -25,7 +25,7 @@ export function steerSpatial(view, redraw) {
       const change = move(view.ray(now));
       if (found.chosen) {
         const { name, obstacle } = found.chosen;
-        const changed = change.by ? moved(obstacle, change.by) : turned(obstacle, change.turn);
+        const changed = change.by ? moved(obstacle, change.by) : turned(obstacle, change.angle, change.axis);
         state.drag = { name, obstacle: changed };
         send("change_obstacle", { name, obstacle: changed });
         emit("dragged");

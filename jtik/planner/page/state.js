@@ -1,5 +1,7 @@
 // What the page knows: the newest of everything that the planner sent, and what is selected here.
 
+import { place } from "./math.js";
+
 export const state = {
   setup: null,
   frame: null,
@@ -26,6 +28,32 @@ export function emit(what, detail) {
   for (const listener of listeners.get(what) ?? []) listener(detail);
 }
 
+// The setup, with what the views ask most: names of the joints, the links that are drawn, whether the target turns.
+export function read(setup) {
+  const index = new Map(setup.frames.map((frame, k) => [frame, k]));
+  const { joints, bodies } = setup.robot;
+  return {
+    ...setup,
+    index,
+    joints: joints.map((joint) => ({ ...joint, at: index.get(joint.frame) ?? -1 })),
+    bodies: bodies.map((body) => ({ ...body, at: index.get(body.frame), towards: body.to === undefined ? -1 : index.get(body.to) })),
+    oriented: setup.task?.kind === "pose",
+  };
+}
+
+// The bodies of the arm where the frames are: both ends of each capsule.
+export function placed(poses) {
+  return state.setup.bodies.map((body) => ({
+    body,
+    start: place(poses, body.at, body.start),
+    end: body.towards < 0 ? place(poses, body.at, body.end) : place(poses, body.towards, [0, 0, 0]),
+  }));
+}
+
+// What the newest status says of a body and of a joint.
+export const touches = ({ frame, to }) => (state.status?.violated ?? []).some((each) => each === frame || each === to || each === `${frame}-${to}`);
+export const limited = (joint) => (state.status?.active_limits ?? []).includes(joint.name);
+
 export const planar = () => state.setup.robot.dimension === 2;
 
 // The scene as it is seen here: an obstacle that is being dragged is shown where the pointer is.
@@ -42,7 +70,7 @@ export function select(selected) {
   emit("selected");
 }
 
-export const tip = () => Math.max(0, state.setup.frames.indexOf(state.setup.robot.tip ?? state.setup.frames.at(-1)));
+export const tip = () => state.setup.index.get(state.setup.robot.tip) ?? 0;
 
 const MAX_POINTS = 3000;
 const MAX_POSTURES = 18;
