@@ -18,11 +18,13 @@ class Published(Protocol):
     """What a loop publishes."""
 
     @property
-    def frame(self) -> Frame | None: ...
+    def frame(self) -> Frame: ...
     @property
     def status(self) -> Any: ...
     @property
     def setup(self) -> Any: ...
+    @property
+    def settings(self) -> Any: ...
     @property
     def messages(self) -> Iterable[tuple[int, str, str]]: ...
 
@@ -37,12 +39,8 @@ class Outgoing:
 
     def __init__(self, loop: Published, rows: Callable[[], tuple[Mapping[str, Any], ...]]) -> None:
         self._loop, self._rows = loop, rows
-        self._setup: Any = None
-        self._parts: dict[str, str] = {}
-        self._status: Any = None
-        self._frame: Any = None
-        self._sent = b""
-        self._attempts: Any = None
+        self._sent: dict[str, Any] = {}
+        self._data = b""
         self._messages = max((number for number, _, _ in tuple(loop.messages)), default=0)
         self._answers: list[str] = []
 
@@ -53,15 +51,14 @@ class Outgoing:
     def news(self) -> Iterator[str | bytes]:
         """Messages with what is new: the setup first, which the others need."""
         loop = self._loop
-        setup = loop.setup
-        if setup is not self._setup:
-            self._setup = setup
-            changed = self._changes(setup.to_json())
-            if changed:
-                yield _text("setup", changed)
+        for kind in ("setup", "settings"):
+            value = getattr(loop, kind)
+            if value is not self._sent.get(kind):
+                self._sent[kind] = value
+                yield _text(kind, value.to_json())
         rows = self._rows()
-        if rows is not self._attempts:
-            self._attempts = rows
+        if rows is not self._sent.get("attempts"):
+            self._sent["attempts"] = rows
             yield _text("attempts", {"attempts": rows})
         for number, level, text in tuple(loop.messages):
             if number > self._messages:
@@ -71,23 +68,16 @@ class Outgoing:
         for text in answers:
             yield _text("message", {"level": "error", "text": text})
         status = loop.status
-        if status is not None and status is not self._status:
-            self._status = status
+        if status is not self._sent.get("status"):
+            self._sent["status"] = status
             yield _text("status", status.to_json())
         frame = loop.frame
-        if frame is not None and frame is not self._frame:
-            self._frame = frame
+        if frame is not self._sent.get("frame"):
+            self._sent["frame"] = frame
             data = encoded(frame)
-            if data[8:] != self._sent[8:]:  # tick and time alone are nothing new
-                self._sent = data
+            if data[8:] != self._data[8:]:  # tick and time alone are nothing new
+                self._data = data
                 yield data
-
-    def _changes(self, setup: Mapping[str, Any]) -> dict[str, Any]:
-        """The entries of the setup that this page does not have yet."""
-        parts = {name: json.dumps(value) for name, value in setup.items()}
-        changed = {name: setup[name] for name, text in parts.items() if self._parts.get(name) != text}
-        self._parts = parts
-        return changed
 
 
 def encoded(frame: Frame) -> bytes:

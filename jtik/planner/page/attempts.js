@@ -9,8 +9,8 @@ import { emit, on, state } from "./state.js";
 const MEASURES = [
   ["duration", "time", "s", true, "duration of the attempt"],
   ["path_length", "path", "m", true, "length of the path of the end effector"],
-  ["joint_length", "joint path", "rad", true, "length of the path of the joints"],
-  ["smoothness", "acceleration", "rad/s²", true, "root mean square of the joint accelerations: small is smooth"],
+  ["joint_length", "joints", "rad", true, "length of the path of the joints"],
+  ["smoothness", "rms acc.", "rad/s²", true, "root mean square of the joint accelerations: small is smooth"],
   ["clearance", "clearance", "m", false, "smallest clearance, between the samples too"],
   ["limit_margin", "margin", "rad", false, "smallest distance of a joint from a limit"],
   ["condition", "condition", "", true, "largest condition number of the Jacobian"],

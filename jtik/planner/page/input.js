@@ -28,7 +28,7 @@ function direction(deflection, view) {
 
 export function hold(deflection, view) {
   const size = Math.max(1, norm(deflection));
-  const velocity = scale(direction(scale(deflection, 1 / size), view), state.setup.target_speed[0]);
+  const velocity = scale(direction(scale(deflection, 1 / size), view), state.settings.target_speed[0]);
   const text = norm(velocity) > 0 ? JSON.stringify(velocity) : "";
   if (text === held) return;
   held = text;
@@ -44,7 +44,7 @@ export function jog(share) {
 
 function stop(view) {
   pressed.clear();
-  if (state.setup === null) return;
+  if (state.settings === null) return;
   hold([0, 0, 0], view);
   jog(0);
 }
@@ -56,7 +56,7 @@ export function listen(host, view, actions) {
     jog(JOG_RATE * Math.sign(share));
   };
   host.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || state.setup === null) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || state.settings === null) return;
     if (event.code in MOVES || event.code in JOGS) {
       event.preventDefault();
       if (!event.repeat) {
@@ -85,7 +85,7 @@ let steers = false;
 
 export function pollGamepad(view) {
   const pad = [...(navigator.getGamepads?.() ?? [])].find((each) => each?.connected);
-  if (!pad || state.setup === null) {
+  if (!pad || state.settings === null) {
     if (steers) stop(view);
     steers = false;
     return false;

@@ -74,7 +74,7 @@ on("frame", () => {
   }
   redraw();
 });
-on("setup selected path overlays dragged attempts", redraw);
+on("settings selected path overlays dragged attempts", redraw);
 
 // Texts come 10 times a second, apart from the frames, so that they never go stale.
 let heard = 0;

@@ -4,12 +4,12 @@ import { choice, el, numberField, part, toggle, words } from "./dom.js";
 import { add, sub } from "./math.js";
 import { angleOf, centre, fresh, moved, sizes, turned, turns, TYPES } from "./shapes.js";
 import { send } from "./socket.js";
-import { obstacles, on, select, state } from "./state.js";
+import { obstacles, on, scene, select, state } from "./state.js";
 
 const remembered = {}; // gains of obstacles that were switched off here
 
 export function addObstacle(type) {
-  const names = new Set(Object.keys(state.setup.scene));
+  const names = new Set(Object.keys(scene()));
   let k = 1;
   while (names.has(`${type}_${k}`)) k++;
   const d = state.setup.robot.dimension;
@@ -48,14 +48,14 @@ export function obstaclePart() {
     }
     for (const each of all) rows.get(each.name)?.show(each);
   }
-  on("setup selected dragged", refresh);
+  on("settings selected dragged", refresh);
   return part("Obstacles", [list, el("div", { class: "row" }, adds)]);
 }
 
 function row({ name, obstacle, gain }) {
   const chosen = state.selected.kind === "obstacle" && state.selected.name === name;
   const on = toggle("", (checked) => {
-    const now = state.setup.scene[name]?.gain ?? 1;
+    const now = scene()[name]?.gain ?? 1;
     if (!checked) remembered[name] = now;
     send("set_obstacle_gain", { name, gain: checked ? remembered[name] || 1 : 0 });
   });

@@ -32,7 +32,7 @@ function targetPart() {
   jogs.node.title = "Moves along the self-motion: the end effector stays where it is";
   const show = () => fields.forEach((field, k) => state.frame && field.set(state.frame.position[k]));
   on("frame", show);
-  on("setup", () => speed.set(state.setup.target_speed[0]));
+  on("settings", () => speed.set(state.settings.target_speed[0]));
   return part("Target", [
     el("div", { class: "row" }, fields.map((field) => field.node)),
     speed.node,
@@ -47,7 +47,7 @@ function posturePart() {
   const rows = joints.map(({ name, type, lower, upper }, k) =>
     slider(words(labels[k]), { min: lower, max: upper, unit: type === "prismatic" ? "m" : "rad", change: (value) => send("set_preferred", { joint: name, value }) }),
   );
-  on("setup", () => rows.forEach((row, k) => row.set(state.setup.preferred[joints[k].index] ?? 0)));
+  on("settings", () => rows.forEach((row, k) => row.set(state.settings.preferred[joints[k].index] ?? 0)));
   on("status", () => {
     if (state.frame) rows.forEach((row, k) => row.mark(state.frame.q[joints[k].index]));
   });
@@ -65,8 +65,8 @@ function strategyPart() {
     send("set_strategy", { name, options: {} });
   }, { "aria-label": "strategy" });
   let shown = "";
-  on("setup", () => {
-    const { name, options } = state.setup.strategy;
+  on("settings", () => {
+    const { name, options } = state.settings.strategy;
     const text = JSON.stringify([name, options]);
     if (text === shown) return;
     shown = text;
@@ -84,26 +84,26 @@ function strategyPart() {
 function criteriaPart() {
   const list = el("div", { class: "criteria" });
   let shown = "";
-  on("setup", () => {
-    const text = JSON.stringify([state.setup.criteria, state.setup.chosen, Object.keys(state.setup.gains)]);
+  on("settings", () => {
+    const text = JSON.stringify([state.settings.criteria, Object.keys(state.settings.gains)]);
     if (text !== shown) {
       shown = text;
       list.replaceChildren(...state.setup.criteria.map(criterionRow));
     }
-    for (const field of list.querySelectorAll("[data-gain]")) field.show?.(state.setup.gains[field.dataset.gain]);
+    for (const field of list.querySelectorAll("[data-gain]")) field.show?.(state.settings.gains[field.dataset.gain]);
   });
   return part("Criteria", [list]);
 }
 
 function criterionRow({ name, summary }) {
-  const chosen = state.setup.chosen.includes(name);
+  const chosen = state.settings.criteria.includes(name);
   const box = toggle(words(name), (checked) => {
-    const now = state.setup.chosen;
+    const now = state.settings.criteria;
     send("set_criteria", { names: checked ? [...now, name] : now.filter((each) => each !== name) });
   });
   box.set(chosen);
   box.node.title = summary ?? "";
-  const gains = Object.keys(state.setup.gains).filter((parameter) => parameter.startsWith(`${name}.`) && typeof state.setup.gains[parameter] === "number");
+  const gains = Object.keys(state.settings.gains).filter((parameter) => parameter.startsWith(`${name}.`) && typeof state.settings.gains[parameter] === "number");
   return el("div", { class: "criterion" }, box.node, chosen ? gains.map((parameter) => gainField(parameter, name)) : null);
 }
 
@@ -129,7 +129,7 @@ function gainField(parameter, criterion) {
     input.value = value > 0 ? Math.log10(value) : LOW;
     fill();
   };
-  node.show(state.setup.gains[parameter]);
+  node.show(state.settings.gains[parameter]);
   return node;
 }
 
@@ -138,10 +138,10 @@ function limitsPart() {
   const clearance = toggle("clearance", (on) => send("set_clearance", { on, safe: safe.input.valueAsNumber || 0 }));
   const safe = numberField("safe distance", { unit: "m", min: 0, step: 0.01, change: (value) => send("set_clearance", { on: clearance.input.checked, safe: value }) });
   clearance.node.title = "No step brings a body nearer to an obstacle than the safe distance";
-  on("setup", () => {
-    limits.set(state.setup.limits);
-    clearance.set(state.setup.clearance.on);
-    safe.set(state.setup.clearance.safe);
+  on("settings", () => {
+    limits.set(state.settings.limits);
+    clearance.set(state.settings.clearance);
+    safe.set(state.settings.safe);
   });
   return part("Limits and clearance", [limits.node, clearance.node, el("div", { class: "row" }, safe.node)]);
 }

@@ -27,7 +27,7 @@ export class PlanarView {
 
   // Shows the reach of the arm and all obstacles, or as much of them as is legible.
   fit() {
-    if (state.setup === null || state.frame === null) return;
+    if (state.settings === null || state.frame === null) return;
     const points = [];
     for (const { start, end } of placed(state.frame.poses)) points.push(start, end);
     for (const { obstacle } of obstacles()) if (!obstacle.normal) points.push(...corners(obstacle));

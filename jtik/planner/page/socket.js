@@ -42,6 +42,8 @@ function setConnected(connected) {
 function readText(document) {
   if (document.type === "setup") {
     readSetup(document);
+  } else if (document.type === "settings") {
+    readSettings(document);
   } else if (document.type === "status") {
     state.status = document;
     emit("status");
@@ -56,23 +58,28 @@ function readText(document) {
   }
 }
 
-// Only what changed is sent. Another robot is another page.
+// The panels are made when both are here. Another robot is another page.
 function readSetup(document) {
-  const first = state.setup === null;
-  if (!first && document.robot && JSON.stringify(document.robot) !== known) return location.reload();
-  if (document.robot) known = JSON.stringify(document.robot);
-  state.setup = read({ ...state.setup, ...document });
+  const text = JSON.stringify(document.robot);
+  if (state.setup !== null && text !== known) return location.reload();
+  known = text;
+  state.setup = read(document);
+}
+
+function readSettings(settings) {
+  const first = state.settings === null;
+  state.settings = settings;
   if (state.drag?.done) state.drag = null;
   if (first) {
     clearPath();
     emit("robot");
   }
-  emit("setup");
+  emit("settings");
 }
 
 // Float32: tick, time, mode, recording, d, nq, frames, time shown; target (7); q; poses (frames, 7).
 function readFrame(buffer) {
-  if (state.setup === null) return;
+  if (state.settings === null) return;
   const data = new Float32Array(buffer);
   const [tick, time, mode, recording, , nq, frames, shown] = data;
   const q = HEADER + 7;

@@ -33,7 +33,7 @@ export class SpatialView {
   }
 
   fit() {
-    if (state.setup === null || state.frame === null) return;
+    if (state.settings === null || state.frame === null) return;
     const points = placed(state.frame.poses).flatMap(({ start, end }) => [start, end]);
     points.push([...state.frame.position]);
     for (const { obstacle } of obstacles()) if (!obstacle.normal) points.push(centre(obstacle));

@@ -3,7 +3,8 @@
 import { place } from "./math.js";
 
 export const state = {
-  setup: null,
+  setup: null, // what stays: the robot, and what can be chosen
+  settings: null, // what an operator sets: the scene, gains, the strategy
   frame: null,
   status: null,
   attempts: [],
@@ -56,9 +57,12 @@ export const limited = (joint) => (state.status?.active_limits ?? []).includes(j
 
 export const planar = () => state.setup.robot.dimension === 2;
 
+// The obstacles by name, as the planner has them.
+export const scene = () => state.settings.scene.obstacles ?? state.settings.scene;
+
 // The scene as it is seen here: an obstacle that is being dragged is shown where the pointer is.
 export function obstacles() {
-  return Object.entries(state.setup.scene).map(([name, { obstacle, gain }]) => ({
+  return Object.entries(scene()).map(([name, { gain = 1, ...obstacle }]) => ({
     name,
     gain,
     obstacle: state.drag?.name === name ? state.drag.obstacle : obstacle,
