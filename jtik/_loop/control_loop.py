@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from numpy.typing import ArrayLike
+
 from jtik._loop.engine import Engine
+from jtik.result.report import Report
 
 
 class ControlLoop:
@@ -25,3 +30,15 @@ class ControlLoop:
     def reset(self) -> None:
         """Forget the state that `step` keeps, as after a jump of the target; the robot is then at rest."""
         self._engine.stepping.reset()
+
+    def report(self, q: ArrayLike, target: Any) -> Report:
+        """Task, criteria and active limits at a configuration, as numbers, without a step.
+
+        Args:
+            q: configuration, (nq,).
+            target: the target, as in `step`.
+
+        Raises:
+            ArgumentError: for an argument of wrong shape, NaN or infinity, naming it.
+        """
+        return self._engine.report(q, target)

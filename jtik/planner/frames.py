@@ -103,44 +103,61 @@ class Message(NamedTuple):
 
 @dataclass(frozen=True)
 class Setup:
-    """What the planner plans for; another one is published when something of it has changed.
+    """What the planner plans for; it stays as it is.
 
     Attributes:
-        version: grows with every change.
-        robot: name, dimension, nq, joints (name, type, lower and upper end of a slider, whether these are limits),
-            bodies (frames, start, end and radius of each capsule) and size [m].
+        robot: name, dimension, nq, joints, bodies, links and reach [m], of `jtik.planner.arm.Arm.description`.
         frames: names of the frames, in the order of `Frame.poses`.
         strategies: name, summary and options of each strategy that can be chosen.
-        criteria: name, summary and live parameters of each criterion that can be chosen.
-        strategy: name and options of the present strategy.
-        chosen: names of the present criteria.
-        scene: obstacle and gain of each obstacle by name.
-        preferred: preferred posture (nq,) [rad] and [m].
-        gains: values of the live parameters by name.
-        limits: whether the position limits hold.
-        clearance: whether the clearance holds, and its safe distance [m].
-        target_speed: largest speed [m/s] and angular speed [rad/s] of the target.
+        criteria: name and summary of each criterion that can be chosen.
         task: kind of the task and frame of the end effector.
         dt: period [s].
-        capacity: number of obstacles of each kind for which no solver has to be built.
     """
 
-    version: int
     robot: Mapping[str, Any]
     frames: tuple[str, ...]
     strategies: tuple[Mapping[str, Any], ...]
     criteria: tuple[Mapping[str, Any], ...]
+    task: Mapping[str, Any]
+    dt: float
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; numbers that are not finite become None."""
+        found: dict[str, Any] = plain(asdict(self))
+        return found
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What the planner is set to; another one is published, at most ten times a second, when something has changed.
+
+    Attributes:
+        version: grows with every change.
+        strategy: name and options of the strategy.
+        criteria: names of the criteria.
+        scene: the obstacles by name, as plain data with the gain of each.
+        preferred: preferred posture (nq,) [rad] and [m].
+        gains: values of the live parameters by name.
+        limits: whether the position limits hold.
+        clearance: whether the clearance holds.
+        safe: its smallest distance [m].
+        target_speed: largest speed [m/s] and angular speed [rad/s] of the target.
+        capacity: number of obstacles of each kind for which no solver has to be built.
+        rebuilding: whether another solver is being built; the settings are then those of the one that is to come.
+    """
+
+    version: int
     strategy: Mapping[str, Any]
-    chosen: tuple[str, ...]
-    scene: Mapping[str, Mapping[str, Any]]
+    criteria: tuple[str, ...]
+    scene: Mapping[str, Any]
     preferred: tuple[float, ...]
     gains: Mapping[str, Any]
     limits: bool
-    clearance: Mapping[str, Any]
+    clearance: bool
+    safe: float
     target_speed: tuple[float, float]
-    task: Mapping[str, Any]
-    dt: float
     capacity: Mapping[str, int]
+    rebuilding: bool
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; numbers that are not finite become None."""

@@ -1,0 +1,174 @@
+"""Solvers of the planner: built in a worker while another one goes on, and filled with the present values."""
+
+from __future__ import annotations
+
+import time
+from collections import OrderedDict
+from concurrent.futures import Executor, Future
+from typing import Any
+
+import numpy as np
+
+from jtik.constraints import Clearance, Limits
+from jtik.criterion import CriterionSum
+from jtik.errors import ArgumentError
+from jtik.planner import catalogue
+from jtik.planner.measure import Gauge
+from jtik.planner.settings import Problem, Structure, Values
+from jtik.result import Step
+from jtik.solver import InverseKinematics
+from jtik.types import Array
+
+AVOIDANCE = "obstacle_avoidance"
+"""The criterion by whose distances clearances are kept and measured."""
+
+KEPT = 4
+"""Number of solvers that are kept for when the operator returns to them."""
+
+PREFERRED = ".preferred"
+"""What the name of a live parameter ends with that is a preferred posture."""
+
+
+class Solver:
+    """A solver for one structure.
+
+    Args:
+        problem: what stays as it is.
+        structure: what it is built for.
+
+    Attributes:
+        structure: what it is built for.
+        ik: the solver.
+        gauge: measures distances to the obstacles.
+
+    Raises:
+        JtikError: where there is none for that structure.
+    """
+
+    def __init__(self, problem: Problem, structure: Structure) -> None:
+        self.structure = structure
+        slots = structure.slots
+        common: dict[str, Any] = {"obstacles": slots.placeholders(), "bodies": "both"}
+        terms = []
+        for name in structure.criteria:
+            terms.append((problem.weights.get(name, 1.0), problem.criteria.make(name, common)))
+        clearance = None
+        if structure.clearance:
+            measure: Any = problem.criteria.make(AVOIDANCE, common)
+            clearance = Clearance(measure)
+        given = problem.strategy if structure.strategy == "given" else None
+        self.ik = InverseKinematics(
+            problem.robot,
+            problem.task,
+            criteria=CriterionSum(tuple(terms)),
+            strategy=given or catalogue.strategy(structure.strategy, structure.options),
+            limits=_limits(problem.limits, structure.limits),
+            clearances=clearance,
+            compiled=problem.compiled,
+        )
+        self.ik.warm_up()
+        self.gauge = Gauge(self.ik.robot, problem.criteria.make(AVOIDANCE, common))
+        names = list(self.ik.parameters)
+        holders = [name.removesuffix(".centers") for name in names if name.endswith(".centers")]
+        self._of_scene = {f"{holder}.{name}": name for holder in holders for name in ("centers", "radii")}
+        self._preferred = [name for name in names if name.endswith(PREFERRED)]
+
+    @property
+    def gains(self) -> dict[str, Array]:
+        """The live parameters that an operator sets by name, with their values: all but obstacles and postures."""
+        return {
+            name: value
+            for name, value in self.ik.parameters.items()
+            if name not in self._of_scene and name not in self._preferred
+        }
+
+    def set_gain(self, name: str, value: Any) -> None:
+        """Set one live parameter. Raises JtikError for a name or a value that it does not accept."""
+        if name in self._of_scene or name in self._preferred:
+            raise ArgumentError("parameter", name, f"one of {', '.join(self.gains)}")
+        self.ik.parameters[name] = value
+
+    def fill(self, values: Values) -> None:
+        """Set every live parameter."""
+        parameters = self.ik.parameters
+        self.fill_scene(values)
+        for name in self._preferred:
+            if parameters.shapes[name] == values.preferred.shape:
+                parameters[name] = values.preferred
+        for name, value in values.gains.items():
+            if name in parameters:
+                parameters[name] = value
+        if self.structure.clearance:
+            parameters["clearance.safe"] = values.safe
+
+    def fill_scene(self, values: Values) -> None:
+        """Set the obstacles."""
+        slots = self.structure.slots
+        of_slots = slots.values(slots.part(values.scene))
+        for name, of_slot in self._of_scene.items():
+            self.ik.parameters[name] = of_slots[of_slot]
+        self.gauge.fill(of_slots)
+
+    def step(self, q: Array, target: Any, dt: float) -> Step:
+        """One step of the arm."""
+        return self.ik.step(q, target, dt=dt)
+
+
+def _limits(limits: Limits, on: bool) -> Limits:
+    return Limits(
+        position=on, position_gain=limits.position_gain, velocity=limits.velocity, acceleration=limits.acceleration
+    )
+
+
+class Workshop:
+    """Builds solvers one after the other in an executor, and keeps the latest ones.
+
+    Args:
+        problem: what stays as it is.
+        executor: where they are built.
+    """
+
+    def __init__(self, problem: Problem, executor: Executor) -> None:
+        self._problem, self._executor = problem, executor
+        self._kept: OrderedDict[str, Solver] = OrderedDict()
+        self._running: tuple[Structure, Future[Solver]] | None = None
+        self._next: Structure | None = None
+
+    @property
+    def busy(self) -> bool:
+        """Whether a solver is being built."""
+        return self._running is not None
+
+    def request(self, structure: Structure) -> None:
+        """Ask for a solver; of several requests only the latest is met."""
+        self._next = structure
+        self._start()
+
+    def keep(self, solver: Solver) -> None:
+        """Keep a solver for later."""
+        self._kept[solver.structure.key] = solver
+        self._kept.move_to_end(solver.structure.key)
+        while len(self._kept) > KEPT:
+            self._kept.popitem(last=False)
+
+    def poll(self) -> tuple[Structure, Solver | BaseException] | None:
+        """A solver that is ready, or why there is none, with the structure that was asked for; None for nothing new."""
+        if self._running is not None and self._running[1].done():
+            structure, future = self._running
+            self._running = None
+            error = future.exception()
+            if error is None:
+                self.keep(future.result())
+            if self._next is None:
+                return structure, future.result() if error is None else error
+        self._start()
+        if self._running is None and self._next is not None:
+            structure, self._next = self._next, None
+            return structure, self._kept[structure.key]
+        return None
+
+    def _start(self) -> None:
+        """Start to build what was asked for last, unless something is being built or it is there already."""
+        if self._running is None and self._next is not None and self._next.key not in self._kept:
+            structure, self._next = self._next, None
+            self._running = structure, self._executor.submit(Solver, self._problem, structure)
