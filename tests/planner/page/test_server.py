@@ -26,7 +26,7 @@ def get(port, path, **headers):
 
 def join(server, origin=None):
     host = f"127.0.0.1:{server.port}"
-    return connect(f"ws://{host}/socket", origin=origin or f"http://{host}", open_timeout=10)
+    return connect(f"ws://{host}/socket", origin=origin or f"http://{host}", open_timeout=10, close_timeout=0.5)
 
 
 def texts(socket, kind, count=1):
