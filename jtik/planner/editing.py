@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 
 from jtik.errors import ArgumentError, JtikError, UnknownNameError
-from jtik.planner import catalogue, edits
-from jtik.planner.scene import Scene, obstacle_of
+from jtik.geometry import Scene, Solid
+from jtik.geometry.scene_data import obstacle_from
+from jtik.geometry.slots import read_obstacles
+from jtik.planner import catalogue, edits, slots
 from jtik.planner.settings import Structure
 from jtik.planner.solving import Solver, Workshop
 from jtik.planner.state import State
@@ -67,8 +69,8 @@ class Editor:
         reason = str(found) if isinstance(found, JtikError) else f"{type(found).__name__}: {found}"
         state.messages.tell("error", f"the solver could not be built, the one before goes on: {reason}")
         state.wanted = state.solver.structure
-        scene = state.wanted.slots.part(state.values.scene)
-        lost = [name for name in state.values.scene.obstacles if name not in scene.obstacles]
+        scene = slots.part(state.wanted.slots, state.values.scene)
+        lost = [name for name in state.values.scene.names if name not in scene]
         if lost:
             state.messages.tell("error", f"without a place, and left out: {', '.join(lost)}")
             state.set_scene(scene)
@@ -95,7 +97,7 @@ class Editor:
 
     def _add_obstacle(self, edit: edits.AddObstacle) -> None:
         scene = self._state.values.scene
-        if edit.name in scene.obstacles:
+        if edit.name in scene:
             raise ArgumentError("name", edit.name, "a name that no other obstacle has")
         self._change(scene.with_(edit.name, self._obstacle(edit.obstacle), edit.gain))
 
@@ -108,24 +110,25 @@ class Editor:
 
     def _set_obstacle_gain(self, edit: edits.SetObstacleGain) -> None:
         scene = self._named(edit.name)
-        self._change(scene.with_(edit.name, scene.obstacles[edit.name], edit.gain))
+        self._change(scene.with_(edit.name, scene[edit.name], edit.gain))
 
     def _named(self, name: str) -> Scene:
         """The scene. Raises UnknownNameError where no obstacle has the name."""
         scene = self._state.values.scene
-        if name not in scene.obstacles:
-            raise UnknownNameError("obstacle", name, scene.obstacles)
+        scene[name]
         return scene
 
-    def _obstacle(self, data: Mapping[str, Any]) -> Any:
-        return obstacle_of(data)
+    def _obstacle(self, data: Mapping[str, Any]) -> Solid:
+        """The obstacle of plain data. Raises ArgumentError for other data, or one of another dimension."""
+        obstacle, _ = obstacle_from("obstacle", data)
+        return read_obstacles(obstacle, self._state.arm.robot.dimension)[0]
 
     def _change(self, scene: Scene) -> None:
         """Take another scene; where it does not fit the present solver, ask for one with more places."""
         self._state.set_scene(scene)
-        slots = self._state.wanted.slots
-        if not slots.fits(scene):
-            self._request(slots=slots.grown(scene))
+        places = self._state.wanted.slots
+        if not slots.has_room(places, scene):
+            self._request(slots=slots.grown(places, scene))
 
     def _set_preferred(self, edit: edits.SetPreferred) -> None:
         robot = self._state.arm.robot

@@ -152,14 +152,14 @@ class Loop:
             version=state.changes,
             strategy={"name": wanted.strategy, "options": dict(wanted.options)},
             criteria=wanted.criteria,
-            scene=state.values.scene.to_dict(),
+            scene=state.values.scene.to_dict()["obstacles"],
             preferred=tuple(state.values.preferred.tolist()),
             gains={name: value.tolist() for name, value in state.solver.gains.items()},
             limits=wanted.limits,
             clearance=wanted.clearance,
             safe=state.values.safe,
             target_speed=(state.target.speed, state.target.rotation_speed),
-            capacity=dict(state.solver.structure.slots.capacity),
+            capacity=dict(state.solver.structure.slots.counts),
             rebuilding=self._workshop.busy,
         )
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -10,38 +11,43 @@ import numpy as np
 from jtik.result import Status
 from jtik.result.report import Report
 from jtik.robot import Robot
-from jtik.symbolic import function, symbol, vertcat
+from jtik.symbolic import Expression, fmin, function, symbol, vertcat
 from jtik.symbolic.compile import CompiledFunction
 from jtik.types import Array
+
+ABSENT = 1e8
+"""Distance from which on an obstacle counts as absent [m]."""
 
 FALLS = 1e-4
 """Relative gradient of the error above which the arm still comes nearer to the target."""
 
 
 class Gauge:
-    """Distances of the joints and of the links of a robot to the obstacles, those in a clearance's own places.
+    """Distances of the joints and of the links of a robot to the obstacles.
 
     Args:
         robot: the robot.
-        measure: a criterion that measures distances of joints and links.
+        measures: two obstacle criteria with the same slots, which measure the joints and the links.
     """
 
-    def __init__(self, robot: Robot, measure: Any) -> None:
-        self._names: list[str] = list(measure.body_names(robot))
-        self._joints = len(robot.moving_frames)
-        q, first = symbol("q", robot.nq), dict(measure.parameters(robot))
-        self._values = {name: np.array(value, dtype=float) for name, value in first.items()}
-        symbols = {name: symbol(name, *(*value.shape, 1, 1)[:2]) for name, value in self._values.items()}
-        distances = measure.distances(robot.at(q), symbols)
-        self._slots = len(distances[0]) if distances else 0
-        flat = [each for of_body in distances for each in of_body]
-        self._measure = CompiledFunction(function("gauge", [q, *symbols.values()], [vertcat(*flat)]))
-        self._present = np.ones(self._slots, dtype=bool)
+    def __init__(self, robot: Robot, measures: Sequence[Any]) -> None:
+        q, first = symbol("q", robot.nq), measures[0].slots(robot).parameters(())
+        self._values: dict[str, Array] = dict(first)
+        symbols = {name: symbol(name, *(*value.shape, 1, 1)[:2]) for name, value in first.items()}
+        kinematics = robot.at(q)
+        columns = []
+        self._names: list[str] = []
+        self._sizes = []
+        for measure in measures:
+            bodies = measure.distances(kinematics, symbols)
+            columns += [minimum(distances) for distances in bodies]
+            self._names += measure.body_names(robot)
+            self._sizes.append(len(bodies))
+        self._measure = CompiledFunction(function("gauge", [q, *symbols.values()], [vertcat(*columns)]))
 
     def fill(self, values: Mapping[str, Array]) -> None:
-        """Set the obstacles."""
-        self._values.update({name: value for name, value in values.items() if name in self._values})
-        self._present = values["radii"] > 0
+        """Set the obstacles, as `jtik.geometry.Slots.parameters` gives them."""
+        self._values = dict(values)
 
     def distances(self, q: Array) -> Array:
         """Distance of each body to its nearest obstacle [m], (bodies,); infinite without an obstacle.
@@ -49,18 +55,14 @@ class Gauge:
         Args:
             q: configuration (nq,).
         """
-        if not self._present.any() or not self._names:
-            return np.full(len(self._names), np.inf)
-        flat = self._measure(q, *self._values.values())[0]
-        found: Array = flat.reshape(-1, self._slots)[:, self._present].min(axis=1)
-        return found
+        found: Array = self._measure(q, *self._values.values())[0][:, 0]
+        return np.where(found < ABSENT, found, np.inf)
 
     def clearance(self, distances: Array) -> dict[str, float]:
-        """The smallest of these distances, of joints and of links [m]; empty without an obstacle."""
-        if not self._present.any():
-            return {}
-        parts = {"joints": distances[: self._joints], "links": distances[self._joints :]}
-        return {name: float(part.min()) for name, part in parts.items() if part.size}
+        """The smallest of these distances, of joints and of links [m]; none where it is infinite."""
+        joints = self._sizes[0]
+        smallest = {"joints": distances[:joints].min(initial=np.inf), "links": distances[joints:].min(initial=np.inf)}
+        return {name: float(value) for name, value in smallest.items() if value < np.inf}
 
     def nearer(self, distances: Array, safe: float) -> tuple[str, ...]:
         """Names of the bodies that are nearer than ``safe`` [m]."""
@@ -107,3 +109,8 @@ def words(report: Report, *, moving: bool, guided: bool) -> str:
     if of_free > FALLS:
         return Status.STALLED.value
     return Status.LIMITS.value if of_all > FALLS else Status.LOCAL_MINIMUM.value
+
+
+def minimum(distances: Sequence[Expression]) -> Expression:
+    """The smallest of several expressions."""
+    return reduce(fmin, distances)

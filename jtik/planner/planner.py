@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 import time
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
-from jtik.demo.scene import Scene as Demo
-from jtik.planner.catalogue import Criteria
-from jtik.planner.loop import Loop, DT
-from jtik.planner.scene import Scene
-from jtik.planner.settings import Problem, Structure, Values
-from jtik.planner.slots import Slots
-from jtik.planner.solving import Solver, Workshop
-from jtik.planner.state import State, Messages
+
 from jtik.constraints import Limits
+from jtik.demo.scene import Scene as Demo
+from jtik.geometry import Scene, Slots
+from jtik.planner.catalogue import Criteria
+from jtik.planner.loop import Loop
+from jtik.planner.settings import Problem, Structure, Values
+from jtik.planner.solving import Solver, Workshop
+from jtik.planner.state import Messages, State
 from jtik.task import FrameTask
 
 
@@ -23,7 +24,9 @@ def ten_links(clock=time.monotonic, executor=None) -> Loop:
     for i, o in enumerate(demo.obstacles):
         scene = scene.with_(f"disc {i + 1}", o)
     problem = Problem(robot=demo.robot, task=FrameTask("tip"), criteria=Criteria(), limits=Limits(velocity=2.0))
-    structure = Structure("hybrid", {}, ("joint_centering", "obstacle_avoidance"), True, False, Slots(16, 2))
+    structure = Structure(
+        "hybrid", {}, ("joint_centering", "obstacle_avoidance"), True, False, Slots.of(scene, None, 2)
+    )
     solver = Solver(problem, structure)
     workshop = Workshop(problem, executor or ThreadPoolExecutor(1))
     workshop.keep(solver)

@@ -8,10 +8,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from jtik.constraints import Limits
+from jtik.geometry import Scene, Slots
 from jtik.planner.catalogue import Criteria
 from jtik.planner.frames import plain
-from jtik.planner.scene import Scene
-from jtik.planner.slots import Slots
 from jtik.robot import Robot
 from jtik.strategy import Strategy
 from jtik.task import FrameTask
@@ -27,6 +26,7 @@ class Problem:
         task: what its end effector does.
         criteria: the criteria that can be chosen.
         weights: first weight of each criterion by name, 1 where there is none.
+        bodies: what keeps away from obstacles, as of obstacle criteria: "both" or "shapes".
         limits: the limits, with those of the positions.
         strategy: a strategy object that can be chosen by the name "given"; None for none.
         compiled: whether solvers run as generated C.
@@ -36,6 +36,7 @@ class Problem:
     task: FrameTask
     criteria: Criteria
     weights: Mapping[str, float] = field(default_factory=dict)
+    bodies: str = "both"
     limits: Limits = field(default_factory=Limits)
     strategy: Strategy | None = None
     compiled: bool = False
@@ -65,7 +66,15 @@ class Structure:
     def key(self) -> str:
         """A text that is the same for structures of the same solver."""
         options = {name: plain(value) for name, value in sorted(self.options.items())}
-        parts = [self.strategy, options, self.criteria, self.limits, self.clearance, dict(self.slots.capacity)]
+        parts = [
+            self.strategy,
+            options,
+            self.criteria,
+            self.limits,
+            self.clearance,
+            dict(self.slots.counts),
+            self.slots.corners,
+        ]
         return json.dumps(parts)
 
 

@@ -1,51 +1,49 @@
-"""The places for obstacles in a compiled solver: which scenes fit, and their values as live parameters."""
+"""The places for obstacles in a solver: which scenes have room, and how many places another solver should have."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+import math
 
 import numpy as np
 
-from jtik.geometry import Circle, Obstacle, Sphere
-from jtik.planner.scene import Scene
-from jtik.types import Array
-
-FAR = 1e6
-"""Where an unused place is [m]."""
+from jtik.errors import ArgumentError
+from jtik.geometry import Polygon, Scene, Slots, Solid
+from jtik.geometry.slots import CORNERS
 
 
-class Slots:
-    """Places for balls."""
+def has_room(slots: Slots, scene: Scene) -> bool:
+    """Whether every obstacle has a place."""
+    try:
+        slots.parameters(scene)
+    except ArgumentError:
+        return False
+    return True
 
-    def __init__(self, count: int, dimension: int) -> None:
-        self.count, self.dimension = count, dimension
 
-    @property
-    def capacity(self) -> Mapping[str, int]:
-        return {"ball": self.count}
-
-    def fits(self, scene: Scene) -> bool:
-        return len(scene.obstacles) <= self.count
-
-    def part(self, scene: Scene) -> Scene:
-        for name in list(scene.obstacles)[self.count :]:
-            scene = scene.without(name)
+def part(slots: Slots, scene: Scene) -> Scene:
+    """The obstacles that have a place, the first ones of each kind."""
+    if has_room(slots, scene):
         return scene
+    kept = Scene()
+    for name in scene.names:
+        more = kept.with_(name, scene[name], scene.gains[name])
+        kept = more if has_room(slots, more) else kept
+    return kept
 
-    def grown(self, scene: Scene) -> Slots:
-        count = self.count
-        while count < len(scene.obstacles):
-            count *= 2
-        return Slots(count, self.dimension)
 
-    def placeholders(self) -> list[Obstacle]:
-        kind: Any = Circle if self.dimension == 2 else Sphere
-        return [kind(np.full(self.dimension, FAR), 0.0)] * self.count
+def grown(slots: Slots, scene: Scene) -> Slots:
+    """Places for every obstacle and some more: twice as many of each kind that is short of them."""
+    needed = Slots.of(scene, len(scene) or 1, slots.dimension)
+    counts = {
+        kind: have if needed.counts[kind] <= have else max(4, 2 * have, needed.counts[kind])
+        for kind, have in slots.counts.items()
+    }
+    return Slots(counts, slots.dimension, max(slots.corners, needed.corners))
 
-    def values(self, scene: Scene) -> dict[str, Array]:
-        centers, radii = np.full((self.count, self.dimension), FAR), np.zeros(self.count)
-        used = [name for name in scene.obstacles if scene.gains[name] > 0]
-        for i, name in enumerate(used):
-            centers[i], radii[i] = scene.obstacles[name].center, scene.obstacles[name].radius
-        return {"centers": centers, "radii": radii}
+
+def placeholders(slots: Slots) -> tuple[Solid, ...]:
+    """Obstacles to build a criterion with: where polygons have many corners, one that has as many."""
+    if slots.corners <= CORNERS or not slots.counts["polygon"]:
+        return ()
+    angles = np.arange(slots.corners) * (2 * math.pi / slots.corners)
+    return (Polygon(np.stack([np.cos(angles), np.sin(angles)], axis=1)),)

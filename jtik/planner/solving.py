@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-import time
 from collections import OrderedDict
+from collections.abc import Mapping
 from concurrent.futures import Executor, Future
+from dataclasses import replace
 from typing import Any
-
-import numpy as np
 
 from jtik.constraints import Clearance, Limits
 from jtik.criterion import CriterionSum
 from jtik.errors import ArgumentError
+from jtik.geometry import Slots
 from jtik.planner import catalogue
 from jtik.planner.measure import Gauge
 from jtik.planner.settings import Problem, Structure, Values
+from jtik.planner.slots import part, placeholders
 from jtik.result import Step
 from jtik.solver import InverseKinematics
+from jtik.strategy import Strategy
 from jtik.types import Array
 
 AVOIDANCE = "obstacle_avoidance"
@@ -24,6 +26,9 @@ AVOIDANCE = "obstacle_avoidance"
 
 KEPT = 4
 """Number of solvers that are kept for when the operator returns to them."""
+
+GIVEN = "given"
+"""Name of the strategy that was given as an object."""
 
 PREFERRED = ".preferred"
 """What the name of a live parameter ends with that is a preferred posture."""
@@ -47,31 +52,27 @@ class Solver:
 
     def __init__(self, problem: Problem, structure: Structure) -> None:
         self.structure = structure
-        slots = structure.slots
-        common: dict[str, Any] = {"obstacles": slots.placeholders(), "bodies": "both"}
-        terms = []
-        for name in structure.criteria:
-            terms.append((problem.weights.get(name, 1.0), problem.criteria.make(name, common)))
-        clearance = None
-        if structure.clearance:
-            measure: Any = problem.criteria.make(AVOIDANCE, common)
-            clearance = Clearance(measure)
-        given = problem.strategy if structure.strategy == "given" else None
+        common = _common(problem, structure.slots)
+        terms = [(problem.weights.get(name, 1.0), problem.criteria.make(name, common)) for name in structure.criteria]
+        criteria = CriterionSum(tuple(terms))
+        clearance = Clearance(_measure(problem, common, problem.bodies)) if structure.clearance else None
         self.ik = InverseKinematics(
             problem.robot,
             problem.task,
-            criteria=CriterionSum(tuple(terms)),
-            strategy=given or catalogue.strategy(structure.strategy, structure.options),
+            criteria=criteria,
+            strategy=_strategy(problem, structure),
             limits=_limits(problem.limits, structure.limits),
             clearances=clearance,
             compiled=problem.compiled,
         )
         self.ik.warm_up()
-        self.gauge = Gauge(self.ik.robot, problem.criteria.make(AVOIDANCE, common))
-        names = list(self.ik.parameters)
-        holders = [name.removesuffix(".centers") for name in names if name.endswith(".centers")]
-        self._of_scene = {f"{holder}.{name}": name for holder in holders for name in ("centers", "radii")}
-        self._preferred = [name for name in names if name.endswith(PREFERRED)]
+        self.gauge = Gauge(self.ik.robot, [_measure(problem, common, bodies) for bodies in measured(problem.bodies)])
+        parts = [(name, criterion) for name, _, criterion in criteria.named()]
+        parts += [("clearance", clearance.measure)] if clearance else []  # type: ignore[list-item]  # has slots, too
+        self._places = {name: each.slots(self.ik.robot) for name, each in parts if hasattr(each, "slots")}
+        self._places = {name: slots for name, slots in self._places.items() if slots.gains}
+        self._of_scene = {f"{name}.{key}" for name, slots in self._places.items() for key in slots.parameters(())}
+        self._preferred = [name for name in self.ik.parameters if name.endswith(PREFERRED)]
 
     @property
     def gains(self) -> dict[str, Array]:
@@ -103,21 +104,41 @@ class Solver:
 
     def fill_scene(self, values: Values) -> None:
         """Set the obstacles."""
+        for holder, slots in self._places.items():
+            scene = part(slots, values.scene)
+            for name, value in slots.parameters(scene, list(scene.gains.values())).items():
+                self.ik.parameters[f"{holder}.{name}"] = value
         slots = self.structure.slots
-        of_slots = slots.values(slots.part(values.scene))
-        for name, of_slot in self._of_scene.items():
-            self.ik.parameters[name] = of_slots[of_slot]
-        self.gauge.fill(of_slots)
+        scene = part(slots, values.scene)
+        self.gauge.fill(slots.parameters(scene, list(scene.gains.values())))
 
     def step(self, q: Array, target: Any, dt: float) -> Step:
         """One step of the arm."""
         return self.ik.step(q, target, dt=dt)
 
 
+def measured(bodies: str) -> tuple[str, str]:
+    """What is measured for the figures of the joints, and of the links."""
+    return "joints", "shapes" if bodies == "shapes" else "links"
+
+
+def _common(problem: Problem, slots: Slots) -> dict[str, Any]:
+    """Arguments of criteria that keep away from obstacles."""
+    return {"obstacles": placeholders(slots), "capacity": dict(slots.counts), "bodies": problem.bodies}
+
+
+def _measure(problem: Problem, common: Mapping[str, Any], bodies: str) -> Any:
+    return problem.criteria.make(AVOIDANCE, {**common, "bodies": bodies})
+
+
+def _strategy(problem: Problem, structure: Structure) -> Strategy:
+    if structure.strategy == GIVEN and problem.strategy is not None:
+        return problem.strategy
+    return catalogue.strategy(structure.strategy, structure.options)
+
+
 def _limits(limits: Limits, on: bool) -> Limits:
-    return Limits(
-        position=on, position_gain=limits.position_gain, velocity=limits.velocity, acceleration=limits.acceleration
-    )
+    return replace(limits, position=on)
 
 
 class Workshop:

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from jtik.errors import JtikError
+from jtik.geometry import Scene
 from jtik.planner import rotations
 from jtik.planner.arm import Arm
 from jtik.planner.frames import Level, Message
-from jtik.planner.scene import Scene
 from jtik.planner.settings import Problem, Structure, Values
 from jtik.planner.solving import Solver
 from jtik.planner.target import GuidedTarget
