@@ -4,12 +4,12 @@ import { choice, el, numberField, part, toggle, words } from "./dom.js";
 import { add, sub } from "./math.js";
 import { angleOf, centre, fresh, moved, sizes, turned, turns, TYPES } from "./shapes.js";
 import { send } from "./socket.js";
-import { obstacles, on, scene, select, state } from "./state.js";
+import { emit, obstacles, on, select, state } from "./state.js";
 
 const remembered = {}; // gains of obstacles that were switched off here
 
 export function addObstacle(type) {
-  const names = new Set(Object.keys(scene()));
+  const names = new Set(Object.keys(state.settings.scene));
   let k = 1;
   while (names.has(`${type}_${k}`)) k++;
   const d = state.setup.robot.dimension;
@@ -18,6 +18,21 @@ export function addObstacle(type) {
   const name = `${type}_${k}`;
   send("add_obstacle", { name, obstacle: fresh(type, add(at, [0, ...Array(d - 2).fill(0), 2 * size]), size) });
   select({ kind: "obstacle", name });
+}
+
+// Sends a change. Until the planner has had time to answer, the obstacle is shown as it was asked for here.
+const SETTLE = 500; // [ms]
+let timer = 0;
+
+export function changeObstacle(name, obstacle) {
+  state.drag = { name, obstacle };
+  send("change_obstacle", { name, obstacle });
+  emit("dragged");
+  clearTimeout(timer);
+  timer = setTimeout(() => {
+    state.drag = null;
+    emit("dragged");
+  }, SETTLE);
 }
 
 export function removeSelected() {
@@ -55,7 +70,7 @@ export function obstaclePart() {
 function row({ name, obstacle, gain }) {
   const chosen = state.selected.kind === "obstacle" && state.selected.name === name;
   const on = toggle("", (checked) => {
-    const now = scene()[name]?.gain ?? 1;
+    const now = state.settings.scene[name]?.gain ?? 1;
     if (!checked) remembered[name] = now;
     send("set_obstacle_gain", { name, gain: checked ? remembered[name] || 1 : 0 });
   });
@@ -78,10 +93,7 @@ function row({ name, obstacle, gain }) {
 
 function fields(name, first, gain) {
   let now = first;
-  const change = (obstacle) => {
-    state.drag = { name, obstacle, done: true };
-    send("change_obstacle", { name, obstacle });
-  };
+  const change = (obstacle) => changeObstacle(name, obstacle);
   const d = centre(first).length;
   const step = 0.01 * state.setup.robot.reach;
   const place = ["x", "y", "z"].slice(0, d).map((label, k) =>

@@ -1,9 +1,10 @@
 // The pointer on the planar view: the target, obstacles and their handles are dragged; the wheel zooms; the ground pans.
 
 import { add, norm, sub } from "./math.js";
+import { changeObstacle } from "./obstacles.js";
 import { distance, handles, moved } from "./shapes.js";
 import { send } from "./socket.js";
-import { emit, obstacles, select, state } from "./state.js";
+import { obstacles, select, state } from "./state.js";
 
 const NEAR = 16; // [pixel]
 
@@ -29,14 +30,14 @@ export function steerPlanar(view, redraw) {
     const chosen = all.find(({ name }) => state.selected.kind === "obstacle" && name === state.selected.name);
     for (const [point, change, does] of chosen ? handles(chosen.obstacle, 1 / view.zoom) : []) {
       if (norm(sub(view.toScreen(point), at)) < 9) {
-        return { cursor: does === "resize" ? "nwse-resize" : "grab", hint: does, chosen: state.selected, to: (p) => dragObstacle(chosen.name, change(p)) };
+        return { cursor: does === "resize" ? "nwse-resize" : "grab", hint: does, chosen: state.selected, to: (p) => changeObstacle(chosen.name, change(p)) };
       }
     }
     const reach = 6 / view.zoom;
     const hit = all.filter(({ obstacle }) => distance(obstacle, here) < reach).sort((a, b) => distance(b.obstacle, here) - distance(a.obstacle, here));
     const top = hit.find(({ obstacle }) => !obstacle.normal) ?? hit.find(({ obstacle }) => Math.abs(distance(obstacle, here)) < 2 * reach);
     if (top) {
-      return { cursor: "move", chosen: { kind: "obstacle", name: top.name }, to: (p) => dragObstacle(top.name, moved(top.obstacle, sub(p, here))) };
+      return { cursor: "move", chosen: { kind: "obstacle", name: top.name }, to: (p) => changeObstacle(top.name, moved(top.obstacle, sub(p, here))) };
     }
     return null;
   }
@@ -44,13 +45,6 @@ export function steerPlanar(view, redraw) {
   function turnTarget(target, p) {
     const angle = Math.atan2(p[1] - target[1], p[0] - target[0]);
     send("move_target", { position: target, orientation: [Math.cos(angle / 2), 0, 0, Math.sin(angle / 2)] });
-  }
-
-  function dragObstacle(name, obstacle) {
-    state.drag = { name, obstacle };
-    send("change_obstacle", { name, obstacle });
-    emit("dragged");
-    redraw();
   }
 
   canvas.addEventListener("pointerdown", (event) => {
@@ -80,7 +74,6 @@ export function steerPlanar(view, redraw) {
     if (drag?.pan && norm(sub(pixel(event), drag.from)) < 3) select({ kind: "target" });
     if (event.type === "pointercancel") send("hold_target", { velocity: [0, 0] });
     drag = null;
-    if (state.drag) state.drag.done = true;
   };
   canvas.addEventListener("pointerup", end);
   canvas.addEventListener("pointercancel", end);

@@ -69,7 +69,6 @@ function readSetup(document) {
 function readSettings(settings) {
   const first = state.settings === null;
   state.settings = settings;
-  if (state.drag?.done) state.drag = null;
   if (first) {
     clearPath();
     emit("robot");

@@ -2,9 +2,10 @@
 
 import { gripAt } from "./gizmo.js";
 import { add, cross, norm, quaternionOf, quaternionProduct, scale, sub } from "./math.js";
+import { changeObstacle } from "./obstacles.js";
 import { moved, rayHit, turned } from "./shapes.js";
 import { send } from "./socket.js";
-import { emit, obstacles, select, state } from "./state.js";
+import { obstacles, select, state } from "./state.js";
 
 export function steerSpatial(view, redraw) {
   const { canvas } = view;
@@ -26,9 +27,7 @@ export function steerSpatial(view, redraw) {
       if (found.chosen) {
         const { name, obstacle } = found.chosen;
         const changed = change.by ? moved(obstacle, change.by) : turned(obstacle, change.angle, change.axis);
-        state.drag = { name, obstacle: changed };
-        send("change_obstacle", { name, obstacle: changed });
-        emit("dragged");
+        changeObstacle(name, changed);
       } else if (change.by) send("move_target", { position: add(position, change.by) });
       else send("move_target", { position, orientation: quaternionProduct(quaternionOf(change.axis, change.angle), orientation) });
       redraw();
@@ -87,7 +86,6 @@ export function steerSpatial(view, redraw) {
     if (drag && !drag.moved && !drag.gripped && event.type === "pointerup") pick(drag.at);
     if (event.type === "pointercancel") send("hold_target", { velocity: [0, 0, 0], rotation: [0, 0, 0] });
     drag = null;
-    if (state.drag) state.drag.done = true;
   };
   canvas.addEventListener("pointerup", end);
   canvas.addEventListener("pointercancel", end);

@@ -12,7 +12,7 @@ export const state = {
   overlays: new Set(),
   attempt: null, // the name of the attempt that the transport works on
   path: { points: [], postures: [], spacing: 0, length: 0 },
-  drag: null, // an obstacle that is being dragged: { name, obstacle }, ahead of the planner
+  drag: null, // an obstacle that is being changed: { name, obstacle }, ahead of the planner
   connected: false,
 };
 
@@ -57,12 +57,9 @@ export const limited = (joint) => (state.status?.active_limits ?? []).includes(j
 
 export const planar = () => state.setup.robot.dimension === 2;
 
-// The obstacles by name, as the planner has them.
-export const scene = () => state.settings.scene.obstacles ?? state.settings.scene;
-
 // The scene as it is seen here: an obstacle that is being dragged is shown where the pointer is.
 export function obstacles() {
-  return Object.entries(scene()).map(([name, { gain = 1, ...obstacle }]) => ({
+  return Object.entries(state.settings.scene).map(([name, { gain = 1, ...obstacle }]) => ({
     name,
     gain,
     obstacle: state.drag?.name === name ? state.drag.obstacle : obstacle,

@@ -40,7 +40,7 @@ def at_rest(planner):
 
 
 def scene(planner):
-    return planner.loop.settings.to_json()["scene"]["obstacles"]
+    return planner.loop.settings.to_json()["scene"]
 
 
 def test_the_page_opens_and_draws_without_a_complaint(page):
@@ -138,7 +138,7 @@ def test_an_obstacle_of_every_shape_is_added_changed_switched_off_and_deleted(pa
 def test_a_box_is_resized_and_turned_by_its_handles(page, planner):
     page.select("#add-obstacle", "box")
     wait_for(lambda: "box_1" in scene(planner))
-    wait_for(lambda: page.js("() => 'box_1' in planner.state.settings.scene.obstacles"))
+    wait_for(lambda: page.js("() => 'box_1' in planner.state.settings.scene"))
     box = scene(planner)["box_1"]
     center, half = np.array(box["center"]), np.array(box["half"])
     page.drag(center + half, center + half + [0.3, 0.2])
@@ -217,7 +217,7 @@ def test_two_browsers_see_the_same(page, open_page, planner):
     name, disc = list(scene(planner).items())[3]
     goal = np.array(disc["center"]) + [0.0, 0.4]
     page.drag(disc["center"], goal)
-    seen = f"() => planner.state.settings.scene.obstacles[{name!r}].center"
+    seen = f"() => planner.state.settings.scene[{name!r}].center"
     wait_for(lambda: np.allclose(other.js(seen), goal, atol=0.05))
     page.focus()
     page.keyboard.down("KeyS")
@@ -254,7 +254,7 @@ def test_gains_strategy_criteria_limits_and_clearance_are_changed(page, planner)
     page.click_text("clearance", exact=True)
     page.select('[aria-label="strategy"]', "hybrid")
     wait_for(lambda: planner.loop.settings.strategy["name"] == "hybrid")
-    wait_for(lambda: not planner.loop.status.rebuilding, 60)
+    wait_for(lambda: not planner.loop.status.rebuilding, 150)
 
 
 def test_what_is_refused_is_told_on_the_page(page):
