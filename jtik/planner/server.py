@@ -74,7 +74,7 @@ class Planning(Protocol):
     def plan_text(self) -> str:
         """The whole plan as a file."""
 
-    def load_text(self, text: str) -> None:
+    def load_text(self, text: str, name: str) -> None:
         """Go on from the text of a plan."""
 
 
@@ -91,6 +91,15 @@ class Running(Published, Protocol):
 
 class PortInUseError(JtikError):
     """The port is in use by another program."""
+
+
+def check_port(port: object) -> int:
+    """The number of a port. Raises ArgumentError for anything else."""
+    accepted = "a number from 0 to 65535"
+    number = integer("port", port, accepted=accepted)
+    if number > 65535:
+        raise ArgumentError("port", port, accepted)
+    return number
 
 
 class Server:
@@ -114,9 +123,7 @@ class Server:
         except ImportError as error:
             raise MissingExtraError("websockets", "planner", "the planner's page") from error
         self._planner = planner
-        self.port = integer("port", port, minimum=0)
-        if self.port > 65535:
-            raise ArgumentError("port", port, "a number from 0 to 65535")
+        self.port = check_port(port)
         self._steering: object = None
         self._table = AttemptRows(planner.arm, planner.measures)
         self._rows: tuple[Row, ...] = ()
@@ -267,7 +274,7 @@ class Server:
             if given.get("type") == "hello":
                 return
             if given.get("type") == "load_plan":
-                self._planner.load_text(str(given.get("text", "")))
+                self._planner.load_text(str(given.get("text", "")), str(given.get("name", "plan.json")))
                 return
             if given.get("edit") in ("save_plan", "load_plan"):
                 raise ArgumentError("message", given["edit"], "edits that name no file: a page saves by a download")

@@ -116,7 +116,7 @@ listen(host, () => view, {
 byId("save").onclick = () => download("plan.json");
 byId("load").onclick = () => byId("file").click();
 byId("file").onchange = async ({ target }) => {
-  if (target.files[0]) sendRaw({ type: "load_plan", text: await target.files[0].text() });
+  if (target.files[0]) sendRaw({ type: "load_plan", name: target.files[0].name, text: await target.files[0].text() });
   target.value = "";
 };
 
