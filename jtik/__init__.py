@@ -19,7 +19,8 @@ What is in ``jtik`` itself is public, and so are these modules:
 - `jtik.geometry`: obstacles and other shapes.
 - `jtik.study`: comparisons of strategies.
 - `jtik.problems`: generators and collections of problems.
-- `jtik.plotting`: pictures of planar robots.
+- `jtik.plotting`: pictures of robots.
+- `jtik.viewer`: what `view` shows in a browser.
 - `jtik.interop`: mink, pink, MuJoCo, Pinocchio.
 - `jtik.testing`: the contract that every strategy and criterion must pass.
 - `jtik.registry`, `jtik.errors`, `jtik.types`, `jtik.progress`: names to classes, errors, array types, progress.
@@ -59,6 +60,7 @@ if TYPE_CHECKING:
     from jtik import interop, plotting, problems, study, testing
     from jtik.study.compare import compare
     from jtik.study.comparison import Comparison
+    from jtik.viewer import view
 
 __version__ = "0.1.0"
 
@@ -117,9 +119,10 @@ __all__ = [
     "strategies",
     "study",
     "testing",
+    "view",
 ]
 
-_LAZY = {"compare": "jtik.study.compare", "Comparison": "jtik.study.comparison"}
+_LAZY = {"compare": "jtik.study.compare", "Comparison": "jtik.study.comparison", "view": "jtik.viewer"}
 """Names that are imported when they are first used, and the modules that have them."""
 
 _LAZY_MODULES = ("interop", "plotting", "problems", "study", "testing")

@@ -24,7 +24,7 @@ LEVELS = (
     ("registry", "_step"),
     ("_loop",),
     ("solver",),
-    ("study", "problems", "planner", "interop", "testing", "plotting", "cli", "demo", "__main__", "__init__"),
+    ("study", "problems", "planner", "interop", "testing", "plotting", "viewer", "cli", "demo", "__main__", "__init__"),
 )
 """Imports run downwards: a module imports those of its own level and of levels above it in this list."""
 

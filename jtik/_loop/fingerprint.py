@@ -16,6 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from jtik.robot.mesh import Meshes
+
 
 def fingerprint(*values: Any) -> str:
     """Hash of the values, 64 hexadecimal digits."""
@@ -57,6 +59,8 @@ class _Reader:
             self._add("array", array.dtype.str, array.shape, np.ascontiguousarray(array).tobytes())
         elif isinstance(value, type):
             self._add("class", value.__module__, value.__qualname__)
+        elif isinstance(value, Meshes):
+            self._add("meshes")
         elif isinstance(value, Mapping):
             self._add("mapping", len(value))
             for key in sorted(value, key=repr):

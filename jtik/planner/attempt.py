@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
@@ -12,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from jtik.arguments import array_of, finite_array, names, number, positive_number, several, text
 from jtik.errors import ArgumentError
-from jtik.planner.plain import entries, inside, label, plain_mapping
+from jtik.planner.plain import entries, inside, label, plain, plain_mapping
 from jtik.types import Array
 
 MOST_SAMPLES = 2_000_000
@@ -91,7 +90,8 @@ class Attempt:
     def scene_at(self, time: float) -> dict[str, Any] | None:
         """The obstacles at a time [s], as a dict of `jtik.Scene.to_dict`; None without a scene."""
         earlier = [scene for begin, scene in self.scenes if begin <= time]
-        return copy.deepcopy(dict(earlier[-1])) if earlier else None
+        found: dict[str, Any] | None = plain("scene", earlier[-1]) if earlier else None
+        return found
 
     def cut(self, time: float) -> Self:
         """The attempt up to a time [s], at least its first sample."""
@@ -112,10 +112,10 @@ class Attempt:
             "times": self.times.tolist(),
             "configurations": self.configurations.tolist(),
             "targets": self.targets.tolist(),
-            "scenes": [[time, copy.deepcopy(scene)] for time, scene in self.scenes],
+            "scenes": [[time, plain("scene", scene)] for time, scene in self.scenes],
             "strategy": self.strategy,
             "criteria": list(self.criteria),
-            "settings": copy.deepcopy(self.settings),
+            "settings": plain("settings", self.settings),
             "parent": self.parent,
             "branched_at": self.branched_at,
         }

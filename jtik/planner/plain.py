@@ -38,10 +38,15 @@ def plain(argument: str, value: object, depth: int = 0) -> Any:
     raise ArgumentError(argument, value, PLAIN)
 
 
-def plain_mapping(argument: str, value: object) -> dict[str, Any]:
+class PlainMapping(dict[str, Any]):
+    """A mapping that `plain_mapping` has read. Nobody changes it, so that it is not read again."""
+
+
+def plain_mapping(argument: str, value: object) -> PlainMapping:
     """A copy of a mapping of plain data."""
-    found: dict[str, Any] = plain(argument, mapping(argument, value, "a mapping with texts as keys"))
-    return found
+    if isinstance(value, PlainMapping):
+        return value
+    return PlainMapping(plain(argument, mapping(argument, value, "a mapping with texts as keys")))
 
 
 def entries(argument: str, value: object, required: Collection[str], optional: Collection[str] = ()) -> dict[str, Any]:

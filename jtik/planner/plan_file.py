@@ -24,6 +24,7 @@ from typing import Any, NoReturn, Self
 from jtik.arguments import existing_file, instance, integer, names, several
 from jtik.arguments import path as read_path
 from jtik.errors import ArgumentError
+from jtik.geometry import Scene
 from jtik.planner.attempt import Attempt
 from jtik.planner.history import History
 from jtik.planner.plain import entries, inside, label, plain_mapping
@@ -128,7 +129,11 @@ def read(path: Path) -> tuple[Plan, int]:
     history = History.from_json({key: found[key] for key in ("attempts", "chosen")}, where)
     robot = _robot(inside(where, "robot"), found["robot"])
     _check_width(inside(where, "attempts"), history, robot["nq"])
+    for i, attempt in enumerate(history):
+        for j, (_, each) in enumerate(attempt.scenes):
+            _check_scene(inside(where, f"attempts[{i}].scenes[{j}][1]"), each)
     scene = plain_mapping(inside(where, "scene"), found["scene"])
+    _check_scene(inside(where, "scene"), scene)
     settings = plain_mapping(inside(where, "settings"), found["settings"])
     number = integer(inside(where, "journal"), found.get("journal", 0))
     return Plan(robot=robot, scene=scene, settings=settings, history=history), number
@@ -185,6 +190,16 @@ def _robot(argument: str, value: object) -> dict[str, Any]:
         "joint_names": list(names(f"{argument}.joint_names", found["joint_names"], "names of joints")),
         "nq": integer(f"{argument}.nq", found["nq"]),
     }
+
+
+def _check_scene(argument: str, scene: Mapping[str, Any]) -> None:
+    """Raise ArgumentError unless it is a scene, or empty."""
+    if not scene:
+        return
+    try:
+        Scene.from_dict(scene)
+    except ArgumentError as error:
+        raise ArgumentError(f"{argument}.{error.argument}", error.given, error.accepted) from error
 
 
 def _check_width(argument: str, history: History, nq: int) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from jtik.planner.attempt import MOST_SAMPLES, Attempt, SceneChange
+from jtik.planner.plain import plain_mapping
 from jtik.types import Array
 
 
@@ -57,7 +58,7 @@ class Recording:
         time = self._times[-1] if self._times else self.beginning.duration
         if self._scenes and self._scenes[-1][0] == time:
             self._scenes.pop()
-        self._scenes.append((time, scene))
+        self._scenes.append((time, plain_mapping("scene", scene)))
 
     def attempt(self) -> Attempt:
         """What has been recorded so far."""

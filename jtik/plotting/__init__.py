@@ -1,7 +1,8 @@
-"""Pictures of planar robots: postures, obstacles, paths and animations.
+"""Pictures of robots: postures, obstacles, paths, motions and animations.
 
-`posture_figure` makes a figure and `write_animation` a GIF. The other functions draw on axes of your own, in
-metres. They need the extra "plot" (matplotlib and pillow), and open no window.
+`posture_figure`, `trajectory_figure` and `trace_figure` make figures, `write_motion` and `write_animation` GIFs. The
+other functions draw planar robots on axes of your own, in metres. They need the extra "plot" (matplotlib and pillow),
+and open no window.
 """
 
 from jtik.plotting.animation import write_animation
@@ -17,12 +18,15 @@ from jtik.plotting.figure import (
     points_per_metre,
     window_around,
 )
+from jtik.plotting.iterations import trace_figure
+from jtik.plotting.motion import trajectory_figure, write_motion
 from jtik.plotting.postures import posture_figure
 from jtik.plotting.scenery import draw_base, draw_obstacles, draw_path
 from jtik.plotting.skeleton import Skeleton
 from jtik.plotting.style import (
     BACKGROUND,
     COLORMAP,
+    COLORS,
     INK,
     LIGHTEST,
     LINK_WIDTH,
@@ -30,6 +34,7 @@ from jtik.plotting.style import (
     MUTED,
     OBSTACLE_EDGE,
     OBSTACLE_FACE,
+    SINGLE,
     THIN,
     shades,
 )
@@ -37,6 +42,7 @@ from jtik.plotting.style import (
 __all__ = [
     "BACKGROUND",
     "COLORMAP",
+    "COLORS",
     "INK",
     "LIGHTEST",
     "LINK_WIDTH",
@@ -44,6 +50,7 @@ __all__ = [
     "MUTED",
     "OBSTACLE_EDGE",
     "OBSTACLE_FACE",
+    "SINGLE",
     "THIN",
     "Axes",
     "DrawnArm",
@@ -61,6 +68,9 @@ __all__ = [
     "points_per_metre",
     "posture_figure",
     "shades",
+    "trace_figure",
+    "trajectory_figure",
     "window_around",
     "write_animation",
+    "write_motion",
 ]

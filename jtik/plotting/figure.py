@@ -85,6 +85,8 @@ def label_axes(axes: Axes, size: float = 13.0) -> None:
         size: size of the text [points].
     """
     axes.tick_params(direction="in", length=0.4 * size, color=THIN, labelcolor=MUTED, labelsize=size, pad=-0.5 * size)
+    for axis, room in ((axes.xaxis, 4.5 * size), (axes.yaxis, 2.2 * size)):
+        axis.set_major_locator(_locator(room))
     style = {"textcoords": "offset points", "color": MUTED, "fontsize": size}
     axes.annotate("x [m]", (1, 0), (-0.6 * size, 0.5 * size), xycoords="axes fraction", ha="right", **style)
     axes.annotate("y [m]", (0, 1), (0.5 * size, -0.6 * size), xycoords="axes fraction", va="top", **style)
@@ -92,6 +94,21 @@ def label_axes(axes: Axes, size: float = 13.0) -> None:
         label.set_verticalalignment("bottom")
     for label in axes.get_yticklabels():
         label.set_horizontalalignment("left")
+
+
+def _locator(room: float) -> Any:
+    """Ticks that leave the end of an axis free, where its label is, for as many points."""
+    from matplotlib.ticker import AutoLocator
+
+    class Locator(AutoLocator):
+        def __call__(self) -> Any:
+            axis: Any = self.axis
+            axes, index = axis.axes, 0 if axis.axis_name == "x" else 1
+            ticks = np.asarray(super().__call__())
+            places = axes.transData.transform(np.outer(ticks, np.eye(2)[index]))[:, index]
+            return ticks[places < axes.bbox.max[index] - room * axes.figure.dpi / 72]
+
+    return Locator()
 
 
 def frame_axes(axes: Axes) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -198,6 +199,27 @@ class Solution:
             return float("nan")
         sigma = np.linalg.svd(self.jacobian, compute_uv=False)
         return float(sigma[0] / sigma[-1]) if sigma[-1] > np.finfo(float).eps * sigma[0] else float("inf")
+
+    def plot(self, robot: Any, **options: Any) -> Any:
+        """A figure of the robot at q: `jtik.plotting.posture_figure`.
+
+        Example::
+
+            solution = ik.solve(target)
+            solution.plot(ik.robot, obstacles=field).savefig("posture.pdf")
+
+        Args:
+            robot: the robot whose configuration q is, ``ik.robot``.
+            options: those of `posture_figure`.
+
+        Returns:
+            A matplotlib Figure, which a notebook shows.
+
+        Raises:
+            ArgumentError: when an argument cannot be used.
+            MissingExtraError: when matplotlib is not installed.
+        """
+        return import_module("jtik.plotting").posture_figure(robot, self, **options)
 
     def __repr__(self) -> str:
         lines = [

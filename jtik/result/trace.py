@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from jtik.types import Array
 
@@ -49,3 +54,37 @@ class Trace:
 
     def __len__(self) -> int:
         return len(self.q) - 1
+
+    @property
+    def answer_rows(self) -> NDArray[np.intp]:
+        """The iterations of the attempt that led to where the solve ended; all of them without restarts.
+
+        It is the one that ended nearest to there, whole turns apart.
+        """
+        attempts = self.figures.get("attempt", np.zeros(len(self)))
+        last = np.flatnonzero(np.append(np.diff(attempts) != 0, True)) if len(self) else np.zeros(0, dtype=np.intp)
+        if len(last) < 2:
+            return np.arange(len(self))
+        turned = np.exp(1j * self.q[last]) - np.exp(1j * self.q[-1])
+        nearest = len(last) - 1 - int(np.argmin(np.abs(turned).sum(axis=1)[::-1]))
+        return np.arange(0 if nearest == 0 else last[nearest - 1] + 1, last[nearest] + 1)
+
+    def plot(self, **options: Any) -> Any:
+        """A figure of the task error [m, rad], the criterion and the null-space residual by iteration.
+
+        Example::
+
+            solution = ik.solve(target, trace=True)
+            solution.trace.plot().savefig("solve.pdf")
+
+        Args:
+            options: width [inch], that of `jtik.plotting.trace_figure`.
+
+        Returns:
+            A matplotlib Figure, which a notebook shows.
+
+        Raises:
+            ArgumentError: for a trace without an iteration.
+            MissingExtraError: when matplotlib is not installed.
+        """
+        return import_module("jtik.plotting").trace_figure(self, **options)

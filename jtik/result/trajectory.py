@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,6 +90,52 @@ class Trajectory:
         from jtik.result.trajectory_file import save
 
         save(self, path)
+
+    def plot(self, robot: Any = None, **options: Any) -> Any:
+        """A figure of the joints by time; or, with a robot, of its postures and the path of its end effector.
+
+        Example::
+
+            trajectory = ik.track(targets, dt=0.02)
+            trajectory.plot().savefig("joints.pdf")
+            trajectory.plot(ik.robot, obstacles=field).savefig("postures.pdf")
+
+        Args:
+            robot: the robot whose configurations these are, ``ik.robot``; None for positions [rad, m], velocities
+                [rad/s, m/s] and the task error by time [s].
+            options: those of `jtik.plotting.trajectory_figure`, or with a robot of `jtik.plotting.posture_figure`.
+
+        Returns:
+            A matplotlib Figure, which a notebook shows.
+
+        Raises:
+            ArgumentError: when an argument cannot be used.
+            MissingExtraError: when matplotlib is not installed.
+        """
+        plotting = import_module("jtik.plotting")
+        if robot is None:
+            return plotting.trajectory_figure(self, **options)
+        return plotting.posture_figure(robot, self, **options)
+
+    def animate(self, path: str | Path, robot: Any, **options: Any) -> None:
+        """Write a GIF of the robot on this trajectory, at its speed: `jtik.plotting.write_motion`.
+
+        Example::
+
+            trajectory = ik.track(targets, dt=0.02)
+            trajectory.animate("arm.gif", ik.robot, obstacles=field)
+
+        Args:
+            path: the file to write, which ends in ".gif".
+            robot: the robot whose configurations these are, ``ik.robot``.
+            options: obstacles, speed, rate [1/s], width [inch], view [degrees], show: those of `write_motion`.
+
+        Raises:
+            ArgumentError: when an argument cannot be used.
+            MissingExtraError: when matplotlib or pillow is not installed.
+            OSError: when the file cannot be written.
+        """
+        import_module("jtik.plotting").write_motion(path, robot, self, **options)
 
     @classmethod
     def load(cls, path: str | Path) -> Trajectory:

@@ -5,6 +5,7 @@ from jtik.robot.joint_type import JointType
 from jtik.robot.joint_weights import UNWEIGHTED, WeightedCoordinates
 from jtik.robot.kinematics import Kinematics
 from jtik.robot.masses_and_shapes import Mass
+from jtik.robot.mesh import Mesh
 from jtik.robot.model import Robot
 from jtik.robot.tree import Joint, Mimic
 
@@ -15,6 +16,7 @@ __all__ = [
     "JointType",
     "Kinematics",
     "Mass",
+    "Mesh",
     "Mimic",
     "Robot",
     "WeightedCoordinates",

@@ -12,18 +12,20 @@ from jtik.errors import ArgumentError, ImmutableError, UnknownNameError
 from jtik.geometry import Solid
 from jtik.robot import skeleton
 from jtik.robot.builders import Builders
+from jtik.robot.drawable import Drawable
 from jtik.robot.evaluator import Evaluator
 from jtik.robot.home import home_of
 from jtik.robot.joint_layout import JointLayout
 from jtik.robot.kinematics import JacobianRows, Kinematics, jacobian_rows
 from jtik.robot.masses_and_shapes import Mass, masses_on, shapes_on
+from jtik.robot.mesh import Mesh, meshes_on
 from jtik.robot.tree import Joint, check_planar, check_tree, frozen
 from jtik.robot.variants import Variants, reduced_robot
 from jtik.symbolic import SX, Expression, is_equal
 from jtik.types import Array
 
 
-class Robot(Variants, Builders):
+class Robot(Variants, Builders, Drawable):
     """A kinematic model: a tree of joints, the frames they carry, and limits.
 
     A configuration q has nq numbers and a velocity n numbers; the two differ for ball and free joints. Methods that
@@ -39,6 +41,7 @@ class Robot(Variants, Builders):
         tip: name of the end effector's frame; the last joint's child when None.
         masses: the mass on each frame that has one, for the centre of mass.
         shapes: solids on the frames, in the coordinates of the frames, for clearances.
+        meshes: meshes on the frames, for pictures.
         keyframes: named configurations, in any form that `configuration` accepts.
         neutral: the neutral configuration, in any form that `configuration` accepts; it is clamped to the limits. Zero
             and identity quaternions when None.
@@ -46,7 +49,8 @@ class Robot(Variants, Builders):
 
     Raises:
         ArgumentError: when the joints do not form a tree, or leave the plane of a planar robot.
-        UnknownNameError: when a parent frame, a mimicked joint, the tip or the frame of a mass or shape does not exist.
+        UnknownNameError: when a parent frame, a mimicked joint, the tip or the frame of a mass, shape or mesh does not
+            exist.
     """
 
     _sealed = False
@@ -61,6 +65,7 @@ class Robot(Variants, Builders):
         tip: str | None = None,
         masses: Mapping[str, Mass] | None = None,
         shapes: Mapping[str, Sequence[Solid]] | None = None,
+        meshes: Mapping[str, Sequence[Mesh]] | None = None,
         keyframes: Mapping[str, object] | None = None,
         neutral: object = None,
         ignored: Sequence[str] = (),
@@ -84,6 +89,7 @@ class Robot(Variants, Builders):
         self._ignored = instances("ignored", ignored, str, "sentences")
         self._masses = masses_on(self.frame_names, masses)
         self._shapes = shapes_on(self.frame_names, shapes)
+        self._meshes = meshes_on(self.frame_names, meshes)
         self._evaluator = Evaluator(self)
         accepted = "a dict from name to configuration, or None"
         named = {} if keyframes is None else mapping("keyframes", keyframes, accepted)
@@ -116,6 +122,7 @@ class Robot(Variants, Builders):
             "tip": self.tip,
             "masses": self._masses,
             "shapes": self._shapes,
+            "meshes": self._meshes,
             "keyframes": self._keyframes,
             "neutral": self.neutral,
             "ignored": self._ignored,
@@ -163,6 +170,11 @@ class Robot(Variants, Builders):
     def shapes(self) -> Mapping[str, tuple[Solid, ...]]:
         """The solids on each frame that has any, in the frame's coordinates."""
         return MappingProxyType(self._shapes)
+
+    @property
+    def meshes(self) -> Mapping[str, tuple[Mesh, ...]]:
+        """The meshes on each frame that has any, for pictures: files, which are read when they are drawn."""
+        return MappingProxyType(self._meshes)
 
     @property
     def keyframes(self) -> Mapping[str, Array]:

@@ -155,7 +155,7 @@ def _renamed(robot: Any, names: Mapping[str, str]) -> tuple[tuple[Joint, ...], d
     joints = tuple(replace(joint, parent=new(joint.parent), child=new(joint.child)) for joint in robot.joints)
     options = robot._options()
     options["base"] = new(options["base"])
-    for of_frames in ("masses", "shapes"):
+    for of_frames in ("masses", "shapes", "meshes"):
         options[of_frames] = {new(frame): value for frame, value in options[of_frames].items()}
     return joints, options
 

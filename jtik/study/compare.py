@@ -19,6 +19,7 @@ from jtik.arguments import flag, instance, instances, integer, positive_integer
 from jtik.constraints.clearance import Clearance, clearances_of
 from jtik.criterion.base import Criterion, CriterionSum
 from jtik.errors import ArgumentError, JtikError
+from jtik.plotting.obstacles_in import obstacle_parameters
 from jtik.problems import Case, ProblemSet
 from jtik.progress import Progress, read_progress, watched
 from jtik.registry import strategy_of
@@ -154,6 +155,7 @@ def compare(
     runner = _checked_runner(plan)
     machine = _machine()
     known = {"settings": _settings(plan), "machine": machine, "fingerprint": _fingerprint(plan, machine)}
+    known["obstacles"] = {label: obstacle_parameters(runner.metrics(label).parameters) for label in plan.criteria}
     result_file = ResultFile(save, plan, known)
     schedule = Schedule(plan, result_file.results, executor, runner)
     before = {result.unit for result in result_file.results}

@@ -28,7 +28,7 @@ from jtik.types import Array
 if TYPE_CHECKING:
     import pandas
 
-    from jtik.plotting.planar import Figure
+    from jtik.plotting import Figure
     from jtik.study.work_units import Key, StudyPlan, UnitResult
 
 
@@ -44,6 +44,8 @@ class Comparison:
         robot: the reduced robot, to which q belongs.
         tasks: the tasks; empty if loaded from a file that could not store a custom task.
         problems: the cases.
+        obstacles: live parameters of criteria and clearances that describe obstacles, by label of the criteria; those
+            of a case take precedence.
         settings: options of the study, as strings and numbers.
         machine: platform and package versions.
         complete: whether all units of the study are included.
@@ -57,6 +59,7 @@ class Comparison:
     robot: Robot
     tasks: tuple[Task, ...]
     problems: ProblemSet
+    obstacles: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
     settings: Mapping[str, Any] = field(default_factory=dict)
     machine: Mapping[str, str] = field(default_factory=dict)
     complete: bool = True

@@ -9,7 +9,7 @@ from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 from jtik.errors import ArgumentError
-from jtik.plotting.planar import Figure
+from jtik.plotting import Figure
 from jtik.study import tables
 
 if TYPE_CHECKING:

@@ -62,20 +62,20 @@ def leakage(trace: Trace) -> float:
 
 def path_length(robot: Robot, q: Array) -> float:
     """Sum of the joint-space distances between consecutive configurations (k, nq) [rad] and [m]."""
-    return float(np.linalg.norm(_steps(robot, q), axis=1).sum())
+    return float(np.linalg.norm(displacements(robot, q), axis=1).sum())
 
 
 def smoothness(robot: Robot, q: Array, dt: float | None) -> float:
     """Root mean square acceleration along a path (k, nq) with time step dt [rad/s^2]; NaN below 3 configurations."""
     if dt is None or len(q) < 3:
         return NAN
-    accelerations = np.diff(_steps(robot, q), axis=0) / dt**2
+    accelerations = np.diff(displacements(robot, q), axis=0) / dt**2
     return float(np.sqrt((accelerations**2).sum(axis=1).mean()))
 
 
 def drift(robot: Robot, q: Array) -> float:
     """Joint-space distance between the first and the last configuration of a closed path [rad] and [m]."""
-    return float(np.linalg.norm(_steps(robot, q[[0, -1]])))
+    return float(np.linalg.norm(displacements(robot, q[[0, -1]])))
 
 
 def _accepted(trace: Trace) -> Any:
@@ -85,7 +85,7 @@ def _accepted(trace: Trace) -> Any:
     return moved if own is None else np.where(np.isfinite(own), own == 1.0, moved)
 
 
-def _steps(robot: Robot, q: Array) -> Array:
+def displacements(robot: Robot, q: Array) -> Array:
     """Displacements (k - 1, n) between configurations (k, nq)."""
     if robot.nq == robot.n:
         return np.diff(q, axis=0)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from jtik._loop.options import callers_level
 from jtik.errors import ArgumentError
+from jtik.plotting.obstacles_in import obstacles_in
 from jtik.problems import ProblemSet
 from jtik.result.archive import checked_path, read_archive, write_archive
 from jtik.result.solution import Trace
@@ -53,6 +54,9 @@ def write(comparison: Comparison, path: str | Path) -> None:
         "robot": as_data(comparison.robot),
         "tasks": tasks,
         "problems": comparison.problems.as_data(),
+        "obstacles": {
+            label: {name: value.tolist() for name, value in own.items()} for label, own in comparison.obstacles.items()
+        },
         "settings": dict(comparison.settings),
         "machine": dict(comparison.machine),
         "complete": comparison.complete,
@@ -96,6 +100,10 @@ def _comparison(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -
         robot=from_data(header["robot"]),
         tasks=() if header["tasks"] is None else from_data(header["tasks"]),
         problems=ProblemSet.from_data(header["problems"]),
+        obstacles={
+            label: {name: np.array(value, dtype=np.float64) for name, value in own.items()}
+            for label, own in header.get("obstacles", {}).items()
+        },
         settings=header["settings"],
         machine=header["machine"],
         complete=header["complete"],
@@ -114,6 +122,8 @@ def _checked(found: Comparison) -> Comparison:
     for name, column in found.columns.items():
         kind = "U" if name in TEXTS else "b" if name == "success" else "f"
         _require(column.shape == (rows,) and column.dtype.kind == kind, name)
+    for own in found.obstacles.values():
+        _ = obstacles_in(own)
     for postures in found.paths.values():
         _require(postures.ndim == 2 and postures.shape[1] == found.robot.nq, "paths")
     if found.tasks:

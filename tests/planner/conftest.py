@@ -8,7 +8,7 @@ import pytest
 import jtik
 from jtik.planner.attempt import Attempt
 
-SCENE = {"post": {"shape": "circle", "center": [2.0, 1.0], "radius": 0.25}}
+SCENE = {"obstacles": {"post": {"shape": "circle", "center": [2.0, 1.0], "radius": 0.25, "gain": 1.0}}}
 
 
 def make_attempt(name="attempt 1", k=50, nq=3, **changes) -> Attempt:

@@ -49,7 +49,8 @@ def record(journal: Journal, beginning, steps, seed=0, *, kept=True):
     journal.begin(beginning)
     for i in range(steps):
         if i % 7 == 3:
-            scene = {"post": {"shape": "circle", "center": rng.normal(size=2).tolist(), "radius": 0.1}}
+            post = {"shape": "circle", "center": rng.normal(size=2).tolist(), "radius": 0.1}
+            scene = {"obstacles": {"post": post}}
             journal.scene(scene)
             recording.change_scene(scene)
         q, target = rng.normal(size=3), rng.normal(size=2)

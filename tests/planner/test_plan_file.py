@@ -80,6 +80,11 @@ def test_a_file_that_is_no_plan_is_refused(tmp_path, text):
     [
         (lambda data: data.pop("settings"), "plan.json"),
         (lambda data: data.update(scene=3), "plan.json: scene"),
+        (lambda data: data["scene"]["obstacles"]["post"].update(shape="cone"), "plan.json: scene.obstacles.post.shape"),
+        (
+            lambda data: data["attempts"][0]["scenes"][0][1]["obstacles"]["post"].pop("radius"),
+            "plan.json: attempts[0].scenes[0][1].obstacles.post.radius",
+        ),
         (lambda data: data.update(settings=[]), "plan.json: settings"),
         (lambda data: data.update(robot={}), "plan.json: robot"),
         (lambda data: data["robot"].update(nq=-1), "plan.json: robot.nq"),

@@ -16,6 +16,7 @@ from jtik.robot.loaders.meshes import MeshFile
 from jtik.robot.loaders.robot_description import Names, RobotDescription
 from jtik.robot.loaders.shapes import solids
 from jtik.robot.loaders.transforms import pose_of, rotation_about, translation
+from jtik.robot.loaders.visuals import model_meshes
 from jtik.robot.masses_and_shapes import Mass
 from jtik.robot.tree import Joint
 from jtik.types import Array
@@ -94,6 +95,7 @@ class ModelReader:
             objects=tuple(self._joint_names[self._model.body_jntadr[body]] for body in objects),
             masses=self._masses(objects),
             shapes={self._bodies[body]: found for body, found in solids(self._model, self._meshes).items()},
+            meshes={self._bodies[body]: found for body, found in model_meshes(self._model, self._meshes).items()},
             keyframes=self._keyframes(),
             neutral=self._positions(self._model.qpos0),
             notes=tuple(constraints.notes),

@@ -20,6 +20,7 @@ from jtik.robot.loaders.source import PathOrText, Source, open_source
 from jtik.robot.loaders.spec import MINIMUM_MASS, compile_source
 from jtik.robot.loaders.urdf import UrdfTree, read_tree
 from jtik.robot.loaders.urdf_links import mujoco_text
+from jtik.robot.loaders.visuals import urdf_meshes
 from jtik.robot.tree import Joint
 
 
@@ -47,6 +48,7 @@ def load_urdf(
         read,
         joints=tuple(joints),
         couplings=tuple(couplings),
+        meshes=urdf_meshes(source),
         neutral=None,  # a URDF has none; that of the MuJoCo model has other joint types
         name=_name(source),
         notes=(*tree.notes, *bare.notes),

@@ -47,8 +47,17 @@ class MeshFile:
         """Its vertices (n, 3) [m] in the geom's frame; none when its file is missing or MuJoCo cannot read it."""
         if self.vertices.size:
             return self.vertices * self.scale
-        path = next(filter(_is_file, self.paths), None)
-        return np.zeros((0, 3)) if path is None else _read(path, self.scale)
+        return np.zeros((0, 3)) if self.file is None else _read(self.file, self.scale)
+
+    @cached_property
+    def file(self) -> Path | None:
+        """The first of its paths that is a file; None without one."""
+        return next(filter(_is_file, self.paths), None)
+
+
+def first_file(file: str, folder: Path, meshdir: str) -> Path | None:
+    """The file that a description in ``folder`` names; None where it is not found."""
+    return next(filter(_is_file, _candidates(file, folder, meshdir)), None) if file else None
 
 
 def _candidates(file: str, folder: Path, meshdir: str) -> Iterator[Path]:
@@ -79,17 +88,22 @@ def _is_file(path: Path) -> bool:
 
 
 def _read(path: Path, scale: Array) -> Array:
+    model = mesh_model(path, scale)
+    return np.zeros((0, 3)) if model is None else vertices_of(model, 0)
+
+
+def mesh_model(path: Path, scale: Array) -> Any:
+    """A ``mujoco.MjModel`` of one mesh; None for a file that MuJoCo cannot read."""
     if path.suffix.lower() not in READABLE:
-        return np.zeros((0, 3))
+        return None
     spec = mujoco.MjSpec()
     mesh = spec.add_mesh(name="mesh", file=str(path), scale=scale)
     mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="mesh", contype=0, conaffinity=0)
     try:
-        model = spec.compile()
+        return spec.compile()
     except ValueError:  # a file that MuJoCo refuses counts as missing
-        return np.zeros((0, 3))
-    return vertices_of(model, 0)
+        return None
 
 
 def vertices_of(model: Any, geom: int) -> Array:

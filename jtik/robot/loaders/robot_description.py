@@ -9,6 +9,7 @@ from typing import Any
 from jtik.geometry import Solid
 from jtik.robot.loaders.tip import tool_frame
 from jtik.robot.masses_and_shapes import Mass
+from jtik.robot.mesh import Mesh
 from jtik.robot.tree import Joint
 from jtik.types import Array
 
@@ -42,6 +43,7 @@ class RobotDescription:
         couplings: the couplings of joints.
         masses: the mass on each frame that has one.
         shapes: the solids on each frame that has any.
+        meshes: the meshes on each frame that has any, for pictures.
         keyframes: for each keyframe the position of every moving joint, by joint name, (nq of the joint,).
         neutral: the position of every moving joint in the neutral configuration, by joint name; None where the file
             has none.
@@ -57,6 +59,7 @@ class RobotDescription:
     couplings: tuple[JointCoupling, ...] = ()
     masses: dict[str, Mass] = field(default_factory=dict)
     shapes: dict[str, list[Solid]] = field(default_factory=dict)
+    meshes: dict[str, list[Mesh]] = field(default_factory=dict)
     keyframes: dict[str, dict[str, Array]] = field(default_factory=dict)
     neutral: dict[str, Array] | None = None
     objects: tuple[str, ...] = ()
@@ -84,6 +87,7 @@ class RobotDescription:
             "base": self.base,
             "masses": self.masses,
             "shapes": self.shapes,
+            "meshes": self.meshes,
             "keyframes": {key: configuration(positions) for key, positions in self.keyframes.items()},
             "neutral": None if self.neutral is None else configuration(self.neutral),
             "ignored": self.notes,

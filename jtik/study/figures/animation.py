@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from jtik.errors import ArgumentError
-from jtik.plotting.planar import write_animation
-from jtik.study.figures.robot_drawing import RobotDrawing, obstacles_in
-from jtik.study.figures.selection import case_named, choose_case, chosen_contenders, configurations_of
+from jtik.plotting import write_animation
+from jtik.study.figures.robot_drawing import RobotDrawing
+from jtik.study.figures.selection import choose_case, chosen_contenders, configurations_of, obstacles_of_case
 from jtik.study.figures.style import panels
 from jtik.types import Array
 
@@ -48,7 +48,7 @@ def animation(
     at = choose_case(comparison, criteria, case)
     name = chosen_contenders(comparison, None if contender is None else [contender])[0]
     q = _smooth(comparison, configurations_of(comparison, at, [name])[name])
-    scene = RobotDrawing(comparison.robot, [q], obstacles_in(case_named(comparison, at.case)))
+    scene = RobotDrawing(comparison.robot, [q], obstacles_of_case(comparison, at))
     figure, table = panels(1, 1, width=5.0, height=4.6, **scene.projection)
     axes = table[0, 0]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from jtik.plotting.planar import MUTED, Figure
+from jtik.plotting import MUTED, Figure
 from jtik.study.figures.selection import chosen_contenders, chosen_criteria, recorded_cases
 from jtik.study.figures.style import FLOOR, label, legend, lines, padded, panels
 

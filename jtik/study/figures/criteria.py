@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from jtik.errors import ArgumentError
-from jtik.plotting.planar import INK, MUTED, Figure
+from jtik.plotting import INK, MUTED, Figure
 from jtik.study.figures.selection import choose_case, chosen_contenders, traces_of_case
 from jtik.study.figures.style import label, legend, lines, panels
 
@@ -27,6 +27,8 @@ def criteria(
     criteria: str | None = None,
 ) -> Figure:
     """Plot H by iteration for one case (left), and the regret of each contender on all cases (right).
+
+    Of a solve with restarts the attempt that led to the answer is drawn.
 
     Args:
         comparison: the results of a study.
@@ -49,7 +51,8 @@ def criteria(
     for name, trace in traces_of_case(comparison, at, names).items():
         H = trace.figures.get("H")
         if H is not None and len(H):
-            left.plot(np.arange(len(H)), H, label=name, **style[name])
+            own = H[trace.answer_rows]
+            left.plot(np.arange(len(own)), own, label=name, **style[name])
     label(left, "iteration", "criterion H", at.case)
     for index, (name, each) in enumerate(regrets.items()):
         if not len(each):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from jtik.plotting.planar import MUTED, Figure, shades
+from jtik.plotting import MUTED, Figure, shades
 from jtik.study.figures.selection import case_named, choose_case, configurations_of
 from jtik.study.figures.style import grid, label, legend, panels
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from jtik.errors import ArgumentError
-from jtik.plotting.planar import Figure
+from jtik.plotting import Figure
 from jtik.study.figures.selection import choose_case, traces_of_case
 from jtik.study.figures.style import FLOOR, label, legend, lines, panels
 
@@ -24,6 +24,8 @@ def lyapunov(
     criteria: str | None = None,
 ) -> Figure:
     """Plot V = 1/2 e' Kp e for one case, the first recorded one by default. Circles mark iterations at which V rose.
+
+    Of a solve with restarts the attempt that led to the answer is drawn.
 
     Args:
         comparison: the results of a study.
@@ -45,7 +47,7 @@ def lyapunov(
         if V is None or not len(V):
             continue
         drawn += 1
-        V = np.maximum(V, FLOOR)
+        V = np.maximum(V[trace.answer_rows], FLOOR)
         axes.plot(np.arange(len(V)), V, label=name, **style[name])
         rises = np.flatnonzero(V[1:] > V[:-1] * (1 + 1e-12)) + 1
         rises = rises[V[rises] > 1e-14]  # below this, a rise is rounding on target

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from jtik.plotting.planar import Figure
-from jtik.study.figures.robot_drawing import RobotDrawing, obstacles_in
-from jtik.study.figures.selection import case_named, choose_case, configurations_of
+from jtik.plotting import Figure
+from jtik.study.figures.robot_drawing import RobotDrawing
+from jtik.study.figures.selection import choose_case, configurations_of, obstacles_of_case
 from jtik.study.figures.style import grid, panels
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def posture_panels(
     """
     at = choose_case(comparison, criteria, case)
     found = configurations_of(comparison, at, contenders)
-    scene = RobotDrawing(comparison.robot, list(found.values()), obstacles_in(case_named(comparison, at.case)))
+    scene = RobotDrawing(comparison.robot, list(found.values()), obstacles_of_case(comparison, at))
     rows, columns = grid(len(found))
     figure, table = panels(rows, columns, width=3.4, height=3.1, **scene.projection)
     for axes, (name, q) in zip(table.flat, found.items(), strict=False):

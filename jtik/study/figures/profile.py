@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 import numpy as np
 
 from jtik.errors import ArgumentError
-from jtik.plotting.planar import Figure
+from jtik.plotting import Figure
 from jtik.study.figures.selection import chosen_contenders, chosen_criteria
 from jtik.study.figures.style import label, legend, lines, panels
 from jtik.types import Array

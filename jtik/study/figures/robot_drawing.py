@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from jtik.geometry import Ball
-from jtik.plotting.planar import (
+from jtik.geometry import Solid
+from jtik.plotting import (
     INK,
     LINK_WIDTH,
-    MUTED,
-    OBSTACLE_FACE,
+    SINGLE,
     Axes,
     Skeleton,
     Window,
@@ -24,28 +23,11 @@ from jtik.plotting.planar import (
     shades,
     window_around,
 )
-from jtik.problems import Case, obstacles_of
+from jtik.plotting.body import Body
+from jtik.plotting.postures import MOST, path_of, spaced
+from jtik.plotting.spatial import VIEW, SpatialScene
 from jtik.robot import Robot
 from jtik.types import Array
-
-MAX_POSTURES = 12
-"""Maximum number of configurations drawn from a sequence, evenly spaced."""
-
-
-def obstacles_in(case: Case) -> tuple[Ball, ...]:
-    """The circles or spheres of a case; empty if it has none."""
-    owners = [name.rsplit(".", 1)[0] for name in case.parameters if name.endswith(".centers")]
-    for owner in owners:
-        if f"{owner}.radii" in case.parameters:
-            return obstacles_of(case, owner)
-    return ()
-
-
-def thinned(q: Array, max_count: int = MAX_POSTURES) -> Array:
-    """Evenly spaced configurations of a sequence, including the first and the last."""
-    places = np.unique(np.round(np.linspace(0, len(q) - 1, min(max_count, len(q)))).astype(int))
-    chosen: Array = q[places]
-    return chosen
 
 
 class RobotDrawing:
@@ -54,24 +36,27 @@ class RobotDrawing:
     Args:
         robot: a planar or spatial robot.
         configurations: all configurations to draw, (k, nq) each.
-        obstacles: circles or spheres to draw.
+        obstacles: obstacles to draw.
     """
 
-    def __init__(self, robot: Robot, configurations: Sequence[Array], obstacles: Sequence[Ball] = ()) -> None:
-        self.robot, self.skeleton, self.obstacles = robot, Skeleton(robot), tuple(obstacles)
-        points = np.concatenate([self.skeleton.links(q).reshape(-1, robot.dimension) for q in configurations])
-        self._points = points
+    def __init__(self, robot: Robot, configurations: Sequence[Array], obstacles: Sequence[Solid] = ()) -> None:
+        self.robot, self.obstacles = robot, tuple(obstacles)
         self.is_planar = robot.dimension == 2
+        self._skeleton = Skeleton(robot)
+        some = np.concatenate([spaced(q, 40) for q in configurations])
+        points = self._skeleton.links(some).reshape(-1, robot.dimension)
         self.window: Window | None = window_around(points, self.obstacles) if self.is_planar else None
+        self._bodies = None if self.is_planar else (Body(robot, "shapes"), Body(robot, "links"))
+        self._all = [] if self._bodies is None else [each for q in some for each in self._bodies[1].surfaces(q)]
 
     @property
     def projection(self) -> dict[str, Any]:
         """Options for creating the axes."""
-        return {} if self.is_planar else {"subplot_kw": {"projection": "3d"}}
+        return {} if self.is_planar else {"subplot_kw": {"projection": "3d", "elev": VIEW[0], "azim": VIEW[1]}}
 
     def draw(self, axes: Axes, q: Array, title: str = "", *, path: Array | None = None) -> None:
         """Draw configurations (k, nq) from light to dark, and the end-effector path of ``path`` (of q by default)."""
-        line = self._tip(q if path is None else path)
+        line = path_of(self.robot, q if path is None else path)
         if self.is_planar:
             self._draw_planar(axes, q, line)
         else:
@@ -87,27 +72,16 @@ class RobotDrawing:
         draw_obstacles(axes, self.obstacles)
         size = min(LINK_WIDTH, 0.012 * (right - left))
         draw_path(axes, line, linewidth=0.9)
-        draw_postures(axes, self.skeleton, thinned(q), width=size)
-        draw_base(axes, self.skeleton.links(q[0])[0, 0], size)
+        draw_postures(axes, self._skeleton, spaced(q, MOST[2]), width=size)
+        draw_base(axes, self._skeleton.links(q[0])[0, 0], size)
 
     def _draw_spatial(self, axes: Axes, q: Array, line: Array) -> None:
-        some = thinned(q, 6)
-        for configuration, color in zip(some, shades(len(some)), strict=True):
-            for start, end in self.skeleton.links(configuration):
-                axes.plot(*np.array([start, end]).T, color=color, linewidth=2.6, solid_capstyle="round")
-        axes.plot(*line.T, color=INK, linewidth=0.9, linestyle=(0, (5, 3)))
-        for ball in self.obstacles:
-            turn, lift = np.meshgrid(np.linspace(0, 2 * np.pi, 17), np.linspace(0, np.pi, 9))
-            shell = np.array([np.cos(turn) * np.sin(lift), np.sin(turn) * np.sin(lift), np.cos(lift)])
-            x, y, z = ball.center[:, None, None] + ball.radius * shell
-            axes.plot_surface(x, y, z, color=OBSTACLE_FACE, alpha=0.6, linewidth=0)
-        middle = (self._points.min(axis=0) + self._points.max(axis=0)) / 2
-        half = float(np.ptp(self._points, axis=0).max()) / 2
-        axes.set(**{f"{name}lim": (at - half, at + half) for name, at in zip("xyz", middle, strict=True)})
-        for name in "xyz":
-            getattr(axes, f"set_{name}label")(f"{name} [m]", color=MUTED, fontsize=8)
-        axes.tick_params(labelsize=7, labelcolor=MUTED)
-        axes.set_box_aspect((1, 1, 1))
-
-    def _tip(self, q: Array) -> Array:
-        return np.asarray(self.skeleton.links(q))[:, -1, 1]
+        assert self._bodies is not None
+        some = spaced(q, MOST[3])
+        body, colors = (self._bodies[0], [SINGLE]) if len(some) == 1 else (self._bodies[1], shades(len(some)))
+        scene = SpatialScene(axes, 7.0)
+        scene.line(line, linewidth=0.9)
+        scene.include(self._all)
+        scene.fix(self.obstacles, self._all)
+        scene.show([(body.surfaces(each), color) for each, color in zip(some, colors, strict=True)])
+        scene.frame(zoom=1.05)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from jtik.errors import ArgumentError, UnknownNameError
+from jtik.geometry import Solid
+from jtik.plotting.obstacles_in import obstacles_in
 from jtik.problems import Case
 from jtik.result.solution import Trace
 from jtik.types import Array
@@ -82,11 +84,21 @@ def traces_of_case(comparison: Comparison, at: Selection, contenders: Iterable[s
 
 
 def postures(comparison: Comparison, key: tuple[str, str, str]) -> Array | None:
-    """Configurations along a path, or from the start to the answer, (k, nq); None if not recorded."""
+    """Configurations along a path, or from the start that led to the answer to the answer, (k, nq).
+
+    None if not recorded.
+    """
     if key in comparison.paths:
         return np.asarray(comparison.paths[key])
     trace = comparison.traces.get(key)
-    return None if trace is None else np.asarray(trace.q)
+    if trace is None:
+        return None
+    q = np.concatenate([trace.q[trace.answer_rows], trace.q[-1:]])
+    turns = np.zeros(q.shape[1])
+    revolute = comparison.robot.scalar_q[comparison.robot.rotational[comparison.robot.scalar_v]]
+    turns[revolute] = np.round((q[-1] - q[-2])[revolute] / (2 * np.pi)) if len(q) > 1 else 0.0
+    q[:-1] += 2 * np.pi * turns  # the last row is within the limits, which the others may be beyond by whole turns
+    return np.asarray(q)
 
 
 def configurations_of(comparison: Comparison, at: Selection, contenders: Iterable[str] | None) -> dict[str, Array]:
@@ -96,6 +108,11 @@ def configurations_of(comparison: Comparison, at: Selection, contenders: Iterabl
     if not found:
         raise ArgumentError("case", at.case, "a recorded case; compare(..., traces=) sets their number")
     return found
+
+
+def obstacles_of_case(comparison: Comparison, at: Selection) -> tuple[Solid, ...]:
+    """The obstacles of the criteria and clearances on a case."""
+    return obstacles_in({**comparison.obstacles.get(at.criteria, {}), **case_named(comparison, at.case).parameters})
 
 
 def case_named(comparison: Comparison, name: str) -> Case:

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from jtik.plotting.planar import BACKGROUND, INK, MUTED, THIN, Axes, Figure, new_figure
+from jtik.plotting import BACKGROUND, COLORS, INK, MUTED, THIN, Axes, Figure, new_figure
 from jtik.types import Array
-
-if TYPE_CHECKING:
-    pass
-
-COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", INK)
-"""Colours of Okabe and Ito (2008), without yellow, which is hard to see on white."""
 
 DASHES = ("-", (0, (5, 2)), (0, (1.2, 1.6)), (0, (6, 1.5, 1.2, 1.5)))
 """Line styles that distinguish lines of the same colour."""
