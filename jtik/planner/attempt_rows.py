@@ -29,7 +29,8 @@ class AttemptRows:
     """
 
     def __init__(self, arm: Arm, measure: Callable[[Attempt], Mapping[str, Any]]) -> None:
-        self._arm, self._measure = arm, measure
+        self._arm = Arm(arm.robot, arm.tip)  # of its own: compiled functions are of one thread
+        self._measure = measure
         self._kept: dict[str, tuple[Attempt, dict[str, Any]]] = {}
 
     def of(self, history: History) -> Iterator[tuple[Row, ...]]:

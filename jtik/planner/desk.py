@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 from jtik.errors import ArgumentError
 from jtik.planner import edits_of_attempts as edits
 from jtik.planner.attempt import Attempt
-from jtik.planner.checks import check
-from jtik.planner.commit import PICTURES, commit
+from jtik.planner.commit import PICTURES, check, commit
 from jtik.planner.compare import measure
 
 if TYPE_CHECKING:

@@ -44,6 +44,9 @@ POLL = 1 / 240
 TABULATE = 0.1
 """Period in which the table of attempts is brought up to date [s]."""
 
+OPENING = 600
+"""Longest time until a request is answered [s]: an animation takes long to draw."""
+
 MAX_MESSAGE = 64 * 2**20
 """Largest message of a page [bytes]: a whole plan."""
 
@@ -151,6 +154,7 @@ class Server:
                 max_size=MAX_MESSAGE,
                 compression=None,  # on the loopback address it only costs time
                 logger=quiet,
+                open_timeout=OPENING,
                 close_timeout=1,
             )
         except OSError as error:
