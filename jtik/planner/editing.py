@@ -13,8 +13,9 @@ from jtik.geometry import Scene, Solid
 from jtik.geometry.scene_data import obstacle_from
 from jtik.geometry.slots import read_obstacles
 from jtik.planner import catalogue, edits, slots
+from jtik.planner.plan_settings import Restored
 from jtik.planner.settings import Structure
-from jtik.planner.solving import Solver, Workshop
+from jtik.planner.solving import GIVEN, Solver, Workshop
 from jtik.planner.state import State
 from jtik.robot import JointType
 
@@ -62,7 +63,7 @@ class Editor:
         ready = self._workshop.poll()
         if ready is None:
             return
-        state, (structure, found) = self._state, ready
+        state, found = self._state, ready
         if isinstance(found, Solver):
             state.take(found)
             return
@@ -75,6 +76,50 @@ class Editor:
             state.messages.tell("error", f"without a place, and left out: {', '.join(lost)}")
             state.set_scene(scene)
         state.touch()
+
+    def change_scene(self, scene: Scene) -> None:
+        """Take another scene; where it does not fit the present solver, ask for one with more places."""
+        self._state.set_scene(scene)
+        places = self._state.wanted.slots
+        if not slots.has_room(places, scene):
+            self._request(slots=slots.grown(places, scene))
+
+    def checked(self, **changes: Any) -> Structure:
+        """The structure that was asked for last, with changes. What is wrong with them is found at once.
+
+        Raises:
+            JtikError: for a strategy, an option or a criterion that does not exist.
+        """
+        wanted: Structure = replace(self._state.wanted, **changes)
+        if wanted.strategy != GIVEN or self._state.problem.strategy is None:
+            catalogue.strategy(wanted.strategy, wanted.options)
+        known = self._state.problem.criteria.names() if "criteria" in changes else ()
+        for name in wanted.criteria if known else ():
+            if name not in known:
+                raise UnknownNameError("criterion", name, known)
+        return wanted
+
+    def restore(self, settings: Restored, scene: Scene) -> None:
+        """Take the settings and the obstacles of a plan that was loaded.
+
+        Raises:
+            JtikError: for a strategy or a criterion that does not exist; nothing is then changed.
+        """
+        state = self._state
+        switches = {"limits": settings.limits, "clearance": settings.clearance}
+        changes: dict[str, Any] = {name: on for name, on in switches.items() if on is not None}
+        if settings.strategy is not None:
+            changes |= {"strategy": settings.strategy.name, "options": dict(settings.strategy.options)}
+        if settings.criteria is not None:
+            changes["criteria"] = settings.criteria.names
+        self.checked(**changes)
+        read_obstacles(scene, state.arm.robot.dimension)
+        values = {"preferred": settings.preferred, "gains": settings.gains, "safe": settings.safe}
+        state.set_values(**{name: value for name, value in values.items() if value is not None})
+        if settings.target_speed is not None:
+            self._set_target_speed(settings.target_speed)
+        self.change_scene(scene)
+        self._request(**changes)
 
     def _move_target(self, edit: edits.MoveTarget) -> None:
         self._check_size("position", edit.position)
@@ -90,27 +135,25 @@ class Editor:
             raise ArgumentError(argument, numbers, f"{dimension} numbers for this robot")
 
     def _set_target_speed(self, edit: edits.SetTargetSpeed) -> None:
-        self._state.target.speed = edit.speed
-        if edit.rotation is not None:
-            self._state.target.rotation_speed = edit.rotation
-        self._state.touch()
+        rotation = self._state.target.rotation_speed if edit.rotation is None else edit.rotation
+        self._state.set_target_speed(edit.speed, rotation)
 
     def _add_obstacle(self, edit: edits.AddObstacle) -> None:
         scene = self._state.values.scene
         if edit.name in scene:
             raise ArgumentError("name", edit.name, "a name that no other obstacle has")
-        self._change(scene.with_(edit.name, self._obstacle(edit.obstacle), edit.gain))
+        self.change_scene(scene.with_(edit.name, self._obstacle(edit.obstacle), edit.gain))
 
     def _change_obstacle(self, edit: edits.ChangeObstacle) -> None:
         scene = self._named(edit.name)
-        self._change(scene.with_(edit.name, self._obstacle(edit.obstacle), scene.gains[edit.name]))
+        self.change_scene(scene.with_(edit.name, self._obstacle(edit.obstacle), scene.gains[edit.name]))
 
     def _delete_obstacle(self, edit: edits.DeleteObstacle) -> None:
-        self._change(self._named(edit.name).without(edit.name))
+        self.change_scene(self._named(edit.name).without(edit.name))
 
     def _set_obstacle_gain(self, edit: edits.SetObstacleGain) -> None:
         scene = self._named(edit.name)
-        self._change(scene.with_(edit.name, scene[edit.name], edit.gain))
+        self.change_scene(scene.with_(edit.name, scene[edit.name], edit.gain))
 
     def _named(self, name: str) -> Scene:
         """The scene. Raises UnknownNameError where no obstacle has the name."""
@@ -122,13 +165,6 @@ class Editor:
         """The obstacle of plain data. Raises ArgumentError for other data, or one of another dimension."""
         obstacle, _ = obstacle_from("obstacle", data)
         return read_obstacles(obstacle, self._state.arm.robot.dimension)[0]
-
-    def _change(self, scene: Scene) -> None:
-        """Take another scene; where it does not fit the present solver, ask for one with more places."""
-        self._state.set_scene(scene)
-        places = self._state.wanted.slots
-        if not slots.has_room(places, scene):
-            self._request(slots=slots.grown(places, scene))
 
     def _set_preferred(self, edit: edits.SetPreferred) -> None:
         robot = self._state.arm.robot
@@ -147,15 +183,9 @@ class Editor:
         self._state.set_values(gains={**self._state.values.gains, edit.parameter: edit.value})
 
     def _set_strategy(self, edit: edits.SetStrategy) -> None:
-        if not (edit.name == "given" and self._state.problem.strategy is not None):
-            catalogue.strategy(edit.name, edit.options)  # what is wrong with it is told at once
         self._request(strategy=edit.name, options=dict(edit.options))
 
     def _set_criteria(self, edit: edits.SetCriteria) -> None:
-        known = self._state.problem.criteria.names()
-        for name in edit.names:
-            if name not in known:
-                raise UnknownNameError("criterion", name, known)
         self._request(criteria=edit.names)
 
     def _set_limits(self, edit: edits.SetLimits) -> None:
@@ -174,8 +204,7 @@ class Editor:
 
     def _request(self, **changes: Any) -> None:
         """Ask for a solver of another structure, unless the present one is of that structure."""
-        state = self._state
-        wanted: Structure = replace(state.wanted, **changes)
+        state, wanted = self._state, self.checked(**changes)
         if wanted.key != state.wanted.key:
             state.wanted = wanted
             self._workshop.request(wanted)

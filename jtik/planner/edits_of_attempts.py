@@ -168,3 +168,14 @@ class LoadPlan(Edit):
     """
 
     path: str
+
+
+@dataclass(frozen=True)
+class Recover(Edit):
+    """Load what a former session has left, in place of the present plan.
+
+    Attributes:
+        session: name of its folder.
+    """
+
+    session: Name

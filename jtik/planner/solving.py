@@ -55,7 +55,8 @@ class Solver:
         common = _common(problem, structure.slots)
         terms = [(problem.weights.get(name, 1.0), problem.criteria.make(name, common)) for name in structure.criteria]
         criteria = CriterionSum(tuple(terms))
-        clearance = Clearance(_measure(problem, common, problem.bodies)) if structure.clearance else None
+        links = measured(problem.bodies)[1]  # joints are the ends of links
+        clearance = Clearance(_measure(problem, common, links)) if structure.clearance else None
         self.ik = InverseKinematics(
             problem.robot,
             problem.task,
@@ -152,7 +153,7 @@ class Workshop:
     def __init__(self, problem: Problem, executor: Executor) -> None:
         self._problem, self._executor = problem, executor
         self._kept: OrderedDict[str, Solver] = OrderedDict()
-        self._running: tuple[Structure, Future[Solver]] | None = None
+        self._running: Future[Solver] | None = None
         self._next: Structure | None = None
 
     @property
@@ -172,24 +173,23 @@ class Workshop:
         while len(self._kept) > KEPT:
             self._kept.popitem(last=False)
 
-    def poll(self) -> tuple[Structure, Solver | BaseException] | None:
-        """A solver that is ready, or why there is none, with the structure that was asked for; None for nothing new."""
-        if self._running is not None and self._running[1].done():
-            structure, future = self._running
-            self._running = None
+    def poll(self) -> Solver | BaseException | None:
+        """The solver that was asked for last, or why there is none; None where nothing is ready."""
+        if self._running is not None and self._running.done():
+            future, self._running = self._running, None
             error = future.exception()
             if error is None:
                 self.keep(future.result())
             if self._next is None:
-                return structure, future.result() if error is None else error
+                return future.result() if error is None else error
         self._start()
         if self._running is None and self._next is not None:
             structure, self._next = self._next, None
-            return structure, self._kept[structure.key]
+            return self._kept[structure.key]
         return None
 
     def _start(self) -> None:
         """Start to build what was asked for last, unless something is being built or it is there already."""
         if self._running is None and self._next is not None and self._next.key not in self._kept:
             structure, self._next = self._next, None
-            self._running = structure, self._executor.submit(Solver, self._problem, structure)
+            self._running = self._executor.submit(Solver, self._problem, structure)

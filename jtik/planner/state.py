@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
@@ -62,8 +63,7 @@ class State:
         solver: the first solver.
         values: what changes in a built solver.
         q: where the arm is (nq,).
-        target_speed: largest speed [m/s] and angular speed [rad/s] of the target.
-        tell: takes a message.
+        messages: takes messages for the operator.
 
     Attributes:
         q: where the arm is (nq,).
@@ -72,54 +72,33 @@ class State:
         wanted: the structure that was asked for last.
         values: what changes in a built solver.
         jog: speed and direction along the self-motion.
+        changes: how often the settings have changed.
     """
 
-    def __init__(
-        self,
-        problem: Problem,
-        solver: Solver,
-        values: Values,
-        q: Array,
-        *,
-        target_speed: tuple[float, float],
-        messages: Messages,
-    ) -> None:
+    def __init__(self, problem: Problem, solver: Solver, values: Values, q: Array, *, messages: Messages) -> None:
         self.problem, self.solver, self.values, self.messages = problem, solver, values, messages
         self.wanted: Structure = solver.structure
-        self.arm = Arm(solver.ik.robot, solver.ik.robot.frame(problem.task.frame))
+        self.arm = Arm(problem.robot, problem.robot.frame(problem.task.frame))
         self.q = np.array(q, dtype=float)
-        position, orientation = self.arm.end_effector(self.q)
-        speed, rotation_speed = target_speed
-        self.target = GuidedTarget(
-            position,
-            orientation,
-            speed=speed,
-            rotation_speed=rotation_speed,
-            turns=problem.task.target_kind != "position",
-        )
+        turns = problem.task.target_kind != "position"
+        self.target = GuidedTarget(*self.arm.end_effector(self.q), speed=1.0, rotation_speed=1.0, turns=turns)
         self.jog: tuple[float, tuple[float, ...] | None] = (0.0, None)
         self.changes = 0
         solver.fill(values)
 
-    def task_target(self) -> Any:
-        """The target as the task reads it."""
-        task, target = self.problem.task, self.target
-        kind = task.target_kind
-        if kind == "position":
-            return target.position
-        if self.arm.robot.dimension == 2:
-            angle = 2 * np.arctan2(target.orientation[3], target.orientation[0])
-            return np.array([angle] if kind == "orientation" else [*target.position, angle])
-        if kind == "orientation":
-            return rotations.matrix(target.orientation)
-        pose = np.eye(4)
-        pose[:3, :3], pose[:3, 3] = rotations.matrix(target.orientation), target.position
-        return pose
+    def set_target_speed(self, speed: float, rotation: float) -> None:
+        """Set the largest speed [m/s] and angular speed [rad/s] of the target."""
+        self.target.speed, self.target.rotation_speed = speed, rotation
+        self.touch()
+
+    def target_of(self, position: Array, orientation: Array) -> Any:
+        """A target as the task reads it, see `target_of`."""
+        return target_of(self.problem, position, orientation)
 
     def step(self, dt: float) -> bool:
         """One step of the arm; whether it has moved. A step that fails leaves the arm where it is, and is told."""
         try:
-            found = self.solver.step(self.q, self.task_target(), dt)
+            found = self.solver.step(self.q, self.target_of(self.target.position, self.target.orientation), dt)
         except JtikError as error:
             self.messages.tell("error", f"the step failed: {error}")
             return False
@@ -156,3 +135,31 @@ class State:
         self.values = replace(self.values, scene=scene)
         self.solver.fill_scene(self.values)
         self.touch()
+
+    def put(self, q: Array, position: Array, orientation: Array | None) -> None:
+        """Put the arm and the target somewhere at once, at rest."""
+        self.q = np.array(q, dtype=float)
+        self.target.put(position, self.target.orientation if orientation is None else orientation)
+        self.jog = (0.0, None)
+        self.solver.ik.reset()
+
+
+def target_of(problem: Problem, position: Array, orientation: Array | None) -> Any:
+    """A target as the task reads it.
+
+    Args:
+        problem: what stays as it is.
+        position: its position, (2,) or (3,) [m].
+        orientation: its orientation, a unit quaternion (w, x, y, z); None where the task uses none.
+    """
+    kind = problem.task.target_kind
+    if kind == "position" or orientation is None:
+        return position
+    if problem.robot.dimension == 2:
+        angle = 2 * math.atan2(orientation[3], orientation[0])
+        return np.array([angle] if kind == "orientation" else [*position, angle])
+    if kind == "orientation":
+        return rotations.matrix(orientation)
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = rotations.matrix(orientation), position
+    return pose
