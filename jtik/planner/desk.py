@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any
 from jtik.errors import ArgumentError
 from jtik.planner import edits_of_attempts as edits
 from jtik.planner.attempt import Attempt
-from jtik.planner.commit import PICTURES, check, commit
+from jtik.planner.commit import check, commit
 from jtik.planner.compare import measure
 
 if TYPE_CHECKING:
-    from jtik.planner.arm import Arm
     from jtik.planner.loop import Loop
 
 KINDS = {
@@ -52,7 +51,11 @@ class Desk:
 
     def findings(self, attempt: Attempt) -> list[str]:
         """What a check of an attempt finds, in words: limits, speeds, accelerations, clearance between samples."""
-        return [finding.text for finding in check(attempt, self._robot, safe=self.loop.settings.safe)]
+        return [finding.text for finding in check(attempt, self._robot, safe=self._safe())]
+
+    def _safe(self) -> float:
+        """Smallest distance to obstacles that is asked for [m]: 0, which is contact, while the clearance is off."""
+        return self.loop.settings.safe if self.loop.settings.clearance else 0.0
 
     def exported(self, attempt: Attempt, kind: str) -> bytes:
         """An attempt as a file, timed within the limits.
@@ -67,8 +70,8 @@ class Desk:
         if kind not in KINDS:
             raise ArgumentError("format", kind, f"one of {', '.join(KINDS)}")
         with tempfile.TemporaryDirectory(prefix="jtik-export-") as folder:
-            path = Path(folder) / f"attempt.{kind.rpartition('.')[2] if KINDS[kind] in PICTURES else kind}"
-            return commit(attempt, self._robot, path, KINDS[kind], safe=self.loop.settings.safe).path.read_bytes()
+            path = Path(folder) / f"attempt.{kind}"
+            return commit(attempt, self._robot, path, KINDS[kind], safe=self._safe()).path.read_bytes()
 
     def plan_text(self) -> str:
         """The whole plan as a file."""

@@ -18,15 +18,24 @@ class Published(Protocol):
     """What a loop publishes."""
 
     @property
-    def frame(self) -> Frame: ...
+    def frame(self) -> Frame:
+        """The arm at the moment."""
+
     @property
-    def status(self) -> Any: ...
+    def status(self) -> Any:
+        """The state in words and figures."""
+
     @property
-    def setup(self) -> Any: ...
+    def setup(self) -> Any:
+        """What stays as it is."""
+
     @property
-    def settings(self) -> Any: ...
+    def settings(self) -> Any:
+        """What is set."""
+
     @property
-    def messages(self) -> Iterable[tuple[int, str, str]]: ...
+    def messages(self) -> Iterable[tuple[int, str, str]]:
+        """The latest messages: number, level, text."""
 
 
 class Outgoing:

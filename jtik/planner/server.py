@@ -173,7 +173,7 @@ class Server:
             task = asyncio.current_task()
             loop = asyncio.get_running_loop()
             assert task is not None
-            self._ends = lambda: loop.call_soon_threadsafe(task.cancel) and None
+            self._ends = lambda: (loop.call_soon_threadsafe(task.cancel), None)[1]
             with contextlib.suppress(asyncio.CancelledError):
                 await self.serve(listening.set)
 
@@ -236,8 +236,7 @@ class Server:
         """A file of the page, or what is made on demand: a check, an export, the plan."""
         place = FILES.get(path)
         if place is not None:
-            kind = mimetypes.guess_type(place.name)[0] or "application/octet-stream"
-            return _response(http.HTTPStatus.OK, place.read_bytes(), "text/javascript" if place.suffix == ".js" else kind)
+            return _response(http.HTTPStatus.OK, place.read_bytes(), KINDS[place.suffix])
         try:
             if path == "/plan.json":
                 return _file(self._planner.plan_text().encode(), "plan.json")
@@ -332,6 +331,9 @@ def _file(body: bytes, name: str) -> Response:
     return _response(http.HTTPStatus.OK, body, kind, **named)
 
 
-FILES = {f"/{path.name}": path for path in PAGE.iterdir() if path.is_file()}
+KINDS = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
+"""Types of the page's files by their suffix."""
+
+FILES = {f"/{path.name}": path for path in PAGE.iterdir() if path.suffix in KINDS}
 """The files that are served, by their address: no other file can be asked for."""
 FILES["/"] = FILES["/index.html"]

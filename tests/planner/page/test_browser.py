@@ -1,4 +1,4 @@
-"""The planner's page in a headless Chromium: an operator's work with mouse, keys and gamepad, read back from the loop."""
+"""The planner's page in a headless Chromium: mouse, keys and a gamepad, read back from the loop."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def test_the_target_is_dragged_and_the_arm_follows(page, planner):
 
 def test_the_target_moves_at_most_at_its_speed(page, planner):
     start, begin = planner.loop.frame.position.copy(), planner.loop.frame.time
-    page.drag(start, start + [-1.0, 0.6], steps=2)
+    page.drag(start, start + np.array([-1.0, 0.6]), steps=2)
     wait_for(lambda: is_still(planner))
     speed = planner.loop.settings.target_speed[0]
     moved = np.linalg.norm(planner.loop.frame.position - start)
@@ -97,7 +97,7 @@ def test_an_obstacle_is_dragged_and_the_posture_changes(page, planner):
     before, where = planner.loop.frame.q.copy(), tip(planner)
     name, disc = next(iter(scene(planner).items()))
     elbow = planner.arm.robot.position(before, "link5")
-    goal = elbow + [0.0, -0.9]
+    goal = elbow + np.array([0.0, -0.9])
     page.drag(disc["center"], goal)
     wait_for(lambda: np.allclose(scene(planner)[name]["center"], goal, atol=0.05))
     wait_for(lambda: np.abs(planner.loop.frame.q - before).max() > 0.02)
@@ -141,11 +141,11 @@ def test_a_box_is_resized_and_turned_by_its_handles(page, planner):
     wait_for(lambda: page.js("() => 'box_1' in planner.state.settings.scene"))
     box = scene(planner)["box_1"]
     center, half = np.array(box["center"]), np.array(box["half"])
-    page.drag(center + half, center + half + [0.3, 0.2])
-    wait_for(lambda: np.allclose(scene(planner)["box_1"]["half"], half + [0.3, 0.2], atol=0.06))
+    page.drag(center + half, center + half + np.array([0.3, 0.2]))
+    wait_for(lambda: np.allclose(scene(planner)["box_1"]["half"], half + np.array([0.3, 0.2]), atol=0.06))
     half = np.array(scene(planner)["box_1"]["half"])
     arm = half[0] + 26 / page.js("() => planner.view.zoom")
-    page.drag(center + [arm, 0], center + [arm * np.cos(0.6), arm * np.sin(0.6)])
+    page.drag(center + np.array([arm, 0]), center + np.array([arm * np.cos(0.6), arm * np.sin(0.6)]))
     wait_for(lambda: abs(scene(planner)["box_1"]["rotation"] - 0.6) < 0.1)
     page.focus()
     page.keyboard.press("Delete")
@@ -195,7 +195,7 @@ def test_a_browser_that_is_closed_in_mid_drag_stops_the_target(open_page, planne
     page = open_page()
     start = planner.loop.frame.position.copy()
     page.press(start)
-    page.move(start + [-2.0, 1.5])
+    page.move(start + np.array([-2.0, 1.5]))
     wait_for(lambda: np.linalg.norm(planner.loop.frame.position - start) > 0.1)
     page.close()
     wait_for(lambda: is_still(planner))
@@ -215,7 +215,7 @@ def test_a_browser_that_is_closed_with_a_key_down_stops_the_target(open_page, pl
 def test_two_browsers_see_the_same(page, open_page, planner):
     other = open_page()
     name, disc = list(scene(planner).items())[3]
-    goal = np.array(disc["center"]) + [0.0, 0.4]
+    goal = np.array(disc["center"]) + np.array([0.0, 0.4])
     page.drag(disc["center"], goal)
     seen = f"() => planner.state.settings.scene[{name!r}].center"
     wait_for(lambda: np.allclose(other.js(seen), goal, atol=0.05))

@@ -138,7 +138,7 @@ def test_the_status_comes_apart_from_frames(server):
 
 def test_an_edit_moves_the_target_and_the_arm(server, planner):
     with join(server) as socket:
-        goal = planner.loop.frame.position + [0.3, 0.1]
+        goal = planner.loop.frame.position + np.array([0.3, 0.1])
         socket.send(json.dumps({"edit": "move_target", "position": goal.tolist()}))
         wait_for(lambda: np.allclose(planner.loop.frame.position, goal))
         robot = planner.arm.robot
@@ -250,5 +250,5 @@ def test_a_server_that_is_closed_can_be_closed_again(planner):
     with server:
         assert get(server.port, "/")[0] == 200
     server.close()
-    with pytest.raises(OSError):
+    with pytest.raises(ConnectionRefusedError):
         get(server.port, "/")
