@@ -6,7 +6,7 @@ import csv
 import io
 import json
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,6 +16,7 @@ import numpy as np
 from jtik.arguments import choice, existing_file
 from jtik.arguments import path as read_path
 from jtik.errors import ArgumentError
+from jtik.planner import ros2
 from jtik.planner.plan_file import parsed, write_atomically
 from jtik.result.archive import read_archive, write_archive
 from jtik.types import Array
@@ -92,21 +93,6 @@ class JointCommands:
     def to_json(self) -> dict[str, Any]:
         """Plain data: the header, and the arrays as lists."""
         return self.header() | {name: getattr(self, name).tolist() for name in ("times", *QUANTITIES)}
-
-    def to_ros2(self) -> dict[str, Any]:
-        """The fields of a ROS 2 message trajectory_msgs/JointTrajectory, as plain data."""
-        points = [
-            {
-                "positions": self.positions[i].tolist(),
-                "velocities": self.velocities[i].tolist(),
-                "accelerations": self.accelerations[i].tolist(),
-                "effort": [],
-                "time_from_start": _duration(float(self.times[i])),
-            }
-            for i in range(len(self))
-        ]
-        header = {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""}
-        return {"header": header, "joint_names": list(self.joint_names), "points": points}
 
 
 def export(commands: JointCommands, path: str | Path, format: str | None = None) -> Path:
@@ -230,42 +216,17 @@ def _read_npz(file: Path) -> dict[str, Any]:
     return header | arrays
 
 
+def _message(commands: JointCommands) -> dict[str, Any]:
+    rows = [getattr(commands, name) for name in QUANTITIES]
+    return ros2.message(commands.joint_names, commands.times, *rows)
+
+
 def _write_ros2_json(commands: JointCommands, file: Path) -> None:
-    write_atomically(file, [json.dumps(commands.to_ros2(), allow_nan=False), "\n"])
+    write_atomically(file, [json.dumps(_message(commands), allow_nan=False), "\n"])
 
 
 def _write_ros2_yaml(commands: JointCommands, file: Path) -> None:
-    write_atomically(file, [_yaml(commands.to_ros2()), "\n"])
-
-
-def _yaml(value: Any, indent: str = "") -> str:
-    """Mappings and lists of mappings as blocks, other lists on one line: what YAML 1.1 and 1.2 read alike."""
-    if isinstance(value, Mapping):
-        return "\n".join(f"{indent}{key}:{_nested(each, indent)}" for key, each in value.items())
-    if value and isinstance(value, list) and isinstance(value[0], Mapping):
-        return "\n".join(f"{indent}- {_yaml(each, indent + '  ').lstrip()}" for each in value)
-    return indent + _scalar(value)
-
-
-def _nested(value: Any, indent: str) -> str:
-    blocks = isinstance(value, Mapping) or (value and isinstance(value, list) and isinstance(value[0], Mapping))
-    return "\n" + _yaml(value, indent + "  ") if blocks else " " + _scalar(value)
-
-
-def _scalar(value: Any) -> str:
-    """A value on one line: YAML 1.1 takes 1e-05 for a text, so that a number with an exponent gets a point."""
-    if isinstance(value, list):
-        return f"[{', '.join(map(_scalar, value))}]"
-    if isinstance(value, float):
-        text = repr(value)
-        return text if "." in text or "e" not in text else text.replace("e", ".0e")
-    return json.dumps(value, ensure_ascii=False)
-
-
-def _duration(time: float) -> dict[str, int]:
-    """A builtin_interfaces/Duration."""
-    total = round(time * 10**9)
-    return {"sec": total // 10**9, "nanosec": total % 10**9}
+    write_atomically(file, [ros2.as_yaml(_message(commands)), "\n"])
 
 
 class _Format(NamedTuple):

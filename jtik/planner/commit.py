@@ -1,25 +1,29 @@
-"""Commit to an attempt: check it, and time it for a controller."""
+"""Commit to an attempt: time it for a controller, check it, and write it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from jtik.arguments import non_negative_number, positive_number
+from jtik.arguments import choice, positive_number
+from jtik.arguments import path as read_path
 from jtik.constraints import Limits
+from jtik.constraints.limits import Bounds
 from jtik.errors import ArgumentError
 from jtik.planner.attempt import Attempt
-from jtik.planner.between import ACCURACY
-from jtik.planner.clearances import smallest
-from jtik.planner.commands import JointCommands
-from jtik.planner.motion import Motion
+from jtik.planner.checks import Finding, check
+from jtik.planner.commands import FORMATS, JointCommands, export
 from jtik.planner.timing import timed_path
+from jtik.planner.trajectories import animation, figure
 from jtik.robot import Robot
 from jtik.types import Array
+
+__all__ = ["PICTURES", "Committed", "Finding", "as_recorded", "check", "commit", "timed"]
 
 SPEED = 1.0
 """Largest speed of a joint that has no limit of its own [rad/s] or [m/s]."""
@@ -30,93 +34,75 @@ ACCELERATION = 2.0
 PERIOD = 0.01
 """Time between two commands [s]."""
 
-ROUNDING = 1e-6
-"""Share of a limit of speed or acceleration by which differences of positions may be above it by rounding."""
-
-AT_LIMIT = 1e-9
-"""How far a position may be beyond its limit by rounding [rad] or [m]."""
+PICTURES = {"figure": ".png", "animation": ".gif"}
+"""What `commit` writes besides files of joint commands, and how the names of these files end."""
 
 
-@dataclass(frozen=True)
-class Finding:
-    """Something in a motion that a robot cannot or must not do.
+@dataclass(frozen=True, eq=False)
+class Committed:
+    """What was written.
 
     Attributes:
-        kind: "position", "velocity", "acceleration" or "clearance".
-        joint: name of the joint; of the body for a clearance.
-        time: where it is worst [s].
-        value: the figure there [rad], [m], [rad/s] ...
-        limit: what is allowed.
-        text: a sentence.
+        path: the file.
+        commands: the joint commands.
+        findings: what is wrong with them; none for good ones.
     """
 
-    kind: str
-    joint: str
-    time: float
-    value: float
-    limit: float
-    text: str
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return asdict(self)
+    path: Path
+    commands: JointCommands
+    findings: tuple[Finding, ...]
 
 
-def check(
-    motion: Attempt | JointCommands,
+def commit(
+    attempt: Attempt,
     robot: Robot,
+    path: str | Path,
+    format: str,
     *,
     limits: Limits | None = None,
     scene: Mapping[str, Any] | None = None,
     safe: float = 0.0,
     bodies: str | None = None,
-    accuracy: float = ACCURACY,
-) -> tuple[Finding, ...]:
-    """What is wrong with a motion: one finding for each joint and limit, where it is worst; none for a good one.
-
-    Speeds are those between samples. Accelerations are the changes of these; at the first and the last sample from and
-    to rest. The joints move straight between samples, where clearances are bounded, too.
+    period: float = PERIOD,
+    recorded: bool = False,
+) -> Committed:
+    """Time an attempt, check the commands, and write them. They are written in any case: the findings are told.
 
     Args:
-        motion: an attempt, or joint commands.
-        robot: the robot.
-        limits: which limits hold; the robot's own positions and velocities by default.
+        attempt: the attempt.
+        robot: a robot of revolute and prismatic joints.
+        path: the file to write.
+        format: "csv", "json", "npz", "ros2_json" or "ros2_yaml", see `jtik.planner.commands.export`; "figure" for a
+            picture, whose kind follows from the suffix; "animation" for a GIF.
+        limits: limits of the commands, see `timed`.
         scene: the obstacles, a dict of `jtik.Scene.to_dict`; by default those of the attempt when it ended.
         safe: smallest distance allowed of any body to any obstacle [m].
         bodies: what may not come close to obstacles; by default "shapes" on a robot that has any, else "links".
-        accuracy: how far the distance found may be above the smallest one [m].
+        period: time between two commands [s].
+        recorded: whether the times of the attempt are kept.
 
     Raises:
-        ArgumentError: for an argument that cannot be used.
+        ArgumentError: for an argument that cannot be used, or an attempt in which no joint moves.
+        MissingExtraError: for a picture without matplotlib.
+        OSError: when the file cannot be written.
     """
-    safe = non_negative_number("safe", safe, "a non-negative distance [m]")
-    bounds = (Limits() if limits is None else limits).of(robot)
-    if motion.configurations.shape[1] != robot.nq:
-        given = f"a motion of {motion.configurations.shape[1]} numbers a configuration"
-        raise ArgumentError("motion", given, f"one of {robot!r}")
-    times, q = motion.times, motion.configurations
-    findings = _positions(robot, times, q, bounds.lower, bounds.upper)
-    moved = Motion.of(robot, times, q)
-    if len(times) > 1:
-        middles = (times[1:] + times[:-1]) / 2
-        rest = np.zeros((1, robot.n))
-        ends = np.array([times[1] - times[0], times[-1] - times[-2]])[:, None]
-        accelerations = np.concatenate(
-            [moved.velocities[:1] / ends[0], moved.accelerations, (rest - moved.velocities[-1:]) / ends[1]]
-        )
-        findings += _rates(robot, "velocity", middles, moved.velocities, bounds.velocity)
-        findings += _rates(robot, "acceleration", times, accelerations, bounds.acceleration)
-    if scene is None:
-        scene = (motion.scene_at(motion.duration) if isinstance(motion, Attempt) else None) or {}
-    nearest, obstacle = smallest(robot, times, q, [(0.0, scene)], bodies=bodies, accuracy=accuracy)
-    if nearest.bound < safe:
-        found = nearest.distance if nearest.distance < safe else nearest.bound
-        allowed = f"the smallest distance allowed is {safe:g} m"
-        text = f"{nearest.body} comes within {found:.4g} m of {obstacle} at {nearest.time:.3f} s; {allowed}"
-        if nearest.distance < 0:
-            text = f"{nearest.body} is {-found:.4g} m inside {obstacle} at {nearest.time:.3f} s"
-        findings.append(Finding("clearance", nearest.body, nearest.time, found, safe, text))
-    return tuple(findings)
+    format, file = choice("format", format, (*FORMATS, *PICTURES)), read_path("path", path)
+    if recorded:
+        commands, held = as_recorded(attempt, robot), Limits() if limits is None else limits
+    else:
+        commands = timed(attempt, robot, limits=limits, period=period)
+        bounds, _ = _assumed(robot, limits)
+        given = Limits() if limits is None else limits
+        held = replace(given, velocity=bounds.velocity, acceleration=bounds.acceleration)
+    shown = (attempt.scene_at(attempt.duration) or {}) if scene is None else scene
+    findings = check(commands, robot, limits=held, scene=shown, safe=safe, bodies=bodies)
+    if format == "figure":
+        figure(commands, robot, scene=shown).savefig(file)
+    elif format == "animation":
+        animation(file, commands, robot, scene=shown)
+    else:
+        export(commands, file, format)
+    return Committed(file, commands, findings)
 
 
 def timed(
@@ -146,18 +132,10 @@ def timed(
         ArgumentError: for a robot with ball or free joints, or an attempt in which no joint moves.
     """
     period, units = positive_number("period", period), _units(robot)
-    given = Limits() if limits is None else limits
-    bounds, notes = given.of(robot), []
-    velocity, acceleration = bounds.velocity.copy(), bounds.acceleration.copy()
-    if given.velocity is True and not np.isfinite(velocity).all():
-        notes.append(f"joints without a speed limit move at most at {SPEED:g} rad/s or m/s")
-        velocity[~np.isfinite(velocity)] = SPEED
-    if not np.isfinite(acceleration).all():
-        notes.append(f"joints without an acceleration limit accelerate at most at {ACCELERATION:g} rad/s^2 or m/s^2")
-        acceleration[~np.isfinite(acceleration)] = ACCELERATION
-    path = timed_path(attempt.configurations, velocity, acceleration, method=method)
+    bounds, notes = _assumed(robot, limits)
+    path = timed_path(attempt.configurations, bounds.velocity, bounds.acceleration, method=method)
     if path.method == "trapezoid" and method is None and not _has_toppra():
-        notes.append("toppra is not installed: a trapezoid was used, which is slower")
+        notes.append("a trapezoid was used, which is slower than what toppra finds: pip install 'jtik[timing]'")
     count = math.ceil(path.duration / period)
     path = path.slower(count * period / path.duration)
     times: Array = np.arange(count + 1, dtype=np.float64) * period
@@ -208,31 +186,15 @@ def _has_toppra() -> bool:
     return True
 
 
-def _positions(robot: Robot, times: Array, q: Array, lower: Array, upper: Array) -> list[Finding]:
-    findings = []
-    for name in robot.joint_names:
-        for i in range(*robot.q_slice(name).indices(robot.nq)):
-            for limit, sign in ((lower[i], -1.0), (upper[i], 1.0)):
-                beyond = sign * (q[:, i] - limit)
-                at = int(beyond.argmax())
-                if beyond[at] > AT_LIMIT:
-                    unit = "rad" if robot.rotational[robot.v_slice(name)].all() else "m"
-                    text = f"{name} is at {q[at, i]:.4g} {unit} at {times[at]:.3f} s; its limit is {limit:.4g} {unit}"
-                    findings.append(Finding("position", name, float(times[at]), float(q[at, i]), float(limit), text))
-    return findings
-
-
-def _rates(robot: Robot, kind: str, times: Array, rates: Array, limit: Array) -> list[Finding]:
-    """One finding for each joint that is faster than its limit, or accelerates more."""
-    findings = []
-    verb, per = ("moves at", "/s") if kind == "velocity" else ("accelerates at", "/s^2")
-    for name in robot.joint_names:
-        for j in range(*robot.v_slice(name).indices(robot.n)):
-            size = np.abs(rates[:, j])
-            at = int(size.argmax())
-            if size[at] > limit[j] * (1 + ROUNDING):
-                unit = ("rad" if robot.rotational[j] else "m") + per
-                time, value = float(times[at]), float(size[at])
-                text = f"{name} {verb} {value:.4g} {unit} at {time:.3f} s; its limit is {limit[j]:.4g} {unit}"
-                findings.append(Finding(kind, name, time, value, float(limit[j]), text))
-    return findings
+def _assumed(robot: Robot, limits: Limits | None) -> tuple[Bounds, list[str]]:
+    """The limits, with what is assumed where there are none, and sentences that say so."""
+    given = Limits() if limits is None else limits
+    bounds, notes = given.of(robot), []
+    velocity, acceleration = bounds.velocity.copy(), bounds.acceleration.copy()
+    if given.velocity is True and not np.isfinite(velocity).all():
+        notes.append(f"joints without a speed limit move at most at {SPEED:g} rad/s or m/s")
+        velocity[~np.isfinite(velocity)] = SPEED
+    if not np.isfinite(acceleration).all():
+        notes.append(f"joints without an acceleration limit accelerate at most at {ACCELERATION:g} rad/s^2 or m/s^2")
+        acceleration[~np.isfinite(acceleration)] = ACCELERATION
+    return replace(bounds, velocity=velocity, acceleration=acceleration), notes

@@ -21,6 +21,7 @@ from __future__ import annotations
 import json
 import os
 import threading
+import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -30,7 +31,8 @@ from typing import Any
 import numpy as np
 
 from jtik.planner.attempt import Attempt
-from jtik.planner.plan_file import FORMAT, VERSION, Plan, write_atomically
+from jtik.planner.plan_file import FORMAT, VERSION, Plan
+from jtik.planner.snapshots import Snapshots
 from jtik.types import Array
 
 JOURNAL = "journal.jsonl"
@@ -38,6 +40,9 @@ SNAPSHOT = "plan.json"
 
 PERIOD = 0.9
 """Time from one write to the next [s]: together with the write itself it stays below a second."""
+
+PAUSE = 5e-4
+"""Pause between two pieces of a snapshot [s]."""
 
 MOST_WAITING = 400_000
 """Largest number of lines that wait for a disk on which nothing can be written, almost two hours of samples."""
@@ -47,10 +52,12 @@ Tell = Callable[[str, str], None]
 
 
 class Journal:
-    """The journal of a session. Its methods only take notes; `write` puts them on the disk, in a thread after `start`.
+    """The journal of a session. Its methods only take notes; `write` puts them on the disk, or threads after `start`.
 
     A disk that is full, a folder that is read-only and the like are reported once and never raise: what cannot be
-    written waits in memory, and is written as soon as that is possible.
+    written waits in memory, and is written as soon as that is possible. One thread writes the lines, which a process
+    that is killed cannot lose any more; another one does what may take long: it has the system put them onto the disk
+    itself, and writes snapshots.
 
     Args:
         folder: the folder of the session, which is made where it does not exist.
@@ -59,24 +66,27 @@ class Journal:
 
     Attributes:
         folder: the folder.
-        problem: why nothing can be written; empty while it can.
     """
 
     def __init__(self, folder: Path, *, robot: Mapping[str, Any], tell: Tell | None = None) -> None:
         self.folder = folder
-        self.problem = ""
         self._tell: Tell = _say_nothing if tell is None else tell
         self._notes: deque[Mapping[str, Any] | tuple[Plan, int]] = deque()
-        self._lost, self._used = 0, False
-        self._snapshots = 0
-        self._file: int | None = None
-        self._torn = False
         self._pending: list[bytes] = []
         self._unsaved: tuple[Plan, int] | None = None
-        self._writing = threading.Lock()
+        self._snapshots, self._saved = 0, Snapshots(folder / SNAPSHOT, self._pause)
+        self._problems: dict[str, str] = {}
+        self._file: int | None = None
+        self._torn, self._dirty, self._used, self._lost = False, False, False, 0
+        self._writing, self._saving = threading.Lock(), threading.Lock()
         self._stop = threading.Event()
-        self._thread: threading.Thread | None = None
+        self._threads: list[threading.Thread] = []
         self._note({"journal": FORMAT, "version": VERSION, "robot": dict(robot)})
+
+    @property
+    def problem(self) -> str:
+        """Why something cannot be written; empty while it can."""
+        return next(iter(self._problems.values()), "")
 
     def begin(self, beginning: Attempt) -> None:
         """An attempt begins, see `Recording`."""
@@ -87,9 +97,9 @@ class Journal:
         self._used = True
         self._note({"begin": data})
 
-    def sample(self, time: float, q: Array, target: Array) -> None:
-        """A sample of the attempt that began last, see `Recording.add`."""
-        self._note({"sample": [float(time), np.asarray(q).tolist(), np.asarray(target).tolist()]})
+    def sample(self, at: float, q: Array, target: Array) -> None:
+        """A sample of the attempt that began last at a time of the clock [s], see `Recording.add`."""
+        self._note({"sample": [float(at), np.asarray(q).tolist(), np.asarray(target).tolist()]})
 
     def scene(self, scene: Mapping[str, Any]) -> None:
         """The obstacles are others from the last sample on, see `Recording.change_scene`."""
@@ -99,10 +109,10 @@ class Journal:
         """The attempt that began last ends, and is kept or not."""
         self._note({"end": kept})
 
-    def edit(self, time: float, edit: Mapping[str, Any]) -> None:
-        """An edit of the operator, as plain data."""
+    def edit(self, at: float, edit: Mapping[str, Any]) -> None:
+        """An edit of the operator at a time of the clock [s], as plain data."""
         self._used = True
-        self._note({"edit": edit, "time": float(time)})
+        self._note({"edit": edit, "time": float(at)})
 
     def snapshot(self, plan: Plan) -> None:
         """The whole plan as it is after all that was noted so far; the latest one is written."""
@@ -111,10 +121,11 @@ class Journal:
         self._note((plan, self._snapshots))
 
     def start(self) -> None:
-        """Write every second in a thread of its own, until `close`."""
-        if self._thread is None:
-            self._thread = threading.Thread(target=self._run, name="jtik journal", daemon=True)
-            self._thread.start()
+        """Write every second in threads of its own, until `close`."""
+        for work in (self.write_lines, self.save) if not self._threads else ():
+            thread = threading.Thread(target=self._repeat, args=(work,), name="jtik journal", daemon=True)
+            self._threads.append(thread)
+            thread.start()
 
     def close(self, plan: Plan | None = None) -> None:
         """Write what is noted, and end the session.
@@ -126,39 +137,37 @@ class Journal:
         if plan is not None:
             self.snapshot(plan)
         self._stop.set()
-        if self._thread is not None:
-            self._thread.join()
-            self._thread = None
-        saved = self.write()
-        if plan is not None and saved:
+        for thread in self._threads:
+            thread.join()
+        ended = self.write() and plan is not None
+        if ended:
             self._note({"closed": True})
             self.write()
         with self._writing:
             if self._file is not None:
                 os.close(self._file)
                 self._file = None
-        if plan is not None and saved and not self._used and not len(plan.history):
+        if ended and plan is not None and not self._used and not len(plan.history):
             with suppress(OSError):
                 for name in (JOURNAL, SNAPSHOT):
                     (self.folder / name).unlink(missing_ok=True)
                 self.folder.rmdir()
 
     def write(self) -> bool:
-        """Write onto the disk what was noted. Returns whether all of it is there."""
+        """Write all that was noted, onto the disk itself. Returns whether it is there."""
+        lines, rest = self.write_lines(), self.save()
+        return lines and rest
+
+    def write_lines(self) -> bool:
+        """Write the lines that were noted: a process that is killed does not lose them. Returns whether that is so."""
         with self._writing:
             self._take_notes()
-            try:
-                self._write_lines()
-                self._write_snapshot()
-            except OSError as error:
-                self._report(f"{error.strerror or error}")
-                return False
-            if self.problem:
-                self.problem = ""
-                lost = f"{self._lost} lines were lost" if self._lost else "nothing was lost"
-                self._lost = 0
-                self._tell("info", f"the journal in {self.folder} is written again; {lost}")
-            return True
+            return self._try("lines", self._write_lines)
+
+    def save(self) -> bool:
+        """Have the system put the lines onto the disk itself, and write the latest snapshot."""
+        with self._saving:
+            return self._try("snapshot", self._save)
 
     def _note(self, note: Mapping[str, Any] | tuple[Plan, int]) -> None:
         if len(self._notes) + len(self._pending) < MOST_WAITING or isinstance(note, tuple):
@@ -195,7 +204,6 @@ class Journal:
                 left = left[os.write(self._file, left) :]
         finally:
             self._written(len(data) - len(left))
-        os.fsync(self._file)
 
     def _written(self, size: int) -> None:
         """Forget the lines that are written whole; what is left of the last one is torn."""
@@ -204,25 +212,44 @@ class Journal:
             size -= len(self._pending[count])
             count += 1
         del self._pending[:count]
-        self._torn = size > 0
+        self._torn, self._dirty = size > 0, True
 
-    def _write_snapshot(self) -> None:
-        if self._unsaved is None:
-            return
-        plan, number = self._unsaved
-        write_atomically(self.folder / SNAPSHOT, plan.pieces(journal=number))
-        self._unsaved = None
+    def _save(self) -> None:
+        if self._dirty and self._file is not None:
+            self._dirty = False
+            os.fsync(self._file)
+        unsaved = self._unsaved
+        if unsaved is not None:
+            self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            self._saved.write(*unsaved)
+            if self._unsaved is unsaved:
+                self._unsaved = None
 
-    def _report(self, problem: str) -> None:
-        """Report a problem unless it is the last one that was reported."""
-        if problem != self.problem:
-            self.problem = problem
-            advice = "what is recorded waits in memory until it can be written"
-            self._tell("error", f"the journal in {self.folder} cannot be written: {problem}; {advice}")
+    def _try(self, what: str, work: Callable[[], None]) -> bool:
+        """Do something with the disk. Returns whether it is done; reports a problem unless that was reported."""
+        try:
+            work()
+        except OSError as error:
+            problem = f"{error.strerror or error}"
+            known = problem in self._problems.values()
+            self._problems[what] = problem
+            if not known:
+                advice = "what is recorded waits in memory until it can be written"
+                self._tell("error", f"the journal in {self.folder} cannot be written: {problem}; {advice}")
+            return False
+        if self._problems.pop(what, None) is not None and not self._problems:
+            lost, self._lost = f"{self._lost} lines were lost" if self._lost else "nothing was lost", 0
+            self._tell("info", f"the journal in {self.folder} is written again; {lost}")
+        return True
 
-    def _run(self) -> None:
+    def _pause(self) -> None:
+        """Let the loop run: what holds the interpreter for long makes its periods long."""
+        if not self._stop.is_set() and self._threads:
+            time.sleep(PAUSE)
+
+    def _repeat(self, work: Callable[[], bool]) -> None:
         while not self._stop.wait(PERIOD):
-            self.write()
+            work()
 
 
 def _say_nothing(level: str, text: str) -> None:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn, Self
@@ -34,10 +34,10 @@ from jtik.types import Array
 FORMAT = "jtik plan"
 VERSION = 1
 
-LARGEST = 2**30
+LARGEST = 2**29
 """Largest file that is read [bytes]."""
 
-ROWS = 200
+ROWS = 50
 """Rows of an array that are written at once: other threads run between."""
 
 ACCEPTED = "a file of a plan that jtik wrote"
@@ -82,18 +82,20 @@ class Plan:
         """
         write_atomically(read_path("path", path), self.pieces())
 
-    def pieces(self, **more: Any) -> Iterator[str]:
-        """The document in pieces of text, none of which takes long to make.
+    def pieces(self, texts: Callable[[Attempt], Iterator[str]] | None = None, **more: Any) -> Iterator[str]:
+        """The document in pieces of ASCII text, none of which takes long to make.
 
         Args:
+            texts: gives the pieces of an attempt; `attempt_pieces` by default.
             more: further keys and values.
         """
+        of_attempt = attempt_pieces if texts is None else texts
         head = {"format": FORMAT, "version": VERSION, "robot": self.robot, **more}
         yield _text(head)[:-1] + f', "scene": {_text(self.scene)}, "settings": {_text(self.settings)}'
         yield f', "chosen": {_text(self.history.chosen)}, "attempts": ['
         for i, attempt in enumerate(self.history):
             yield ",\n" if i else "\n"
-            yield from _attempt_pieces(attempt)
+            yield from of_attempt(attempt)
         yield "]}\n"
 
     @classmethod
@@ -129,9 +131,10 @@ def read(path: Path) -> tuple[Plan, int]:
     history = History.from_json({key: found[key] for key in ("attempts", "chosen")}, where)
     robot = _robot(inside(where, "robot"), found["robot"])
     _check_width(inside(where, "attempts"), history, robot["nq"])
+    known: set[str] = set()
     for i, attempt in enumerate(history):
         for j, (_, each) in enumerate(attempt.scenes):
-            _check_scene(inside(where, f"attempts[{i}].scenes[{j}][1]"), each)
+            _check_scene(inside(where, f"attempts[{i}].scenes[{j}][1]"), _news(each, known))
     scene = plain_mapping(inside(where, "scene"), found["scene"])
     _check_scene(inside(where, "scene"), scene)
     settings = plain_mapping(inside(where, "settings"), found["settings"])
@@ -192,6 +195,17 @@ def _robot(argument: str, value: object) -> dict[str, Any]:
     }
 
 
+def _news(scene: Mapping[str, Any], known: set[str]) -> Mapping[str, Any]:
+    """The scene without the obstacles that were checked before: most change while the others stay."""
+    rows = scene.get("obstacles")
+    if set(scene) != {"obstacles"} or not isinstance(rows, Mapping):
+        return scene
+    texts = {name: _text(row) for name, row in rows.items()}
+    new = {name: row for name, row in rows.items() if texts[name] not in known}
+    known.update(texts.values())
+    return {"obstacles": new} if new else {}
+
+
 def _check_scene(argument: str, scene: Mapping[str, Any]) -> None:
     """Raise ArgumentError unless it is a scene, or empty."""
     if not scene:
@@ -209,7 +223,7 @@ def _check_width(argument: str, history: History, nq: int) -> None:
             raise ArgumentError(argument, given, f"{nq} numbers: those of the robot of the plan")
 
 
-def _attempt_pieces(attempt: Attempt) -> Iterator[str]:
+def attempt_pieces(attempt: Attempt) -> Iterator[str]:
     """The text of ``attempt.to_json()``."""
     arrays = ("times", "configurations", "targets")
     rest = attempt.cut(0.0).to_json()

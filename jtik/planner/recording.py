@@ -12,6 +12,9 @@ from jtik.planner.attempt import MOST_SAMPLES, Attempt, SceneChange
 from jtik.planner.plain import plain_mapping
 from jtik.types import Array
 
+FIRST_ROWS = 4096
+"""Number of samples for which there is room at first; the room doubles."""
+
 
 class Recording:
     """An attempt while it is recorded: one sample a step, and the changes of the scene.
@@ -26,14 +29,14 @@ class Recording:
 
     def __init__(self, beginning: Attempt) -> None:
         self.beginning = beginning
-        self._times: list[float] = []
-        self._configurations: list[Array] = []
-        self._targets: list[Array] = []
+        self._width = beginning.configurations.shape[1]
+        self._rows = np.empty((FIRST_ROWS, 1 + self._width + beginning.targets.shape[1]))
+        self._count = 0
         self._scenes: list[SceneChange] = []
         self._offset: float | None = None
 
     def __len__(self) -> int:
-        return len(self.beginning) + len(self._times)
+        return len(self.beginning) + self._count
 
     def add(self, time: float, q: Array, target: Array) -> None:
         """Add a sample.
@@ -46,30 +49,32 @@ class Recording:
         if self._offset is None:
             self._offset = self.beginning.duration + self.beginning.dt - time
         own = time + self._offset
-        if self._times and own <= self._times[-1]:
-            self._configurations[-1], self._targets[-1] = np.array(q), np.array(target)
+        if self._count and own <= self._rows[self._count - 1, 0]:
+            own = self._rows[self._count - 1, 0]
         elif len(self) < MOST_SAMPLES:
-            self._times.append(own)
-            self._configurations.append(np.array(q, dtype=np.float64))
-            self._targets.append(np.array(target, dtype=np.float64))
+            if self._count == len(self._rows):
+                self._rows = np.concatenate([self._rows, np.empty_like(self._rows)])
+            self._count += 1
+        else:
+            return
+        row = self._rows[self._count - 1]
+        row[0], row[1 : 1 + self._width], row[1 + self._width :] = own, q, target
 
     def change_scene(self, scene: Mapping[str, Any]) -> None:
         """Note that the obstacles are others from the last sample on: a dict of `jtik.Scene.to_dict`."""
-        time = self._times[-1] if self._times else self.beginning.duration
+        time = float(self._rows[self._count - 1, 0]) if self._count else self.beginning.duration
         if self._scenes and self._scenes[-1][0] == time:
             self._scenes.pop()
         self._scenes.append((time, plain_mapping("scene", scene)))
 
     def attempt(self) -> Attempt:
         """What has been recorded so far."""
-        first = self.beginning
-        if not self._times:
-            return replace(first, scenes=_merged(first.scenes, self._scenes))
+        first, rows = self.beginning, self._rows[: self._count]
         return replace(
             first,
-            times=np.concatenate([first.times, self._times]),
-            configurations=np.concatenate([first.configurations, self._configurations]),
-            targets=np.concatenate([first.targets, self._targets]),
+            times=np.concatenate([first.times, rows[:, 0]]),
+            configurations=np.concatenate([first.configurations, rows[:, 1 : 1 + self._width]]),
+            targets=np.concatenate([first.targets, rows[:, 1 + self._width :]]),
             scenes=_merged(first.scenes, self._scenes),
         )
 

@@ -81,11 +81,19 @@ def _sessions(base: Path) -> Iterator[Session]:
     for folder in folders:
         try:
             files = [each.stat() for each in (folder / JOURNAL, folder / SNAPSHOT) if each.is_file()]
-            if files and not _is_running(folder / JOURNAL):
+            if files and _has_something(folder) and not _is_running(folder / JOURNAL):
                 ended, size = max(file.st_mtime for file in files), sum(file.st_size for file in files)
                 yield Session(folder, ended, _is_closed(folder / JOURNAL), size)
         except OSError:  # removed meanwhile, or of another user
             continue
+
+
+def _has_something(folder: Path) -> bool:
+    """Whether a session has a snapshot, or a journal in which an attempt begins or an edit is noted."""
+    if (folder / SNAPSHOT).is_file():
+        return True
+    with (folder / JOURNAL).open("rb") as file:
+        return any(line.startswith((b'{"begin"', b'{"edit"')) for line in file)
 
 
 def _is_running(journal: Path) -> bool:

@@ -40,21 +40,33 @@ def test_a_disc_that_both_samples_miss_is_hit_between_them():
 ARMS = {"planar": lambda: jtik.Robot.planar(4), "ball": ball_arm, "floating": floating_arm}
 
 
+def obstacles(d, rng):
+    """One of every shape of that dimension."""
+    place, size = rng.normal(size=(6, d)), rng.uniform(0.05, 0.3, 6)
+    turned = rng.normal() if d == 2 else rng.normal(size=4)
+    found = [
+        (jtik.Circle if d == 2 else jtik.Sphere)(place[0], size[0]),
+        jtik.Capsule(place[1], place[2], size[1]),
+        jtik.Box.at(place[3], rng.uniform(0.1, 0.5, d), turned if d == 2 else turned / np.linalg.norm(turned)),
+        jtik.HalfSpace(place[4] - 3, np.ones(d)),
+    ]
+    corners = place[5] + size[5] * np.array([[0, 0], [2, 0], [1, 3]])[:, :d] if d == 2 else None
+    return [*found, jtik.Polygon(corners) if d == 2 else jtik.Cylinder(place[5], place[0], size[5])]
+
+
 @pytest.mark.parametrize("accuracy", [1e-2, 1e-3])
 @pytest.mark.parametrize("kind", ARMS)
 def test_random_motions_against_dense_sampling(kind, accuracy, rng):
     robot = ARMS[kind]()
-    shape = jtik.Circle if robot.dimension == 2 else jtik.Sphere
     for _ in range(2):
-        balls = [shape(rng.normal(size=robot.dimension), rng.uniform(0, 0.3)) for _ in range(3)]
-        measure = ObstacleAvoidance(balls, bodies="both")
+        measure = ObstacleAvoidance(obstacles(robot.dimension, rng), bodies="both")
         distances = Distances(robot, measure)
         q = np.array([robot.random_configuration(rng) for _ in range(3)])
         found = distances.smallest(np.arange(3.0), q, accuracy=accuracy)
         dense = math.inf
         for start, end in itertools.pairwise(q):
             dq = robot.difference(start, end)
-            for share in np.linspace(0, 1, 300):
+            for share in np.linspace(0, 1, 150):
                 values = distances._distances(
                     start, dq, share, *[np.asarray(v) for v in measure.parameters(robot).values()]
                 )

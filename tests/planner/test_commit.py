@@ -10,10 +10,12 @@ import pytest
 import jtik
 from jtik.constraints import Limits
 from jtik.errors import ArgumentError
-from jtik.planner.commit import ACCELERATION, SPEED, check, timed
+from jtik.planner.commands import FORMATS, load
+from jtik.planner.commit import ACCELERATION, PICTURES, SPEED, check, commit, timed
 
 from ..conftest import ball_arm, floating_arm
 from .conftest import SCENE, make_attempt
+from .test_timing import METHODS
 
 DT = 0.1
 
@@ -95,7 +97,7 @@ def test_the_last_obstacles_of_an_attempt_count_unless_others_are_given():
     assert len(check(attempt, limited_arm(), scene=near)) == 1
 
 
-@pytest.mark.parametrize("method", ["toppra", "trapezoid"])
+@pytest.mark.parametrize("method", METHODS)
 def test_what_is_timed_passes_the_check(method):
     arm = limited_arm()
     q = np.stack([0.9 * np.sin(np.linspace(0, 9, 200)), 1 + 0.4 * np.cos(np.linspace(0, 7, 200))], axis=1)
@@ -146,3 +148,30 @@ def test_a_floating_base_is_checked_too():
     found = check(motion(q), robot, limits=Limits(velocity=5.0))
     assert [(each.kind, each.joint) for each in found] == [("position", "two"), ("velocity", "two")]
     assert math.isclose(found[1].value, 25.0)
+
+
+@pytest.mark.parametrize("format", ["csv", "json", "npz", "ros2_json", "ros2_yaml", "figure", "animation"])
+def test_commit_times_checks_and_writes_every_format(tmp_path, format):
+    if format in PICTURES:
+        pytest.importorskip("matplotlib")
+    arm = jtik.Robot.planar(3)
+    scene = jtik.Scene({"post": jtik.Circle((3.05, 0.3), 0.1)}).to_dict()
+    q = np.linspace([0.0, 0.0, 0.0], [0.3, 0.0, 0.0], 30)
+    suffix = PICTURES[format] if format in PICTURES else FORMATS[format].suffix
+    done = commit(motion(q, scenes=[(0.0, scene)]), arm, tmp_path / f"a{suffix}", format, safe=0.02)
+    assert done.path.stat().st_size > 100
+    (found,) = done.findings
+    assert found.kind == "clearance"
+    assert "post" in found.text
+    assert commit(motion(q), arm, tmp_path / f"b{suffix}", format, safe=0.02).findings == ()
+
+
+def test_a_commit_that_keeps_the_times_is_checked_as_recorded(tmp_path):
+    q = still(3)
+    q[:, 0] = [0.0, 0.5, 0.5]
+    done = commit(motion(q), limited_arm(), tmp_path / "a.csv", "csv", recorded=True)
+    assert [each.kind for each in done.findings] == ["velocity"]
+    assert (load(done.path).times == motion(q).times).all()
+    assert commit(motion(q), limited_arm(), tmp_path / "a.csv", "csv").findings == ()
+    with pytest.raises(ArgumentError, match="format"):
+        commit(motion(q), limited_arm(), tmp_path / "a.csv", "bag")

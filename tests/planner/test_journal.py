@@ -17,7 +17,7 @@ import pytest
 import jtik
 from jtik.errors import ArgumentError
 from jtik.planner import journal as journal_module
-from jtik.planner import plan_file
+from jtik.planner import plan_file, snapshots
 from jtik.planner.history import History
 from jtik.planner.journal import JOURNAL, SNAPSHOT, Journal
 from jtik.planner.plan_file import Plan
@@ -267,6 +267,18 @@ def test_running_sessions_are_not_offered_and_those_that_were_killed_are(tmp_pat
     assert recoverable(tmp_path / "nothing") == ()
 
 
+def test_a_killed_session_in_which_nothing_was_done_is_not_offered(tmp_path):
+    journal = Journal(new_folder(tmp_path), robot=ROBOT)
+    journal.write()
+    journal.close()
+    assert recoverable(tmp_path) == ()
+    again = Journal(new_folder(tmp_path), robot=ROBOT)
+    again.edit(0.0, {"edit": "set_target_speed", "speed": 1.0})
+    again.write()
+    again.close()
+    assert [session.folder for session in recoverable(tmp_path)] == [again.folder]
+
+
 def test_a_session_in_which_nothing_was_done_leaves_nothing(tmp_path):
     journal = Journal(new_folder(tmp_path), robot=ROBOT)
     journal.start()
@@ -334,3 +346,35 @@ def test_after_kill_9_everything_but_the_last_second_is_there(tmp_path):
     assert seen[-1] - times[-1] < 1.0 + 5 * pauses
     assert [session.folder for session in recoverable(tmp_path)] == [tmp_path / "session"]
     assert time.time() - recoverable(tmp_path)[0].ended < 3600
+
+
+def test_snapshots_copy_attempts_that_were_written_before(tmp_path, monkeypatch):
+    encoded = []
+    pieces = snapshots.attempt_pieces
+    monkeypatch.setattr(snapshots, "attempt_pieces", lambda attempt: encoded.append(attempt.name) or pieces(attempt))
+    writer = snapshots.Snapshots(tmp_path / "plan.json", lambda: None)
+    history = History()
+    for i in range(4):
+        history = history.add(make_attempt(f"attempt {i}", k=100 + 30 * i, scenes=[(0.0, SCENE)]))
+        writer.write(plan_of(history), i)
+    history = history.delete("attempt 1").choose("attempt 2")
+    writer.write(plan_of(history), 9)
+    assert encoded == [f"attempt {i}" for i in range(4)]
+    plan, number = plan_file.read(tmp_path / "plan.json")
+    assert number == 9
+    assert identical(plan.history, history)
+    assert (tmp_path / "plan.json").read_text() == "".join(plan_of(history).pieces(journal=9))
+    (tmp_path / "plan.json").unlink()
+    writer.write(plan_of(history), 10)
+    assert identical(Plan.load(tmp_path / "plan.json").history, history)
+
+
+def test_a_snapshot_that_somebody_cut_off_is_written_again(tmp_path):
+    told = Told()
+    journal, history = a_session(tmp_path, told)
+    assert journal.write()
+    (tmp_path / SNAPSHOT).write_text("")
+    journal.snapshot(plan_of(history))
+    journal.write()
+    journal.write()
+    assert identical(plan_file.read(tmp_path / SNAPSHOT)[0].history, history)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import sys
 import warnings
 
@@ -13,7 +14,7 @@ from hypothesis import strategies as st
 from jtik.errors import ArgumentError
 from jtik.planner.timing import SPACING, timed_path
 
-METHODS = ("toppra", "trapezoid")
+METHODS = ("toppra", "trapezoid") if importlib.util.find_spec("toppra") else ("trapezoid",)
 
 DIFFERENCES = 1e-5
 """Rounding of second differences of positions of order one over a step of a ten-thousandth of the duration."""
@@ -68,12 +69,12 @@ def test_the_path_goes_through_the_samples_and_no_joint_leaves_their_range(metho
 
 def test_a_straight_path_takes_the_time_of_a_trapezoid():
     """One joint, 2 rad at 1 rad/s and 2 rad/s^2: half a second up, half a second down, 1.5 s between."""
-    path = timed_path(np.array([[0.0], [2.0]]), np.array([1.0]), np.array([2.0]), method="toppra")
-    assert path.duration == pytest.approx(2.5, rel=0.01)
-    plain = timed_path(np.array([[0.0], [2.0]]), np.array([1.0]), np.array([2.0]), method="trapezoid")
-    assert 2.5 <= plain.duration <= 3.01
-    short = timed_path(np.array([[0.0], [0.125]]), np.array([10.0]), np.array([2.0]), method="toppra")
-    assert short.duration == pytest.approx(2 * np.sqrt(0.125 / 2), rel=0.01)
+    ends, limits = np.array([[0.0], [2.0]]), (np.array([1.0]), np.array([2.0]))
+    assert 2.5 <= timed_path(ends, *limits, method="trapezoid").duration <= 3.01
+    if "toppra" in METHODS:
+        assert timed_path(ends, *limits, method="toppra").duration == pytest.approx(2.5, rel=0.01)
+        short = timed_path(ends / 16, np.array([10.0]), np.array([2.0]), method="toppra")
+        assert short.duration == pytest.approx(2 * np.sqrt(0.125 / 2), rel=0.01)
 
 
 def test_the_faster_of_both_is_taken_and_the_trapezoid_without_toppra(monkeypatch):
