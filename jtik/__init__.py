@@ -50,7 +50,7 @@ from jtik.registry import (
     secondaries,
     strategies,
 )
-from jtik.result import Relaxation, Solution, SolutionBatch, Status, Step, Trace, Trajectory
+from jtik.result import Jog, Relaxation, Solution, SolutionBatch, Status, Step, Trace, Trajectory
 from jtik.robot import Joint, JointType, Robot
 from jtik.solver import InverseKinematics
 from jtik.strategy import Strategy, StrategyError
@@ -80,6 +80,7 @@ __all__ = [
     "FrameTask",
     "HalfSpace",
     "InverseKinematics",
+    "Jog",
     "Joint",
     "JointType",
     "JtikError",

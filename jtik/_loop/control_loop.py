@@ -7,7 +7,10 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from jtik._loop.engine import Engine
+from jtik.result.jog import Jog
 from jtik.result.report import Report
+
+Direction = str | int | ArrayLike | None
 
 
 class ControlLoop:
@@ -30,6 +33,32 @@ class ControlLoop:
     def reset(self) -> None:
         """Forget the state that `step` keeps, as after a jump of the target; the robot is then at rest."""
         self._engine.stepping.reset()
+        self._engine.jogging.reset()
+
+    def jog(self, q: ArrayLike, rate: float, *, direction: Direction = None, dt: float = 0.02) -> Jog:
+        """One displacement along the self-motion: the arm moves, and what its tasks measure stays as it is at ``q``.
+
+        For an operator's slider or joystick axis, one call each period: pass the ``q`` of the last call. Limits of
+        position, velocity and acceleration hold as in ``step(dt=)``, and so do clearances. It works for every strategy.
+        A task that does not say which target ``q`` meets, such as `LookAtTask`, keeps its error to the last target of
+        a `step` or a solve. The first call builds its functions, some tenths of a second for an arm.
+
+        At the end of the self-motion q stays and ``ended`` is True; with the opposite sign it comes back.
+
+        Args:
+            q: configuration, (nq,).
+            rate: speed along the self-motion [rad/s], of the vector of all joint speeds; 1 m counts as 1 rad. One call
+                moves by at most 0.1 rad.
+            direction: of a positive rate. A joint's name: as this joint increases. A criterion's name, or "descent" for
+                all criteria: as it decreases. A vector (n,): its part in the null space. An index from 0: one of a
+                basis that is carried on from call to call, so that it does not jump; `reset` begins another one. None
+                is 0: with one degree of redundancy the only one.
+            dt: duration of the step [s].
+
+        Raises:
+            ArgumentError: for a wrong shape, NaN or infinity, or a direction that is none, naming it.
+        """
+        return self._engine.jogging.jog(q, rate, direction, dt)
 
     def report(self, q: ArrayLike, target: Any) -> Report:
         """Task, criteria and active limits at a configuration, as numbers, without a step.

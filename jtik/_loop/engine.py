@@ -9,6 +9,7 @@ from jtik._loop.attempts import Attempts
 from jtik._loop.criterion_escape import CriterionEscape, Escapes, StepEscape
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
+from jtik._loop.jogging import Jogging
 from jtik._loop.minimum_certificate import MinimumCertificate
 from jtik._loop.native_search import NativeSearch
 from jtik._loop.options import read_rate
@@ -60,6 +61,7 @@ class Engine:
         configurations: reads configurations.
         search: finds the configuration for a target.
         stepping: what ``step`` runs.
+        jogging: what ``jog`` runs.
         solving: what ``solve``, ``solve_batch`` and ``track`` run.
 
     Raises:
@@ -148,6 +150,7 @@ class Engine:
             exclusive=self._exclusive,
             terms=problem.terms,
         )
+        self.jogging = Jogging(problem, self.runners, self.configurations, escape=escape, exclusive=self._exclusive)
         self.solving = Solving(
             problem, self.runners, self.search, self.configurations, inspector=inspector, exclusive=self._exclusive
         )

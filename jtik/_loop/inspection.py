@@ -13,6 +13,7 @@ from jtik._loop.minimum_certificate import MinimumCertificate
 from jtik._loop.runners import Runners
 from jtik._loop.saddle_escape import FLAT, NEGATIVE, SaddleEscape
 from jtik._loop.task_alone import TaskAlone
+from jtik._step.distant_target import is_distant
 from jtik._step.inputs import Inputs, Settings
 from jtik._step.stopping import Code
 from jtik._step.symbolic_problem import SymbolicProblem
@@ -28,6 +29,12 @@ from jtik.types import Array
 
 FALLS = 1e-2
 """|J' r| / (|J| |r|) above which the error would fall without the criterion: no minimum of the error is near."""
+
+FLAT_OUT_OF_REACH = 1e-3
+"""|J' r| / (|J| |r|) below which a distant target counts as approached as far as it can be."""
+
+LARGER = 3.0
+"""How much larger the gradient has to be with the joints at limits than without them to be that of the limits."""
 
 
 class Inspector:
@@ -198,13 +205,16 @@ class Inspector:
         if code is Code.COMPROMISE:  # of task and criterion, but that is not what keeps the task from its target
             if self._task_alone.reaches(found, q, inputs.target) is not None:
                 return Status.LIMITS
-        elif of_free > FLAT:
-            return Status.ITERATION_LIMIT if at_limit else Status.STALLED
-        elif of_all > FLAT:
-            return Status.LIMITS
-        lowest = self._lowest_curvature(q, inputs)[0]
+        distant = is_distant(self._problem, found.residual)
+        flat = FLAT_OUT_OF_REACH if distant else FLAT
+        if code is not Code.COMPROMISE:
+            if of_free > flat:
+                return Status.ITERATION_LIMIT if at_limit else Status.STALLED
+            if of_all > (max(FLAT, LARGER * of_free) if distant else FLAT):
+                return Status.LIMITS
+        lowest = self._lowest_curvature(q, inputs, flat)[0]
         # close to a minimum, an eigenvalue that is zero at the minimum can be as negative as the relative gradient
-        if lowest > -max(NEGATIVE, of_all):
+        if lowest > -max(NEGATIVE, of_all, flat if distant else 0):
             return Status.LOCAL_MINIMUM
         return Status.ITERATION_LIMIT if at_limit else Status.SINGULAR
 

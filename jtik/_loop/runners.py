@@ -78,6 +78,11 @@ class Runners:
         return self._strategy.respects_priority()
 
     @property
+    def acceleration(self) -> Array:
+        """Limits of acceleration (n,), infinite where there is none."""
+        return self._bounds.acceleration
+
+    @property
     def relaxation(self) -> RelaxationTerms:
         """What a step may relax."""
         return self.solve.fused.relaxation
@@ -90,9 +95,14 @@ class Runners:
     @cached_property
     def timed_step(self) -> tuple[Runner, StepBox]:
         """The runner of ``step(dt=)``, within a box on the step that it owns."""
+        inputs, box = self.timed_box
+        return self._started(self._runner(self._timed, inputs)), box
+
+    @cached_property
+    def timed_box(self) -> tuple[Inputs[Array], StepBox]:
+        """The inputs of ``step(dt=)``, with limits of their own, and the box that is written there."""
         inputs = self.step_inputs._replace(lower=self._bounds.lower.copy(), upper=self._bounds.upper.copy())
-        runner = self._runner(self._timed, inputs)
-        return self._started(runner), self._box(inputs, self._null_space_rate)
+        return inputs, self._box(inputs, self._null_space_rate)
 
     @cached_property
     def track(self) -> Runner:

@@ -83,13 +83,18 @@ class SaddleEscape:
         if self._problem.clearances:
             _ = self._clearances_hold
 
-    def lowest_curvature(self, q: Array, inputs: Inputs[Array]) -> tuple[float, Array, Array]:
+    def lowest_curvature(self, q: Array, inputs: Inputs[Array], flat: float = FLAT) -> tuple[float, Array, Array]:
         """The direction of most negative curvature of V that the limits allow.
 
         Joints inside their limits are considered first. Only where their lowest eigenvalue is not negative are joints
         at a limit considered as well that V does not push outward, each in the direction in which it can still move; a
         joint that V pushes outward would raise V to first order. Where V can fall to first order, the curvature
         returned is 0, because no escape is needed.
+
+        Args:
+            q: configuration, (nq,).
+            inputs: target, parameters and limits.
+            flat: |J' r| / (|J| |r|) up to which the error cannot fall to first order.
 
         Returns:
             v' (d2V/dv2) v relative to the largest eigenvalue; the unit direction v, (n,); and dH/dv, (n,).
@@ -103,7 +108,7 @@ class SaddleEscape:
             down[j], up[j] = q[i] > lower[i] + AT_LIMIT, q[i] < upper[i] - AT_LIMIT
         lowest, best = 0.0, np.zeros(n)
         outward = (~down & (gradient[:, 0] > 0)) | (~up & (gradient[:, 0] < 0))
-        stationary = np.linalg.norm(gradient[~outward]) <= FLAT * scale[0, 0]
+        stationary = np.linalg.norm(gradient[~outward]) <= flat * scale[0, 0]
         if not (np.isfinite(hessian).all() and stationary):
             return lowest, best, criterion[:, 0]
         values, vectors = np.linalg.eigh(hessian)
@@ -112,10 +117,10 @@ class SaddleEscape:
         if inside.any():
             inner_values, inner_vectors = np.linalg.eigh(hessian[np.ix_(inside, inside)])
             lowest, best[inside] = float(inner_values[0]), inner_vectors[:, 0]
-        flat = ~inside & (np.abs(gradient[:, 0]) <= FLAT * scale[0, 0])
-        if lowest <= -NEGATIVE or not flat.any():
+        unpushed = ~inside & (np.abs(gradient[:, 0]) <= flat * scale[0, 0])
+        if lowest <= -NEGATIVE or not unpushed.any():
             return lowest, best, criterion[:, 0]
-        fixed = ~inside & ~flat
+        fixed = ~inside & ~unpushed
         for start in vectors[:, values < 0].T:
             for sign in (1.0, -1.0):
                 v = _descend(hessian, sign * start, down & ~fixed, up & ~fixed)

@@ -9,9 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from jtik._step.symbolic_problem import SymbolicProblem
+from jtik.result.length import length
 from jtik.robot import Robot
 from jtik.robot.stroke import stroke
 from jtik.symbolic import Expression, diag, if_else, is_symbolic, ratio, sqrt, sumsqr, vertcat
+from jtik.types import Array
 
 REACH = 2.0
 """Distance above which a target is distant, relative to the size of the robot: no target within reach is."""
@@ -71,6 +73,12 @@ class NearerTarget:
     def weighted(self, rows: Expression) -> Expression:
         """A matrix (m, k) with its rows multiplied by the weights."""
         return diag(self.weights) @ rows if self.weights_differ else rows
+
+
+def is_distant(problem: SymbolicProblem, residual: Array) -> bool:
+    """Whether a residual (m,), of all rows together, is that of a distant target."""
+    rows = [row for row in range(problem.m) if problem.linear[row]]
+    return length(residual[rows]) > _largest(problem, range(problem.m), robot_size(problem.robot, problem.bounded))
 
 
 def _largest(problem: SymbolicProblem, rows: Sequence[int], size: float) -> float:

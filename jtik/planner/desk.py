@@ -12,6 +12,7 @@ from jtik.planner import edits_of_attempts as edits
 from jtik.planner.attempt import Attempt
 from jtik.planner.commit import check, commit
 from jtik.planner.compare import measure
+from jtik.planner.plan_file import Plan
 
 if TYPE_CHECKING:
     from jtik.planner.loop import Loop
@@ -43,7 +44,6 @@ class Desk:
     def __init__(self, loop: Loop) -> None:
         self.loop, self.arm = loop, loop.arm
         self._robot: Any = self.arm.robot
-        self._folder = tempfile.TemporaryDirectory(prefix="jtik-plan-")
 
     def measures(self, attempt: Attempt) -> Mapping[str, Any]:
         """The measures of an attempt by name."""
@@ -81,7 +81,20 @@ class Desk:
             return path.read_text(encoding="utf-8")
 
     def load_text(self, text: str, name: str = "plan.json") -> None:
-        """Go on from the text of a plan; what is wrong with it is told by a message."""
-        path = Path(self._folder.name) / (Path(name).name or "plan.json")
-        path.write_text(text, encoding="utf-8")
-        self.loop.submit(edits.LoadPlan(path=str(path)))
+        """Go on from the text of a plan.
+
+        Args:
+            text: what a file of a plan has in it.
+            name: name of that file, for messages.
+
+        Raises:
+            ArgumentError: for anything that is no plan, or one of another robot.
+        """
+        with tempfile.TemporaryDirectory(prefix="jtik-plan-") as folder:
+            path = Path(folder) / (Path(name).name or "plan.json")
+            path.write_text(text, encoding="utf-8")
+            try:
+                plan = Plan.load(path, self._robot)
+            except ArgumentError as error:
+                raise ArgumentError("plan", str(error.given).replace(str(path), path.name), error.accepted) from None
+        self.loop.submit(edits.TakePlan(plan))

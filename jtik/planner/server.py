@@ -259,7 +259,7 @@ class Server:
         sender = asyncio.create_task(_send(connection, outgoing))
         try:
             async for text in connection:
-                self._receive(connection, text, outgoing)
+                await self._receive(connection, text, outgoing)
         except ConnectionClosed:
             pass
         finally:
@@ -268,7 +268,7 @@ class Server:
                 self._steering = None
                 self._stop()
 
-    def _receive(self, connection: ServerConnection, text: str | bytes, outgoing: Outgoing) -> None:
+    async def _receive(self, connection: ServerConnection, text: str | bytes, outgoing: Outgoing) -> None:
         """Submit the edit that a message describes; one that describes none gets an answer."""
         try:
             given = json.loads(text)
@@ -277,7 +277,9 @@ class Server:
             if given.get("type") == "hello":
                 return
             if given.get("type") == "load_plan":
-                self._planner.load_text(str(given.get("text", "")), str(given.get("name", "plan.json")))
+                await asyncio.to_thread(
+                    self._planner.load_text, str(given.get("text", "")), str(given.get("name", "plan.json"))
+                )
                 return
             if given.get("edit") in ("save_plan", "load_plan"):
                 raise ArgumentError("message", given["edit"], "edits that name no file: a page saves by a download")

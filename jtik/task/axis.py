@@ -51,6 +51,10 @@ class AxisTask(PointingTask):
             raise ArgumentError("target", target, accepted)
         return direction / length
 
+    def held_target(self, kinematics: Kinematics) -> Expression:
+        """The direction of the axis."""
+        return (kinematics.rotation(self.frame) @ self.axis)[: kinematics.robot.dimension]
+
     def direction(self, kinematics: Kinematics, target: Expression) -> Expression:
         """The target direction."""
         return target

@@ -77,6 +77,13 @@ class Task(ABC):
         """
         return None
 
+    def held_target(self, kinematics: Kinematics) -> Expression | None:
+        """The numbers of the target that ``kinematics.q`` meets exactly, (target_size, 1).
+
+        None, the default, where the task does not say. `InverseKinematics.jog` then keeps the error as it is.
+        """
+        return None
+
     def frames(self, robot: Robot) -> tuple[str, ...]:
         """The frames on which the error depends; empty where the joints are read from the error itself."""
         return ()

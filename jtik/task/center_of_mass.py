@@ -78,6 +78,10 @@ class CenterOfMassTask(WeightedTask):
         point[rows] = numbers
         return point
 
+    def held_target(self, kinematics: Kinematics) -> Expression:
+        """The centre of mass."""
+        return kinematics.center_of_mass()
+
     def rows(self, kinematics: Kinematics, target: Expression) -> TaskRows:
         """One row for each axis that is kept."""
         rows = self._kept(kinematics.robot)

@@ -107,6 +107,12 @@ class PlacementTask(WeightedTask):
         """The orientation of a pose given to a position task, the position of a pose given to an orientation task."""
         return unused_part(target, self.target_kind)
 
+    def held_target(self, kinematics: Kinematics) -> Expression:
+        """The placement itself, as the numbers of a target."""
+        R, p = self.placement(kinematics)
+        turn = atan2(R[1, 0], R[0, 0]) if kinematics.robot.dimension == 2 else reshape(R, 9, 1)
+        return {"position": p, "orientation": turn, "pose": vertcat(p, turn)}[self.target_kind]
+
     def rows(self, kinematics: Kinematics, target: Expression) -> TaskRows:
         """Position rows in the axes of the target's frame of reference, orientation rows in the axes of the target.
 

@@ -142,6 +142,16 @@ class TaskStack:
         levels = tuple(tuple(rows_of[priority]) for priority in sorted(rows_of))
         return StackRows(vertcat(*errors), tuple(linear), vertcat(*jacobians), levels)
 
+    def held_target(self, kinematics: Kinematics, target: Expression) -> Expression:
+        """The numbers of the targets that ``kinematics.q`` meets; those of ``target`` for tasks that do not say."""
+        start, held = 0, []
+        for task in self.tasks:
+            size = task.target_size(self.robot)
+            own = task.held_target(kinematics)
+            held.append(target[start : start + size] if own is None else own)
+            start += size
+        return vertcat(*held)
+
     @cached_property
     def row_indices(self) -> dict[str, tuple[int, ...]]:
         """The indices of the rows of each task, by name."""

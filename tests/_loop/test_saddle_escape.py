@@ -216,3 +216,40 @@ def test_a_clearance_can_forbid_every_escape():
     assert solution.escapes == 0
     assert solution.q == pytest.approx(STRAIGHT, abs=1e-9)
     assert not solution.converged
+
+
+class TestAnErrorThatNoMotionChanges:
+    """A straight arm that moves in a plane, its target on its line and at a height that no motion changes.
+
+    The height adds to V, not to its Hessian: the fall along the escape is found while it is above 1e-12 of V.
+    """
+
+    HEIGHTS = (0.0, 1e3, 3e5, 3e6, 1e8)
+
+    @staticmethod
+    def arm():
+        return jtik.Robot.from_dh([{"a": 1.0, "alpha": 0.0, "d": 0.0, "theta": 0.0}] * 4)
+
+    @staticmethod
+    def expected_fall(robot):
+        """V(0) - V(z / 2) of the arm in its plane, z the lowest eigenvector of the Hessian by differences."""
+
+        def V(q):
+            return float(np.sum((planar_points(q)[-1] - (2.0, 0.0)) ** 2)) / 2
+
+        h, unit = 1e-3, np.eye(4)
+        pairs = [[V(h * (a + b)) - V(h * a) - V(h * b) + V(0 * a) for b in unit] for a in unit]
+        z = np.linalg.eigh(np.array(pairs))[1][:, 0]
+        return V(0 * z) - V(z / 2)
+
+    @pytest.mark.parametrize("height", HEIGHTS)
+    def test_the_escape_is_found_while_the_fall_is_above_rounding_of_V(self, height):
+        robot = self.arm()
+        ik = jtik.InverseKinematics(robot, jtik.FrameTask(robot.tip))
+        visible = self.expected_fall(robot) > 1e-12 * (4 + height**2) / 2
+        assert visible == (height < 1e6)
+        solution = ik.solve([2.0, 0.0, height], q0=STRAIGHT, max_iterations=5)
+        assert (solution.escapes > 0) == visible
+        if not visible:
+            assert solution.status is jtik.Status.SINGULAR
+            assert solution.q.tolist() == STRAIGHT.tolist()

@@ -106,6 +106,40 @@ def test_a_spatial_arm(strategy, kind, factor):
             assert np.linalg.norm(robot.position(solution.q) - again) < 1e-3 * 0.95
 
 
+POSES = [name for name in jtik.strategies if name not in ELSEWHERE]
+
+
+@pytest.mark.parametrize("factor", [100.0, 1e3, 1e4, 1e5])
+@pytest.mark.parametrize("strategy", large_ones_slow(POSES))
+def test_a_pose_is_said_to_be_out_of_reach_while_its_orientation_converges(strategy, factor):
+    """V hardly depends on the orientation there, and the position has long arrived: within 1e-3 of the reach."""
+    robot = jtik.Robot.builtin("ur5")
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask(kind="pose"), strategy=strategy)
+    rng = np.random.default_rng(2)
+    for _ in range(2):
+        q0, direction = robot.random_configuration(rng), rng.normal(size=3)
+        target = robot.pose(robot.random_configuration(rng))
+        target[:3, 3] = factor * direction / np.linalg.norm(direction)
+        solution = ik.solve(target, q0=q0)
+        assert solution.status in (jtik.Status.LOCAL_MINIMUM, jtik.Status.LIMITS)
+        missed = np.linalg.norm(robot.position(solution.q) - closest(robot, target[:3, 3], solution.q))
+        if factor >= 1e4:  # nearer, the orientation has a weight in where the position ends
+            assert missed < 1e-3 * 0.95
+
+
+def test_early_ends_and_folded_arms_are_not_called_out_of_reach():
+    """The position is on its way, or at a saddle point: a status of a distant target is of first and second order."""
+    robot = jtik.Robot.builtin("ur5")
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask(kind="pose"))
+    target = robot.pose(robot.home)
+    target[:3, 3] = 1e4 * np.array([0.6, -0.5, 0.4])
+    early = ik.solve(target, max_iterations=5)
+    assert early.status is jtik.Status.ITERATION_LIMIT
+    folded = np.array([0.0, math.pi, 0.0, 0.0])
+    solver = solver_of("hybrid")
+    assert solver.solve((-4e4, 0.0), q0=folded, max_iterations=0).status is not jtik.Status.LOCAL_MINIMUM
+
+
 @pytest.mark.parametrize("strategy", ["hybrid", "newton", "damped_constant", "task_priority", "transpose"])
 def test_a_solve_that_says_stalled_is_not_at_a_stationary_point(strategy):
     """SciPy goes on from there, as far as rounding allows to see."""

@@ -224,7 +224,11 @@ def test_two_browsers_see_the_same(page, open_page, planner):
     wait_for(lambda: other.js("() => planner.state.frame.position[1]") < planner.loop.frame.position[1] + 1)
     page.keyboard.up("KeyS")
     wait_for(lambda: is_still(planner))
-    wait_for(lambda: np.allclose(other.js("() => [...planner.state.frame.position]")[:2], planner.loop.frame.position, atol=1e-4))
+    wait_for(
+        lambda: np.allclose(
+            other.js("() => [...planner.state.frame.position]")[:2], planner.loop.frame.position, atol=1e-4
+        )
+    )
     other.close()
     wait_for(lambda: page.text("#link") == "connected")
 
@@ -275,7 +279,9 @@ def test_nothing_is_cut_off_at_any_width(page, width):
     page.set_viewport_size({"width": width, "height": 900})
     time.sleep(0.3)
     assert page.js("() => document.documentElement.scrollWidth <= innerWidth")
-    assert page.js("() => [...document.querySelectorAll('.transport, .bar')].every((row) => row.scrollWidth <= row.clientWidth)")
+    assert page.js(
+        "() => [...document.querySelectorAll('.transport, .bar')].every((row) => row.scrollWidth <= row.clientWidth)"
+    )
     view = page.box("#view")
     assert view["width"] > 450
     assert view["height"] > 300

@@ -85,7 +85,8 @@ def test_the_page_needs_nothing_from_elsewhere(server):
 
 
 @pytest.mark.parametrize(
-    "path", ["/../server.py", "/..%2fserver.py", "/page/../../server.py", "//etc/passwd", "/style.css/", "/none.js", "/%00"]
+    "path",
+    ["/../server.py", "/..%2fserver.py", "/page/../../server.py", "//etc/passwd", "/style.css/", "/none.js", "/%00"],
 )
 def test_no_other_file_is_served(server, path):
     status, body, _ = get(server.port, path)
@@ -93,7 +94,9 @@ def test_no_other_file_is_served(server, path):
     assert b"import" not in body
 
 
-@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1", "http://localhost.evil.example"])
+@pytest.mark.parametrize(
+    "origin", ["http://evil.example", "null", "http://127.0.0.1:1", "http://localhost.evil.example"]
+)
 def test_a_foreign_page_may_not_open_the_socket(server, origin):
     with pytest.raises(InvalidStatus) as refused, join(server, origin):
         pass
@@ -190,7 +193,9 @@ def test_only_the_sender_is_told_of_its_mistake(server):
     with join(server) as one, join(server) as other:
         one.send("nonsense")
         assert texts(one, "message")["level"] == "error"
-        kinds = [json.loads(each)["type"] for each in (other.recv(timeout=10) for _ in range(12)) if isinstance(each, str)]
+        kinds = [
+            json.loads(each)["type"] for each in (other.recv(timeout=10) for _ in range(12)) if isinstance(each, str)
+        ]
         assert "message" not in kinds
 
 
