@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
     from jtik.planner.desk import Desk
     from jtik.planner.server import PORT, Server, check_port
 
-    check_port(PORT if arguments.port is None else arguments.port)
+    port = check_port(PORT if arguments.port is None else arguments.port)
     robot = None if arguments.robot is None else read_robot(arguments.robot)
     scene = None if arguments.scene is None else Scene.load(Path(arguments.scene))
     chosen = {} if arguments.criterion is None else {"criteria": arguments.criterion}
@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
         folder=arguments.folder,
         **chosen,
     )
-    server = Server(Desk(planner.loop), port=PORT if arguments.port is None else arguments.port)
+    server = Server(Desk(planner.loop), port=port)
 
     def ready() -> None:
         print(f"the planner is at {server.url} (Ctrl-C ends it)", flush=True)

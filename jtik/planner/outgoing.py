@@ -9,6 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from jtik.planner.frames import Frame, plain
+from jtik.planner.sessions import Session
 
 MODES = ("live", "playing", "scrubbing", "paused")
 """Modes of a frame, in the order of their numbers in a binary message."""
@@ -32,6 +33,10 @@ class Published(Protocol):
     @property
     def settings(self) -> Any:
         """What is set."""
+
+    @property
+    def sessions(self) -> tuple[Session, ...]:
+        """Former sessions that can be recovered."""
 
     @property
     def messages(self) -> Iterable[tuple[int, str, str]]:
@@ -65,6 +70,10 @@ class Outgoing:
             if value is not self._sent.get(kind):
                 self._sent[kind] = value
                 yield _text(kind, value.to_json())
+        former = loop.sessions
+        if former is not self._sent.get("sessions"):
+            self._sent["sessions"] = former
+            yield _text("sessions", {"sessions": [{"name": each.folder.name, "ended": each.ended} for each in former]})
         rows = self._rows()
         if rows is not self._sent.get("attempts"):
             self._sent["attempts"] = rows

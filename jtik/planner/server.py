@@ -8,6 +8,8 @@ import http
 import json
 import logging
 import mimetypes
+import os
+import socket
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -34,6 +36,9 @@ PORT = 8731
 
 PAGE = Path(__file__).with_name("page")
 """Folder of the page's files."""
+
+HOST = "127.0.0.1"
+"""Address that the server listens on: no other machine reaches it."""
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 """Names that this machine has for itself. A request that names another host was led here by a foreign page."""
@@ -88,21 +93,42 @@ class Running(Published, Protocol):
     def history(self) -> History:
         """The attempts."""
 
-    def submit(self, edit: edits.Edit) -> None:
-        """Hand an edit to the loop."""
+    def submit(self, edit: edits.Edit) -> bool:
+        """Hand an edit to the loop; False where too many wait."""
 
 
 class PortInUseError(JtikError):
-    """The port is in use by another program."""
+    """The port cannot be opened: another program uses it."""
 
 
 def check_port(port: object) -> int:
-    """The number of a port. Raises ArgumentError for anything else."""
+    """The number of a port that is free.
+
+    Raises:
+        ArgumentError: when it is no number of a port.
+        PortInUseError: when it is taken.
+    """
+    number = _port(port)
+    with socket.socket() as trial:
+        if os.name == "posix":  # a port whose last connections are still closing is free
+            trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            trial.bind((HOST, number))
+        except OSError as error:
+            raise _in_use(number) from error
+    return number
+
+
+def _port(port: object) -> int:
     accepted = "a number from 0 to 65535"
     number = integer("port", port, accepted=accepted)
     if number > 65535:
         raise ArgumentError("port", port, accepted)
     return number
+
+
+def _in_use(port: int) -> PortInUseError:
+    return PortInUseError(f"port {port} cannot be opened; accepted: a free one, by --port (0: any)")
 
 
 class Server:
@@ -126,7 +152,7 @@ class Server:
         except ImportError as error:
             raise MissingExtraError("websockets", "planner", "the planner's page") from error
         self._planner = planner
-        self.port = check_port(port)
+        self.port = _port(port)
         self._steering: object = None
         self._table = AttemptRows(planner.arm, planner.measures)
         self._rows: tuple[Row, ...] = ()
@@ -136,7 +162,7 @@ class Server:
     @property
     def url(self) -> str:
         """Address of the page."""
-        return f"http://127.0.0.1:{self.port}/"
+        return f"http://{HOST}:{self.port}/"
 
     async def serve(self, ready: Callable[[], None] = lambda: None) -> None:
         """Serve until the task is cancelled; ``ready`` is called once the port is open."""
@@ -148,7 +174,7 @@ class Server:
         try:
             server = await serve(
                 self._talk,
-                "127.0.0.1",
+                HOST,
                 self.port,
                 process_request=self._answer,
                 max_size=MAX_MESSAGE,
@@ -158,7 +184,7 @@ class Server:
                 close_timeout=1,
             )
         except OSError as error:
-            raise PortInUseError(f"port {self.port} is in use; accepted: a free one, by --port (0: any)") from error
+            raise _in_use(self.port) from error
         async with server:
             self.port = next(iter(server.sockets)).getsockname()[1]
             ready()

@@ -105,6 +105,19 @@ on("message", ({ level, text }) => {
   setTimeout(() => note.remove(), level === "info" ? 5000 : 12000);
 });
 
+// Sessions that were not ended: the latest is offered.
+on("sessions", ([latest]) => {
+  const offer = byId("offer");
+  offer.hidden = latest === undefined;
+  if (!latest) return;
+  const ended = new Date(1000 * latest.ended).toLocaleString();
+  offer.replaceChildren(
+    el("span", {}, `A session was not ended. Last written: ${ended}.`),
+    el("button", { class: "primary", onclick: () => { send("recover", { session: latest.name }); offer.hidden = true; } }, "Recover it"),
+    el("button", { onclick: () => (offer.hidden = true) }, "Not now"),
+  );
+});
+
 listen(host, () => view, {
   Space: actions.play,
   KeyR: actions.record,

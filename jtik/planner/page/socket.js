@@ -53,6 +53,8 @@ function readText(document) {
     if (!names.includes(state.attempt)) state.attempt = names.at(-1) ?? null;
     for (const name of state.overlays) if (!names.includes(name)) state.overlays.delete(name);
     emit("attempts");
+  } else if (document.type === "sessions") {
+    emit("sessions", document.sessions);
   } else if (document.type === "message") {
     emit("message", document);
   }

@@ -7,6 +7,8 @@ import time
 import numpy as np
 import pytest
 
+from .waiting import is_still, wait_for
+
 pytestmark = [pytest.mark.browser, pytest.mark.xdist_group("browser")]
 
 GAMEPAD = """() => {
@@ -15,21 +17,8 @@ GAMEPAD = """() => {
 }"""
 
 
-def wait_for(condition, seconds=15.0):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it did not come about"
-        time.sleep(0.03)
-
-
 def tip(planner):
     return planner.arm.robot.position(planner.loop.frame.q)
-
-
-def is_still(planner, seconds=0.15):
-    before = planner.loop.frame.position.copy()
-    time.sleep(seconds)
-    return np.array_equal(before, planner.loop.frame.position)
 
 
 def at_rest(planner):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import http.client
 import json
-import time
 
 import numpy as np
 import pytest
@@ -13,6 +12,8 @@ from websockets.sync.client import connect
 
 from jtik.planner.outgoing import MODES
 from jtik.planner.server import FILES, PAGE, PortInUseError, Server
+
+from .waiting import is_still, wait_for
 
 
 def get(port, path, **headers):
@@ -50,20 +51,6 @@ def frame(socket):
     rest = numbers[8:]
     assert len(rest) == 7 + nq + 7 * count
     return head, rest[:7], rest[7 : 7 + nq], rest[7 + nq :].reshape(count, 7)
-
-
-def wait_for(condition, seconds=10.0):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it did not come about"
-        time.sleep(0.02)
-
-
-def still(planner):
-    """Whether the target stands still for a tenth of a second."""
-    before = planner.loop.frame.position.copy()
-    time.sleep(0.1)
-    return np.array_equal(before, planner.loop.frame.position)
 
 
 @pytest.mark.parametrize("name", sorted(FILES))
@@ -150,7 +137,7 @@ def test_an_edit_moves_the_target_and_the_arm(server, planner):
 
 def test_nothing_is_sent_twice(server, planner):
     with join(server) as socket:
-        wait_for(lambda: still(planner))
+        wait_for(lambda: is_still(planner))
         texts(socket, "status", 3)
         seen = []
         while len(seen) < 12:
@@ -204,7 +191,7 @@ def test_a_page_that_is_gone_with_a_key_down_stops_the_target(server, planner):
         before = planner.loop.frame.position.copy()
         socket.send(json.dumps({"edit": "hold_target", "velocity": [0.2, 0.0]}))
         wait_for(lambda: planner.loop.frame.position[0] > before[0] + 0.02)
-    wait_for(lambda: still(planner))
+    wait_for(lambda: is_still(planner))
 
 
 def test_a_page_that_is_gone_in_mid_drag_stops_the_target(server, planner):
@@ -212,7 +199,7 @@ def test_a_page_that_is_gone_in_mid_drag_stops_the_target(server, planner):
     with join(server) as socket:
         socket.send(json.dumps({"edit": "move_target", "position": [-9.0, 0.0]}))
         wait_for(lambda: not np.allclose(planner.loop.frame.position, start, atol=0.02))
-    wait_for(lambda: still(planner))
+    wait_for(lambda: is_still(planner))
     assert np.linalg.norm(planner.loop.frame.position - [-9.0, 0.0]) > 1.0
 
 
@@ -225,7 +212,7 @@ def test_a_page_that_only_looks_stops_nothing_when_it_is_gone(server, planner):
             wait_for(lambda: planner.loop.frame.position[1] > before[1] + 0.01)
         here = planner.loop.frame.position[1]
         wait_for(lambda: planner.loop.frame.position[1] > here + 0.03)
-    wait_for(lambda: still(planner))
+    wait_for(lambda: is_still(planner))
 
 
 def test_a_page_that_reads_nothing_gets_the_newest_frame_and_holds_up_nobody(server, planner):
@@ -234,13 +221,13 @@ def test_a_page_that_reads_nothing_gets_the_newest_frame_and_holds_up_nobody(ser
         for _ in range(200):
             frame(quick)
         quick.send(json.dumps({"edit": "hold_target", "velocity": [0.0, 0.0]}))
-        wait_for(lambda: still(planner))
+        wait_for(lambda: is_still(planner))
         target = planner.loop.frame.position
         wait_for(lambda: np.allclose(frame(slow)[1][:2], target, atol=1e-5))
 
 
 def test_a_port_in_use_is_told(server, planner):
-    with pytest.raises(PortInUseError, match=f"port {server.port} is in use"):
+    with pytest.raises(PortInUseError, match=f"port {server.port} cannot be opened"):
         Server(planner, port=server.port).start()
 
 
