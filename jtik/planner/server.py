@@ -7,12 +7,10 @@ import contextlib
 import http
 import json
 import logging
-import mimetypes
 import os
 import socket
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Protocol
 from urllib.parse import unquote, urlsplit
@@ -22,6 +20,7 @@ from jtik.errors import ArgumentError, JtikError, MissingExtraError
 from jtik.planner import edits
 from jtik.planner.attempt_rows import AttemptRows, Row
 from jtik.planner.outgoing import Outgoing, Published
+from jtik.planner.web import FILES, KINDS, file, is_foreign, response
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
@@ -34,14 +33,8 @@ if TYPE_CHECKING:
 PORT = 8731
 """Port when none is given."""
 
-PAGE = Path(__file__).with_name("page")
-"""Folder of the page's files."""
-
 HOST = "127.0.0.1"
 """Address that the server listens on: no other machine reaches it."""
-
-LOOPBACK = ("127.0.0.1", "localhost", "::1")
-"""Names that this machine has for itself. A request that names another host was led here by a foreign page."""
 
 POLL = 1 / 240
 """Period in which a connection looks for what is new [s]."""
@@ -250,10 +243,8 @@ class Server:
         """The answer to a request; None lets the socket open."""
         path = unquote(urlsplit(request.path).path)
         host, origin = request.headers.get("Host", ""), request.headers.get("Origin")
-        own = {f"http://{host}", f"https://{host}"}
-        foreign = urlsplit(f"//{host}").hostname not in LOOPBACK or (origin is not None and origin not in own)
-        if foreign or (path == "/socket" and origin is None):
-            return _response(http.HTTPStatus.FORBIDDEN, b"This page may not open the planner.\n", "text/plain")
+        if is_foreign(host, origin) or (path == "/socket" and origin is None):
+            return response(http.HTTPStatus.FORBIDDEN, b"This page may not open the planner.\n", "text/plain")
         if path == "/socket":
             return None
         return await asyncio.to_thread(self._document, path)
@@ -262,20 +253,20 @@ class Server:
         """A file of the page, or what is made on demand: a check, an export, the plan."""
         place = FILES.get(path)
         if place is not None:
-            return _response(http.HTTPStatus.OK, place.read_bytes(), KINDS[place.suffix])
+            return response(http.HTTPStatus.OK, place.read_bytes(), KINDS[place.suffix])
         try:
             if path == "/plan.json":
-                return _file(self._planner.plan_text().encode(), "plan.json")
+                return file(self._planner.plan_text().encode(), "plan.json")
             if path.startswith("/check/"):
                 found = self._planner.findings(self._planner.loop.history[path.removeprefix("/check/")])
-                return _response(http.HTTPStatus.OK, json.dumps(list(found)).encode(), "application/json")
+                return response(http.HTTPStatus.OK, json.dumps(list(found)).encode(), "application/json")
             if path.startswith("/export/"):
                 kind, _, name = path.removeprefix("/export/").partition("/")
                 body = self._planner.exported(self._planner.loop.history[name], kind)
-                return _file(body, f"{name.replace(' ', '_')}.{kind}")
+                return file(body, f"{name}.{kind}")
         except (JtikError, OSError) as error:
-            return _response(http.HTTPStatus.BAD_REQUEST, f"{error}\n".encode(), "text/plain")
-        return _response(http.HTTPStatus.NOT_FOUND, b"There is nothing at this address.\n", "text/plain")
+            return response(http.HTTPStatus.BAD_REQUEST, f"{error}\n".encode(), "text/plain")
+        return response(http.HTTPStatus.NOT_FOUND, b"There is nothing at this address.\n", "text/plain")
 
     async def _talk(self, connection: ServerConnection) -> None:
         """Serve one page: send what is new, submit its edits, and stop what it steered when it is gone."""
@@ -332,36 +323,3 @@ async def _send(connection: ServerConnection, outgoing: Outgoing) -> None:
             for message in outgoing.news():
                 await connection.send(message)
             await asyncio.sleep(POLL)
-
-
-def _response(status: http.HTTPStatus, body: bytes, kind: str, **more: str) -> Response:
-    from websockets.datastructures import Headers
-    from websockets.http11 import Response
-
-    text = kind.startswith(("text/", "application/json"))
-    headers = {
-        "Content-Type": f"{kind}; charset=utf-8" if text else kind,
-        "Content-Length": str(len(body)),
-        "Cache-Control": "no-cache",
-        "Connection": "close",
-        "X-Content-Type-Options": "nosniff",
-        "Cross-Origin-Resource-Policy": "same-origin",
-        "Content-Security-Policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; "
-        "frame-ancestors 'self' http://localhost:* http://127.0.0.1:*",
-        **more,
-    }
-    return Response(status.value, status.phrase, Headers(headers), body)
-
-
-def _file(body: bytes, name: str) -> Response:
-    kind = mimetypes.guess_type(name)[0] or "application/octet-stream"
-    named = {"Content-Disposition": f'attachment; filename="{name}"'}
-    return _response(http.HTTPStatus.OK, body, kind, **named)
-
-
-KINDS = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
-"""Types of the page's files by their suffix."""
-
-FILES = {f"/{path.name}": path for path in PAGE.iterdir() if path.suffix in KINDS}
-"""The files that are served, by their address: no other file can be asked for."""
-FILES["/"] = FILES["/index.html"]

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import http.client
 import json
+import re
 
 import numpy as np
 import pytest
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
+import jtik
+from jtik.planner import Planner
 from jtik.planner.outgoing import MODES
-from jtik.planner.server import FILES, PAGE, PortInUseError, Server
+from jtik.planner.server import PortInUseError, Server
+from jtik.planner.web import FILES, PAGE
 
 from .waiting import is_still, wait_for
 
@@ -244,3 +248,14 @@ def test_a_server_that_is_closed_can_be_closed_again(planner):
     server.close()
     with pytest.raises(ConnectionRefusedError):
         get(server.port, "/")
+
+
+def test_a_planner_shows_itself_in_a_notebook():
+    with Planner(jtik.Robot.planar(3), folder=False) as planner:
+        html = planner._repr_html_()
+        url = re.search(r'src="(http://127\.0\.0\.1:\d+/)"', html)[1]
+        port = int(url.split(":")[2].rstrip("/"))
+        assert get(port, "/")[0] == 200
+        assert planner._repr_html_() == html, "one server for all cells"
+    with pytest.raises(ConnectionRefusedError):
+        get(port, "/")
