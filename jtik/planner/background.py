@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from jtik.arguments import instance
 from jtik.errors import ArgumentError, JtikError, UnknownNameError
 from jtik.geometry import Scene
 from jtik.planner import edits_of_attempts as edits
@@ -49,6 +50,7 @@ class Background:
             edits.SavePlan: self._save,
             edits.LoadPlan: self._load,
             edits.Recover: self._recover,
+            edits.TakePlan: self._take_given,
         }
 
     @property
@@ -122,6 +124,10 @@ class Background:
             self._state.messages.tell("info", f"the session {edit.session} is recovered")
 
         self._begin("recover", done, recovered, folders[edit.session], self._state.arm.robot)
+
+    def _take_given(self, edit: edits.TakePlan) -> None:
+        self._take(instance("plan", edit.plan, Plan, "a Plan"))
+        self._state.messages.tell("info", "the plan is loaded")
 
     def _take(self, plan: Plan) -> None:
         """Take a plan in place of the present one."""

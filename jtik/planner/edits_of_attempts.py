@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from jtik.planner.edit_fields import Name, Names, Options
 from jtik.planner.edits import Edit
@@ -180,3 +181,14 @@ class Recover(Edit):
     """
 
     session: Name
+
+
+@dataclass(frozen=True)
+class TakePlan(Edit):
+    """Take a plan in place of the present one.
+
+    Attributes:
+        plan: the plan, a `jtik.planner.plan_file.Plan`.
+    """
+
+    plan: Any

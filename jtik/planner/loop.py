@@ -12,6 +12,7 @@ import numpy as np
 
 from jtik.errors import ArgumentError, JtikError
 from jtik.planner import edits, measure
+from jtik.planner.arm import Arm
 from jtik.planner.attempts import Attempts
 from jtik.planner.background import Background
 from jtik.planner.editing import Editor
@@ -19,6 +20,7 @@ from jtik.planner.frames import Frame, Message, Settings, Setup, StatusLine
 from jtik.planner.history import History
 from jtik.planner.inbox import Inbox
 from jtik.planner.journal import Journal
+from jtik.planner.plan_file import Plan
 from jtik.planner.publishing import settings_of, setup_of
 from jtik.planner.schedule import Schedule
 from jtik.planner.sessions import Session
@@ -113,6 +115,15 @@ class Loop:
     def sessions(self) -> tuple[Session, ...]:
         """Former sessions that can be recovered."""
         return self._background.sessions
+
+    @property
+    def arm(self) -> Arm:
+        """The robot as it is shown. Its compiled function is the loop's."""
+        return self._state.arm
+
+    def plan(self) -> Plan:
+        """The whole plan as it is, from any thread."""
+        return self._attempts.plan()
 
     def submit(self, edit: edits.Edit) -> bool:
         """Ask for an edit, from any thread; it is applied in the next period. False where too many wait."""

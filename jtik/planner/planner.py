@@ -7,7 +7,7 @@ import os
 import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor, ThreadPoolExecutor
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,6 +33,9 @@ from jtik.strategy import Strategy
 from jtik.task import FrameTask
 from jtik.task.reduction import reduced
 
+if TYPE_CHECKING:
+    from jtik.planner.server import Server
+
 CRITERIA = ("joint_centering", "obstacle_avoidance")
 """The criteria of the paper's Figure 2.2."""
 
@@ -41,6 +44,9 @@ SPEED = {JointType.PRISMATIC: 0.5}
 
 TURN = 2.0
 """Largest speed of a joint whose robot has none [rad/s]."""
+
+HEIGHT = 760
+"""Height of the page in a notebook [pixel]."""
 
 SAFE = 0.02
 """Smallest distance that the clearance allows, unless another one is set [m]."""
@@ -55,7 +61,7 @@ class Planner:
     once; another strategy, criterion or capacity is built in a worker while the present solver goes on::
 
         with jtik.planner.Planner() as planner:
-            planner.submit(MoveTarget((6.0, 1.0)))
+            planner.loop.submit(MoveTarget((6.0, 1.0)))
 
     Without a robot it is the ten-link arm in an obstacle field of the paper's Figure 2.2.
 
@@ -151,6 +157,7 @@ class Planner:
         self._executor = ThreadPoolExecutor(2, "jtik planner") if executor is None else executor
         self._own_executor = executor is None
         journal, former = _journal(folder, moving, messages)
+        self._server: Server | None = None
         self.loop = Loop(state, self._executor, clock=clock, dt=dt, journal=journal, sessions=former)
 
     def __enter__(self) -> Self:
@@ -164,8 +171,39 @@ class Planner:
         """Begin to move the arm, in a thread of its own."""
         self.loop.start()
 
+    def serve(self, port: int = 0) -> Server:
+        """Start, and serve the page of the planner on this machine, in a thread of its own.
+
+        Args:
+            port: the port; 0 for any free one.
+
+        Returns:
+            The server, whose ``url`` is the address of the page. `close` closes it.
+
+        Raises:
+            ArgumentError: for a number that is no port.
+            MissingExtraError: when websockets is not installed.
+            PortInUseError: when another program uses the port.
+        """
+        from jtik.planner.desk import Desk
+        from jtik.planner.server import Server
+
+        if self._server is None:
+            server = Server(Desk(self.loop), port=port)
+            self.start()
+            self._server = server.start()
+        return self._server
+
+    def _repr_html_(self) -> str:
+        """The page in a notebook, whose kernel is on this machine."""
+        url = self.serve().url
+        return f'<iframe src="{url}" width="100%" height="{HEIGHT}" style="border: 0" allow="gamepad"></iframe>'
+
     def close(self) -> None:
-        """End the thread and the session; what was recorded is kept."""
+        """End the page, the thread and the session; what was recorded is kept."""
+        if self._server is not None:
+            self._server.close()
+            self._server = None
         self.loop.close()
         if self._own_executor:
             self._executor.shutdown(wait=False, cancel_futures=True)
