@@ -53,7 +53,7 @@ def test_an_edit_is_the_same_after_json(data: dict) -> None:
 
 def test_every_edit_is_among_the_examples() -> None:
     assert edits_of_attempts.Record.kind in EDITS
-    assert {data["edit"] for data in EXAMPLES} == set(EDITS)
+    assert {data["edit"] for data in EXAMPLES} == set(EDITS) - {"take_plan"}  # whose plan is an object
 
 
 @pytest.mark.parametrize(
