@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jtik._loop.full_turns import TURN, FullTurns
+from jtik._loop.continuum import Continuum
 from jtik._step.stopping import Code
 from jtik.robot import Robot
 from jtik.types import Array
@@ -49,22 +49,28 @@ class Arrivals:
     """The distinct arrivals of one search (formulations/restarts.md).
 
     Two arrivals are one where no joint differs by more than `DISTINCT`, apart from whole turns of the joints that can
-    turn, or where the robot stays on target all the way from one to the other, as along the weak direction of a nearly
-    singular pose. Of these the one with the smaller cost is kept.
+    turn, where the robot stays on target all the straight way from one to the other, or where both are of the
+    continuum of a singular pose. Of these the one with the smaller cost is kept.
 
     Args:
         robot: the robot.
-        turns: the joints that can turn all the way round.
+        continuum: the continua of singular poses.
+        target: the numbers of the target.
         cost: of a configuration: the criterion, or without one the distance from where the search began.
         on_target: whether a configuration is on target.
     """
 
     def __init__(
-        self, robot: Robot, turns: FullTurns, cost: Callable[[Array], float], on_target: Callable[[Array], bool]
+        self,
+        robot: Robot,
+        continuum: Continuum,
+        target: Array,
+        *,
+        cost: Callable[[Array], float],
+        on_target: Callable[[Array], bool],
     ) -> None:
-        self._robot, self._cost, self._on_target = robot, cost, on_target
-        v_of_q = dict(zip(robot.scalar_q.tolist(), robot.scalar_v.tolist(), strict=True))
-        self._turning = [v_of_q[i] for i in turns.indices.tolist()]
+        self._robot, self._continuum, self._target = robot, continuum, target
+        self._cost, self._on_target = cost, on_target
         self.found: list[SearchResult] = []
 
     def add(self, arrival: SearchResult) -> None:
@@ -83,8 +89,9 @@ class Arrivals:
         return first._replace(iterations=iterations, escapes=escapes, restarts=restarts, alternatives=alternatives)
 
     def _is_one(self, q: Array, other: Array) -> bool:
-        v = np.array(self._robot.difference(q, other))
-        v[self._turning] -= TURN * np.rint(v[self._turning] / TURN)
+        v = self._continuum.way(q, other)
         if np.abs(v).max() <= DISTINCT:
             return True
-        return all(self._on_target(np.asarray(self._robot.integrate(q, share * v))) for share in BETWEEN)
+        if all(self._on_target(np.asarray(self._robot.integrate(q, share * v))) for share in BETWEEN):
+            return True
+        return self._continuum.leads(q, other, self._target, DISTINCT, self._on_target)

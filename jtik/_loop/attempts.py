@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik._loop.continuum import Continuum
 from jtik._loop.criterion_escape import Escapes
 from jtik._loop.full_turns import FullTurns
 from jtik._loop.runner import Runner
@@ -48,11 +49,15 @@ class Attempts:
         escapes: from saddle points of the error and of the criterion.
         turns: the joints that can turn all the way round.
         inputs: the inputs of a search, in which the limits of these joints are infinite.
+
+    Attributes:
+        continuum: the continua of singular poses on target.
     """
 
     def __init__(self, problem: SymbolicProblem, escapes: Escapes, turns: FullTurns, inputs: Inputs[Array]) -> None:
         self._problem, self._escapes, self._turns, self._inputs = problem, escapes, turns, inputs
         self._linear = np.array(problem.linear, dtype=bool)
+        self.continuum = Continuum(problem, turns)
 
     @cached_property
     def _criterion(self) -> CompiledFunction:

@@ -202,9 +202,9 @@ class Inspector:
             return Status.PRIORITIES
         if code is Code.COMPROMISE and of_free > FALLS:
             return Status.COMPROMISE
-        if code is Code.COMPROMISE:  # of task and criterion, but that is not what keeps the task from its target
-            if self._task_alone.reaches(found, q, inputs.target) is not None:
-                return Status.LIMITS
+        # of task and criterion, but that is not what keeps the task from its target
+        if code is Code.COMPROMISE and self._task_alone.reaches(found, q, inputs.target) is not None:
+            return Status.LIMITS
         distant = is_distant(self._problem, found.residual)
         flat = FLAT_OUT_OF_REACH if distant else FLAT
         if code is not Code.COMPROMISE:

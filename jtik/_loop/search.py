@@ -78,7 +78,7 @@ class Search:
     ) -> None:
         self._robot, self._attempts, self._turns, self._inputs = robot, attempts, turns, inputs
         self._has_criterion, self._by_level = has_criterion, by_level
-        self._restarts = RestartConfigurations(robot)
+        self._restarts, self._continuum = RestartConfigurations(robot), attempts.continuum
         self.native: NativeSearch | None = None
 
     def find(
@@ -191,7 +191,8 @@ class Search:
         def distance(q: Array) -> float:
             return float(np.linalg.norm(robot.difference(q0, q)))
 
-        return Arrivals(robot, self._turns, attempts.criterion if self._has_criterion else distance, attempts.on_target)
+        cost = attempts.criterion if self._has_criterion else distance
+        return Arrivals(robot, self._continuum, self._inputs.target, cost=cost, on_target=attempts.on_target)
 
     def _starts(
         self, number: int, options: SearchOptions, q0: Array, jump: Jump | None

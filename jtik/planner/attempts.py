@@ -13,7 +13,7 @@ from jtik.geometry import Scene
 from jtik.planner import edits_of_attempts as edits
 from jtik.planner.attempt import Attempt
 from jtik.planner.editing import Editor
-from jtik.planner.edits import Edit
+from jtik.planner.edits import Edit, Jog
 from jtik.planner.frames import Mode
 from jtik.planner.history import History
 from jtik.planner.journal import Journal
@@ -214,7 +214,7 @@ class Attempts:
         attempt = self.history[name]
         self.stop()
         self._state.target.stop()
-        self._state.jog = (0.0, None)
+        self._state.jog = Jog(0.0)
         self._shown, self.mode = (attempt, min(time, attempt.duration)), mode
 
     def _play(self, edit: edits.Play) -> None:

@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from jtik.arguments import positive_number
 from jtik.constraints.motion_bound import MotionBound
 from jtik.robot import Robot
 from jtik.study.path_metrics import displacements
@@ -92,7 +91,6 @@ class Distances:
             parameters: values of the measure's parameters, by default those that it was made with.
             accuracy: how far the distance found may be above the smallest one [m].
         """
-        accuracy = positive_number("accuracy", accuracy, "a positive length [m]")
         if not self._width:
             return Smallest()
         values = [_matrix(value) for value in (self._given if parameters is None else parameters).values()]

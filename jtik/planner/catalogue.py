@@ -108,7 +108,6 @@ class Criteria:
 
     Args:
         given: criteria by name, beside the registered ones.
-        made: arguments of registered criteria that take obstacles, such as ``bodies``, by name.
     """
 
     def __init__(self, given: Mapping[str, Criterion] | None = None) -> None:
@@ -145,6 +144,10 @@ class Criteria:
         """
         if name in self._given:
             return self._given[name]
+        return self.registered(name, obstacles)
+
+    def registered(self, name: str, obstacles: Mapping[str, Any]) -> Criterion:
+        """The registered criterion of a name; arguments and errors as of `make`."""
         if name not in criteria:
             raise UnknownNameError("criterion", name, self.names())
         kind: Any = criteria[name]

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from jtik.arguments import non_negative_number
+from jtik.arguments import instance, non_negative_number
 from jtik.constraints import Limits
 from jtik.errors import ArgumentError
+from jtik.geometry import Scene
 from jtik.planner.attempt import Attempt
 from jtik.planner.between import ACCURACY
 from jtik.planner.clearances import smallest
@@ -56,7 +57,7 @@ def check(
     robot: Robot,
     *,
     limits: Limits | None = None,
-    scene: Mapping[str, Any] | None = None,
+    scene: Scene | Mapping[str, Any] | None = None,
     safe: float = 0.0,
     bodies: str | None = None,
     accuracy: float = ACCURACY,
@@ -70,7 +71,7 @@ def check(
         motion: an attempt, or joint commands.
         robot: the robot.
         limits: which limits hold; the robot's own positions and velocities by default.
-        scene: the obstacles, a dict of `jtik.Scene.to_dict`; by default those of the attempt when it ended.
+        scene: the obstacles, a `jtik.Scene` or its dict; by default those of the attempt when it ended.
         safe: smallest distance allowed of any body to any obstacle [m].
         bodies: what may not come close to obstacles; by default "shapes" on a robot that has any, else "links".
         accuracy: how far the distance found may be above the smallest one [m].
@@ -78,11 +79,14 @@ def check(
     Raises:
         ArgumentError: for an argument that cannot be used.
     """
+    instance("motion", motion, (Attempt, JointCommands), "an Attempt, or JointCommands")
+    instance("robot", robot, Robot, "a jtik.Robot")
+    given = Limits() if limits is None else instance("limits", limits, Limits, "a jtik.Limits, or None")
     safe = non_negative_number("safe", safe, "a non-negative distance [m]")
-    bounds = (Limits() if limits is None else limits).of(robot)
+    bounds = given.of(robot)
     if motion.configurations.shape[1] != robot.nq:
-        given = f"a motion of {motion.configurations.shape[1]} numbers a configuration"
-        raise ArgumentError("motion", given, f"one of {robot!r}")
+        width = f"configurations of {motion.configurations.shape[1]} numbers"
+        raise ArgumentError("motion", width, f"configurations of {robot!r}")
     times, q = motion.times, motion.configurations
     findings = _positions(robot, times, q, bounds.lower, bounds.upper)
     moved = Motion.of(robot, times, q)

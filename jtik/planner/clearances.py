@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from jtik.arguments import choice
+from jtik.arguments import choice, mapping, positive_number
 from jtik.geometry import Scene, Slots, Solid
 from jtik.planner.attempt import Attempt, SceneChange
 from jtik.planner.between import ACCURACY, Distances, Smallest
@@ -43,13 +43,14 @@ def smallest(
     robot: Robot,
     times: Array,
     configurations: Array,
-    scenes: Iterable[SceneChange],
+    scenes: Iterable[tuple[float, Scene | Mapping[str, Any]]],
     *,
     bodies: str | None = None,
     accuracy: float = ACCURACY,
 ) -> tuple[Smallest, str]:
     """The smallest distance along a motion, see `clearance`."""
     chosen = default_bodies(robot) if bodies is None else choice("bodies", bodies, BODIES)
+    accuracy = positive_number("accuracy", accuracy, "a positive length [m]")
     changes = list(scenes)
     if not changes:
         return Smallest(), ""
@@ -76,11 +77,11 @@ def smallest(
     return best, name
 
 
-def present(scene: Mapping[str, Any]) -> dict[str, Solid]:
-    """The obstacles of a scene that are not switched off, by name."""
-    if not scene:
+def present(scene: Scene | Mapping[str, Any]) -> dict[str, Solid]:
+    """The obstacles of a scene that are not switched off, by name; none of an empty mapping."""
+    if not isinstance(scene, Scene) and not mapping("scene", scene, "a jtik.Scene, or a dict of Scene.to_dict"):
         return {}
-    read = Scene.from_dict(scene)
+    read = scene if isinstance(scene, Scene) else Scene.from_dict(scene)
     return {name: obstacle for name, obstacle in read.obstacles.items() if read.gains[name] > 0}
 
 

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from jtik.arguments import choice, existing_file
+from jtik.arguments import choice, existing_file, instance
 from jtik.arguments import path as read_path
 from jtik.errors import ArgumentError
 from jtik.planner import ros2
@@ -117,6 +117,7 @@ def export(commands: JointCommands, path: str | Path, format: str | None = None)
         ArgumentError: for another format or suffix.
         OSError: when the file cannot be written; nothing of it then stays behind.
     """
+    instance("commands", commands, JointCommands, "JointCommands")
     file = read_path("path", path)
     if format is None:
         suffixes = {each.suffix: name for name, each in reversed(FORMATS.items())}

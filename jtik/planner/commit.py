@@ -10,15 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from jtik.arguments import choice, positive_number
+from jtik.arguments import choice, instance, non_negative_number, positive_number
 from jtik.arguments import path as read_path
 from jtik.constraints import Limits
 from jtik.constraints.limits import Bounds
 from jtik.errors import ArgumentError
+from jtik.geometry import Scene
 from jtik.planner.attempt import Attempt
 from jtik.planner.checks import Finding, check
 from jtik.planner.commands import FORMATS, JointCommands, export
-from jtik.planner.timing import timed_path
+from jtik.planner.motion import read_attempt
+from jtik.planner.timing import smoothed, timed_path
 from jtik.planner.trajectories import animation, figure
 from jtik.robot import Robot
 from jtik.types import Array
@@ -60,13 +62,14 @@ def commit(
     format: str,
     *,
     limits: Limits | None = None,
-    scene: Mapping[str, Any] | None = None,
+    scene: Scene | Mapping[str, Any] | None = None,
     safe: float = 0.0,
     bodies: str | None = None,
     period: float = PERIOD,
+    smoothing: float = 0.0,
     recorded: bool = False,
 ) -> Committed:
-    """Time an attempt, check the commands, and write them. They are written in any case: the findings are told.
+    """Time an attempt, check the commands, and write them, whatever the check finds: it returns the findings.
 
     Args:
         attempt: the attempt.
@@ -75,10 +78,11 @@ def commit(
         format: "csv", "json", "npz", "ros2_json" or "ros2_yaml", see `jtik.planner.commands.export`; "figure" for a
             picture, whose kind follows from the suffix; "animation" for a GIF.
         limits: limits of the commands, see `timed`.
-        scene: the obstacles, a dict of `jtik.Scene.to_dict`; by default those of the attempt when it ended.
+        scene: the obstacles, a `jtik.Scene` or its dict; by default those of the attempt when it ended.
         safe: smallest distance allowed of any body to any obstacle [m].
         bodies: what may not come close to obstacles; by default "shapes" on a robot that has any, else "links".
         period: time between two commands [s].
+        smoothing: how far a joint may be from the recorded path [rad] or [m], see `timed`.
         recorded: whether the times of the attempt are kept.
 
     Raises:
@@ -90,7 +94,7 @@ def commit(
     if recorded:
         commands, held = as_recorded(attempt, robot), Limits() if limits is None else limits
     else:
-        commands = timed(attempt, robot, limits=limits, period=period)
+        commands = timed(attempt, robot, limits=limits, period=period, smoothing=smoothing)
         bounds, _ = _assumed(robot, limits)
         given = Limits() if limits is None else limits
         held = replace(given, velocity=bounds.velocity, acceleration=bounds.acceleration)
@@ -111,6 +115,7 @@ def timed(
     *,
     limits: Limits | None = None,
     period: float = PERIOD,
+    smoothing: float = 0.0,
     method: str | None = None,
 ) -> JointCommands:
     """Joint commands that follow the path of an attempt as fast as the limits allow, from rest to rest.
@@ -126,14 +131,20 @@ def timed(
         limits: the limits; the robot's own velocities by default. Where the robot has none, 1 rad/s or 1 m/s is
             assumed, and where no acceleration is given, 2 rad/s^2 or 2 m/s^2; `JointCommands.note` says so.
         period: time between two commands [s].
+        smoothing: how far a joint may be from the recorded path [rad] or [m]. Where a path was guided by hand, 0.02 rad
+            can make it several times as fast.
         method: "toppra" or "trapezoid"; by default the faster of both, without the package toppra the second.
 
     Raises:
         ArgumentError: for a robot with ball or free joints, or an attempt in which no joint moves.
     """
-    period, units = positive_number("period", period), _units(robot)
+    period, units = positive_number("period", period), _units(attempt, robot)
     bounds, notes = _assumed(robot, limits)
-    path = timed_path(attempt.configurations, bounds.velocity, bounds.acceleration, method=method)
+    tolerance = non_negative_number("smoothing", smoothing, "a non-negative angle or length [rad] or [m]")
+    waypoints = smoothed(attempt.configurations, tolerance) if tolerance else attempt.configurations
+    if tolerance:
+        notes.append(f"the path is smoothed: a joint is at most {tolerance:g} rad or m away from where it was")
+    path = timed_path(waypoints, bounds.velocity, bounds.acceleration, method=method)
     if path.method == "trapezoid" and method is None and not _has_toppra():
         notes.append("a trapezoid was used, which is slower than what toppra finds: pip install 'jtik[timing]'")
     count = math.ceil(path.duration / period)
@@ -156,7 +167,7 @@ def timed(
 
 def as_recorded(attempt: Attempt, robot: Robot) -> JointCommands:
     """Joint commands at the times of an attempt. Raises ArgumentError for a robot with ball or free joints."""
-    units, q, times = _units(robot), attempt.configurations, attempt.times
+    units, q, times = _units(attempt, robot), attempt.configurations, attempt.times
     several = len(times) > 1
     velocities = np.gradient(q, times, axis=0) if several else np.zeros_like(q)
     return JointCommands(
@@ -170,8 +181,9 @@ def as_recorded(attempt: Attempt, robot: Robot) -> JointCommands:
     )
 
 
-def _units(robot: Robot) -> tuple[str, ...]:
-    """Unit of each joint. Raises ArgumentError where a joint has more than one number."""
+def _units(attempt: Attempt, robot: Robot) -> tuple[str, ...]:
+    """Unit of each joint. Raises ArgumentError where one has several numbers, or the attempt is of another robot."""
+    read_attempt(attempt, robot)
     if len(robot.scalar_q) != robot.nq:
         given = f"{robot!r}, which has ball or free joints"
         raise ArgumentError("robot", given, "a robot of revolute and prismatic joints")
@@ -188,7 +200,7 @@ def _has_toppra() -> bool:
 
 def _assumed(robot: Robot, limits: Limits | None) -> tuple[Bounds, list[str]]:
     """The limits, with what is assumed where there are none, and sentences that say so."""
-    given = Limits() if limits is None else limits
+    given = Limits() if limits is None else instance("limits", limits, Limits, "a jtik.Limits, or None")
     bounds, notes = given.of(robot), []
     velocity, acceleration = bounds.velocity.copy(), bounds.acceleration.copy()
     if given.velocity is True and not np.isfinite(velocity).all():

@@ -12,7 +12,7 @@ import numpy as np
 from jtik.planner.attempt import Attempt
 from jtik.planner.between import ACCURACY
 from jtik.planner.clearances import clearance
-from jtik.planner.motion import Motion, placements
+from jtik.planner.motion import Motion, placements, read_attempt
 from jtik.robot import Robot
 from jtik.study.path_metrics import displacements
 from jtik.types import Array
@@ -115,7 +115,7 @@ def measure(
     Raises:
         ArgumentError: for an argument that cannot be used, or a scene that is none.
     """
-    q, times = attempt.configurations, attempt.times
+    q, times = read_attempt(attempt, robot).configurations, attempt.times
     motion = Motion.of(robot, times, q)
     positions, jacobians = placements(robot, q, frame=frame, pose=attempt.targets.shape[1] == 7)
     targets = attempt.targets[:, : robot.dimension]

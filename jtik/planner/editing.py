@@ -197,10 +197,10 @@ class Editor:
         self._request(clearance=edit.on)
 
     def _jog(self, edit: edits.Jog) -> None:
-        n = self._state.arm.robot.n
-        if edit.direction is not None and len(edit.direction) != n:
-            raise ArgumentError("direction", edit.direction, f"{n} numbers, one for each velocity entry")
-        self._state.jog = (edit.rate, edit.direction)
+        state = self._state
+        if edit.rate != 0:  # what is wrong with the direction is found at once
+            state.solver.ik.jog(state.q, 0.0, direction=edit.direction)
+        state.jog = edit
 
     def _request(self, **changes: Any) -> None:
         """Ask for a solver of another structure, unless the present one is of that structure."""

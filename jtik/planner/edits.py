@@ -10,95 +10,24 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields
-from typing import Annotated, Any, ClassVar, TypeAlias
+from typing import Any, ClassVar
 
-import numpy as np
-
-from jtik import arguments
-from jtik.arguments import array_of, mapping
+from jtik.arguments import mapping
 from jtik.errors import ArgumentError, UnknownNameError
+from jtik.planner.edit_fields import (
+    Direction,
+    Name,
+    Names,
+    ObstacleData,
+    Options,
+    Point,
+    Quaternion,
+    Rotation,
+    Value,
+    Velocity,
+)
+from jtik.planner.plain import label
 from jtik.strategy.options import NonNegative, Positive, read_options
-
-LARGEST = 1e6
-"""Largest coordinate, angle or gain that an edit may have, in its unit: beyond it is a slip of the keyboard."""
-
-LONGEST_NAME = 100
-"""Largest length of a name, in characters."""
-
-
-def _name(argument: str, value: object) -> str:
-    if isinstance(value, str) and 0 < len(value) <= LONGEST_NAME and value.isprintable() and value == value.strip():
-        return str(value)
-    raise ArgumentError(argument, repr(value), f"a name: 1 to {LONGEST_NAME} printable characters")
-
-
-def _numbers(argument: str, value: object, sizes: tuple[int, ...], accepted: str) -> tuple[float, ...]:
-    shapes = [(size,) for size in sizes]
-    found = array_of(argument, value, shapes, accepted, lambda x: np.isfinite(x) & (np.abs(x) <= LARGEST))
-    return tuple(found.tolist())
-
-
-def _point(argument: str, value: object) -> tuple[float, ...]:
-    return _numbers(argument, value, (2, 3), f"2 or 3 numbers up to {LARGEST:g} [m]")
-
-
-def _velocity(argument: str, value: object) -> tuple[float, ...]:
-    return _numbers(argument, value, (2, 3), f"2 or 3 numbers up to {LARGEST:g} [m/s]")
-
-
-def _rotation(argument: str, value: object) -> tuple[float, ...]:
-    return _numbers(argument, value, (3,), f"3 numbers up to {LARGEST:g} [rad/s], about x, y and z")
-
-
-def _quaternion(argument: str, value: object) -> tuple[float, ...]:
-    accepted = "a quaternion (w, x, y, z) other than zero"
-    found = np.array(_numbers(argument, value, (4,), accepted))
-    norm = float(np.linalg.norm(found))
-    if norm < 1e-6:
-        raise ArgumentError(argument, value, accepted)
-    return tuple((found / norm).tolist())
-
-
-def _value(argument: str, given: object) -> float | tuple[Any, ...]:
-    accepted = f"a number, or numbers in a list or in rows, up to {LARGEST:g}"
-    shapes = [(), (None,), (None, None)]
-    found = array_of(argument, given, shapes, accepted, lambda x: np.isfinite(x) & (np.abs(x) <= LARGEST))
-    value: float | tuple[Any, ...] = _nested(found.tolist())
-    return value
-
-
-def _nested(value: Any) -> Any:
-    return tuple(_nested(each) for each in value) if isinstance(value, list) else value
-
-
-def _direction(argument: str, value: object) -> tuple[float, ...]:
-    found = array_of(argument, value, [(None,)], "numbers, one for each velocity entry")
-    return tuple(found.tolist())
-
-
-def _obstacle(argument: str, value: object) -> Mapping[str, Any]:
-    return dict(mapping(argument, value, 'an obstacle, such as {"shape": "circle", "center": [4, 1], "radius": 0.5}'))
-
-
-def _options(argument: str, value: object) -> Mapping[str, Any]:
-    found = mapping(argument, value, "a mapping from the names of options to their values")
-    return {_name(argument, key): each for key, each in found.items()}
-
-
-def _names(argument: str, value: object) -> tuple[str, ...]:
-    return tuple(_name(argument, each) for each in arguments.names(argument, value, "names of criteria"))
-
-
-Name: TypeAlias = Annotated[str, _name]
-Point: TypeAlias = Annotated[tuple[float, ...], _point]
-Velocity: TypeAlias = Annotated[tuple[float, ...], _velocity]
-Rotation: TypeAlias = Annotated[tuple[float, ...], _rotation]
-Quaternion: TypeAlias = Annotated[tuple[float, ...], _quaternion]
-Value: TypeAlias = Annotated[float | tuple[Any, ...], _value]
-Direction: TypeAlias = Annotated[tuple[float, ...], _direction]
-ObstacleData: TypeAlias = Annotated[Mapping[str, Any], _obstacle]
-Options: TypeAlias = Annotated[Mapping[str, Any], _options]
-Names: TypeAlias = Annotated[tuple[str, ...], _names]
 
 
 @dataclass(frozen=True)
@@ -139,7 +68,7 @@ def from_json(data: object) -> Edit:
         UnknownNameError: for a kind that does not exist.
     """
     given = mapping("edit", data, 'an object such as {"edit": "move_target", "position": [6.0, 1.5]}')
-    kind = _name("edit", given.pop("edit", None))
+    kind = label("edit", given.pop("edit", None))
     if kind not in EDITS:
         raise UnknownNameError("edit", kind, EDITS)
     wanted = {each.name: each for each in fields(EDITS[kind])}
@@ -335,11 +264,12 @@ class SetClearance(Edit):
 
 @dataclass(frozen=True)
 class Jog(Edit):
-    """Move the arm along its self-motion, with the end effector at rest, until the next edit of this kind.
+    """Move the arm along its self-motion while the target is at rest, until the next edit of this kind.
 
     Attributes:
         rate: signed speed along the self-motion [rad/s]; 0 stops it.
-        direction: which of the self-motions, (n,); None for the one along which it moves most freely.
+        direction: of a positive rate, as of `jtik.InverseKinematics.jog`: the name of a joint or of a criterion,
+            "descent", an index from 0, or numbers (n,); None is 0.
     """
 
     rate: float

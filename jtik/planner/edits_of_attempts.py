@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from jtik.planner.edits import Edit, Name, Names, Options
+from jtik.planner.edit_fields import Name, Names, Options
+from jtik.planner.edits import Edit
 from jtik.strategy.options import NonNegative, Positive
 
 

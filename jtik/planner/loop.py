@@ -176,7 +176,7 @@ class Loop:
         state = self._state
         self._guided = state.target.advance(self._dt)
         before, start = state.q, time.perf_counter()
-        state.step(self._dt)
+        state.step(self._dt, guided=self._guided)
         self._step_time = time.perf_counter() - start
         self._moved = state.q is not before and bool(np.abs(state.q - before).max(initial=0.0) > STILL)
 
@@ -223,9 +223,12 @@ class Loop:
         report = solver.ik.report(q, state.target_of(frame.position, frame.orientation))
         distances = solver.gauge.distances(q)
         safe = state.values.safe if solver.structure.clearance else 0.0
-        said = measure.words(report, moving=self._moved, guided=self._guided)
+        said = state.jogged and f"along the self-motion: {state.jogged}"
+        if frame.shown is not None:
+            said = f"shows {frame.shown[0]!r}"
+        said = said or measure.words(report, moving=self._moved, guided=self._guided)
         return StatusLine(
-            words=said if self._attempts.mode == "live" else f"shows {frame.shown[0]!r}" if frame.shown else said,
+            words=said,
             heartbeat=heartbeat,
             clearance=solver.gauge.clearance(distances),
             violated=solver.gauge.nearer(distances, safe),

@@ -6,6 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from jtik.arguments import instance
+from jtik.errors import ArgumentError
+from jtik.planner.attempt import Attempt
 from jtik.robot import Robot
 from jtik.study.path_metrics import displacements
 from jtik.symbolic import function, symbol
@@ -58,6 +61,16 @@ class Motion(NamedTuple):
             signs = np.sign(steps[np.abs(steps) > 1e-6 * size])
             total += int((signs[1:] != signs[:-1]).sum())
         return total
+
+
+def read_attempt(attempt: object, robot: object) -> Attempt:
+    """The attempt. Raises ArgumentError for anything else, or one of another robot."""
+    arm = instance("robot", robot, Robot, "a jtik.Robot")
+    given = instance("attempt", attempt, Attempt, "an Attempt")
+    if given.configurations.shape[1] != arm.nq:
+        width = f"{given!r} with configurations of {given.configurations.shape[1]} numbers"
+        raise ArgumentError("attempt", width, f"an attempt of {arm!r}")
+    return given
 
 
 def placements(robot: Robot, configurations: Array, *, frame: str | None, pose: bool) -> tuple[Array, Array]:

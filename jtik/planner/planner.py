@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik.arguments import array_of, flag, instance, non_negative_number, positive_number
+from jtik.arguments import path as read_path
 from jtik.constraints import Limits
 from jtik.constraints.limits import limits_of
 from jtik.criterion import Criteria, Criterion, CriterionSum
@@ -144,11 +145,12 @@ class Planner:
             slots=Slots.of(obstacles, None, moving.dimension),
         )
         solver = Solver(problem, structure)
+        preferred = np.clip(moving.neutral, moving.lower, moving.upper)
+        values = Values(obstacles, preferred, {}, non_negative_number("safe", safe))
+        solver.fill(values)
         start = moving.home if q0 is None else moving.configuration(q0, argument="q0")
         if demo and q0 is None:
             start = solver.ik.solve(demo.path(2)[0], q0=demo.start).q
-        preferred = np.clip(moving.neutral, moving.lower, moving.upper)
-        values = Values(obstacles, preferred, {}, non_negative_number("safe", safe))
         messages = Messages(clock)
         state = State(problem, solver, values, start, messages=messages)
         state.set_target_speed(*_speeds(target_speed, state.arm.reach))
@@ -256,7 +258,7 @@ def _journal(
         return None, ()
     if folder is True:
         raise ArgumentError("folder", folder, "the path of a folder, None for one of the user's, or False")
-    where = None if folder is None else os.fspath(folder)
+    where = None if folder is None else read_path("folder", folder)
     former = tuple(each for each in sessions.recoverable(where) if not each.closed)
 
     def tell(level: str, text: str) -> None:

@@ -46,7 +46,7 @@ def new_folder(folder: str | Path | None = None, tell: Tell | None = None) -> Pa
 
     Args:
         folder: where sessions lie; by default a folder of the user that nobody else can read. Where that cannot be
-            used, it is a temporary folder, and ``tell`` says so.
+            used, it is a temporary folder, and ``tell`` reports it.
         tell: called with "error" and a sentence.
     """
     if folder is None:

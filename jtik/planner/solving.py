@@ -67,6 +67,7 @@ class Solver:
             compiled=problem.compiled,
         )
         self.ik.warm_up()
+        self.ik.jog(self.ik.robot.home, 0.0)  # which builds its functions
         self.gauge = Gauge(self.ik.robot, [_measure(problem, common, bodies) for bodies in measured(problem.bodies)])
         parts = [(name, criterion) for name, _, criterion in criteria.named()]
         parts += [("clearance", clearance.measure)] if clearance else []  # type: ignore[list-item]  # has slots, too
@@ -129,7 +130,7 @@ def _common(problem: Problem, slots: Slots) -> dict[str, Any]:
 
 
 def _measure(problem: Problem, common: Mapping[str, Any], bodies: str) -> Any:
-    return problem.criteria.make(AVOIDANCE, {**common, "bodies": bodies})
+    return problem.criteria.registered(AVOIDANCE, {**common, "bodies": bodies})
 
 
 def _strategy(problem: Problem, structure: Structure) -> Strategy:

@@ -14,6 +14,7 @@ from jtik.errors import JtikError
 from jtik.geometry import Scene
 from jtik.planner import rotations
 from jtik.planner.arm import Arm
+from jtik.planner.edits import Jog
 from jtik.planner.frames import Level, Message
 from jtik.planner.settings import Problem, Structure, Values
 from jtik.planner.solving import Solver
@@ -71,7 +72,8 @@ class State:
         solver: the solver that steps.
         wanted: the structure that was asked for last.
         values: what changes in a built solver.
-        jog: speed and direction along the self-motion.
+        jog: motion along the self-motion.
+        jogged: what that motion does, in words; empty without one.
         changes: how often the settings have changed.
     """
 
@@ -82,7 +84,8 @@ class State:
         self.q = np.array(q, dtype=float)
         turns = problem.task.target_kind != "position"
         self.target = GuidedTarget(*self.arm.end_effector(self.q), speed=1.0, rotation_speed=1.0, turns=turns)
-        self.jog: tuple[float, tuple[float, ...] | None] = (0.0, None)
+        self.jog = Jog(0.0)
+        self.jogged = ""
         self.changes = 0
         solver.fill(values)
 
@@ -95,23 +98,37 @@ class State:
         """A target as the task reads it, see `target_of`."""
         return target_of(self.problem, position, orientation)
 
-    def step(self, dt: float) -> bool:
-        """One step of the arm; whether it has moved. A step that fails leaves the arm where it is, and is told."""
+    def step(self, dt: float, *, guided: bool) -> None:
+        """One step of the arm. A step that fails leaves the arm where it is, and is told.
+
+        Args:
+            dt: period [s].
+            guided: whether the target moves, which comes before a motion along the self-motion.
+        """
+        self.jogged = ""
         try:
-            found = self.solver.step(self.q, self.target_of(self.target.position, self.target.orientation), dt)
+            q = self._jog(dt) if self.jog.rate and not guided else self._follow(dt)
         except JtikError as error:
             self.messages.tell("error", f"the step failed: {error}")
-            return False
+            return
         except Exception as error:  # a criterion or a strategy of a third party may raise anything
             self.messages.tell("error", f"the step failed: {type(error).__name__}: {error}")
-            return False
-        if not np.isfinite(found.q).all():
-            self.messages.tell("error", "the step led to no finite configuration; the arm stays where it is")
-            self.solver.ik.reset()
-            return False
-        moved = bool((found.q != self.q).any())
-        self.q = found.q
-        return moved
+            return
+        if np.isfinite(q).all():
+            self.q = q
+            return
+        self.messages.tell("error", "the step led to no finite configuration; the arm stays where it is")
+        self.solver.ik.reset()
+
+    def _follow(self, dt: float) -> Array:
+        """The configuration after one step to the target."""
+        return self.solver.step(self.q, self.target_of(self.target.position, self.target.orientation), dt).q
+
+    def _jog(self, dt: float) -> Array:
+        """The configuration after one displacement along the self-motion."""
+        found = self.solver.ik.jog(self.q, self.jog.rate, direction=self.jog.direction, dt=dt)
+        self.jogged = found.reason
+        return found.q
 
     def take(self, solver: Solver) -> None:
         """Go on with another solver, from where the arm is."""
@@ -140,7 +157,7 @@ class State:
         """Put the arm and the target somewhere at once, at rest."""
         self.q = np.array(q, dtype=float)
         self.target.put(position, self.target.orientation if orientation is None else orientation)
-        self.jog = (0.0, None)
+        self.jog = Jog(0.0)
         self.solver.ik.reset()
 
 

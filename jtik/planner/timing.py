@@ -25,13 +25,14 @@ from jtik.types import Array
 CELLS = 400
 """Smallest number of cells of the grid."""
 
-MOST_WAYPOINTS = 2000
-"""Largest number of samples through which the path goes."""
-
 SPACING = 1e-3
 """Samples nearer than this to the one before are left out: the largest motion of a joint between them [rad] or [m]."""
 
 TINY = 1e-12
+"""Smallest first or second derivative along a path that limits its speed."""
+
+PASSES = 10
+"""Passes of the smoothing; more of them make no path faster."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,13 +130,30 @@ def timed_path(waypoints: Array, velocity: Array, acceleration: Array, *, method
     return min(paths, key=lambda path: path.duration)
 
 
+def smoothed(waypoints: Array, tolerance: float) -> Array:
+    """The waypoints, smoothed within a tolerance; the first and the last stay.
+
+    Each pass takes the mean of a waypoint and its neighbours, and moves it back to where no joint is farther from the
+    given waypoint than the tolerance. Every joint stays within the range of its neighbours, so that position limits
+    that hold at the waypoints go on to hold.
+
+    Args:
+        waypoints: configurations (k, n).
+        tolerance: largest change of any joint [rad] or [m].
+    """
+    found = waypoints.copy()
+    for _ in range(PASSES if len(waypoints) > 2 else 0):
+        for _ in range(2):
+            found[1:-1] = (found[:-2] + found[1:-1] + found[2:]) / 3
+        found = waypoints + np.clip(found - waypoints, -tolerance, tolerance)
+    return found
+
+
 def thinned(waypoints: Array) -> Array:
     """The waypoints without those that are hardly away from the one before; the last one always stays."""
-    total = float(np.abs(np.diff(waypoints, axis=0)).max(axis=1, initial=0.0).sum()) if len(waypoints) > 1 else 0.0
-    spacing = max(SPACING, total / MOST_WAYPOINTS)
     kept = [0]
     for i in range(1, len(waypoints)):
-        if np.abs(waypoints[i] - waypoints[kept[-1]]).max(initial=0.0) >= spacing:
+        if np.abs(waypoints[i] - waypoints[kept[-1]]).max(initial=0.0) >= SPACING:
             kept.append(i)
     last = len(waypoints) - 1
     if kept[-1] != last and (waypoints[kept[-1]] != waypoints[last]).any():

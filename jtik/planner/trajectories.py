@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from jtik.arguments import positive_number
+from jtik.arguments import instance, positive_number
+from jtik.geometry import Scene
 from jtik.planner.attempt import Attempt
 from jtik.planner.clearances import present
 from jtik.planner.commands import JointCommands
-from jtik.planner.motion import Motion, placements
+from jtik.planner.motion import Motion, placements, read_attempt
 from jtik.plotting import Figure
 from jtik.result import Status, Trajectory
 from jtik.robot import Robot
@@ -34,7 +35,7 @@ def as_trajectory(attempt: Attempt, robot: Robot, *, frame: str | None = None) -
         robot: the robot of its configurations.
         frame: name of the end effector's frame; the tip when None.
     """
-    q, rows = attempt.configurations, len(attempt) - 1
+    q, rows = read_attempt(attempt, robot).configurations, len(attempt) - 1
     positions, _ = placements(robot, q, frame=frame, pose=False)
     error = np.linalg.norm(positions - attempt.targets[:, : robot.dimension], axis=1)[1:]
     return Trajectory(
@@ -54,14 +55,14 @@ def as_trajectory(attempt: Attempt, robot: Robot, *, frame: str | None = None) -
 
 
 def figure(
-    motion: Attempt | JointCommands, robot: Robot, *, scene: Mapping[str, Any] | None = None, **options: Any
+    motion: Attempt | JointCommands, robot: Robot, *, scene: Scene | Mapping[str, Any] | None = None, **options: Any
 ) -> Figure:
     """A figure of evenly spaced postures, the path of the end effector and the obstacles.
 
     Args:
         motion: an attempt, or joint commands.
         robot: the robot.
-        scene: the obstacles, a dict of `jtik.Scene.to_dict`; by default those of the attempt when it ended.
+        scene: the obstacles, a `jtik.Scene` or its dict; by default those of the attempt when it ended.
         options: those of `jtik.plotting.posture_figure`.
 
     Raises:
@@ -69,9 +70,9 @@ def figure(
     """
     from jtik.plotting.postures import MOST, path_of, posture_figure, spaced
 
-    q = motion.configurations
+    solids, q = _obstacles(motion, scene), motion.configurations
     postures, line = spaced(q, MOST[robot.dimension]), path_of(robot, q)
-    return posture_figure(robot, postures, obstacles=_obstacles(motion, scene), path=line, **options)
+    return posture_figure(robot, postures, obstacles=solids, path=line, **options)
 
 
 def animation(
@@ -79,7 +80,7 @@ def animation(
     motion: Attempt | JointCommands,
     robot: Robot,
     *,
-    scene: Mapping[str, Any] | None = None,
+    scene: Scene | Mapping[str, Any] | None = None,
     speed: float = 1.0,
     rate: float = 20.0,
     **options: Any,
@@ -90,7 +91,7 @@ def animation(
         path: the file to write, which ends in ".gif".
         motion: an attempt, or joint commands.
         robot: the robot.
-        scene: the obstacles, a dict of `jtik.Scene.to_dict`; by default those of the attempt when it ended.
+        scene: the obstacles, a `jtik.Scene` or its dict; by default those of the attempt when it ended.
         speed: seconds of the motion for each second of the animation.
         rate: frames for each second [1/s], at most 50.
         options: those of `jtik.plotting.write_motion`.
@@ -102,15 +103,16 @@ def animation(
     from jtik.plotting.motion import MOST_FRAMES, resampled, write_motion
 
     speed, rate = positive_number("speed", speed), positive_number("rate", rate)
-    times, q = motion.times, motion.configurations
+    solids, times, q = _obstacles(motion, scene), motion.times, motion.configurations
     seconds = float(times[-1]) / speed
     pause = max(round(100 / rate), math.ceil(100 * seconds / (MOST_FRAMES - 1)), 2) / 100  # a GIF counts hundredths
     count = 1 + round(seconds / pause)
     frames: Array = q[:1] if count < 2 or len(q) < 2 else resampled(robot, q, times, count)
-    write_motion(path, robot, frames, obstacles=_obstacles(motion, scene), rate=1 / pause, **options)
+    write_motion(path, robot, frames, obstacles=solids, rate=1 / pause, **options)
 
 
-def _obstacles(motion: Attempt | JointCommands, scene: Mapping[str, Any] | None) -> tuple[Any, ...]:
+def _obstacles(motion: Attempt | JointCommands, scene: Scene | Mapping[str, Any] | None) -> tuple[Any, ...]:
+    instance("motion", motion, (Attempt, JointCommands), "an Attempt, or JointCommands")
     if scene is None:
         scene = motion.scene_at(float(motion.times[-1])) if isinstance(motion, Attempt) else None
     return tuple(present(scene or {}).values())

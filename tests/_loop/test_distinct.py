@@ -9,7 +9,7 @@ import jtik
 from jtik._loop.ends import Ends, smaller
 from jtik.robot.tree import Mimic
 
-from ..conftest import planar
+from ..conftest import ball_arm, floating_arm, planar, slow
 from .conftest import solver
 
 BOTH = pytest.mark.parametrize("compiled", [False, True], ids=["interpreted", "compiled"])
@@ -72,6 +72,25 @@ def test_the_jump_of_a_free_joint_is_the_length_of_its_displacement():
     ik, q0 = solver(robot), robot.neutral
     assert ik.solve([0.2, 0.2, 0.2], q0=q0, jump_limit=0.36).converged
     assert ik.solve([0.2, 0.2, 0.2], q0=q0, jump_limit=0.3).status is jtik.Status.JUMP_LIMIT
+
+
+@pytest.mark.parametrize("robot", [ball_arm(), floating_arm()], ids=str)
+@pytest.mark.parametrize("limit", [0.3, 1.0])
+def test_a_goal_within_the_jump_of_ball_and_free_joints_is_reached_from_one_start(robot, limit, rng):
+    """That their motion is judged at the end costs nothing there: the steps of the task are short ones."""
+    ik = solver(robot, kind="pose")
+    for _ in range(10):
+        q0 = np.clip(robot.integrate(robot.neutral, rng.uniform(-0.5, 0.5, robot.n)), robot.lower, robot.upper)
+        v = rng.normal(size=robot.n)
+        v *= 0.9 * limit / np.abs(v).max() / np.sqrt(3) * rng.uniform()
+        goal = np.clip(robot.integrate(q0, v), robot.lower, robot.upper)
+        solution = ik.solve(robot.pose(goal), q0=q0, jump_limit=limit)
+        assert solution.converged
+        moved = robot.difference(q0, solution.q)
+        assert np.abs(moved).max() <= limit + 1e-9
+        for joint in robot.independent_joints:
+            for part in np.split(moved[robot.v_slice(joint.name)], 2 if joint.type is jtik.JointType.FREE else 1):
+                assert np.linalg.norm(part) <= limit + 1e-9
 
 
 def test_restarts_stay_within_the_jump_of_a_ball_joint(monkeypatch):
@@ -145,6 +164,26 @@ def test_a_singular_spherical_wrist_gives_each_posture_once():
     ik = jtik.InverseKinematics(arm, jtik.FrameTask(arm.tip, "pose"))
     singular = np.array([0.5, -0.7, 0.8, 0.3, 0.0, 0.9])
     solution = ik.solve(arm.pose(singular), q0=np.full(6, 0.3), restarts=40, best_of=16)
-    postures = {tuple(np.round(arm.position(each.q, "link4"), 2)) for each in (solution, *solution.alternatives)}
-    assert 4 <= 1 + len(solution.alternatives) <= 8  # 16 where joint positions alone are compared
+    found = [solution, *solution.alternatives]
+    postures = {tuple(np.round(arm.position(each.q, "link4"), 2)) for each in found}
+    assert 4 <= len(found) <= 8  # 16 where joint positions alone are compared
     assert len(postures) <= 4
+
+
+@pytest.mark.parametrize("bend", [0.0, 1e-5, *slow(1e-6, 1e-4, 1e-2)])
+def test_the_singular_wrist_of_a_ur5e_gives_no_posture_twice(bend):
+    """Its continuum is curved: three parallel axes and the last one turn together. There are at most 8 postures."""
+    arm = jtik.Robot.builtin("ur5e")
+    ik = jtik.InverseKinematics(arm, jtik.FrameTask(arm.tip, "pose"))
+    rng = np.random.default_rng(0)
+    counts = []
+    for _ in range(2):
+        there = rng.uniform(-2, 2, 6)
+        there[4] = bend
+        solution = ik.solve(arm.pose(there), q0=np.full(6, 0.3), restarts=60, best_of=16)
+        found = [solution, *solution.alternatives]
+        counts.append(len(found))
+        for each in found:
+            assert np.abs(arm.pose(each.q) - arm.pose(there)).max() < 1e-5
+    assert max(counts) <= 8
+    assert min(counts) >= 3

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import jtik
+from jtik.planner import between
 from jtik.planner.between import Distances, Smallest
 from jtik_formulations import ObstacleAvoidance
 
@@ -88,3 +89,12 @@ def test_the_smaller_of_two_has_the_smaller_bound():
     a, b = Smallest(1.0, 0.2, 0.0, "a"), Smallest(0.5, 0.4, 0.0, "b")
     assert a.smaller(b) == b.smaller(a) == Smallest(0.5, 0.2, 0.0, "b")
     assert Smallest().smaller(a) == a
+
+
+def test_the_bound_holds_where_the_search_ends_early(monkeypatch):
+    """Of the way past the disc only three points are looked at: the bound is loose, and still right."""
+    monkeypatch.setattr(between, "MOST_HALVINGS", 3)
+    distances = Distances(jtik.Robot.planar(1), ObstacleAvoidance([jtik.Circle((1.2, 0.0), 0.1)], bodies="links"))
+    found = distances.smallest(np.array([0.0, 1.0]), np.array([[-0.9], [0.7]]), accuracy=1e-6)
+    assert found.bound <= 0.1 < found.distance
+    assert found.distance - found.bound > 1e-3

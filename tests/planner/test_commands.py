@@ -108,7 +108,7 @@ def test_a_recorded_attempt_keeps_its_times(tmp_path):
     assert (found.times == attempt.times).all()
     assert (found.positions == attempt.configurations).all()
     with pytest.raises(ArgumentError, match="revolute and prismatic"):
-        as_recorded(attempt, ball_arm())
+        as_recorded(make_attempt(nq=10), ball_arm())
 
 
 def test_wrong_formats_and_paths_are_refused(tmp_path):

@@ -126,6 +126,19 @@ def test_what_a_robot_does_not_say_is_assumed_and_told():
     assert "speed" not in timed(make_attempt(k=90), arm, limits=Limits(velocity=False, acceleration=3.0)).note
 
 
+def test_smoothing_is_told_and_bounded():
+    arm, rng = jtik.Robot.planar(2), np.random.default_rng(0)
+    q = np.linspace([0, 0], [1, -1], 200) + 5e-3 * rng.normal(size=(200, 2))
+    plain, smooth = timed(motion(q), arm), timed(motion(q), arm, smoothing=0.02)
+    assert smooth.duration < 0.5 * plain.duration
+    assert "0.02 rad" in smooth.note
+    for each in q:
+        assert np.abs(smooth.positions - each).max(axis=1).min() <= 0.02 + 5e-3
+    assert check(smooth, arm, limits=Limits(velocity=SPEED, acceleration=ACCELERATION)) == ()
+    with pytest.raises(ArgumentError, match="smoothing"):
+        timed(motion(q), arm, smoothing=-1.0)
+
+
 def test_a_motion_of_another_robot_and_wrong_arguments_are_refused():
     with pytest.raises(ArgumentError, match="motion"):
         check(make_attempt(nq=3), limited_arm())

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jtik.errors import ArgumentError
-from jtik.planner.timing import SPACING, timed_path
+from jtik.planner.timing import SPACING, smoothed, timed_path
 
 METHODS = ("toppra", "trapezoid") if importlib.util.find_spec("toppra") else ("trapezoid",)
 
@@ -103,6 +103,19 @@ def test_an_arm_that_does_not_move_is_refused():
     for waypoints in (np.zeros((1, 3)), np.zeros((9, 3))):
         with pytest.raises(ArgumentError, match="no joint moves"):
             timed_path(waypoints, np.ones(3), np.ones(3))
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 0.02, 0.3])
+def test_smoothing_keeps_the_ends_the_range_and_its_tolerance(tolerance):
+    waypoints = noisy_path(3, noise=0.01)
+    found = smoothed(waypoints, tolerance)
+    assert np.abs(found - waypoints).max() <= tolerance * (1 + 1e-12)
+    assert (found[[0, -1]] == waypoints[[0, -1]]).all()
+    assert (found <= waypoints.max(axis=0) + 1e-12).all()
+    assert (found >= waypoints.min(axis=0) - 1e-12).all()
+    limits = np.full(4, 2.0), np.full(4, 5.0)
+    if tolerance > 0.01:
+        assert timed_path(found, *limits).duration < 0.7 * timed_path(waypoints, *limits).duration
 
 
 @settings(max_examples=60, deadline=None)
