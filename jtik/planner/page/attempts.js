@@ -37,7 +37,7 @@ export function showDock(host) {
   const play = el("button", { id: "play", onclick: actions.play }, "Play");
   const bar = el("input", { id: "scrub", type: "range", min: 0, max: 1, step: 0.001, value: 0, "aria-label": "time in the attempt" });
   const clock = el("output", { class: "clock" });
-  const undo = el("button", { id: "undo", title: "Cut the attempt here and go on recording from here", onclick: () => send("undo", at()) }, "Undo to here");
+  const undo = el("button", { id: "undo", title: "Go on guiding from this posture; the attempt stays", onclick: () => send("undo", at()) }, "Undo to here");
   const branch = el("button", { id: "branch", title: "Start a new attempt that shares the way up to here", onclick: () => send("branch", at()) }, "Branch here");
   const live = el("button", { id: "live", title: "Leave the attempt, and go on guiding", onclick: () => send("live") }, "Guide");
   const named = el("span", { class: "current" });
