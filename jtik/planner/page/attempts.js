@@ -20,6 +20,7 @@ const MEASURES = [
 const FORMATS = [["csv", "CSV"], ["json", "JSON"], ["npz", "NumPy (.npz)"], ["ros2.json", "ROS 2 JSON"], ["ros2.yaml", "ROS 2 YAML"], ["png", "Figure (.png)"], ["gif", "Animation (.gif)"]];
 
 const measured = (attempt, key) => (key === "duration" ? attempt.duration : attempt.measures?.[key]);
+const tone = (key, value, best) => (key === "clearance" && value < 0 ? "bad" : value === best ? "best" : "");
 const current = () => state.attempts.find(({ name }) => name === state.attempt) ?? null;
 const mode = () => state.frame?.mode ?? "live";
 
@@ -36,7 +37,7 @@ export function showDock(host) {
   const play = el("button", { id: "play", onclick: actions.play }, "Play");
   const bar = el("input", { id: "scrub", type: "range", min: 0, max: 1, step: 0.001, value: 0, "aria-label": "time in the attempt" });
   const clock = el("output", { class: "clock" });
-  const undo = el("button", { id: "undo", title: "Cut the attempt here and go on recording from here", onclick: () => send("undo", at()) }, "Undo to here");
+  const undo = el("button", { id: "undo", title: "Go on guiding from this posture; the attempt stays", onclick: () => send("undo", at()) }, "Undo to here");
   const branch = el("button", { id: "branch", title: "Start a new attempt that shares the way up to here", onclick: () => send("branch", at()) }, "Branch here");
   const live = el("button", { id: "live", title: "Leave the attempt, and go on guiding", onclick: () => send("live") }, "Guide");
   const named = el("span", { class: "current" });
@@ -121,7 +122,7 @@ function attemptRow(attempt, index, best) {
     el("td", {}, el("label", { class: "dot", style: `--dot: ${attemptColour(index)}` }, show, el("span", {}))),
     label,
     el("td", { class: "left" }, words(attempt.strategy ?? "")),
-    MEASURES.map(([key]) => el("td", { class: measured(attempt, key) === best[key] ? "best" : "" }, figure(measured(attempt, key)))),
+    MEASURES.map(([key]) => el("td", { class: tone(key, measured(attempt, key), best[key]) }, figure(measured(attempt, key)))),
     el("td", {}, el("button", { class: "quiet", title: `Delete ${name}`, "aria-label": `delete ${name}`, onclick: () => send("delete_attempt", { attempt: name }) }, "×")));
 }
 

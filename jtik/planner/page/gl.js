@@ -149,7 +149,7 @@ function surface(rows, columns, point) {
 
 const TURN = 2 * Math.PI;
 
-function capsule(rows = 12, columns = 24) {
+function capsule(rows = 8, columns = 18) {
   const half = rows / 2;
   return surface(rows + 1, columns, (i, j) => {
     const upper = i > half;
@@ -159,7 +159,7 @@ function capsule(rows = 12, columns = 24) {
   });
 }
 
-function cylinder(columns = 32) {
+function cylinder(columns = 28) {
   const at = (j) => [Math.cos((TURN * j) / columns), Math.sin((TURN * j) / columns)];
   const side = surface(1, columns, (i, j) => [...at(j), 0, ...at(j), 0, i]);
   const lids = [0, 1].flatMap((end) => surface(1, columns, (i, j) => [...at(j).map((c) => c * i), 0, 0, 0, end ? 1 : -1, end]));
@@ -172,7 +172,7 @@ function cone(columns = 24) {
   return [...side, ...surface(1, columns, (i, j) => [...at(j).map((c) => c * i), 0, 0, 0, -1, 0])];
 }
 
-function ring(rows = 56, columns = 8, thin = 0.022) {
+function ring(rows = 44, columns = 5, thin = 0.022) {
   return surface(rows, columns, (i, j) => {
     const [a, b] = [(TURN * i) / rows, (TURN * j) / columns];
     const n = [Math.cos(a) * Math.cos(b), Math.sin(a) * Math.cos(b), Math.sin(b)];

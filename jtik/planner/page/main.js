@@ -82,7 +82,7 @@ on("status", () => {
   heard = performance.now();
   const text = byId("status");
   const { words, rebuilding, violated } = state.status;
-  text.textContent = words;
+  text.textContent = violated?.length ? `${words}; too near: ${violated.slice(0, 3).join(", ")}${violated.length > 3 ? " ..." : ""}` : words;
   text.className = `status ${violated?.length ? "bad" : words === "at rest" ? "rest" : ""}`;
   byId("rebuilding").hidden = !rebuilding;
   redraw();

@@ -48,7 +48,10 @@ function readText(document) {
     state.status = document;
     emit("status");
   } else if (document.type === "attempts") {
+    const before = new Set(state.attempts.map(({ name }) => name));
     state.attempts = document.attempts;
+    const added = state.attempts.filter(({ name }) => before.size > 0 && !before.has(name));
+    if (added.length) state.attempt = added.at(-1).name; // the newest is the one to work on
     const names = state.attempts.map((attempt) => attempt.name);
     if (!names.includes(state.attempt)) state.attempt = names.at(-1) ?? null;
     for (const name of state.overlays) if (!names.includes(name)) state.overlays.delete(name);

@@ -103,16 +103,12 @@ export class SpatialView {
     const reach = Math.max(state.setup.robot.reach, 0.6 * this.distance);
     const step = [0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10].find((value) => reach / value <= 12) ?? 20;
     const count = Math.ceil((1.6 * reach) / step);
+    const end = count * step;
     const lines = [];
     for (let k = -count; k <= count; k++) {
-      if (k === 0) continue;
-      for (let j = -count; j < count; j += 2) {
-        const [a, b] = [j * step, Math.min(count, j + 2) * step];
-        lines.push([[a, k * step, 0], [b, k * step, 0]], [[k * step, a, 0], [k * step, b, 0]]);
-      }
+      if (k !== 0) lines.push([[-end, k * step, 0], [end, k * step, 0]], [[k * step, -end, 0], [k * step, end, 0]]);
     }
     renderer.lines(lines, rgb("grid"), 1.2, { alpha: 0.99, fade: 1.3 * reach });
-    const end = count * step;
     renderer.lines([[[-end, 0, 0], [0, 0, 0]], [[0, 0, 0], [end, 0, 0]], [[0, -end, 0], [0, 0, 0]], [[0, 0, 0], [0, end, 0]]], rgb("axis"), 1.6, { alpha: 0.99, fade: 1.3 * reach });
     const size = 0.12 * state.setup.robot.reach;
     drawAxes(renderer, [[1, 0, 0], [0, 1, 0], [0, 0, 1]], [0, 0, 0.001], size);

@@ -111,6 +111,19 @@ def test_a_branch_shares_the_way_up_to_it(page, planner, first):
     np.testing.assert_array_equal(child.configurations[shared], parent.configurations[: shared.sum()])
 
 
+def test_undo_goes_on_from_a_posture_of_the_attempt(page, planner, first):
+    attempt = planner.loop.history[first]
+    page.find(f'tr[data-attempt="{first}"] .name').click()
+    scrub(page, 0.3 * attempt.duration)
+    wait_for(lambda: planner.loop.frame.mode == "scrubbing")
+    posture, target = planner.loop.frame.q.copy(), planner.loop.frame.position.copy()
+    page.find("#undo").click()
+    wait_for(lambda: planner.loop.frame.mode == "live")
+    np.testing.assert_allclose(planner.loop.frame.position, target, atol=1e-9)
+    assert np.abs(planner.loop.frame.q - posture).max() < 0.2
+    assert first in names(planner), "the attempt stays"
+
+
 def test_attempts_are_compared_overlaid_and_chosen(page, planner, first):
     both = names(planner)
     for name in both:

@@ -178,6 +178,33 @@ def test_a_gamepad_steers_the_target_and_the_self_motion(page, planner):
     wait_for(lambda: planner.loop.frame.position[0] < before[0] - 0.15)
     page.evaluate("() => (window.pad.axes = [0.05, 0, 0, 0])")  # at rest, a stick is never quite at zero
     wait_for(lambda: is_still(planner))
+    wait_for(lambda: at_rest(planner))
+    q, where = planner.loop.frame.q.copy(), tip(planner)
+    page.evaluate("() => (window.pad.axes = [0, 0, 1, 0])")
+    wait_for(lambda: np.abs(planner.loop.frame.q - q).max() > 0.02)
+    np.testing.assert_allclose(tip(planner), where, atol=2e-3)
+    page.evaluate("() => (window.pad.axes = [0, 0, 0, 0])")
+    wait_for(lambda: at_rest(planner))
+
+
+def test_the_slider_moves_the_arm_along_its_self_motion_until_it_is_let_go(page, planner):
+    page.click_text("joint centering")  # which would draw the arm back
+    page.click_text("obstacle avoidance")
+    wait_for(lambda: not planner.loop.status.rebuilding and not planner.loop.settings.criteria, 150)
+    wait_for(lambda: at_rest(planner))
+    before, where = planner.loop.frame.q.copy(), tip(planner)
+    box = page.find('input[aria-label="self-motion"]').bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.9 * box["width"], box["y"] + box["height"] / 2, steps=4)
+    wait_for(lambda: np.abs(planner.loop.frame.q - before).max() > 0.1)
+    np.testing.assert_allclose(tip(planner), where, atol=2e-3)
+    page.mouse.up()
+    wait_for(lambda: at_rest(planner))
+    assert page.js("() => document.querySelector('[aria-label=\"self-motion\"]').value") == "0"
+    page.click_text("joint centering")
+    page.click_text("obstacle avoidance")
+    wait_for(lambda: not planner.loop.status.rebuilding and len(planner.loop.settings.criteria) == 2, 150)
 
 
 def test_a_browser_that_is_closed_in_mid_drag_stops_the_target(open_page, planner):
