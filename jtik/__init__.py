@@ -57,7 +57,7 @@ from jtik.strategy import Strategy, StrategyError
 from jtik.task import AxisTask, CenterOfMassTask, FrameTask, LookAtTask, RelativeFrameTask, Task
 
 if TYPE_CHECKING:
-    from jtik import interop, plotting, problems, study, testing
+    from jtik import interop, planner, plotting, problems, study, testing
     from jtik.study.compare import compare
     from jtik.study.comparison import Comparison
     from jtik.viewer import view
@@ -111,6 +111,7 @@ __all__ = [
     "criteria",
     "criterion",
     "interop",
+    "planner",
     "plotting",
     "problems",
     "register_criterion",
@@ -126,7 +127,7 @@ __all__ = [
 _LAZY = {"compare": "jtik.study.compare", "Comparison": "jtik.study.comparison", "view": "jtik.viewer"}
 """Names that are imported when they are first used, and the modules that have them."""
 
-_LAZY_MODULES = ("interop", "plotting", "problems", "study", "testing")
+_LAZY_MODULES = ("interop", "planner", "plotting", "problems", "study", "testing")
 
 _RENAMED = {"GaveWay": "Relaxation"}
 """Former names and the present ones; they go after one release."""

@@ -178,3 +178,64 @@ def test_solids_survive_pickling(solid):
     again = pickle.loads(pickle.dumps(solid))
     assert type(again) is type(solid)
     assert repr(again) == repr(solid)
+
+
+@pytest.mark.parametrize("solid", [jtik.HalfSpace((0, 0, 0), (0, 0, 1)), jtik.Polygon([(0, 0), (1, 0), (0, 1)])])
+def test_half_spaces_and_polygons_are_no_bodies_of_a_robot(solid):
+    with pytest.raises(jtik.ArgumentError, match=r"shapes\['tip'\].*Sphere"):
+        jtik.Robot(jtik.Robot.planar(2).joints, planar=True, shapes={"tip": [solid]})
+
+
+@pytest.mark.parametrize(
+    "solid",
+    [
+        jtik.Circle((1, 2), 0.3),
+        jtik.Capsule((0, 1, 2), (1, -1, 2), 0.2),
+        jtik.Cylinder((0, 0, 0), (1, 2, 3), 0.3),
+        jtik.Box.at((1, 2, 3), (0.1, 0.2, 0.3), (1, 2, 3, 4)),
+        jtik.Polygon([(0, 0), (2, 0), (1, 1)]),
+    ],
+)
+def test_the_bounds_of_a_solid_touch_it(solid, rng):
+    """Along each axis a half-space beside the bounds touches the solid: judged by its support, sampled."""
+    low, high = jtik.geometry.bounds(solid)
+    match solid:
+        case jtik.Circle():
+            points = solid.center + solid.radius * np.stack([np.cos(t := np.linspace(0, 7, 4000)), np.sin(t)], axis=1)
+        case jtik.Polygon():
+            points = solid.vertices
+        case jtik.Box():
+            corners = np.array(list(np.ndindex(2, 2, 2))) * 2 - 1
+            points = (corners * solid.half) @ solid.pose[:3, :3].T + solid.center
+        case _:
+            around = rng.normal(size=(200_000, 3))
+            if isinstance(solid, jtik.Cylinder):
+                axis = (solid.end - solid.start) / np.linalg.norm(solid.end - solid.start)
+                around -= np.outer(around @ axis, axis)
+            around *= solid.radius / np.linalg.norm(around, axis=1)[:, None]
+            points = np.concatenate([solid.start + around, solid.end + around])
+    assert points.min(axis=0) == pytest.approx(low, abs=1e-3)
+    assert points.max(axis=0) == pytest.approx(high, abs=1e-3)
+
+
+@pytest.mark.parametrize("half", [(0.4, 0.3, 0.1), (0.3, 0.3, 0.3), (1.0, 0.9, 0.01), (0.5, 0.1, 0.1)])
+def test_balls_cover_a_box_and_are_thinner_than_its_capsule(half, rng):
+    box = jtik.Box.at((1, 2, 3), half, (1, 2, 3, 4))
+    balls = jtik.geometry.enclosing_balls(box)
+    thickness = enclosing_segment(box)[2]
+    if half in ((0.5, 0.1, 0.1), (0.3, 0.3, 0.3)):
+        assert not balls  # a rod or a cube: the capsule is tighter
+        return
+    assert 1 <= len(balls) <= 64
+    assert all(radius < thickness for _, radius in balls)
+    points = rng.uniform(-1, 1, (3000, 3))
+    points[:2000] /= np.abs(points[:2000]).max(axis=1)[:, None]  # on the surface
+    points = np.concatenate([points, np.array(list(np.ndindex(2, 2, 2))) * 2 - 1]) * half
+    world = points @ box.pose[:3, :3].T + box.center
+    assert (np.min([np.linalg.norm(world - c, axis=1) - r for c, r in balls], axis=0) <= 1e-12).all()
+
+
+def test_only_boxes_are_covered_by_balls():
+    assert jtik.geometry.enclosing_balls(jtik.Cylinder((0, 0, 0), (0, 0, 1), 0.2)) == []
+    with pytest.raises(jtik.ArgumentError, match="solid"):
+        jtik.geometry.enclosing_balls(jtik.HalfSpace((0, 0, 0), (0, 0, 1)))

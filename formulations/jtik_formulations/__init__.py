@@ -7,6 +7,7 @@ from jtik_formulations.criteria.frame_proximity import FrameProximity
 from jtik_formulations.criteria.gravity_torque import GravityTorque
 from jtik_formulations.criteria.isotropy import Isotropy
 from jtik_formulations.criteria.joint_centering import JointCentering
+from jtik_formulations.criteria.khatib_potential import KhatibPotential
 from jtik_formulations.criteria.kinetic_energy import KineticEnergy
 from jtik_formulations.criteria.limit_activation import LimitActivation
 from jtik_formulations.criteria.limit_barrier import LimitBarrier
@@ -16,7 +17,9 @@ from jtik_formulations.criteria.look_at import LookAt
 from jtik_formulations.criteria.manipulability import Manipulability
 from jtik_formulations.criteria.minimum_displacement import MinimumDisplacement
 from jtik_formulations.criteria.obstacle_avoidance import ObstacleAvoidance
+from jtik_formulations.criteria.obstacle_barrier import ObstacleBarrier
 from jtik_formulations.criteria.smallest_singular_value import SmallestSingularValue
+from jtik_formulations.criteria.soft_clearance import SoftClearance
 from jtik_formulations.criteria.support_polygon import SupportPolygon
 from jtik_formulations.criteria.swivel_angle import SwivelAngle
 from jtik_formulations.criteria.visibility import Visibility
@@ -53,6 +56,7 @@ __all__ = [
     "Isotropy",
     "JParse",
     "JointCentering",
+    "KhatibPotential",
     "KineticEnergy",
     "LexicographicQP",
     "LimitActivation",
@@ -66,11 +70,13 @@ __all__ = [
     "NakamuraHanafusa",
     "Newton",
     "ObstacleAvoidance",
+    "ObstacleBarrier",
     "ProjectedGradient",
     "QPSecondary",
     "SecondOrder",
     "SelectivelyDamped",
     "SmallestSingularValue",
+    "SoftClearance",
     "Sugihara",
     "SupportPolygon",
     "SwivelAngle",

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from numpy.typing import ArrayLike
 
 from jtik._loop.engine import Engine
 from jtik.result.jog import Jog
+from jtik.result.report import Report
 
 Direction = str | int | ArrayLike | None
 
@@ -56,3 +59,15 @@ class ControlLoop:
             ArgumentError: for a wrong shape, NaN or infinity, or a direction that is none, naming it.
         """
         return self._engine.jogging.jog(q, rate, direction, dt)
+
+    def report(self, q: ArrayLike, target: Any) -> Report:
+        """Task, criteria and active limits at a configuration, as numbers, without a step.
+
+        Args:
+            q: configuration, (nq,).
+            target: the target, as in `step`.
+
+        Raises:
+            ArgumentError: for an argument of wrong shape, NaN or infinity, naming it.
+        """
+        return self._engine.report(q, target)

@@ -27,6 +27,7 @@ from jtik.criterion.trial import check_compiled, check_finite
 from jtik.errors import ArgumentError
 from jtik.qp import Backend, as_problem, backend_of
 from jtik.registry import supporting_clearances
+from jtik.result.report import Report
 from jtik.robot import Robot, WeightedCoordinates
 from jtik.strategy import Strategy
 from jtik.strategy.checked_call import CheckedCall
@@ -171,6 +172,19 @@ class Engine:
             self.solving.warm_up()
             self._escape.warm_up()
             self._inspector.warm_up()
+        finally:
+            exclusive.busy = False
+
+    def report(self, q: Any, target: Any) -> Report:
+        """The report of a configuration, as `InverseKinematics.report` describes it."""
+        exclusive = self._exclusive
+        if exclusive.busy:
+            raise in_use()
+        try:
+            exclusive.busy = True
+            at = self.configurations.read("q", q)
+            self.memory.inputs.target[:] = self.problem.tasks.read_target(target)
+            return self._inspector.snapshot(at, target)()
         finally:
             exclusive.busy = False
 

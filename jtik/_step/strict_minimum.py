@@ -67,7 +67,7 @@ def strict_minimum(problem: SymbolicProblem) -> Function:
     pivots = ldl_pivots(M)
     for j in range(n):
         holds = logic_and(holds, pivots[j] > 0)
-    return function("strict_minimum", [q, *inputs], [holds])
+    return function("strict_minimum", [q, *inputs], [holds], cse=False)  # it takes longest
 
 
 def _limits(problem: SymbolicProblem, q: Expression, inputs: Inputs[Expression]) -> tuple[Expression, ...]:

@@ -214,7 +214,7 @@ class SymbolicProblem:
             parameters=parameters,
             multipliers=multipliers,
         )
-        return function("hessian", [q, target, parameters, multipliers], [second])
+        return function("hessian", [q, target, parameters, multipliers], [second], cse=False)  # it takes longest
 
     def curvature(self) -> Function:
         """(q, target, parameters) -> |J| |r|, dV/dv, d2V/dv2, dH/dv: for configurations where dV/dv is zero."""

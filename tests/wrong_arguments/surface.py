@@ -12,6 +12,7 @@ import jtik
 from jtik import plotting
 from jtik.interop.mujoco_model import to_mujoco
 from jtik.interop.urdf import to_urdf
+from jtik.planner import Planner
 from jtik.problems import Case, ProblemSet
 from jtik.qp import Conic, PersistentOSQP, QPSolversBackend, backend_of
 from jtik.robot import DHRow, Mass, Mimic
@@ -52,6 +53,7 @@ ARM = jtik.Robot.planar(2)
 SPATIAL = jtik.Robot.builtin("ur5e")
 MISSING = Path("/a folder that does not exist")
 FIELD = (jtik.Circle((1.5, 0.0), 0.1),)
+OBSTACLES = Kind(frozenset({"[]"}))
 OPTIONAL_Q = CONFIGURATION | "None"
 ONE_EACH = _limits = NUMBER | ("inf", "nan")
 
@@ -303,7 +305,23 @@ SOLIDS: dict[str, Entry] = {
         for kind in (jtik.Capsule, jtik.Cylinder)
     },
     "Box": Entry(jtik.Box, fixed(pose=np.eye(4), half=(1.0, 1.0, 1.0)), {"pose": NOTHING, "half": NOTHING}),
+    "HalfSpace": Entry(
+        jtik.HalfSpace, fixed(point=(0.0, 0.0, 0.0), normal=(0.0, 0.0, 1.0)), {"point": NOTHING, "normal": NOTHING}
+    ),
+    "Polygon": Entry(jtik.Polygon, fixed(vertices=((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))), {"vertices": NOTHING}),
+    "Scene": Entry(
+        jtik.Scene, lambda: {"obstacles": FIELD}, {"obstacles": OBSTACLES | "{}", "gains": NOTHING | ("None", "{}")}
+    ),
 }
+
+OF_OBSTACLES = {
+    "obstacles": OBSTACLES,
+    "gain": NON_NEGATIVE,
+    "bodies": NOTHING,
+    "capacity": POSITIVE_COUNT | "None",
+    "name": NAME,
+}
+"""The options of the criteria on distances to obstacles."""
 
 CONSTRAINTS: dict[str, Entry] = {
     "Limits": Entry(
@@ -359,6 +377,31 @@ SOLVER: dict[str, Entry] = {
         IK.jog,
         fixed(q=[0.3, 0.2], rate=0.5),
         {"q": CONFIGURATION, "rate": NUMBER, "direction": Kind(frozenset({"0", "None"})), "dt": POSITIVE},
+    ),
+    "InverseKinematics.report": Entry(
+        IK.report,
+        fixed(q=[0.3, 0.2], target=(1.0, 1.0)),
+        {"q": CONFIGURATION, "target": NOTHING},
+    ),
+    "Planner": Entry(
+        Planner,
+        lambda: {"robot": ARM, "criteria": None, "strategy": "newton", "folder": False},
+        {
+            "robot": NOTHING.without("None"),
+            "task": Kind(frozenset({"None"})),
+            "scene": OBSTACLES | ("{}", "None"),
+            "strategy": NOTHING,
+            "criteria": Kind(frozenset({"None", "[]"})),
+            "q0": OPTIONAL_Q,
+            "limits": FLAG,
+            "safe": NON_NEGATIVE,
+            "target_speed": Kind(frozenset({"None"})),
+            "dt": POSITIVE,
+            "compiled": FLAG.without("True"),
+            "folder": NOTHING.without("None", "'x'", "bytes"),
+            "clock": NOTHING.without("class"),
+            "executor": Kind(frozenset({"None"})),
+        },
     ),
     "InverseKinematics.step, arrays": Entry(
         lambda q, target: IK.step(np.array(q) if isinstance(q, list) else q, target),
@@ -542,17 +585,14 @@ OF_OPTIONS: dict[str, dict[str, Kind]] = {
         "preferred": OPTIONAL_Q,
         "name": NAME,
     },
-    "obstacle_avoidance": {
-        "obstacles": NOTHING,
-        "gain": NON_NEGATIVE,
-        "bodies": NOTHING,
-        "floor": POSITIVE,
-        "name": NAME,
-    },
     "gravity_torque": {"scale": POSITIVE | "{}" | "None", "gravity": NOTHING | "None", "name": NAME},
     "kinetic_energy": {"reference": NOTHING | "None" | "{}", "rotor_inertia": NON_NEGATIVE | "{}", "name": NAME},
     "effective_mass": {"direction": NOTHING, "frame": FRAME, "rotor_inertia": NON_NEGATIVE | "{}", "name": NAME},
     "support_polygon": {"vertices": NOTHING, "margin": POSITIVE, "frame": FRAME, "name": NAME},
+    "obstacle_avoidance": {**OF_OBSTACLES, "floor": POSITIVE},
+    "khatib_potential": {**OF_OBSTACLES, "influence": POSITIVE, "floor": Kind(frozenset())},
+    "obstacle_barrier": {**OF_OBSTACLES, "influence": POSITIVE, "floor": SHARE},
+    "soft_clearance": {**OF_OBSTACLES, "smoothing": POSITIVE},
     "compact_posture": {"center": NOTHING | "None", "name": NAME},
     "directional_manipulability": {"direction": NOTHING | "None", **OF_ROWS, "measure": NOTHING},
     "frame_proximity": {
@@ -583,6 +623,9 @@ OF_OPTIONS: dict[str, dict[str, Kind]] = {
 
 NEEDED: dict[str, dict[str, Any]] = {
     "obstacle_avoidance": {"obstacles": FIELD},
+    "khatib_potential": {"obstacles": FIELD},
+    "obstacle_barrier": {"obstacles": FIELD},
+    "soft_clearance": {"obstacles": FIELD},
     "frame_proximity": {"height": 0.4},
     "effective_mass": {"direction": (1.0, 0.5)},
     "support_polygon": {"vertices": [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]},
@@ -743,7 +786,6 @@ def axes() -> Any:
     return plotting.blank_figure((-2.0, 2.0, -2.0, 2.0), 4.0)[1]
 
 
-OBSTACLES = Kind(frozenset({"[]"}))
 PLOTTING: dict[str, Entry] = {
     "posture_figure": Entry(
         plotting.posture_figure,

@@ -33,6 +33,7 @@ MODULES = (
     "jtik.qp",
     "jtik.problems",
     "jtik.study",
+    "jtik.planner",
     "jtik.plotting",
     "jtik.testing",
 )
@@ -54,7 +55,7 @@ NOT_CALLED: dict[str, str] = {
         "a result: the library makes it",
     ),
     **dict.fromkeys(
-        ("Criterion", "Strategy", "Task", "PlacementTask", "PointingTask", "Contender", "PreparedContender"),
+        ("Criterion", "Measure", "Strategy", "Task", "PlacementTask", "PointingTask", "Contender", "PreparedContender"),
         "a base class",
     ),
     **dict.fromkeys(("JointType", "Status"), "an enumeration"),

@@ -73,9 +73,18 @@ class TestGain:
         assert gain(moved, before, STEP, hessian=concave) == 0.7
         assert gain(moved, before, NULL_STEP, hessian=concave) == pytest.approx(UNBOUNDED)
 
-    def test_without_a_motion_it_stays(self):
+    @pytest.mark.parametrize("seen", [STEP, NULL_STEP])
+    def test_without_a_motion_it_stays(self, seen):
         before = np.array([0.2, 0.5, -0.4])
-        assert gain(before, before, STEP) == 0.7
+        assert gain(before, before, seen) == 0.7
+
+    @pytest.mark.parametrize("seen", [STEP, NULL_STEP])
+    def test_a_live_parameter_that_changes_at_rest_leaves_it(self, seen):
+        """Displacement of the size of rounding, gradient of another criterion: their ratio is no curvature."""
+        before = np.array([0.2, 0.5, -0.4])
+        remembered = state(before, seen)
+        model = model_at(before + np.array([0, 1e-16, 1e-16]), 1e3 * HESSIAN)
+        assert numbers(GAIN.gain(model, remembered, model.null_gradient_free)) == 0.7
 
 
 class TestAdapt:

@@ -14,6 +14,9 @@ from jtik.types import Array
 SMALLEST_CHANGE = 1e-12
 """Change of grad H, relative to it, below which it is rounding and shows no curvature."""
 
+SMALLEST_MOTION = 1e-12
+"""Displacement [rad] up to which it is rounding and shows no curvature: y is then the change of live parameters."""
+
 NO_STEP, STEP, NULL_STEP = 0.0, 1.0, 2.0
 """Kinds of the last step: there was none; a step; a step that was mostly a null-space step."""
 
@@ -48,16 +51,17 @@ class BarzilaiBorweinGain:
         """s's / s'y, s the displacement since the last step, y the change of the gradient with it (P2).
 
         If the last step was mostly a null-space step, y is the change of ``null_gradient`` (n, 1), and where H is not
-        convex there is no bound. Otherwise y is that of grad H; where H is not convex, or q has not changed, the gain
-        stays the same.
+        convex there is no bound. Otherwise y is that of grad H; where H is not convex the gain stays the same. So it
+        does where q has not changed: at rest, a live parameter that changes must not leave a gain of almost nothing.
         """
         change = model.coordinates.from_joints(model.robot.difference(state["last_q"], model.here.q))
         squared = sumsqr(change)
         of_null = dot(change, null_gradient - state["last_null_gradient"])
         of_all = dot(change, model.gradient - state["last_H_gradient"])
         significant = of_all > SMALLEST_CHANGE * sqrt(squared) * model.gradient_norm
-        kept = if_else(logic_and(state["last_kind"] == STEP, significant), squared / of_all, state["beta"])
-        return if_else(state["last_kind"] == NULL_STEP, squared / fmax(of_null, squared / UNBOUNDED + TINY), kept)
+        kind = if_else(squared > SMALLEST_MOTION**2, state["last_kind"], NO_STEP)
+        kept = if_else(logic_and(kind == STEP, significant), squared / of_all, state["beta"])
+        return if_else(kind == NULL_STEP, squared / fmax(of_null, squared / UNBOUNDED + TINY), kept)
 
     def adapt(
         self,

@@ -1,0 +1,65 @@
+"""The queue of edits and the schedule of the periods."""
+
+from __future__ import annotations
+
+import pytest
+
+from jtik.planner.edits import ChangeObstacle, DeleteObstacle, HoldTarget, MoveTarget, SetGain, TakePosture
+from jtik.planner.inbox import Inbox
+from jtik.planner.schedule import Schedule
+
+
+def test_edits_come_in_their_order() -> None:
+    inbox = Inbox()
+    edits = [TakePosture(), DeleteObstacle("a"), TakePosture()]
+    assert all(inbox.put(edit) for edit in edits)
+    assert inbox.take() == (edits, 0)
+    assert inbox.take() == ([], 0)
+
+
+def test_the_latest_target_wins() -> None:
+    inbox = Inbox()
+    for edit in (MoveTarget((1, 1)), TakePosture(), HoldTarget((1, 1)), MoveTarget((2, 2))):
+        inbox.put(edit)
+    assert inbox.take()[0] == [TakePosture(), MoveTarget((2, 2))]
+
+
+def test_a_later_change_of_an_obstacle_replaces_an_earlier_one_and_no_other() -> None:
+    inbox = Inbox()
+    edits = [
+        ChangeObstacle("a", {"x": 1}),
+        ChangeObstacle("b", {"x": 1}),
+        SetGain("g", 1),
+        ChangeObstacle("a", {"x": 2}),
+    ]
+    for edit in edits:
+        inbox.put(edit)
+    assert inbox.take()[0] == edits[1:]
+
+
+def test_a_full_queue_refuses_edits_but_no_target() -> None:
+    inbox = Inbox(largest=3)
+    assert [inbox.put(TakePosture()) for _ in range(5)] == [True, True, True, False, False]
+    assert inbox.put(HoldTarget((0, 0)))
+    edits, refused = inbox.take()
+    assert len(edits) == 4
+    assert refused == 2
+    assert inbox.put(TakePosture())
+
+
+def test_a_period_that_is_on_time_waits_for_the_next() -> None:
+    schedule = Schedule(0.5, 10.0)
+    assert schedule.wait(9.75) == 0.25
+    schedule.done(10.25)
+    assert schedule.wait(10.25) == 0.25
+    assert schedule.late == 0
+
+
+@pytest.mark.parametrize(("ended", "late", "wait"), [(10.75, 0, 0.0), (11.25, 1, 0.0), (13.75, 6, 0.0)])
+def test_late_periods_are_left_out(ended: float, late: int, wait: float) -> None:
+    schedule = Schedule(0.5, 10.0)
+    schedule.done(ended)
+    assert schedule.late == late
+    assert schedule.wait(ended) == wait
+    schedule.done(ended)  # the period that was due at once
+    assert 0 < schedule.wait(ended) <= 0.5
