@@ -2,7 +2,7 @@
 
 - solids: `Point`, `Circle`, `Sphere`, `Capsule`, `Cylinder`, `Box`, `HalfSpace`, `Polygon`, their base `Solid`, and
   `Ball`, the base of the first three; `Obstacle` is any of them
-- slots for a fixed number of obstacles, whose numbers are live parameters: `Slots`, `Slot`, `Distances`
+- slots for a fixed number of obstacles, whose numbers are live parameters: `Slots`, `Slot`, `Distances`, `ABSENT`
 - named obstacles and their file: `Scene`
 - distances of points and segments: `point_to_ball`, `segment_to_ball`, and those to a capsule, a half-space, a box, a
   polygon and a cylinder, for which `Axis`, `Sides` and `in_axes` prepare the arguments
@@ -26,10 +26,11 @@ from jtik.geometry.obstacles import Obstacle, centers_and_radii
 from jtik.geometry.polygons import Sides, point_to_polygon, segment_to_polygon
 from jtik.geometry.scene import Scene
 from jtik.geometry.segments import closest_points, segment_to_segment
-from jtik.geometry.slots import Slot, Slots
+from jtik.geometry.slots import ABSENT, Slot, Slots
 from jtik.geometry.solids import Ball, Box, Capsule, Circle, Cylinder, Point, Solid, Sphere
 
 __all__ = [
+    "ABSENT",
     "Axis",
     "Ball",
     "Box",

@@ -23,6 +23,9 @@ CAPACITY = 16
 CORNERS = 8
 """Number of corners that a polygon may have in a slot where no polygon has more."""
 
+ABSENT = 1e9
+"""Distance [m] of an obstacle with gain 0: farther than any influence reaches, and a finite number."""
+
 ACCEPTED = {
     2: "jtik.Point or jtik.Circle with center (2,), Capsule, Box, HalfSpace or Polygon",
     3: "jtik.Point or jtik.Sphere with center (3,), Capsule, Box, Cylinder or HalfSpace",

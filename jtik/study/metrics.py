@@ -13,6 +13,7 @@ from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.clearance import Clearance
 from jtik.constraints.measure import Measure
 from jtik.criterion import Criterion, CriterionSum, CriterionTerms, Parameters
+from jtik.geometry import ABSENT
 from jtik.robot import Robot
 from jtik.symbolic import dot, function, mmin, vertcat
 from jtik.symbolic.compile import CompiledFunction
@@ -100,11 +101,12 @@ class ConfigurationMetrics:
         return float(H[0, 0]) if self._has_criterion else float("nan"), float(V[0, 0]), condition(J)
 
     def clearance(self, configurations: Iterable[Array]) -> float:
-        """The smallest distance to an obstacle over the configurations [m]; NaN without a distance measure."""
+        """The smallest distance to an obstacle over the configurations [m]; NaN where there is nothing to measure."""
         if self._distances is None:
             return float("nan")
         memory = self._live[1].memory
-        return min((float(self._distances(q, memory)[0][0, 0]) for q in configurations), default=float("nan"))
+        smallest = min((float(self._distances(q, memory)[0][0, 0]) for q in configurations), default=ABSENT)
+        return smallest if smallest < ABSENT else float("nan")
 
 
 def condition(J: Array) -> float:

@@ -177,3 +177,31 @@ def test_the_radius_of_a_body_makes_longer_steps_safe(rng):
         found[bodies] = [each for body in rounding for each in body]
     assert found["links"] == [0.0, 0.0]
     assert found["shapes"] == [0.2]
+
+
+@pytest.mark.parametrize("strategy", ["weighted_qp", "hybrid+qp"])
+@pytest.mark.parametrize("influence", [0.3, np.inf])
+def test_a_clearance_gains_and_loses_obstacles_while_in_use(strategy, influence):
+    """Empty slots neither constrain nor are reported; a wall that appears in a slot stops the arm in front of it."""
+    robot, capacity = planar(3), {"ball": 2, "half_space": 2, "box": 1}
+    measure = ObstacleAvoidance([], capacity=capacity, bodies="links")
+    clearance = jtik.Clearance(measure, safe=SAFE, influence=influence)
+    task = jtik.FrameTask(kind="position")
+    ik = jtik.InverseKinematics(robot, task, strategy=strategy, clearances=clearance)
+    free = jtik.InverseKinematics(robot, task, strategy=strategy)
+    q0, target = [0.1, 0.2, 0.3], [0.8, 2.3]
+    slots, wall = measure.slots(robot), jtik.HalfSpace((0.0, 2.0), (0.0, -1.0))
+    for obstacles in ([], [wall], []):
+        for name, value in slots.parameters(obstacles).items():
+            ik.parameters[f"clearance.{name}"] = value
+        solution = ik.solve(target, q0=q0)
+        highest = max(robot.position(solution.q, frame)[1] for frame in robot.moving_frames)
+        if obstacles:
+            assert not solution.converged
+            assert SAFE - 1e-6 <= 2.0 - highest <= SAFE + 0.02
+            assert any("half_space 0" in name for name in solution.active_clearances)
+        else:
+            assert solution.converged
+            assert solution.q == pytest.approx(free.solve(target, q0=q0).q, abs=1e-5)
+            assert not solution.active_clearances
+            assert not solution.relaxed

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.study.metrics import ConfigurationMetrics, condition
+from jtik.study.metrics import ConfigurationMetrics, condition, measures_of
 from jtik.task import TaskStack
-from jtik_formulations import JointCentering
+from jtik_formulations import JointCentering, ObstacleAvoidance
 
 
 def test_H_V_and_condition_have_closed_forms():
@@ -29,3 +29,14 @@ def test_H_V_and_condition_have_closed_forms():
 def test_the_condition_of_a_singular_jacobian_is_infinite():
     assert condition(np.array([[1.0, 2.0], [2.0, 4.0]])) == math.inf
     assert math.isnan(condition(np.array([[1.0, math.nan], [2.0, 4.0]])))
+
+
+def test_a_scene_without_obstacles_has_no_clearance():
+    """Nor has one whose obstacles are all absent; one that appears has."""
+    robot = jtik.Robot.planar(2)
+    criterion = ObstacleAvoidance([], capacity=2)
+    found = ConfigurationMetrics(robot, TaskStack.of(robot, jtik.FrameTask()), None, measures_of(criterion, []))
+    assert np.isnan(found.clearance([np.zeros(2)]))
+    live = {"gains": np.array([1.0, 0.0]), "centers": np.array([[3.0, 0.0], [0.0, 0.0]])}
+    found.set({f"obstacle_avoidance.{name}": value for name, value in live.items()})
+    assert found.clearance([np.zeros(2)]) == 1.0

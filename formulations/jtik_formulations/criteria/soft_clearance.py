@@ -9,12 +9,12 @@ from numpy.typing import ArrayLike
 
 from jtik import register_criterion
 from jtik.arguments import non_negative_number, positive_number
-from jtik.geometry import Obstacle
+from jtik.geometry import ABSENT, Obstacle
 from jtik.robot import Kinematics
 from jtik.symbolic import TINY, Expression, exp, fmax, fmin, if_else, log
 from jtik_formulations.bibliography import KREISSELMEIER_1979
 from jtik_formulations.criteria._parts.bodies import BodyChoice
-from jtik_formulations.criteria._parts.obstacle_criterion import ABSENT, ObstacleCriterion
+from jtik_formulations.criteria._parts.obstacle_criterion import ObstacleCriterion
 
 SMALLEST_SMOOTHING = 1e-6
 """Smallest smoothing [m] that is divided by."""

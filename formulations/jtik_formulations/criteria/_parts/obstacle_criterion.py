@@ -13,7 +13,7 @@ from jtik.arguments import choice, instances, integer
 from jtik.arguments import name as read_name
 from jtik.criterion.short_repr import call_text
 from jtik.errors import ArgumentError
-from jtik.geometry import Obstacle, Scene, Slots
+from jtik.geometry import ABSENT, Obstacle, Scene, Slots
 from jtik.geometry.slots import read_counts
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, if_else
@@ -24,9 +24,6 @@ from jtik_formulations.criteria._parts.bodies import (
     names_of_bodies,
     radii_of_bodies,
 )
-
-ABSENT = 1e9
-"""Distance [m] of an obstacle with gain 0: farther than any influence reaches, and a finite number."""
 
 ACCEPTED = "jtik.Point, Circle, Sphere, Capsule, Box, Cylinder, HalfSpace or Polygon"
 
