@@ -2,7 +2,7 @@
 
 from jtik.geometry.distances import point_to_ball, segment_to_ball
 from jtik.geometry.obstacles import Obstacle, centers_and_radii
-from jtik.geometry.segments import closest_points, segment_to_segment
+from jtik.geometry.segments import closest_points, segment_distances, segment_to_segment
 from jtik.geometry.solids import Ball, Box, Capsule, Circle, Cylinder, Point, Solid, Sphere, enclosing_segment
 
 __all__ = [
@@ -19,6 +19,7 @@ __all__ = [
     "closest_points",
     "enclosing_segment",
     "point_to_ball",
+    "segment_distances",
     "segment_to_ball",
     "segment_to_segment",
 ]

@@ -8,7 +8,10 @@ accurate for nearly parallel segments, too, where a a' - b^2 would cancel.
 
 from __future__ import annotations
 
+import numpy as np
+
 from jtik.symbolic import Expression, cross, dot, fmax, fmin, if_else, norm, sumsqr
+from jtik.types import Array
 
 PARALLEL = 1e-6
 """Angle [rad] below which two segments count as parallel: the first share is then 0 or 1, whichever is closer.
@@ -79,3 +82,27 @@ def _clamped(share: Expression) -> Expression:
 def _share(along: Expression, square: Expression) -> Expression:
     """along / square in [0, 1]; zero, without a derivative, on a segment that is a point."""
     return if_else(square > SHORTEST**2, _clamped(along / fmax(square, SHORTEST**2)), 0)
+
+
+def segment_distances(start: Array, end: Array, other_start: Array, other_end: Array) -> Array:
+    """The same distance for arrays of segments, (..., 3) each [m]: numbers, and many at once."""
+    u, v, w = end - start, other_end - other_start, other_start - start
+    normal = np.cross(u, v)
+    square, numerator = _dots(normal, normal), _dots(np.cross(w, v), normal)
+    share = np.clip(np.divide(numerator, square, out=np.zeros_like(square), where=square > 0), 0, 1)
+    other = _shares(_dots(share[..., None] * u - w, v), v)
+    share = _shares(_dots(w + other[..., None] * v, u), u)
+    distance: Array = np.linalg.norm(w + other[..., None] * v - share[..., None] * u, axis=-1)
+    return distance
+
+
+def _dots(a: Array, b: Array) -> Array:
+    products: Array = (a * b).sum(-1)
+    return products
+
+
+def _shares(along: Array, segment: Array) -> Array:
+    square = np.broadcast_to(_dots(segment, segment), along.shape)
+    safe = np.where(square > SHORTEST**2, square, np.inf)
+    shares: Array = np.clip(along / safe, 0, 1)
+    return shares
