@@ -13,6 +13,7 @@ from jtik_formulations.criteria.look_at import LookAt
 from jtik_formulations.criteria.manipulability import Manipulability
 from jtik_formulations.criteria.minimum_displacement import MinimumDisplacement
 from jtik_formulations.criteria.obstacle_avoidance import ObstacleAvoidance
+from jtik_formulations.criteria.self_collision import SelfCollision
 from jtik_formulations.criteria.smallest_singular_value import SmallestSingularValue
 from jtik_formulations.criteria.swivel_angle import SwivelAngle
 from jtik_formulations.criteria.visibility import Visibility
@@ -63,6 +64,7 @@ __all__ = [
     "QPSecondary",
     "SecondOrder",
     "SelectivelyDamped",
+    "SelfCollision",
     "SmallestSingularValue",
     "Sugihara",
     "SwivelAngle",

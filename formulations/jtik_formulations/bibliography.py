@@ -286,3 +286,12 @@ JTIK_2026 = """@software{jtik2026,
   title = {jtik: Redundancy-Resolving Inverse Kinematics},
   year = {2026},
 }"""
+
+DIETRICH_2012 = """@article{dietrich2012,
+  author = {Dietrich, Alexander and Wimb{\\"o}ck, Thomas and Albu-Sch{\\"a}ffer, Alin and Hirzinger, Gerd},
+  title = {Integration of Reactive, Torque-Based Self-Collision Avoidance Into a Task Hierarchy},
+  journal = {IEEE Transactions on Robotics},
+  volume = {28},
+  number = {6},
+  year = {2012},
+}"""

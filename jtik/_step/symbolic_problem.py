@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from jtik.constraints.clearance import Clearance, names_of
+from jtik.constraints.clearance import Clearance, names_of, rounding_of
 from jtik.criterion import CriterionTerms
 from jtik.robot import UNWEIGHTED, Kinematics, Robot, WeightedCoordinates
 from jtik.strategy.curvature import lagrangian_hessian
@@ -110,12 +110,11 @@ class SymbolicProblem:
             own = self.terms.own(clearance, parameters)
             measured = {name: own[name] for name in clearance.measure.parameters(self.robot)}
             bodies = clearance.measure.distances(kinematics, measured)
-            for named, body in zip(names_of(clearance.measure, self.robot, len(bodies)), bodies, strict=True):
-                for i, distance in enumerate(body):
-                    self.pairs.append(f"{clearance.name}: {named} to obstacle {i}")
+            self.pairs += [f"{clearance.name}: {pair}" for pair in names_of(clearance.measure, self.robot, bodies)]
+            for body, radii in zip(bodies, rounding_of(clearance.measure, self.robot, measured, bodies), strict=True):
+                for distance, radius in zip(body, radii, strict=True):
                     restored.append(clearance.restore)
                     # the largest curvature is that of the surface at the distance safe from the obstacle
-                    radius = measured["radii"][i] if "radii" in measured else 0
                     row = (own["safe"], own["safe"] + clearance.margin, own["influence"], clearance.gain)
                     distances.append(distance)
                     figures.append(horzcat(*row, fmax(own["safe"] + radius, TINY)))

@@ -6,7 +6,7 @@ The distances come from a criterion that measures them, such as ObstacleAvoidanc
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
@@ -37,6 +37,11 @@ LONGEST = 0.3
 @runtime_checkable
 class Measure(Protocol):
     """A measure of distances [m]: a criterion with parameters and signed distances of each body to each obstacle.
+
+    A distance may also be that of two bodies which the robot both moves: the bound between the samples of a step
+    (formulations/clearance.md, (C6)) is the same. A method ``rounding(robot, parameters)`` may return, in the same
+    lists, the radius [m] that each distance is less by, of both bodies together; the larger it is, the longer are the
+    steps near contact. A method ``pair_names(robot)`` may return a name for each distance, for reports.
 
     Attributes:
         name: name of the criterion.
@@ -135,11 +140,26 @@ def clearances_of(given: Clearance | Iterable[Clearance] | None) -> tuple[Cleara
     return found
 
 
-def names_of(measure: Measure, robot: Robot, count: int) -> list[str]:
-    """Names of a measure's bodies: those of its ``body_names(robot)`` where it has that method, else numbers."""
+def names_of(measure: Measure, robot: Robot, bodies: Sequence[Sequence[Expression]]) -> list[str]:
+    """Names of a measure's distances: its ``pair_names(robot)``, or those of its ``body_names(robot)`` and numbers."""
+    pairs = getattr(measure, "pair_names", None)
+    if callable(pairs):
+        return list(pairs(robot))
     named = getattr(measure, "body_names", None)
     names = list(named(robot)) if callable(named) else []
-    return names if len(names) == count else [f"body {i}" for i in range(count)]
+    if len(names) != len(bodies):
+        names = [f"body {i}" for i in range(len(bodies))]
+    return [f"{name} to obstacle {i}" for name, body in zip(names, bodies, strict=True) for i in range(len(body))]
+
+
+def rounding_of(
+    measure: Measure, robot: Robot, parameters: Mapping[str, Expression], bodies: Sequence[Sequence[Expression]]
+) -> list[list[Expression]]:
+    """For each distance the radius that it is less by [m]: that of the obstacle, or of both bodies of a pair."""
+    rounding = getattr(measure, "rounding", None)
+    if callable(rounding):
+        return [list(body) for body in rounding(robot, parameters)]
+    return [[parameters["radii"][i] if "radii" in parameters else 0 for i in range(len(body))] for body in bodies]
 
 
 @dataclass(frozen=True)

@@ -89,7 +89,7 @@ class Robot(Variants, Builders, Collisions):
         self._masses = masses_on(self.frame_names, masses)
         self._shapes = shapes_on(self.frame_names, shapes)
         self._disabled_collisions = disabled_pairs(self.frame_names, disabled_collisions)
-        self._judged: dict[tuple[str, float], CollisionPairs] = {}
+        self._judged: dict[tuple[str, float, float], CollisionPairs] = {}
         self._evaluator = Evaluator(self)
         accepted = "a dict from name to configuration, or None"
         named = {} if keyframes is None else mapping("keyframes", keyframes, accepted)

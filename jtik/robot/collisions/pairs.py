@@ -11,10 +11,23 @@ from jtik.arguments import several
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.robot.collisions.bodies import CollisionBody
 
-PairNames: TypeAlias = Iterable[str | tuple[str, str]]
+PairNames: TypeAlias = Iterable[str | tuple[str, ...]]
 """Pairs by name: two names of frames or bodies each, or one name for all pairs with it."""
 
 ACCEPTED = "pairs of names of frames or bodies, such as [('hand', 'link5')], or names for all pairs with one"
+
+
+def pair_names(argument: str, given: object) -> tuple[tuple[str, ...], ...]:
+    """The argument ``exclude`` or ``include``: one or two names each. Raises ArgumentError for anything else."""
+    found = []
+    for entry in several(argument, given, ACCEPTED, ordered=False):
+        names = (entry,) if isinstance(entry, str) else entry
+        if not isinstance(names, (tuple, list)) or len(names) not in (1, 2):
+            raise ArgumentError(argument, entry, ACCEPTED)
+        if not all(isinstance(name, str) for name in names):
+            raise ArgumentError(argument, entry, ACCEPTED)
+        found.append(tuple(names))
+    return tuple(found)
 
 
 @dataclass(frozen=True)
@@ -113,11 +126,8 @@ class CollisionPairs(Sequence[CollisionPair]):
     def _named(self, argument: str, given: PairNames) -> set[int]:
         """The indices in `_all` of the pairs that names mean."""
         chosen: set[int] = set()
-        for entry in several(argument, given, ACCEPTED):
-            names = (entry,) if isinstance(entry, str) else entry
-            if not isinstance(names, (tuple, list)) or not 1 <= len(names) <= 2:
-                raise ArgumentError(argument, entry, ACCEPTED)
-            sides = [self._bodies(argument, name) for name in names]
+        for names in pair_names(argument, given):
+            sides = [self._bodies(name) for name in names]
             for i, pair in enumerate(self._all):
                 ends = (pair.first, pair.second)
                 if any(a in sides[0] and b in sides[-1] for a, b in (ends, ends[::-1])) or (
@@ -126,10 +136,8 @@ class CollisionPairs(Sequence[CollisionPair]):
                     chosen.add(i)
         return chosen
 
-    def _bodies(self, argument: str, name: object) -> set[str]:
+    def _bodies(self, name: str) -> set[str]:
         """The names of the bodies that a name means."""
-        if not isinstance(name, str):
-            raise ArgumentError(argument, name, ACCEPTED)
         found = {body.name for body in self.bodies.values() if name in body.names}
         if not found:
             known = dict.fromkeys(each for body in self.bodies.values() for each in reversed(body.names))
