@@ -38,7 +38,7 @@ from typing import TYPE_CHECKING, Any
 from jtik.constraints import Clearance, Limits
 from jtik.criterion import Criterion, CriterionError, CriterionSum, criterion
 from jtik.errors import ArgumentError, JtikError, MissingExtraError, RobotFileError, UnknownNameError
-from jtik.geometry import Box, Capsule, Circle, Cylinder, Point, Sphere
+from jtik.geometry import Box, Capsule, Circle, Cylinder, HalfSpace, Point, Polygon, Scene, Sphere
 from jtik.registry import (
     PluginError,
     citations,
@@ -76,6 +76,7 @@ __all__ = [
     "CriterionSum",
     "Cylinder",
     "FrameTask",
+    "HalfSpace",
     "InverseKinematics",
     "Joint",
     "JointType",
@@ -85,10 +86,12 @@ __all__ = [
     "MissingExtraError",
     "PluginError",
     "Point",
+    "Polygon",
     "RelativeFrameTask",
     "Relaxation",
     "Robot",
     "RobotFileError",
+    "Scene",
     "Solution",
     "SolutionBatch",
     "Sphere",

@@ -154,7 +154,7 @@ class TestEnclosingSegment:
 @pytest.mark.parametrize(
     ("build", "argument"),
     [
-        (lambda: jtik.Capsule((0, 0), (0, 0, 1), 0.1), "start"),
+        (lambda: jtik.Capsule((0, 0), (0, 0, 1), 0.1), "end"),
         (lambda: jtik.Capsule((0, 0, 0), (0, 0, np.nan), 0.1), "end"),
         (lambda: jtik.Cylinder((0, 0, 0), (0, 0, 1), 0.0), "radius"),
         (lambda: jtik.Box(np.eye(3), (1, 1, 1)), "pose"),

@@ -8,7 +8,7 @@ from jtik._step.active_set import clamped
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.clearance import ClearanceModel
 from jtik.constraints.motion_bound import MotionBound
-from jtik.symbolic import Expression, mmin, substitute, symbol
+from jtik.symbolic import Expression, substitute, symbol
 
 
 def clearance_model(
@@ -44,7 +44,7 @@ def clearance_model(
         aim=aim,
         influence=influence,
         gain=gain,
-        curvature_radius=mmin(figures[:, 4]),
+        curvature_radius=figures[:, 4],
         motion=MotionBound(problem.robot, q),
         after=lambda step: substitute(after, dq, step),
         coordinates=problem.coordinates,

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable
+from itertools import chain
 from typing import Any, TypeVar
 
 import numpy as np
 
-from jtik.constraints.clearance import Clearance, names_of, rounding_of
+from jtik.constraints.clearance import Clearance
+from jtik.constraints.measure import pair_names, rounding_of
 from jtik.criterion import CriterionTerms
 from jtik.robot import UNWEIGHTED, Kinematics, Robot, WeightedCoordinates
 from jtik.strategy.curvature import lagrangian_hessian
@@ -110,14 +112,14 @@ class SymbolicProblem:
             own = self.terms.own(clearance, parameters)
             measured = {name: own[name] for name in clearance.measure.parameters(self.robot)}
             bodies = clearance.measure.distances(kinematics, measured)
-            self.pairs += [f"{clearance.name}: {pair}" for pair in names_of(clearance.measure, self.robot, bodies)]
-            for body, radii in zip(bodies, rounding_of(clearance.measure, self.robot, measured, bodies), strict=True):
-                for distance, radius in zip(body, radii, strict=True):
-                    restored.append(clearance.restore)
-                    # the largest curvature is that of the surface at the distance safe from the obstacle
-                    row = (own["safe"], own["safe"] + clearance.margin, own["influence"], clearance.gain)
-                    distances.append(distance)
-                    figures.append(horzcat(*row, fmax(own["safe"] + radius, TINY)))
+            rounded = rounding_of(clearance.measure, self.robot, measured, bodies)
+            self.pairs += pair_names(clearance, self.robot, bodies)
+            row = (own["safe"], own["safe"] + clearance.margin, own["influence"], clearance.gain)
+            for distance, radius in zip(chain(*bodies), chain(*rounded), strict=True):
+                restored.append(clearance.restore)
+                distances.append(distance)
+                # the largest curvature is that of the surface at the distance safe from the obstacle
+                figures.append(horzcat(*row, fmax(own["safe"] + radius, TINY)))
         d, q = vertcat(*distances), kinematics.q
         self.restored = np.array(restored)
         self.distances = function("distances", [q, parameters], [d])

@@ -2,5 +2,6 @@
 
 from jtik.constraints.clearance import Clearance
 from jtik.constraints.limits import Limits
+from jtik.constraints.measure import Measure
 
-__all__ = ["Clearance", "Limits"]
+__all__ = ["Clearance", "Limits", "Measure"]

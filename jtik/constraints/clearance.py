@@ -6,19 +6,20 @@ The distances come from a criterion that measures them, such as ObstacleAvoidanc
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jtik import arguments
+from jtik.constraints.measure import Measure
 from jtik.constraints.motion_bound import MotionBound
 from jtik.errors import ArgumentError
-from jtik.robot import UNWEIGHTED, Kinematics, Robot, WeightedCoordinates
+from jtik.robot import UNWEIGHTED, Robot, WeightedCoordinates
 from jtik.symbolic import Expression, fmax, fmin, if_else, mmin, sum1, vertcat
 
 SAMPLES = 4
@@ -32,28 +33,6 @@ A body that moves along an obstacle ends every step slightly short of the aim, w
 
 LONGEST = 0.3
 """Largest motion of each velocity entry in a restoration step [rad] or [m]; refused steps reduce it."""
-
-
-@runtime_checkable
-class Measure(Protocol):
-    """A measure of distances [m]: a criterion with parameters and signed distances of each body to each obstacle.
-
-    A distance may also be that of two bodies which the robot both moves: the bound between the samples of a step
-    (formulations/clearance.md, (C6)) is the same. A method ``rounding(robot, parameters)`` may return, in the same
-    lists, the radius [m] that each distance is less by, of both bodies together; the larger it is, the longer are the
-    steps near contact. A method ``pair_names(robot)`` may return a name for each distance, for reports.
-
-    Attributes:
-        name: name of the criterion.
-    """
-
-    name: str
-
-    def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
-        """Names and first values of its live parameters."""
-
-    def distances(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> list[list[Expression]]:
-        """Distances [m]: one list for each body, with one entry for each obstacle."""
 
 
 class Clearance:
@@ -140,28 +119,6 @@ def clearances_of(given: Clearance | Iterable[Clearance] | None) -> tuple[Cleara
     return found
 
 
-def names_of(measure: Measure, robot: Robot, bodies: Sequence[Sequence[Expression]]) -> list[str]:
-    """Names of a measure's distances: its ``pair_names(robot)``, or those of its ``body_names(robot)`` and numbers."""
-    pairs = getattr(measure, "pair_names", None)
-    if callable(pairs):
-        return list(pairs(robot))
-    named = getattr(measure, "body_names", None)
-    names = list(named(robot)) if callable(named) else []
-    if len(names) != len(bodies):
-        names = [f"body {i}" for i in range(len(bodies))]
-    return [f"{name} to obstacle {i}" for name, body in zip(names, bodies, strict=True) for i in range(len(body))]
-
-
-def rounding_of(
-    measure: Measure, robot: Robot, parameters: Mapping[str, Expression], bodies: Sequence[Sequence[Expression]]
-) -> list[list[Expression]]:
-    """For each distance the radius that it is less by [m]: that of the obstacle, or of both bodies of a pair."""
-    rounding = getattr(measure, "rounding", None)
-    if callable(rounding):
-        return [list(body) for body in rounding(robot, parameters)]
-    return [[parameters["radii"][i] if "radii" in parameters else 0 for i in range(len(body))] for body in bodies]
-
-
 @dataclass(frozen=True)
 class ClearanceModel:
     """Clearances at one configuration, for a strategy and for the acceptance of its step.
@@ -173,7 +130,7 @@ class ClearanceModel:
         aim: safe + margin of each (k, 1) [m].
         influence: distance from which on each is not constrained (k, 1) [m].
         gain: share of the distance to the aim that a step may use (k, 1).
-        curvature_radius: smallest radius of curvature of a surface of constant distance [m].
+        curvature_radius: smallest radius of curvature of the surface at the safe distance of each (k, 1) [m].
         motion: upper bounds of the motion of any point of the robot from q.
         after: dq -> the distances after that displacement, (k, 1) [m].
         restored: which distances are restored when they are too small (k,).

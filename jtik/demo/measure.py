@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jtik.demo.scene import Scene
-from jtik.geometry import Obstacle
+from jtik.geometry import Ball
 from jtik.plotting import Skeleton
 from jtik.result.solution import Solution, Status
 from jtik.solver import InverseKinematics
@@ -93,7 +93,7 @@ class StrategyResult:
     q: Array
 
 
-def clearances(links: ArrayLike, obstacles: Sequence[Obstacle]) -> tuple[Array, Array]:
+def clearances(links: ArrayLike, obstacles: Sequence[Ball]) -> tuple[Array, Array]:
     """Distances of links from the surfaces of obstacles.
 
     Args:

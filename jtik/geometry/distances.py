@@ -1,8 +1,11 @@
-"""Signed distances as CasADi expressions."""
+"""Signed distances of points and segments to balls, capsules and half-spaces, as CasADi expressions.
+
+The derivations of these and of the other shapes are in formulations/distances.md.
+"""
 
 from __future__ import annotations
 
-from jtik.symbolic import TINY, Expression, dot, fmax, fmin, norm, sumsqr
+from jtik.symbolic import TINY, Expression, dot, fabs, fmax, fmin, norm, sqrt, sumsqr
 
 
 def point_to_ball(point: Expression, center: Expression, radius: Expression) -> Expression:
@@ -15,3 +18,63 @@ def segment_to_ball(start: Expression, end: Expression, center: Expression, radi
     along = end - start
     parameter = fmin(fmax(dot(center - start, along) / (sumsqr(along) + TINY), 0), 1)
     return point_to_ball(start + parameter * along, center, radius)
+
+
+def point_to_half_space(point: Expression, origin: Expression, normal: Expression) -> Expression:
+    """Signed distance [m] from a point to a half-space with a unit normal; negative inside."""
+    return dot(normal, point - origin)
+
+
+def segment_to_half_space(start: Expression, end: Expression, origin: Expression, normal: Expression) -> Expression:
+    """Signed distance [m] from the deeper end of a segment to a half-space with a unit normal; negative inside."""
+    return dot(normal, start - origin) + fmin(dot(normal, end - start), 0)
+
+
+def point_to_capsule(point: Expression, start: Expression, end: Expression, radius: Expression) -> Expression:
+    """Signed distance [m] from a point to the surface of a capsule; negative inside."""
+    return segment_to_ball(start, end, point, radius)
+
+
+def segment_to_capsule(
+    start: Expression, end: Expression, axis_start: Expression, axis_end: Expression, radius: Expression
+) -> Expression:
+    """Signed distance [m] between a segment and the surface of a capsule; negative where they overlap.
+
+    In the plane a segment that crosses the axis is as deep as the shortest translation that separates them. In space,
+    where two segments cross at single configurations only, the gradient there is zero.
+    """
+    distance = segment_to_segment(start, end, axis_start, axis_end)
+    if start.shape[0] == 2:
+        distance = distance + fmin(_gap(start, end, axis_start, axis_end), 0)
+    return distance - radius
+
+
+def segment_to_segment(
+    start: Expression, end: Expression, other_start: Expression, other_end: Expression
+) -> Expression:
+    """Distance [m] between two segments; zero where they cross."""
+    u, v, w = end - start, other_end - other_start, other_start - start
+    uu, vv, uv, uw, vw = sumsqr(u), sumsqr(v), dot(u, v), dot(u, w), dot(v, w)
+    share = _clamped((uw * vv - vw * uv) / (uu * vv - uv * uv + _PARALLEL * uu * vv + TINY))
+    other = _clamped((share * uv - vw) / (vv + TINY))
+    share = _clamped((uw + other * uv) / (uu + TINY))
+    return norm(w + other * v - share * u)
+
+
+_PARALLEL = 1e-14
+
+
+def _gap(start: Expression, end: Expression, other_start: Expression, other_end: Expression) -> Expression:
+    """The larger separation of two segments in the plane along the normal of one of them; negative if they cross."""
+    u, v = end - start, other_end - other_start
+    between = (other_start + other_end - start - end) / 2
+    separations = []
+    for along, other in ((u, v), (v, u)):
+        length = sqrt(sumsqr(along) + TINY)
+        across = fabs(between[0] * along[1] - between[1] * along[0])
+        separations.append((across - fabs(other[0] * along[1] - other[1] * along[0]) / 2) / length)
+    return fmax(*separations)
+
+
+def _clamped(share: Expression) -> Expression:
+    return fmin(fmax(share, 0), 1)

@@ -9,14 +9,15 @@ import numpy as np
 
 from jtik.arguments import several
 from jtik.errors import ArgumentError
-from jtik.geometry.solids import Ball
+from jtik.geometry.solids import Ball, Solid
 from jtik.types import Array
 
-Obstacle: TypeAlias = Ball
+Obstacle: TypeAlias = Solid
+"""A point, circle, sphere, capsule, box, half-space, cylinder or convex polygon."""
 
 
 def centers_and_radii(obstacles: Iterable[Obstacle], dimension: int) -> tuple[Array, Array]:
-    """Centres (k, dimension) [m] and radii (k,) [m] of obstacles.
+    """Centres (k, dimension) [m] and radii (k,) [m] of balls.
 
     Raises:
         ArgumentError: when one is not a point, circle or sphere of that dimension.

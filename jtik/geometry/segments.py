@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jtik.symbolic import Expression, cross, dot, fmax, fmin, if_else, norm, sumsqr
+from jtik.symbolic import Expression, cross, dot, fmax, fmin, if_else, norm, sumsqr, without_derivative
 from jtik.types import Array
 
 PARALLEL = 1e-6
@@ -24,7 +24,12 @@ SHORTEST = 1e-10
 
 
 def closest_points(
-    start: Expression, end: Expression, other_start: Expression, other_end: Expression
+    start: Expression,
+    end: Expression,
+    other_start: Expression,
+    other_end: Expression,
+    *,
+    fixed: bool = False,
 ) -> tuple[Expression, Expression]:
     """The points of two segments that are closest to each other.
 
@@ -36,6 +41,7 @@ def closest_points(
         end: its end.
         other_start: start of the second segment.
         other_end: its end.
+        fixed: whether the points are fixed on the segments in derivatives, which makes these shorter.
 
     Returns:
         The point of the first and that of the second segment, of the same shape [m].
@@ -48,11 +54,18 @@ def closest_points(
     share = if_else(square > limit, _clamped(numerator / fmax(square, limit)), numerator > square / 2)
     other = _share(dot(share * u - w, v), second)
     share = _share(dot(w + other * v, u), first)
+    if fixed:
+        share, other = without_derivative(share), without_derivative(other)
     return start + share * u, other_start + other * v
 
 
 def segment_to_segment(
-    start: Expression, end: Expression, other_start: Expression, other_end: Expression
+    start: Expression,
+    end: Expression,
+    other_start: Expression,
+    other_end: Expression,
+    *,
+    first_order: bool = False,
 ) -> Expression:
     """Distance [m] between two segments; zero where they cross, with the gradient zero.
 
@@ -65,8 +78,9 @@ def segment_to_segment(
         end: its end.
         other_start: start of the second segment.
         other_end: its end.
+        first_order: whether only the first derivatives have to be right, which then take half of the instructions.
     """
-    point, other = closest_points(start, end, other_start, other_end)
+    point, other = closest_points(start, end, other_start, other_end, fixed=first_order)
     return norm(point - other)
 
 

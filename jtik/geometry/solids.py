@@ -9,13 +9,18 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.arguments import array_of, finite_array, non_negative_number, positive_number
+from jtik.arguments import array_of, finite_array, non_negative_number, number, positive_number
 from jtik.errors import ArgumentError
 from jtik.types import Array
 
 
 class Solid:
     """Base of the solids: in the workspace, or on a link of a robot in the coordinates of its frame."""
+
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space."""
+        raise NotImplementedError
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -35,9 +40,14 @@ class Ball(Solid):
     def __init__(self, center: ArrayLike, radius: float = 0.0) -> None:
         shapes = [(size,) for size in self.dimensions]
         accepted = f"finite coordinates [m] of shape {' or '.join(map(str, shapes))}"
-        object.__setattr__(self, "center", _read_only(array_of("center", center, shapes, accepted)))
+        object.__setattr__(self, "center", read_only(array_of("center", center, shapes, accepted)))
         length = non_negative_number("radius", radius, "a non-negative finite length [m]")
         object.__setattr__(self, "radius", length)
+
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space."""
+        return len(self.center)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}(center={tuple(self.center.tolist())}, radius={self.radius})"
@@ -92,8 +102,8 @@ class _Rounded(Solid):
     """Base of the solids around a segment.
 
     Attributes:
-        start: start of the segment, (3,) [m].
-        end: end of the segment, (3,) [m].
+        start: start of the segment [m].
+        end: end of the segment, of the same shape [m].
         radius: positive radius [m].
     """
 
@@ -101,26 +111,38 @@ class _Rounded(Solid):
     end: Array
     radius: float
 
+    dimensions: ClassVar[tuple[int, ...]] = (3,)
+
     def __post_init__(self) -> None:
-        for name in ("start", "end"):
-            object.__setattr__(self, name, _read_only(finite_array(name, getattr(self, name), (3,))))
+        shapes = [(size,) for size in self.dimensions]
+        accepted = f"finite coordinates [m] of shape {' or '.join(map(str, shapes))}"
+        start = array_of("start", self.start, shapes, accepted)
+        object.__setattr__(self, "start", read_only(start))
+        object.__setattr__(self, "end", read_only(finite_array("end", self.end, start.shape)))
         object.__setattr__(self, "radius", positive_number("radius", self.radius, "a positive length [m]"))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return partial(type(self), self.start, self.end, self.radius), ()
 
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space."""
+        return len(self.start)
+
 
 class Capsule(_Rounded):
-    """All points within a radius of a segment.
+    """All points within a radius of a segment, in the plane or in space.
 
     Args:
-        start: start of the segment, (3,) [m].
-        end: end of the segment, (3,) [m].
+        start: start of the segment, (2,) or (3,) [m].
+        end: end of the segment, of the same shape [m]; where it is the start, the capsule is a ball.
         radius: positive radius [m].
 
     Raises:
         ArgumentError: when a number is not finite, the radius is not positive, or an end has another shape.
     """
+
+    dimensions = (2, 3)
 
 
 class Cylinder(_Rounded):
@@ -132,58 +154,128 @@ class Cylinder(_Rounded):
         radius: positive radius [m].
 
     Raises:
-        ArgumentError: when a number is not finite, the radius is not positive, or an end has another shape.
+        ArgumentError: when a number is not finite, the radius is not positive, an end has another shape, or both ends
+            are the same point.
     """
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not np.any(self.start != self.end):
+            raise ArgumentError("end", self.end.tolist(), "another point than the start: its axis is between them")
 
 
 @dataclass(frozen=True, eq=False)
 class Box(Solid):
-    """A box.
+    """A box in space, or a rectangle in the plane, in any orientation.
+
+    `Box.at` makes one from its centre, its size and its rotation.
 
     Attributes:
-        pose: pose (4, 4) [m] of its centre, with axes along its edges.
-        half: half of the length of each edge, (3,) [m].
+        pose: pose of its centre, with axes along its edges, (4, 4) in space or (3, 3) in the plane [m].
+        half: half of the length of each edge, (3,) in space or (2,) in the plane [m].
 
     Raises:
-        ArgumentError: when a number is not finite, a length is not positive, or an argument has another shape.
+        ArgumentError: when a number is not finite, a length is not positive, the pose has no rotation, or an argument
+            has another shape.
     """
 
     pose: Array
     half: Array
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "pose", _read_only(finite_array("pose", self.pose, (4, 4))))
-        half = finite_array("half", self.half, (3,))
+        half = array_of("half", self.half, [(3,), (2,)], "three positive lengths [m], or two in the plane")
         if half.min() <= 0:
-            raise ArgumentError("half", half.tolist(), "three positive lengths [m]")
-        object.__setattr__(self, "half", _read_only(half))
+            raise ArgumentError("half", half.tolist(), f"{len(half)} positive lengths [m]")
+        object.__setattr__(self, "half", read_only(half))
+        size = len(half) + 1
+        pose = finite_array("pose", self.pose, (size, size), f"a pose ({size}, {size}) [m]")
+        rotation = pose[:-1, :-1]
+        if np.abs(rotation @ rotation.T - np.eye(size - 1)).max() > ROTATION_TOLERANCE or np.linalg.det(rotation) < 0:
+            raise ArgumentError("pose", rotation.tolist(), "a pose whose upper left block is a rotation")
+        object.__setattr__(self, "pose", read_only(pose))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return partial(type(self), self.pose, self.half), ()
 
+    @classmethod
+    def at(cls, center: ArrayLike, half: ArrayLike, rotation: ArrayLike | None = None) -> Box:
+        """The box of a centre, a size and a rotation.
 
-def enclosing_segment(solid: Solid) -> tuple[Array, Array, float]:
-    """The smallest capsule around a solid about its longest axis.
+        Args:
+            center: its centre, (3,) or (2,) [m].
+            half: half of the length of each edge, of the same shape [m].
+            rotation: in space a quaternion (w, x, y, z), in the plane an angle [rad]; none by default.
 
-    Returns:
-        The ends of its axis, (3,) [m] each, and its radius [m].
+        Raises:
+            ArgumentError: when a number is not finite, a length is not positive, the quaternion is zero, or an
+                argument has another shape.
+        """
+        middle = array_of("center", center, [(3,), (2,)], "finite coordinates [m] of shape (3,) or (2,)")
+        size = len(middle)
+        pose = np.eye(size + 1)
+        pose[:size, size] = middle
+        if rotation is not None:
+            pose[:size, :size] = _planar(rotation) if size == 2 else _spatial(rotation)
+        return cls(pose, finite_array("half", half, (size,)))
 
-    Raises:
-        ArgumentError: when ``solid`` is not a Sphere, Capsule, Cylinder or Box.
-    """
-    if isinstance(solid, _Rounded):
-        return solid.start, solid.end, solid.radius
-    if isinstance(solid, Ball):
-        center = np.pad(solid.center, (0, 3 - len(solid.center)))
-        return center, center, solid.radius
-    if isinstance(solid, Box):
-        longest = int(np.argmax(solid.half))
-        axis = solid.half[longest] * solid.pose[:3, longest]
-        radius = float(np.linalg.norm(np.delete(solid.half, longest)))
-        return solid.pose[:3, 3] - axis, solid.pose[:3, 3] + axis, radius
-    raise ArgumentError("solid", solid, "a jtik.Sphere, Capsule, Cylinder or Box")
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space."""
+        return len(self.half)
+
+    @property
+    def center(self) -> Array:
+        """Its centre [m]."""
+        return self.pose[:-1, -1]
+
+    @property
+    def rotation(self) -> float | Array:
+        """The angle [rad] in the plane; in space the quaternion (w, x, y, z)."""
+        R = self.pose[:-1, :-1]
+        return float(np.arctan2(R[1, 0], R[0, 0])) if self.dimension == 2 else _quaternion(R)
 
 
-def _read_only(array: Array) -> Array:
+ROTATION_TOLERANCE = 1e-6
+"""Largest entry of R R' - I up to which a matrix counts as a rotation."""
+
+
+def read_only(array: Array) -> Array:
+    """The array, which can no longer be changed."""
     array.flags.writeable = False
     return array
+
+
+def _planar(angle: ArrayLike) -> Array:
+    turned = number("rotation", angle, "an angle [rad]")
+    cosine, sine = np.cos(turned), np.sin(turned)
+    return np.array([[cosine, -sine], [sine, cosine]])
+
+
+def _spatial(quaternion: ArrayLike) -> Array:
+    given = finite_array("rotation", quaternion, (4,), "a quaternion (w, x, y, z)")
+    length = float(np.linalg.norm(given))
+    if not length > 0:
+        raise ArgumentError("rotation", given.tolist(), "a quaternion (w, x, y, z) that is not zero")
+    w, x, y, z = given / length
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def _quaternion(R: Array) -> Array:
+    """(w, x, y, z) of a rotation matrix: the eigenvector of the largest eigenvalue, with w >= 0."""
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = R.ravel()
+    symmetric = np.array(
+        [
+            [xx + yy + zz, zy - yz, xz - zx, yx - xy],
+            [zy - yz, xx - yy - zz, xy + yx, xz + zx],
+            [xz - zx, xy + yx, yy - xx - zz, yz + zy],
+            [yx - xy, xz + zx, yz + zy, zz - xx - yy],
+        ]
+    )
+    largest = np.linalg.eigh(symmetric)[1][:, -1]
+    return np.asarray(largest if largest[0] >= 0 else -largest)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from jtik.arguments import finite_array, instances, non_negative_number, positive_number, shape_of
 from jtik.errors import ArgumentError, MissingExtraError
-from jtik.geometry import Obstacle
+from jtik.geometry import Obstacle, bounds
 from jtik.plotting.style import BACKGROUND, MARGIN, MUTED, THIN
 
 Window: TypeAlias = tuple[float, float, float, float]
@@ -105,7 +105,7 @@ def window_around(points: ArrayLike, obstacles: Iterable[Obstacle] = (), margin:
 
     Args:
         points: positions (..., 2) [m].
-        obstacles: points and circles.
+        obstacles: obstacles in the plane; of a half-space its point is shown.
         margin: margin on every side, as a share of the larger side.
 
     Returns:
@@ -114,12 +114,12 @@ def window_around(points: ArrayLike, obstacles: Iterable[Obstacle] = (), margin:
     shape = shape_of(points) or ()
     flat = finite_array("points", points, (*[None] * (len(shape) - 1), 2), "finite positions of shape (..., 2)")
     flat = flat.reshape(-1, 2)
-    discs = instances("obstacles", obstacles, Obstacle, "points and circles")
+    shown = instances("obstacles", obstacles, Obstacle, "obstacles in the plane")
     margin = non_negative_number("margin", margin)
-    if not len(flat) and not discs:
+    if not len(flat) and not shown:
         raise ArgumentError("points", "none", "at least one position or obstacle")
-    low = np.min([*flat, *(disc.center - disc.radius for disc in discs)], axis=0)
-    high = np.max([*flat, *(disc.center + disc.radius for disc in discs)], axis=0)
+    low = np.min([*flat, *(bounds(each)[0] for each in shown)], axis=0)
+    high = np.max([*flat, *(bounds(each)[1] for each in shown)], axis=0)
     border = margin * max(float((high - low).max()), 1e-6)
     return (float(low[0] - border), float(high[0] + border), float(low[1] - border), float(high[1] + border))
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik._step.symbolic_problem import SymbolicProblem
-from jtik.constraints.clearance import Clearance, Measure
+from jtik.constraints.clearance import Clearance
+from jtik.constraints.measure import Measure
 from jtik.criterion import Criterion, CriterionSum, CriterionTerms, Parameters
 from jtik.robot import Robot
 from jtik.symbolic import dot, function, mmin, vertcat

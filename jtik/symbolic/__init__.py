@@ -3,12 +3,13 @@
 The operations are those that a criterion, a strategy or a task is made of:
 
 - expressions: `Expression`, `SX`, `MX`, `symbol`, `zeros`, `identity`, `numbers`, `is_symbolic`
-- elementwise: `sin`, `cos`, `atan2`, `sqrt`, `log`, `fabs`, `fmax`, `fmin`
+- elementwise: `sin`, `cos`, `atan2`, `sqrt`, `log`, `fabs`, `floor`, `fmax`, `fmin`
 - conditions: `if_else`, `logic_and`, `logic_or`, `logic_not`, `is_finite`
 - vectors and matrices: `vertcat`, `horzcat`, `stack`, `reshape`, `vec`, `densify`, `diag`, `trace`, `skew`, `dot`,
   `cross`, `gram`, `sum1`, `sumsqr`, `norm`, `norm_inf`, `mmax`, `mmin`, `ratio`, `solve_ldl`,
   `ldl_pivots`
 - derivatives: `gradient`, `jacobian`, `hessian`
+- a value without its derivative: `without_derivative`
 - inspection: `symvar`, `substitute`, `is_equal`
 - functions: `Function`, `function`, `Callback`, `Sparsity`, `either`, `conic`, `has_conic`, `external`, `c_source`,
   and the codes of a function's instructions `OP_CALL`, `OP_CONST`, `OP_INPUT`, `OP_OUTPUT`
@@ -43,6 +44,7 @@ from jtik.symbolic.operations import (
     either,
     external,
     fabs,
+    floor,
     fmax,
     fmin,
     function,
@@ -84,6 +86,7 @@ from jtik.symbolic.operations import (
     trace,
     vec,
     vertcat,
+    without_derivative,
     zeros,
 )
 
@@ -111,6 +114,7 @@ __all__ = [
     "either",
     "external",
     "fabs",
+    "floor",
     "fmax",
     "fmin",
     "function",
@@ -152,5 +156,6 @@ __all__ = [
     "trace",
     "vec",
     "vertcat",
+    "without_derivative",
     "zeros",
 ]

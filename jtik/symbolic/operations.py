@@ -31,6 +31,7 @@ atan2: Any = casadi.atan2
 sqrt: Any = casadi.sqrt
 log: Any = casadi.log
 fabs: Any = casadi.fabs
+floor: Any = casadi.floor
 fmax: Any = casadi.fmax
 fmin: Any = casadi.fmin
 
@@ -196,6 +197,11 @@ def c_source(function: Function) -> str:
 def norm(vector: Expression) -> Expression:
     """Euclidean norm whose derivative is zero, not NaN, at the zero vector."""
     return sqrt(sumsqr(vector) + TINY)
+
+
+def without_derivative(share: Expression) -> Expression:
+    """A share in [0, 1], rounded to 1e-9, whose derivative is zero: for what a minimum does not depend on."""
+    return floor(share * 2**30) * 2.0**-30
 
 
 def ratio(numerator: Expression, denominator: Expression) -> Expression:

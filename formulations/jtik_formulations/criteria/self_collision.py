@@ -13,7 +13,7 @@ from jtik.arguments import choice, non_negative_number, positive_number
 from jtik.arguments import name as read_name
 from jtik.criterion.short_repr import call_text
 from jtik.errors import ArgumentError
-from jtik.geometry import segment_to_segment
+from jtik.geometry import segment_to_capsule, segment_to_segment
 from jtik.robot import CollisionBody, CollisionPairs, Kinematics, Robot
 from jtik.robot.collisions import BodyKind, PairNames, pair_names
 from jtik.symbolic import Expression, fmax, if_else
@@ -135,7 +135,7 @@ class SelfCollision(Criterion):
 
     def distances(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> list[list[Expression]]:
         """Signed distance [m] of each pair: one list for each, with one entry; 1e9 of one whose gain is 0."""
-        measured = self._measured(kinematics)
+        measured = self._measured(kinematics, first_order=True)
         gains = parameters["gains"]
         return [[if_else(gains[i] > 0, distance, ABSENT)] for i, distance in enumerate(measured)]
 
@@ -158,7 +158,7 @@ class SelfCollision(Criterion):
             total = total + parameters["gains"][i] * near**2 * near
         return parameters["gain"] * total
 
-    def _measured(self, kinematics: Kinematics) -> list[Expression]:
+    def _measured(self, kinematics: Kinematics, *, first_order: bool = False) -> list[Expression]:
         """The distance of each pair; the ends of each body are built once."""
         ends: dict[str, tuple[Expression, Expression]] = {}
         found = []
@@ -166,9 +166,11 @@ class SelfCollision(Criterion):
             for body in pair:
                 if body.name not in ends:
                     ends[body.name] = body.ends(kinematics)
-            first, second = pair
-            distance = segment_to_segment(*ends[first.name], *ends[second.name])
-            found.append(distance - (first.radius + second.radius))
+            axes, radius = (*ends[pair[0].name], *ends[pair[1].name]), pair[0].radius + pair[1].radius
+            if kinematics.robot.dimension == 2:
+                found.append(segment_to_capsule(*axes, radius))
+            else:
+                found.append(segment_to_segment(*axes, first_order=first_order) - radius)
         return found
 
     def _bodies_of(self, robot: Robot) -> list[tuple[CollisionBody, CollisionBody]]:
