@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from jtik.geometry import closest_points, segment_to_segment
+from jtik.geometry import closest_points, segment_distances, segment_to_segment
 
 from ..conftest import EXACT
 
@@ -159,3 +159,23 @@ def test_near_parallel_segments_the_gradient_has_length_one(rng):
             _, gradient = function(given)
             rate = (gradient.full().reshape(4, 3)[:2].sum(axis=0) ** 2).sum()
             assert rate == pytest.approx(1, abs=1e-4)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_many_at_once_are_as_far_apart_as_one_by_one(kind, rng):
+    given = np.array([some_ends(rng, kind, 3) for _ in range(200)])
+    expected = [smallest(each) for each in given]
+    assert segment_distances(*given.swapaxes(0, 1)) == pytest.approx(expected, abs=EXACT)
+
+
+def test_first_derivatives_alone_are_the_same(evaluated, rng):
+    _, dimension = evaluated
+    ends = casadi.SX.sym("ends", 4 * dimension)
+    parts = casadi.vertsplit(ends, dimension)
+    both = [segment_to_segment(*parts), segment_to_segment(*parts, first_order=True)]
+    function = casadi.Function("both", [ends], [*both, *(casadi.gradient(each, ends) for each in both)])
+    for _ in range(200):
+        d, other, gradient, of_other = function(rng.uniform(-1, 1, 4 * dimension))
+        assert float(d) == pytest.approx(float(other), abs=1e-8)  # where segments cross
+        if float(d) > 0.01:
+            assert of_other.full() == pytest.approx(gradient.full(), abs=1e-6)  # the shares are rounded to 1e-9

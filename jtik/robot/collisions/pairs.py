@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, TypeAlias
 
 from jtik.arguments import several
@@ -62,8 +63,8 @@ class CollisionPairs(Sequence[CollisionPair]):
 
     Attributes:
         bodies: the bodies, by name.
-        kept: the pairs that can touch.
-        left_out: the other pairs, with the reason.
+        kept: the pairs that can touch, in the order of the bodies.
+        left_out: the other pairs, with the reason, in the same order.
     """
 
     bodies: dict[str, CollisionBody]
@@ -119,9 +120,10 @@ class CollisionPairs(Sequence[CollisionPair]):
             tuple(pair for pair in pairs if pair.left_out is not None),
         )
 
-    @property
+    @cached_property
     def _all(self) -> tuple[CollisionPair, ...]:
-        return (*self.kept, *self.left_out)
+        order = {name: i for i, name in enumerate(self.bodies)}
+        return tuple(sorted((*self.kept, *self.left_out), key=lambda pair: (order[pair.first], order[pair.second])))
 
     def _named(self, argument: str, given: PairNames) -> set[int]:
         """The indices in `_all` of the pairs that names mean."""
