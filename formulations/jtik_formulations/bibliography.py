@@ -287,6 +287,23 @@ JTIK_2026 = """@software{jtik2026,
   year = {2026},
 }"""
 
+LI_2020 = """@article{li2020,
+  author = {Li, Minchen and Ferguson, Zachary and Schneider, Teseo and Langlois, Timothy and Zorin, Denis and
+    Panozzo, Daniele and Jiang, Chenfanfu and Kaufman, Danny M.},
+  title = {Incremental Potential Contact: Intersection- and Inversion-Free, Large-Deformation Dynamics},
+  journal = {ACM Transactions on Graphics},
+  volume = {39},
+  number = {4},
+  year = {2020},
+}"""
+
+KREISSELMEIER_1979 = """@inproceedings{kreisselmeier1979,
+  author = {Kreisselmeier, Gerhard and Steinhauser, Reinhold},
+  title = {Systematic Control Design by Optimizing a Vector Performance Index},
+  booktitle = {IFAC Symposium on Computer Aided Design of Control Systems},
+  year = {1979},
+}"""
+
 DIETRICH_2012 = """@article{dietrich2012,
   author = {Dietrich, Alexander and Wimb{\\"o}ck, Thomas and Albu-Sch{\\"a}ffer, Alin and Hirzinger, Gerd},
   title = {Integration of Reactive, Torque-Based Self-Collision Avoidance Into a Task Hierarchy},

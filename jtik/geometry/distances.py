@@ -5,6 +5,7 @@ The derivations of these and of the other shapes are in formulations/distances.m
 
 from __future__ import annotations
 
+from jtik.geometry.segments import segment_to_segment
 from jtik.symbolic import TINY, Expression, dot, fabs, fmax, fmin, norm, sqrt, sumsqr
 
 
@@ -49,21 +50,6 @@ def segment_to_capsule(
     return distance - radius
 
 
-def segment_to_segment(
-    start: Expression, end: Expression, other_start: Expression, other_end: Expression
-) -> Expression:
-    """Distance [m] between two segments; zero where they cross."""
-    u, v, w = end - start, other_end - other_start, other_start - start
-    uu, vv, uv, uw, vw = sumsqr(u), sumsqr(v), dot(u, v), dot(u, w), dot(v, w)
-    share = _clamped((uw * vv - vw * uv) / (uu * vv - uv * uv + _PARALLEL * uu * vv + TINY))
-    other = _clamped((share * uv - vw) / (vv + TINY))
-    share = _clamped((uw + other * uv) / (uu + TINY))
-    return norm(w + other * v - share * u)
-
-
-_PARALLEL = 1e-14
-
-
 def _gap(start: Expression, end: Expression, other_start: Expression, other_end: Expression) -> Expression:
     """The larger separation of two segments in the plane along the normal of one of them; negative if they cross."""
     u, v = end - start, other_end - other_start
@@ -74,7 +60,3 @@ def _gap(start: Expression, end: Expression, other_start: Expression, other_end:
         across = fabs(between[0] * along[1] - between[1] * along[0])
         separations.append((across - fabs(other[0] * along[1] - other[1] * along[0]) / 2) / length)
     return fmax(*separations)
-
-
-def _clamped(share: Expression) -> Expression:
-    return fmin(fmax(share, 0), 1)

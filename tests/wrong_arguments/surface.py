@@ -52,6 +52,7 @@ ARM = jtik.Robot.planar(2)
 SPATIAL = jtik.Robot.builtin("ur5e")
 MISSING = Path("/a folder that does not exist")
 FIELD = (jtik.Circle((1.5, 0.0), 0.1),)
+OBSTACLES = Kind(frozenset({"[]"}))
 OPTIONAL_Q = CONFIGURATION | "None"
 ONE_EACH = _limits = NUMBER | ("inf", "nan")
 
@@ -113,6 +114,7 @@ SOLID = {"radius": POSITIVE}
 JOINTS = NOTHING | "None"
 SENTENCES = Kind(frozenset({"'x'", "''", "[]", "text array"}))
 LENGTH_OR_ONE_EACH = NUMBER | "inf"
+PAIRS = Kind(frozenset({"[]"}))
 
 ROBOT: dict[str, Entry] = {
     "Robot": Entry(
@@ -129,6 +131,7 @@ ROBOT: dict[str, Entry] = {
             "keyframes": CONFIGURATION | "None",
             "neutral": OPTIONAL_Q,
             "ignored": SENTENCES,
+            "disabled_collisions": CONFIGURATION | "None",
         },
     ),
     "Robot.planar": Entry(
@@ -175,6 +178,7 @@ ROBOT: dict[str, Entry] = {
             "free_base": FLAG,
             "planar_base": FLAG,
             "xacro_arguments": NOTHING | ("None", "{}"),
+            "srdf": NOTHING | "None",
         },
     ),
     "Robot.from_mjcf": Entry(
@@ -188,6 +192,16 @@ ROBOT: dict[str, Entry] = {
         {"model": NOTHING, "tip": NOTHING | "None", "name": TEXT | "None"},
     ),
     "Robot.builtin": Entry(jtik.Robot.builtin, nothing, {"name": NOTHING}),
+    "Robot.collision_pairs": Entry(
+        ARM.collision_pairs,
+        nothing,
+        {
+            **dict.fromkeys(("exclude", "include"), PAIRS),
+            "bodies": NOTHING | "None",
+            "radius": NON_NEGATIVE,
+            "within": NON_NEGATIVE,
+        },
+    ),
     "Robot.subset": Entry(ARM.subset, fixed(joints=["joint1"]), {"joints": NOTHING, "at": OPTIONAL_Q}),
     "Robot.with_tool": Entry(
         SPATIAL.with_tool,
@@ -297,7 +311,23 @@ SOLIDS: dict[str, Entry] = {
         for kind in (jtik.Capsule, jtik.Cylinder)
     },
     "Box": Entry(jtik.Box, fixed(pose=np.eye(4), half=(1.0, 1.0, 1.0)), {"pose": NOTHING, "half": NOTHING}),
+    "HalfSpace": Entry(
+        jtik.HalfSpace, fixed(point=(0.0, 0.0, 0.0), normal=(0.0, 0.0, 1.0)), {"point": NOTHING, "normal": NOTHING}
+    ),
+    "Polygon": Entry(jtik.Polygon, fixed(vertices=((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))), {"vertices": NOTHING}),
+    "Scene": Entry(
+        jtik.Scene, lambda: {"obstacles": FIELD}, {"obstacles": OBSTACLES | "{}", "gains": NOTHING | ("None", "{}")}
+    ),
 }
+
+OF_OBSTACLES = {
+    "obstacles": OBSTACLES,
+    "gain": NON_NEGATIVE,
+    "bodies": NOTHING,
+    "capacity": POSITIVE_COUNT | "None",
+    "name": NAME,
+}
+"""The options of the criteria on distances to obstacles."""
 
 CONSTRAINTS: dict[str, Entry] = {
     "Limits": Entry(
@@ -531,13 +561,10 @@ OF_OPTIONS: dict[str, dict[str, Kind]] = {
         "preferred": OPTIONAL_Q,
         "name": NAME,
     },
-    "obstacle_avoidance": {
-        "obstacles": NOTHING,
-        "gain": NON_NEGATIVE,
-        "bodies": NOTHING,
-        "floor": POSITIVE,
-        "name": NAME,
-    },
+    "obstacle_avoidance": {**OF_OBSTACLES, "floor": POSITIVE},
+    "khatib_potential": {**OF_OBSTACLES, "influence": POSITIVE, "floor": Kind(frozenset())},
+    "obstacle_barrier": {**OF_OBSTACLES, "influence": POSITIVE, "floor": SHARE},
+    "soft_clearance": {**OF_OBSTACLES, "smoothing": POSITIVE},
     "compact_posture": {"center": NOTHING | "None", "name": NAME},
     "directional_manipulability": {"direction": NOTHING | "None", **OF_ROWS, "measure": NOTHING},
     "frame_proximity": {
@@ -554,6 +581,15 @@ OF_OPTIONS: dict[str, dict[str, Kind]] = {
     "look_at": OF_SIGHT,
     "manipulability": {**OF_ROWS, "measure": NOTHING},
     "minimum_displacement": {"reference": OPTIONAL_Q, "stiffness": NON_NEGATIVE | "{}", "name": NAME},
+    "self_collision": {
+        **dict.fromkeys(("exclude", "include"), PAIRS | ("text array", "['x']")),
+        "gain": NON_NEGATIVE,
+        "influence": POSITIVE,
+        "bodies": NOTHING | "None",
+        "radius": NON_NEGATIVE,
+        "within": NON_NEGATIVE,
+        "name": NAME,
+    },
     "smallest_singular_value": OF_ROWS,
     "swivel_angle": {
         **dict.fromkeys(("shoulder", "elbow", "wrist"), NAME),
@@ -568,6 +604,9 @@ OF_OPTIONS: dict[str, dict[str, Kind]] = {
 
 NEEDED: dict[str, dict[str, Any]] = {
     "obstacle_avoidance": {"obstacles": FIELD},
+    "khatib_potential": {"obstacles": FIELD},
+    "obstacle_barrier": {"obstacles": FIELD},
+    "soft_clearance": {"obstacles": FIELD},
     "frame_proximity": {"height": 0.4},
     "look_at": {"target": (1.0, 0.5)},
     "swivel_angle": {"shoulder": "base", "elbow": "link2", "wrist": "tip"},
@@ -726,7 +765,6 @@ def axes() -> Any:
     return plotting.blank_figure((-2.0, 2.0, -2.0, 2.0), 4.0)[1]
 
 
-OBSTACLES = Kind(frozenset({"[]"}))
 PLOTTING: dict[str, Entry] = {
     "posture_figure": Entry(
         plotting.posture_figure,

@@ -38,12 +38,13 @@ MODULES = (
 )
 
 NOT_CALLED: dict[str, str] = {
+    **dict.fromkeys(("CollisionBody", "CollisionPair", "CollisionPairs"), "a result: the library makes it"),
     **dict.fromkeys(
         ("Solution", "SolutionBatch", "Step", "Trace", "Trajectory", "Relaxation", "Answer", "Row", "Comparison"),
         "a result: the library makes it",
     ),
     **dict.fromkeys(
-        ("Criterion", "Strategy", "Task", "PlacementTask", "PointingTask", "Contender", "PreparedContender"),
+        ("Criterion", "Measure", "Strategy", "Task", "PlacementTask", "PointingTask", "Contender", "PreparedContender"),
         "a base class",
     ),
     **dict.fromkeys(("JointType", "Status"), "an enumeration"),
