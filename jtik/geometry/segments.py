@@ -3,60 +3,49 @@
 With u and v along the segments and w from the first start to the second, the lines are closest at the share
 s = (w x v)'(u x v) / |u x v|^2 of the first. Clamped to [0, 1], then projected onto the second segment and back onto
 the first, it is the closest pair of the segments: |w + t v - s u|^2 is convex in (s, t). The cross products make s
-accurate for nearly parallel segments, too, where a a' - b^2 would cancel.
+accurate for nearly parallel segments, too, where |u|^2 |v|^2 - (u'v)^2 would cancel.
+
+First derivatives do not need those of the shares, since the distance is smallest there. They are left out, and added
+for second derivatives as one Newton step from the shares found.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from jtik.symbolic import Expression, cross, dot, fmax, fmin, if_else, norm, sumsqr, without_derivative
+from jtik.symbolic import TINY, Expression, cross, dot, floor, fmax, fmin, if_else, norm, sumsqr
 from jtik.types import Array
 
 PARALLEL = 1e-6
 """Angle [rad] below which two segments count as parallel: the first share is then 0 or 1, whichever is closer.
 
-The square of the distance changes by at most (1e-6 length)^2 / 4. Above it the derivative of the share is bounded, and
-multiplied by a derivative of the distance that is zero but for rounding."""
+The square of the distance changes by at most (1e-6 length)^2 / 4."""
+
+CROSSING = 1e-6
+"""Distance [m] below which the second derivatives are not those of the distance: they are unbounded at zero."""
 
 SHORTEST = 1e-10
 """Length [m] below which a segment counts as a point."""
 
 
 def closest_points(
-    start: Expression,
-    end: Expression,
-    other_start: Expression,
-    other_end: Expression,
-    *,
-    fixed: bool = False,
+    start: Expression, end: Expression, other_start: Expression, other_end: Expression
 ) -> tuple[Expression, Expression]:
-    """The points of two segments that are closest to each other.
+    """The points of two segments that are closest to each other, fixed on them in derivatives.
 
-    Where several pairs are closest, as for parallel segments, it is one of them. The derivatives are finite everywhere.
-    The points jump where segments pass through parallel; their distance does not.
+    Where several pairs are closest, as for parallel segments, it is one of them.
 
     Args:
         start: start of the first segment (2 or 3, 1) [m].
         end: its end.
         other_start: start of the second segment.
         other_end: its end.
-        fixed: whether the points are fixed on the segments in derivatives, which makes these shorter.
 
     Returns:
         The point of the first and that of the second segment, of the same shape [m].
     """
-    u, v, w = end - start, other_end - other_start, other_start - start
-    first, second = sumsqr(u), sumsqr(v)
-    normal = _cross(u, v)
-    square, numerator = sumsqr(normal), dot(_cross(w, v), normal)
-    limit = PARALLEL**2 * first * second + SHORTEST**4
-    share = if_else(square > limit, _clamped(numerator / fmax(square, limit)), numerator > square / 2)
-    other = _share(dot(share * u - w, v), second)
-    share = _share(dot(w + other * v, u), first)
-    if fixed:
-        share, other = without_derivative(share), without_derivative(other)
-    return start + share * u, other_start + other * v
+    share, other, _ = _closest_shares(end - start, other_end - other_start, other_start - start)
+    return start + share * (end - start), other_start + other * (other_end - other_start)
 
 
 def segment_to_segment(
@@ -78,10 +67,37 @@ def segment_to_segment(
         end: its end.
         other_start: start of the second segment.
         other_end: its end.
-        first_order: whether only the first derivatives have to be right, which then take half of the instructions.
+        first_order: whether only the first derivatives have to be right, which takes fewer instructions.
     """
-    point, other = closest_points(start, end, other_start, other_end, fixed=first_order)
-    return norm(point - other)
+    u, v, w = end - start, other_end - other_start, other_start - start
+    share, other, is_skew = _closest_shares(u, v, w)
+    between = w + other * v - share * u
+    distance = norm(between)
+    if first_order:
+        return distance
+    # the decrease by a Newton step from the fixed points: zero, with the second derivatives that their motion adds
+    free, other_free = (share > 0) * (share < 1), is_skew * (other > 0) * (other < 1)
+    a, c, b = sumsqr(u) + (1 - free), sumsqr(v) + (1 - other_free), free * other_free * dot(u, v)
+    g, h = free * dot(u, between), other_free * dot(v, between)
+    decrease = (c * g**2 - 2 * b * g * h + a * h**2) / (a * c - b**2)
+    return distance - decrease / (2 * fmax(distance, CROSSING))
+
+
+def _closest_shares(u: Expression, v: Expression, w: Expression) -> tuple[Expression, Expression, Expression]:
+    """The shares of both segments at their closest points, without derivatives, and whether they are not parallel."""
+    first, second = sumsqr(u), sumsqr(v)
+    normal = _cross(u, v)
+    square, numerator = sumsqr(normal), dot(_cross(w, v), normal)
+    is_skew = square > PARALLEL**2 * first * second
+    share = if_else(is_skew, _clamped(numerator / (square + TINY)), numerator > square / 2)
+    other = _share(dot(share * u - w, v), second)
+    share = _share(dot(w + other * v, u), first)
+    return _fixed(share), _fixed(other), is_skew
+
+
+def _fixed(share: Expression) -> Expression:
+    """A share in [0, 1], rounded to 1e-15, whose derivative is zero."""
+    return floor(share * 2**50) * 2.0**-50
 
 
 def _cross(a: Expression, b: Expression) -> Expression:
@@ -94,8 +110,8 @@ def _clamped(share: Expression) -> Expression:
 
 
 def _share(along: Expression, square: Expression) -> Expression:
-    """along / square in [0, 1]; zero, without a derivative, on a segment that is a point."""
-    return if_else(square > SHORTEST**2, _clamped(along / fmax(square, SHORTEST**2)), 0)
+    """along / square in [0, 1]; zero on a segment that is a point."""
+    return if_else(square > SHORTEST**2, _clamped(along / (square + TINY)), 0)
 
 
 def segment_distances(start: Array, end: Array, other_start: Array, other_end: Array) -> Array:

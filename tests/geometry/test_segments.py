@@ -131,12 +131,21 @@ def test_its_gradient_is_that_of_the_closest_points(evaluated, rng):
         assert gradient == pytest.approx(expected, abs=1e-9)
 
 
-def test_its_hessian_has_the_motion_of_the_closest_points(rng):
+APART = {
+    "inside both": [-1.0, 0.1, 0, 1, -0.1, 0.1, 0.2, -1, 0.6, 0.1, 1, 0.5],
+    "an end of one": [-1.0, 0.1, 0, 1, -0.1, 0.1, 0.2, 0.1, 0.6, 0.3, 0.4, 1.5],
+    "an end of the other": [0.2, 0.1, 0.6, 0.3, 0.4, 1.5, -1.0, 0.1, 0, 1, -0.1, 0.1],
+    "two ends": [-1.0, 0.1, 0, 1, -0.1, 0.1, 1.5, 0.1, 0.6, 2.3, 0.4, 1.5],
+}
+
+
+@pytest.mark.parametrize("where", APART)
+def test_its_hessian_has_the_motion_of_the_closest_points(where):
     """Against differences of the gradient, away from where a closest point reaches an end."""
     ends = casadi.SX.sym("ends", 12)
     hessian, gradient = casadi.hessian(segment_to_segment(*casadi.vertsplit(ends, 3)), ends)
     function = casadi.Function("distance", [ends], [gradient, hessian])
-    given = np.array([-1.0, 0.1, 0, 1, -0.1, 0.1, 0.2, -1, 0.6, 0.1, 1, 0.5])
+    given = np.array(APART[where])
     step = 1e-5
     rows = [
         (function(given + step * unit)[0] - function(given - step * unit)[0]).full()[:, 0] / (2 * step)
@@ -146,7 +155,7 @@ def test_its_hessian_has_the_motion_of_the_closest_points(rng):
 
 
 def test_near_parallel_segments_the_gradient_has_length_one(rng):
-    """Where the derivative of the closest points is largest: it is multiplied by rounding errors only."""
+    """Where the closest points move most: a Newton step from them multiplies rounding errors only."""
     ends = casadi.SX.sym("ends", 12)
     distance = segment_to_segment(*casadi.vertsplit(ends, 3))
     function = casadi.Function("distance", [ends], [distance, casadi.gradient(distance, ends)])
@@ -176,6 +185,6 @@ def test_first_derivatives_alone_are_the_same(evaluated, rng):
     function = casadi.Function("both", [ends], [*both, *(casadi.gradient(each, ends) for each in both)])
     for _ in range(200):
         d, other, gradient, of_other = function(rng.uniform(-1, 1, 4 * dimension))
-        assert float(d) == pytest.approx(float(other), abs=1e-8)  # where segments cross
+        assert float(d) == pytest.approx(float(other), abs=EXACT)
         if float(d) > 0.01:
-            assert of_other.full() == pytest.approx(gradient.full(), abs=1e-6)  # the shares are rounded to 1e-9
+            assert of_other.full() == pytest.approx(gradient.full(), abs=1e-9)
