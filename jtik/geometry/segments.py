@@ -21,8 +21,8 @@ PARALLEL = 1e-6
 
 The square of the distance changes by at most (1e-6 length)^2 / 4."""
 
-CROSSING = 1e-6
-"""Distance [m] below which the second derivatives are not those of the distance: they are unbounded at zero."""
+CROSSING = 1e-9
+"""Distance [m] below which segments count as crossing: the direction between their points is a rounding error."""
 
 SHORTEST = 1e-10
 """Length [m] below which a segment counts as a point."""
@@ -72,7 +72,9 @@ def segment_to_segment(
     u, v, w = end - start, other_end - other_start, other_start - start
     share, other, is_skew = _closest_shares(u, v, w)
     between = w + other * v - share * u
-    distance = norm(between)
+    between_points = norm(between)
+    is_apart = between_points > CROSSING
+    distance = if_else(is_apart, between_points, 0)
     if first_order:
         return distance
     # the decrease by a Newton step from the fixed points: zero, with the second derivatives that their motion adds
@@ -80,7 +82,7 @@ def segment_to_segment(
     a, c, b = sumsqr(u) + (1 - free), sumsqr(v) + (1 - other_free), free * other_free * dot(u, v)
     g, h = free * dot(u, between), other_free * dot(v, between)
     decrease = (c * g**2 - 2 * b * g * h + a * h**2) / (a * c - b**2)
-    return distance - decrease / (2 * fmax(distance, CROSSING))
+    return distance - if_else(is_apart, decrease / (2 * fmax(distance, CROSSING)), 0)
 
 
 def _closest_shares(u: Expression, v: Expression, w: Expression) -> tuple[Expression, Expression, Expression]:

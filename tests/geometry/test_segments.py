@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from jtik.geometry import closest_points, segment_distances, segment_to_segment
+from jtik.geometry.segments import CROSSING
 
 from ..conftest import EXACT
 
@@ -77,7 +78,9 @@ def test_it_is_the_smallest_distance_of_their_points_and_its_derivatives_are_fin
         ends = some_ends(rng, kind, dimension)
         for order in ((0, 1, 2, 3), (3, 2, 0, 1)):
             distance, gradient, hessian, *_ = function(np.concatenate([ends[i] for i in order]))
-            assert float(distance) == pytest.approx(smallest(ends), abs=EXACT)
+            expected = smallest(ends)
+            assert float(distance) == pytest.approx(expected if expected > CROSSING else 0, abs=EXACT)
+            assert gradient.full().any() == (expected > CROSSING)
             assert np.isfinite(gradient.full()).all()
             assert np.abs(gradient.full()).max() <= 1 + 1e-6
             assert np.isfinite(hessian.full()).all()
