@@ -61,7 +61,7 @@ class SelfCollision(Criterion):
     """
 
     summary = "pushes the robot's own bodies apart, zero until they are near each other"
-    source = "Dietrich, Wimböck, Albu-Schäffer and Hirzinger 2012, the repulsive potential"
+    source = "Dietrich et al. 2012, the repulsive potential"
     non_negative_parameters = ("gain", "gains", "influence")
     bibtex = DIETRICH_2012
 
