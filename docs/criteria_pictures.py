@@ -36,6 +36,7 @@ from jtik_formulations import (
     MinimumDisplacement,
     ObstacleAvoidance,
     ObstacleBarrier,
+    SelfCollision,
     SmallestSingularValue,
     SoftClearance,
     SupportPolygon,
@@ -49,7 +50,7 @@ WINDOW = (-1.3, 5.3, -1.6, 3.6)  # left, right, bottom, top [m]
 ROD = Mass(1.0, [0.5, 0.0, 0.0], np.diag([0.0, 1 / 12, 1 / 12]))
 ARM = jtik.Robot.planar(6, lower=-2.2, upper=2.2).with_masses({f"link{k}": ROD for k in range(1, 7)})
 START = [1.9, -1.3, -1.1, 0.9, 0.5, -0.9]  # [rad]
-TARGET = ARM.position(START)
+ROLLED_UP = [-0.66, 1.27, 1.13, 1.46, 1.03, -0.91]  # [rad], for a criterion that the other posture does not concern
 BALL = jtik.Circle(center=(2.2, 0.55), radius=0.45)
 FIELD = [
     jtik.Box.at((1.95, 0.7), (0.45, 0.15), 0.4),
@@ -81,6 +82,7 @@ CRITERIA: dict[str, tuple[jtik.Criterion, Sequence[Obstacle]]] = {
     "khatib_potential": (KhatibPotential(FIELD, gain=1e-2, influence=0.8, bodies="links"), FIELD),
     "obstacle_barrier": (ObstacleBarrier(FIELD, influence=0.8, bodies="links"), FIELD),
     "soft_clearance": (SoftClearance(FIELD, bodies="links"), FIELD),
+    "self_collision": (SelfCollision(influence=0.7, radius=0.1), []),
 }
 """Criteria by name, and the obstacles to draw."""
 
@@ -89,10 +91,11 @@ def draw(name: str) -> None:
     """Solve with the criterion from a posture on the target, and write the picture."""
     criterion, obstacles = CRITERIA[name]
     task = jtik.FrameTask("tip", kind="position")
+    start = ROLLED_UP if name == "self_collision" else START
     with_it = jtik.InverseKinematics(ARM, task, criteria=criterion, strategy="hybrid+second_order")
-    solution = with_it.solve(TARGET, q0=START, max_iterations=3000)
-    print(f"{name}: {solution.status.name}, H {criterion(START, ARM):.4g} -> {criterion(solution.q, ARM):.4g}")
-    figure = posture_figure(ARM, [START, solution.q], obstacles=obstacles, window=WINDOW, width=4.0)
+    solution = with_it.solve(ARM.position(start), q0=start, max_iterations=3000)
+    print(f"{name}: {solution.status.name}, H {criterion(start, ARM):.4g} -> {criterion(solution.q, ARM):.4g}")
+    figure = posture_figure(ARM, [start, solution.q], obstacles=obstacles, window=WINDOW, width=4.0)
     figure.savefig(FOLDER / f"{name}.png", dpi=90, facecolor=BACKGROUND)
 
 

@@ -18,6 +18,7 @@ from jtik_formulations.criteria.manipulability import Manipulability
 from jtik_formulations.criteria.minimum_displacement import MinimumDisplacement
 from jtik_formulations.criteria.obstacle_avoidance import ObstacleAvoidance
 from jtik_formulations.criteria.obstacle_barrier import ObstacleBarrier
+from jtik_formulations.criteria.self_collision import SelfCollision
 from jtik_formulations.criteria.smallest_singular_value import SmallestSingularValue
 from jtik_formulations.criteria.soft_clearance import SoftClearance
 from jtik_formulations.criteria.support_polygon import SupportPolygon
@@ -75,6 +76,7 @@ __all__ = [
     "QPSecondary",
     "SecondOrder",
     "SelectivelyDamped",
+    "SelfCollision",
     "SmallestSingularValue",
     "SoftClearance",
     "Sugihara",

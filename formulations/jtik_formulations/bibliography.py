@@ -329,3 +329,12 @@ KREISSELMEIER_1979 = """@inproceedings{kreisselmeier1979,
   booktitle = {IFAC Symposium on Computer Aided Design of Control Systems},
   year = {1979},
 }"""
+
+DIETRICH_2012 = """@article{dietrich2012,
+  author = {Dietrich, Alexander and Wimb{\\"o}ck, Thomas and Albu-Sch{\\"a}ffer, Alin and Hirzinger, Gerd},
+  title = {Integration of Reactive, Torque-Based Self-Collision Avoidance Into a Task Hierarchy},
+  journal = {IEEE Transactions on Robotics},
+  volume = {28},
+  number = {6},
+  year = {2012},
+}"""

@@ -16,13 +16,15 @@ from jtik.symbolic import Expression
 class Measure(Protocol):
     """A measure of distances [m]: a criterion with parameters and signed distances of each body to each obstacle.
 
-    Each distance is that of a body, which the robot moves, to a fixed set, less a radius that is not negative: the
-    bound between the samples of a step (formulations/clearance.md, (C6)) holds for these. A method ``rounding(robot,
+    Each distance is that of a body, which the robot moves, to a fixed set or to another body of the robot, less a
+    radius that is not negative: the bound between the samples of a step (formulations/clearance.md, (C6)) holds for
+    these. A method ``rounding(robot,
     parameters)`` may return that radius [m] for each distance, in the same lists: the larger it is, the longer are the
     steps near an obstacle. It returns infinity where the set is a half-space, and None for a distance of another kind,
     which a `Clearance` refuses. Without the method the radius is 0.
 
-    Methods ``body_names(robot)`` and ``obstacle_names(robot)`` may return names for reports.
+    Methods ``body_names(robot)`` and ``obstacle_names(robot)`` may return names for reports, or ``pair_names(robot)``
+    one for each distance.
 
     Attributes:
         name: name of the criterion.
@@ -60,6 +62,9 @@ def rounding_of(
 
 def pair_names(clearance: Any, robot: Robot, bodies: Sequence[Sequence[Expression]]) -> list[str]:
     """The name of each distance of a clearance: ``clearance: link1-link2 to obstacle 0``."""
+    named = getattr(clearance.measure, "pair_names", None)
+    if callable(named):
+        return [f"{clearance.name}: {pair}" for pair in named(robot)]
     names = names_of(clearance.measure, "body_names", robot, len(bodies), "body")
     found = []
     for name, distances in zip(names, bodies, strict=True):

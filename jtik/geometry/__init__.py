@@ -6,6 +6,7 @@
 - named obstacles and their file: `Scene`
 - distances of points and segments: `point_to_ball`, `segment_to_ball`, and those to a capsule, a half-space, a box, a
   polygon and a cylinder, for which `Axis`, `Sides` and `in_axes` prepare the arguments
+- the distance of two segments: `segment_to_segment`, `closest_points`, and for arrays `segment_distances`
 - bodies and coordinate bounds: `enclosing_segment`, `enclosing_balls`, `bounds`
 """
 
@@ -25,7 +26,7 @@ from jtik.geometry.kinds import Distances
 from jtik.geometry.obstacles import Obstacle, centers_and_radii
 from jtik.geometry.polygons import Sides, point_to_polygon, segment_to_polygon
 from jtik.geometry.scene import Scene
-from jtik.geometry.segments import closest_points, segment_to_segment
+from jtik.geometry.segments import closest_points, segment_distances, segment_to_segment
 from jtik.geometry.slots import ABSENT, Slot, Slots
 from jtik.geometry.solids import Ball, Box, Capsule, Circle, Cylinder, Point, Solid, Sphere
 
@@ -60,6 +61,7 @@ __all__ = [
     "point_to_cylinder",
     "point_to_half_space",
     "point_to_polygon",
+    "segment_distances",
     "segment_to_ball",
     "segment_to_box",
     "segment_to_capsule",

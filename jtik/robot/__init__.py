@@ -1,5 +1,6 @@
 """Kinematic models: joints and frames, in numbers and in symbols."""
 
+from jtik.robot.collisions import CollisionBody, CollisionPair, CollisionPairs
 from jtik.robot.dh import DHRow
 from jtik.robot.joint_type import JointType
 from jtik.robot.joint_weights import UNWEIGHTED, WeightedCoordinates
@@ -11,6 +12,9 @@ from jtik.robot.tree import Joint, Mimic
 
 __all__ = [
     "UNWEIGHTED",
+    "CollisionBody",
+    "CollisionPair",
+    "CollisionPairs",
     "DHRow",
     "Joint",
     "JointType",

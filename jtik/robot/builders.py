@@ -137,6 +137,7 @@ class Builders:
         free_base: bool = False,
         planar_base: bool = False,
         xacro_arguments: Mapping[str, str] | None = None,
+        srdf: PathOrText | None = None,
     ) -> Self:
         """The robot of a URDF file or text.
 
@@ -157,10 +158,12 @@ class Builders:
             planar_base: whether the root link moves in the x-y plane of a frame "world" and rotates about z, by the
                 joints "planar_base_x", "planar_base_y" and "planar_base_heading".
             xacro_arguments: the arguments of a XACRO, by name.
+            srdf: the path of an SRDF, or its text: its ``disable_collisions`` become `disabled_collisions`, its states
+                of groups become `keyframes`, in which joints of other groups are at `neutral`.
 
         Raises:
-            RobotFileError: when there is no such file, it is not a URDF, an element cannot be used, or it is a XACRO
-                and the package xacro is not installed.
+            RobotFileError: when there is no such file, it is not a URDF, an element cannot be used, the SRDF is none or
+                that of another robot, or one is a XACRO and the package xacro is not installed.
             UnknownNameError: when ``tip`` is not a frame.
 
         Warns:
@@ -174,7 +177,7 @@ class Builders:
         if xacro_arguments is not None:
             mapping("xacro_arguments", xacro_arguments, "a dict from the names of arguments to their values, or None")
         description = load_urdf(
-            path_or_xml, free_base=free_base, planar_base=planar_base, xacro_arguments=xacro_arguments
+            path_or_xml, free_base=free_base, planar_base=planar_base, xacro_arguments=xacro_arguments, srdf=srdf
         )
         return cls._described(description, tip, name)
 

@@ -12,6 +12,8 @@ from jtik.errors import ArgumentError, ImmutableError, UnknownNameError
 from jtik.geometry import Solid
 from jtik.robot import skeleton
 from jtik.robot.builders import Builders
+from jtik.robot.collisions import CollisionPairs, Collisions
+from jtik.robot.collisions.robot_pairs import disabled_pairs
 from jtik.robot.drawable import Drawable
 from jtik.robot.evaluator import Evaluator
 from jtik.robot.home import home_of
@@ -26,7 +28,7 @@ from jtik.symbolic import SX, Expression, is_equal
 from jtik.types import Array
 
 
-class Robot(Variants, Builders, Drawable, MassProperties):
+class Robot(Variants, Builders, Drawable, MassProperties, Collisions):
     """A kinematic model: a tree of joints, the frames they carry, and limits.
 
     A configuration q has nq numbers and a velocity n numbers; the two differ for ball and free joints. Methods that
@@ -48,6 +50,7 @@ class Robot(Variants, Builders, Drawable, MassProperties):
         neutral: the neutral configuration, in any form that `configuration` accepts; it is clamped to the limits. Zero
             and identity quaternions when None.
         ignored: one sentence for each part of its description that the robot does not have.
+        disabled_collisions: pairs of frames whose collisions `collision_pairs` leaves out, each with its reason.
 
     Raises:
         ArgumentError: when the joints do not form a tree, or leave the plane of a planar robot.
@@ -71,6 +74,7 @@ class Robot(Variants, Builders, Drawable, MassProperties):
         keyframes: Mapping[str, object] | None = None,
         neutral: object = None,
         ignored: Sequence[str] = (),
+        disabled_collisions: Mapping[tuple[str, str], str] | None = None,
     ) -> None:
         self._joints = several("joints", joints, "a list of jtik.Joint")
         for joint in self._joints:
@@ -92,6 +96,8 @@ class Robot(Variants, Builders, Drawable, MassProperties):
         self._masses = masses_on(self.frame_names, masses)
         self._shapes = shapes_on(self.frame_names, shapes)
         self._meshes = meshes_on(self.frame_names, meshes)
+        self._disabled_collisions = disabled_pairs(self.frame_names, disabled_collisions)
+        self._judged: dict[tuple[str, float, float], CollisionPairs] = {}
         self._evaluator = Evaluator(self)
         accepted = "a dict from name to configuration, or None"
         named = {} if keyframes is None else mapping("keyframes", keyframes, accepted)
@@ -128,6 +134,7 @@ class Robot(Variants, Builders, Drawable, MassProperties):
             "keyframes": self._keyframes,
             "neutral": self.neutral,
             "ignored": self._ignored,
+            "disabled_collisions": self._disabled_collisions,
         }
 
     def __repr__(self) -> str:

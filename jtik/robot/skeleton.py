@@ -44,7 +44,7 @@ def segments(robot: Robot) -> tuple[tuple[str, str], ...]:
 
     The prismatic joints of a vehicle, or a free joint, between the ground and the body are not links.
     """
-    origin = _shared_origins(robot)
+    origin = shared_origins(robot)
     nodes = _nodes(robot)
     kept = {origin[frame]: frame for frame in nodes}
     pairs = []
@@ -59,7 +59,7 @@ def segments(robot: Robot) -> tuple[tuple[str, str], ...]:
 
 def _nodes(robot: Robot) -> tuple[str, ...]:
     """The base, the frames that joints move, and the tip; one for each shared origin, in the order of the robot."""
-    origin = _shared_origins(robot)
+    origin = shared_origins(robot)
     carriers = {j.parent for j in robot.joints if j.type is JointType.PRISMATIC and _is_short(j)}
     candidates = [robot.base]
     for joint in robot.joints:
@@ -71,7 +71,7 @@ def _nodes(robot: Robot) -> tuple[str, ...]:
     return tuple(frame for frame in candidates if last[origin[frame]] == frame)
 
 
-def _shared_origins(robot: Robot) -> dict[str, str]:
+def shared_origins(robot: Robot) -> dict[str, str]:
     """For every frame the innermost frame whose origin always coincides with its own."""
     origin = {robot.base: robot.base}
     for frame in robot.frame_names:

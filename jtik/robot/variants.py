@@ -173,6 +173,8 @@ def _renamed(robot: Any, names: Mapping[str, str]) -> tuple[tuple[Joint, ...], d
     options["base"] = new(options["base"])
     for of_frames in ("masses", "shapes", "meshes"):
         options[of_frames] = {new(frame): value for frame, value in options[of_frames].items()}
+    disabled = options["disabled_collisions"].items()
+    options["disabled_collisions"] = {(new(first), new(second)): reason for (first, second), reason in disabled}
     return joints, options
 
 

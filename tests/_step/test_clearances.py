@@ -36,7 +36,7 @@ def test_values_of_each_distance():
     assert numbers(found.distance) == pytest.approx(distances(Q))
     assert numbers(found.safe).tolist() == [0.1] * 4
     assert numbers(found.aim) == pytest.approx([0.15] * 4)
-    assert numbers(found.curvature_radius) == pytest.approx(0.1 + 0.25)  # of the smaller circle
+    assert numbers(found.curvature_radius) == pytest.approx([0.5, 0.35] * 2)  # of each circle
     assert found.motion.lever_arms() == [2.0, 1.0]
 
 

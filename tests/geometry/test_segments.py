@@ -7,7 +7,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from jtik.geometry import closest_points, segment_to_segment
+from jtik.geometry import closest_points, segment_distances, segment_to_segment
+from jtik.geometry.segments import CROSSING
 
 from ..conftest import EXACT
 
@@ -77,7 +78,9 @@ def test_it_is_the_smallest_distance_of_their_points_and_its_derivatives_are_fin
         ends = some_ends(rng, kind, dimension)
         for order in ((0, 1, 2, 3), (3, 2, 0, 1)):
             distance, gradient, hessian, *_ = function(np.concatenate([ends[i] for i in order]))
-            assert float(distance) == pytest.approx(smallest(ends), abs=EXACT)
+            expected = smallest(ends)
+            assert float(distance) == pytest.approx(expected if expected > CROSSING else 0, abs=EXACT)
+            assert gradient.full().any() == (expected > CROSSING)
             assert np.isfinite(gradient.full()).all()
             assert np.abs(gradient.full()).max() <= 1 + 1e-6
             assert np.isfinite(hessian.full()).all()
@@ -131,12 +134,21 @@ def test_its_gradient_is_that_of_the_closest_points(evaluated, rng):
         assert gradient == pytest.approx(expected, abs=1e-9)
 
 
-def test_its_hessian_has_the_motion_of_the_closest_points(rng):
+APART = {
+    "inside both": [-1.0, 0.1, 0, 1, -0.1, 0.1, 0.2, -1, 0.6, 0.1, 1, 0.5],
+    "an end of one": [-1.0, 0.1, 0, 1, -0.1, 0.1, 0.2, 0.1, 0.6, 0.3, 0.4, 1.5],
+    "an end of the other": [0.2, 0.1, 0.6, 0.3, 0.4, 1.5, -1.0, 0.1, 0, 1, -0.1, 0.1],
+    "two ends": [-1.0, 0.1, 0, 1, -0.1, 0.1, 1.5, 0.1, 0.6, 2.3, 0.4, 1.5],
+}
+
+
+@pytest.mark.parametrize("where", APART)
+def test_its_hessian_has_the_motion_of_the_closest_points(where):
     """Against differences of the gradient, away from where a closest point reaches an end."""
     ends = casadi.SX.sym("ends", 12)
     hessian, gradient = casadi.hessian(segment_to_segment(*casadi.vertsplit(ends, 3)), ends)
     function = casadi.Function("distance", [ends], [gradient, hessian])
-    given = np.array([-1.0, 0.1, 0, 1, -0.1, 0.1, 0.2, -1, 0.6, 0.1, 1, 0.5])
+    given = np.array(APART[where])
     step = 1e-5
     rows = [
         (function(given + step * unit)[0] - function(given - step * unit)[0]).full()[:, 0] / (2 * step)
@@ -146,7 +158,7 @@ def test_its_hessian_has_the_motion_of_the_closest_points(rng):
 
 
 def test_near_parallel_segments_the_gradient_has_length_one(rng):
-    """Where the derivative of the closest points is largest: it is multiplied by rounding errors only."""
+    """Where the closest points move most: a Newton step from them multiplies rounding errors only."""
     ends = casadi.SX.sym("ends", 12)
     distance = segment_to_segment(*casadi.vertsplit(ends, 3))
     function = casadi.Function("distance", [ends], [distance, casadi.gradient(distance, ends)])
@@ -159,3 +171,23 @@ def test_near_parallel_segments_the_gradient_has_length_one(rng):
             _, gradient = function(given)
             rate = (gradient.full().reshape(4, 3)[:2].sum(axis=0) ** 2).sum()
             assert rate == pytest.approx(1, abs=1e-4)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_many_at_once_are_as_far_apart_as_one_by_one(kind, rng):
+    given = np.array([some_ends(rng, kind, 3) for _ in range(200)])
+    expected = [smallest(each) for each in given]
+    assert segment_distances(*given.swapaxes(0, 1)) == pytest.approx(expected, abs=EXACT)
+
+
+def test_first_derivatives_alone_are_the_same(evaluated, rng):
+    _, dimension = evaluated
+    ends = casadi.SX.sym("ends", 4 * dimension)
+    parts = casadi.vertsplit(ends, dimension)
+    both = [segment_to_segment(*parts), segment_to_segment(*parts, first_order=True)]
+    function = casadi.Function("both", [ends], [*both, *(casadi.gradient(each, ends) for each in both)])
+    for _ in range(200):
+        d, other, gradient, of_other = function(rng.uniform(-1, 1, 4 * dimension))
+        assert float(d) == pytest.approx(float(other), abs=EXACT)
+        if float(d) > 0.01:
+            assert of_other.full() == pytest.approx(gradient.full(), abs=1e-9)

@@ -360,7 +360,7 @@ def test_name_and_tip_may_be_given(everything):
         ("<robot name='r'><link name='a'/></robot>", "not MJCF: .* a URDF is read by Robot.from_urdf"),
         ("<mujoco><worldbody>", "line 1: not XML: no element found"),
         ("no_such_file.xml", r"no_such_file\.xml: No such file or directory; accepted: the path of a file"),
-        (body("<joint/>", '<keyframe><key qpos="nan"/></keyframe>'), r"keyframes\['key0'\]: given nan"),
+        (body("<joint/>", '<keyframe><key qpos="nan"/></keyframe>'), r"keyframes\['key0'\]\['a'\]: given nan"),
     ],
 )
 def test_a_file_that_is_not_a_robot_is_refused(text, complaint):

@@ -115,6 +115,7 @@ SOLID = {"radius": POSITIVE}
 JOINTS = NOTHING | "None"
 SENTENCES = Kind(frozenset({"'x'", "''", "[]", "text array"}))
 LENGTH_OR_ONE_EACH = NUMBER | "inf"
+PAIRS = Kind(frozenset({"[]"}))
 
 ROBOT: dict[str, Entry] = {
     "Robot": Entry(
@@ -131,6 +132,7 @@ ROBOT: dict[str, Entry] = {
             "keyframes": CONFIGURATION | "None",
             "neutral": OPTIONAL_Q,
             "ignored": SENTENCES,
+            "disabled_collisions": CONFIGURATION | "None",
         },
     ),
     "Robot.planar": Entry(
@@ -177,6 +179,7 @@ ROBOT: dict[str, Entry] = {
             "free_base": FLAG,
             "planar_base": FLAG,
             "xacro_arguments": NOTHING | ("None", "{}"),
+            "srdf": NOTHING | "None",
         },
     ),
     "Robot.from_mjcf": Entry(
@@ -190,6 +193,16 @@ ROBOT: dict[str, Entry] = {
         {"model": NOTHING, "tip": NOTHING | "None", "name": TEXT | "None"},
     ),
     "Robot.builtin": Entry(jtik.Robot.builtin, nothing, {"name": NOTHING}),
+    "Robot.collision_pairs": Entry(
+        ARM.collision_pairs,
+        nothing,
+        {
+            **dict.fromkeys(("exclude", "include"), PAIRS),
+            "bodies": NOTHING | "None",
+            "radius": NON_NEGATIVE,
+            "within": NON_NEGATIVE,
+        },
+    ),
     "Robot.subset": Entry(ARM.subset, fixed(joints=["joint1"]), {"joints": NOTHING, "at": OPTIONAL_Q}),
     "Robot.with_tool": Entry(
         SPATIAL.with_tool,
@@ -609,6 +622,15 @@ OF_OPTIONS: dict[str, dict[str, Kind]] = {
     "look_at": OF_SIGHT,
     "manipulability": {**OF_ROWS, "measure": NOTHING},
     "minimum_displacement": {"reference": OPTIONAL_Q, "stiffness": NON_NEGATIVE | "{}", "name": NAME},
+    "self_collision": {
+        **dict.fromkeys(("exclude", "include"), PAIRS | ("text array", "['x']")),
+        "gain": NON_NEGATIVE,
+        "influence": POSITIVE,
+        "bodies": NOTHING | "None",
+        "radius": NON_NEGATIVE,
+        "within": NON_NEGATIVE,
+        "name": NAME,
+    },
     "smallest_singular_value": OF_ROWS,
     "swivel_angle": {
         **dict.fromkeys(("shoulder", "elbow", "wrist"), NAME),

@@ -18,6 +18,7 @@ from jtik.robot.loaders.couplings import with_mimic_joints
 from jtik.robot.loaders.robot_description import Names, RobotDescription
 from jtik.robot.loaders.source import PathOrText, Source, open_source
 from jtik.robot.loaders.spec import MINIMUM_MASS, compile_source
+from jtik.robot.loaders.srdf import with_srdf
 from jtik.robot.loaders.urdf import UrdfTree, read_tree
 from jtik.robot.loaders.urdf_links import mujoco_text
 from jtik.robot.loaders.visuals import urdf_meshes
@@ -32,6 +33,7 @@ def load_urdf(
     free_base: bool = False,
     planar_base: bool = False,
     xacro_arguments: Mapping[str, str] | None = None,
+    srdf: PathOrText | None = None,
 ) -> RobotDescription:
     """A URDF; see `Robot.from_urdf`."""
     if free_base and planar_base:
@@ -62,7 +64,8 @@ def load_urdf(
         description = _on_base(description, FREE_BASE)
     if planar_base:
         description = _on_base(description, PLANAR_BASE)
-    return with_mimic_joints(description)
+    description = with_mimic_joints(description)
+    return description if srdf is None else with_srdf(description, srdf)
 
 
 def load_mjcf(path_or_xml: PathOrText) -> RobotDescription:

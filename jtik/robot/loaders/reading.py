@@ -16,7 +16,7 @@ def read_description(path: Path, kind: str) -> bytes:
 
     Args:
         path: the file.
-        kind: "URDF" or "MJCF", for errors.
+        kind: "URDF", "SRDF" or "MJCF", for errors.
 
     Raises:
         RobotFileError: when it cannot be read, is larger than `LARGEST`, or is a pipe, a device or a folder.

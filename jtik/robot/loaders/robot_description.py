@@ -44,10 +44,12 @@ class RobotDescription:
         masses: the mass on each frame that has one.
         shapes: the solids on each frame that has any.
         meshes: the meshes on each frame that has any, for pictures.
-        keyframes: for each keyframe the position of every moving joint, by joint name, (nq of the joint,).
+        keyframes: for each keyframe the position of moving joints, by joint name, (nq of the joint,); the other joints
+            are at `neutral`.
         neutral: the position of every moving joint in the neutral configuration, by joint name; None where the file
             has none.
         objects: names of the free joints of objects, which are not parts of the robot.
+        disabled_collisions: pairs of frames whose collisions are not considered, each with its reason.
         notes: one sentence for each part of the file that is not kept.
         changes: one sentence for each part that is kept, but changed or completed.
     """
@@ -63,6 +65,7 @@ class RobotDescription:
     keyframes: dict[str, dict[str, Array]] = field(default_factory=dict)
     neutral: dict[str, Array] | None = None
     objects: tuple[str, ...] = ()
+    disabled_collisions: dict[tuple[str, str], str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     changes: tuple[str, ...] = ()
 
@@ -79,8 +82,8 @@ class RobotDescription:
         """The arguments of `Robot` without the tip; call it when no couplings are left."""
         moving = [joint.name for joint in self.joints if joint.is_independent]
 
-        def configuration(positions: dict[str, Array]) -> list[float]:
-            return [number for joint in moving for number in positions[joint]]
+        def configuration(positions: dict[str, Array]) -> dict[str, Array]:
+            return {joint: positions[joint] for joint in moving if joint in positions}
 
         return {
             "joints": self.joints,
@@ -91,6 +94,7 @@ class RobotDescription:
             "keyframes": {key: configuration(positions) for key, positions in self.keyframes.items()},
             "neutral": None if self.neutral is None else configuration(self.neutral),
             "ignored": self.notes,
+            "disabled_collisions": self.disabled_collisions,
         }
 
 

@@ -48,14 +48,22 @@ class Source:
     is_utf8: bool = True
 
 
-def open_source(path_or_xml: PathOrText, *, kind: str, root: str, arguments: Mapping[str, str] | None = None) -> Source:
+def open_source(
+    path_or_xml: PathOrText,
+    *,
+    kind: str,
+    root: str,
+    arguments: Mapping[str, str] | None = None,
+    argument: str = "path_or_xml",
+) -> Source:
     """The description at a path, or in text that starts with "<". A XACRO is expanded.
 
     Args:
         path_or_xml: the path or the text.
-        kind: "URDF" or "MJCF", for errors.
+        kind: "URDF", "SRDF" or "MJCF", for errors.
         root: the name that its outermost element must have.
         arguments: the arguments of a XACRO.
+        argument: the name of ``path_or_xml`` in errors.
 
     Raises:
         ArgumentError: when it is neither a path nor a text.
@@ -63,7 +71,7 @@ def open_source(path_or_xml: PathOrText, *, kind: str, root: str, arguments: Map
             XACRO that cannot be expanded.
     """
     if not isinstance(path_or_xml, (str, PathLike)):
-        raise ArgumentError("path_or_xml", path_or_xml, f"the path of a {kind} file, or {kind} text")
+        raise ArgumentError(argument, path_or_xml, f"the path of a {kind} file, or {kind} text")
     if isinstance(path_or_xml, str) and path_or_xml.lstrip(_BLANK).startswith("<"):
         source = _parsed(f"the {kind} text given", None, path_or_xml, is_utf8=True)
     else:
@@ -73,7 +81,7 @@ def open_source(path_or_xml: PathOrText, *, kind: str, root: str, arguments: Map
         other = {"robot": "; a URDF is read by Robot.from_urdf", "mujoco": "; an MJCF is read by Robot.from_mjcf"}
         problem = f"not {kind}: its outermost element is <{tag}>, where <{root}> is accepted{other.get(tag, '')}"
         raise RobotFileError(source.label, "", problem)
-    if kind == "URDF" and _is_xacro(source):
+    if kind in ("URDF", "SRDF") and _is_xacro(source):
         from jtik.robot.loaders.xacro import expand
 
         text = expand(source, path_or_xml, arguments or {})
