@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from itertools import pairwise
 from pathlib import Path
@@ -127,21 +128,20 @@ def write_motion(
     rate, speed = positive_number("rate", rate, "frames for each second, at most 50"), positive_number("speed", speed)
     if rate > 50:
         raise ArgumentError("rate", rate, "frames for each second, at most 50")
-    table = configurations_of(robot, trajectory)
-    seconds = (len(table) - 1) / rate
+    table, pause = configurations_of(robot, trajectory), round(1 / rate, 2)  # a GIF counts hundredths of a second
     if isinstance(trajectory, Trajectory):
         times = trajectory.times if len(table) == len(trajectory) else np.concatenate([[0.0], trajectory.times])
         seconds = float(times[-1] - times[0]) / speed
-        table = resampled(robot, table, times, min(MOST_FRAMES, 1 + max(1, round(rate * seconds))))
-    frames = table[:: -(-len(table) // MOST_FRAMES)]
+        pause = max(pause, math.ceil(100 * seconds / MOST_FRAMES) / 100)
+        table = resampled(robot, table, times, 1 + max(1, round(seconds / pause)))
+    frames = table[:: -(-len(table) // (MOST_FRAMES + 1))]
     discs = instances("obstacles", obstacles, Solid, "obstacles in the robot's space")
     line, width = path_of(robot, table), positive_number("width", width)
     if robot.dimension == 2:
         figure, draw = _planar(robot, frames, discs, line, width)
     else:
         figure, draw = _spatial(Body(robot, choice("show", show, SHOWS)), frames, discs, line, width, read_view(view))
-    pause = seconds / max(1, len(frames) - 1) if seconds else 0.1
-    write_animation(file, figure, draw, len(frames), seconds=max(0.02, pause))
+    write_animation(file, figure, draw, len(frames), seconds=pause)
 
 
 def resampled(robot: Robot, table: Array, times: Array, count: int) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,12 @@ SHADE = 0.45
 
 THINNEST = 0.3
 """Smallest side of the box, as a share of its largest: below it the labels of its axis overlap."""
+
+ROUNDS = 8
+"""How often axes and figure are resized; each time the labels move."""
+
+TALLEST = 1.25
+"""Largest height of a figure, as a share of its width."""
 
 PAD = 0.06
 """Margin around the picture [inch]."""
@@ -161,24 +168,50 @@ def spatial_figure(view: tuple[float, float], width: float, draw: Callable[[Spat
 
 def fill(figure: Figure, axes: Axes, width: float) -> None:
     """Resize axes and figure, so that what is drawn fills the figure of that width [inch]."""
+    from matplotlib.transforms import Bbox
+
     side, left, bottom, height = width, 0.0, 0.0, width
-    for _ in range(6):
+    for _ in range(ROUNDS):
         figure.set_size_inches(width, height)
         axes.set_position((left / width, bottom / height, side / width, side / height))
         figure.draw_without_rendering()
-        _separate_labels(axes, figure.canvas.get_renderer())
-        seen = axes.get_tightbbox(figure.canvas.get_renderer()).transformed(figure.dpi_scale_trans.inverted())
-        grow = (width - 2 * PAD) / seen.width
-        left, bottom = PAD + (left - seen.x0) * grow, PAD + (bottom - seen.y0) * grow
+        renderer = figure.canvas.get_renderer()
+        _separate_labels(axes, renderer)
+        parts = [_box_of(axes), *(each.get_window_extent(renderer) for each in _labels(axes))]
+        seen = Bbox.union(parts).transformed(figure.dpi_scale_trans.inverted())
+        grow = min((width - 2 * PAD) / seen.width, (TALLEST * width - 2 * PAD) / seen.height)
+        left, bottom = (width - seen.width * grow) / 2 + (left - seen.x0) * grow, PAD + (bottom - seen.y0) * grow
         side, height = side * grow, seen.height * grow + 2 * PAD
     figure.set_size_inches(width, height)
     axes.set_position((left / width, bottom / height, side / width, side / height))
 
 
+def _box_of(axes: Axes) -> Any:
+    """The rectangle around the box of 3-D axes, in pixels."""
+    from matplotlib.transforms import Bbox
+    from mpl_toolkits.mplot3d import proj3d
+
+    corners = product(axes.get_xlim(), axes.get_ylim(), axes.get_zlim())
+    points = [proj3d.proj_transform(*corner, axes.get_proj())[:2] for corner in corners]
+    pixels = axes.transData.transform(points)
+    return Bbox([pixels.min(axis=0), pixels.max(axis=0)])
+
+
+def _labels(axes: Axes) -> list[Any]:
+    """The texts of 3-D axes that are drawn: the labels of the axes, and the numbers."""
+    found = []
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        low, high = sorted(axis.get_view_interval())
+        numbers = [tick.label1 for tick in axis.majorTicks if low <= tick.get_loc() <= high]
+        found += [axis.label, *numbers]
+    return [text for text in found if text.get_text()]
+
+
 def _separate_labels(axes: Axes, renderer: Any) -> None:
     """Move the labels of axes away from the numbers that they touch."""
     every = (axes.xaxis, axes.yaxis, axes.zaxis)
-    numbers = [tick.label1.get_window_extent(renderer) for axis in every for tick in axis.majorTicks]
+    names = [axis.label for axis in every]
+    numbers = [text.get_window_extent(renderer) for text in _labels(axes) if text not in names]
     for axis in every:
         if axis.label.get_window_extent(renderer).padded(2).count_overlaps(numbers):
             axis.labelpad += 3
