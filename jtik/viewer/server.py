@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import socket
 from contextlib import redirect_stdout
 from io import StringIO
@@ -53,6 +54,7 @@ def start(port: Any, title: str) -> Any:
         import viser
     except ImportError as error:
         raise MissingExtraError("viser", "view", "jtik.view") from error
+    logging.getLogger("websockets").addHandler(logging.NullHandler())  # a browser that hangs up is no news
     with redirect_stdout(StringIO()):  # it prints a banner
         server = viser.ViserServer(host=HOST, port=read_port(port), label=title, verbose=False)
     server.gui.configure_theme(

@@ -35,6 +35,7 @@ MODULES = (
     "jtik.study",
     "jtik.plotting",
     "jtik.testing",
+    "jtik.viewer",
 )
 
 NOT_CALLED: dict[str, str] = {
@@ -49,8 +50,10 @@ NOT_CALLED: dict[str, str] = {
     **dict.fromkeys(("JointType", "Status"), "an enumeration"),
     "Kind": "an alias",
     **dict.fromkeys(
-        ("Kinematics", "TaskRows", "TaskStack", "WeightedCoordinates", "Setting"), "the library makes it from arguments"
+        ("Kinematics", "TaskRows", "TaskStack", "WeightedCoordinates", "Setting"),
+        "the library makes it from arguments",
     ),
+    "Viewer": "`view` makes it",
     "NamedProblem": "a value of `named`",
     **dict.fromkeys(("names", "available"), "takes no argument"),
     **dict.fromkeys(("CalledBackend", "FusedBackend", "QPSolver"), "a base class"),
@@ -99,6 +102,8 @@ LEFT_OUT = {
     ("to_urdf", "turn"),
     ("check_criterion", "criterion"),
     ("write_animation", "figure"),
+    *(("configurations_of", each) for each in ("robot", "given", "argument")),
+    ("Robot.plot", "options"),
     ("Conic", "options"),
     ("QPSolversBackend", "options"),
     ("PersistentOSQP", "options"),
