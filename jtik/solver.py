@@ -274,7 +274,8 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
 
         Limits of velocity and acceleration hold from one target to the next, from rest at q0. A target that they put
         out of reach is followed as far as they allow. They take the position limits into account, not targets to come:
-        with limited acceleration, the end of a path that stops at once is overshot.
+        with limited acceleration, the end of a path that stops at once is overshot. Ctrl-C ends the path: the result is
+        what there is until then, with ``complete`` False.
 
         Args:
             targets: the targets, each as in `solve`.

@@ -30,6 +30,8 @@ def follow(
 ) -> Trajectory:
     """Follow a path: one configuration a target, each within the box of a step from the one before.
 
+    Ctrl-C ends the path after the last target that was solved for; before the first it is raised.
+
     Args:
         robot: the robot.
         targets: the targets.
@@ -40,7 +42,7 @@ def follow(
         moved: gives the same solution for another configuration.
     """
     low, high = box.lower.copy(), box.upper.copy()
-    q, solutions, steps = q0, [], []
+    q, solutions, steps, complete = q0, list[Solution](), list[Array](), True
     box.rest()
     try:
         for target in targets:
@@ -56,8 +58,13 @@ def follow(
             solutions.append(solution)
             q = solution.q
             box.moved(q)
+    except KeyboardInterrupt:
+        if not solutions:
+            raise
+        complete = False
     finally:
         box.lower[:], box.upper[:] = low, high
+    steps = steps[: len(solutions)]
     errors = np.array([solution.error for solution in solutions])
     linear = solutions[0].report.linear
     return Trajectory(
@@ -73,4 +80,5 @@ def follow(
         seconds=np.array([solution.seconds for solution in solutions]),
         joint_names=robot.joint_names,
         joint_sizes=tuple(joint.type.nq for joint in robot.independent_joints),
+        complete=complete,
     )

@@ -42,13 +42,16 @@ def checked_name(where: str, given: Any, known: Iterable[str]) -> str:
     return given
 
 
-def call(where: str, make: Callable[..., T], options: Any) -> T:
-    """Call ``make`` with options from a document. Errors in the options name ``where`` they are."""
+def call(where: str, make: Callable[..., T], options: Any, hint: str = "") -> T:
+    """Call ``make`` with options from a document. Errors in the options name ``where`` they are.
+
+    ``hint`` says where the options are given, for one that is missing.
+    """
     parameters = inspect.signature(make).parameters
     checked_table(where, options, parameters)
     for name, parameter in parameters.items():
         if parameter.default is parameter.empty and name not in options:
-            raise InputError(f"{where}: {name} is missing; accepted: {', '.join(parameters)}")
+            raise InputError(f"{where}: {name} is missing; accepted: {', '.join(parameters)}{hint}")
     try:
         return make(**options)
     except JtikError:

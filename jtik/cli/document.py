@@ -18,7 +18,7 @@ from jtik.cli.checks import InputError, Table, checked_table, read_text
 from jtik.cli.document_sections import read_criteria, read_obstacles, read_strategy, read_tasks
 from jtik.cli.own_criteria import is_own
 from jtik.cli.robots import SUFFIXES, read_robot
-from jtik.cli.values import start_of
+from jtik.cli.values import POSES, size, start_of
 from jtik.criterion import CriterionSum
 from jtik.errors import ArgumentError
 from jtik.geometry import Obstacle
@@ -141,6 +141,14 @@ def read_setup(document: Table) -> DocumentSetup:
     return DocumentSetup(robot, tasks, read_criteria(document.get("criteria", []), obstacles), obstacles)
 
 
+def _of_a_pose(document: Table) -> Table:
+    """The document, whose task is one of the pose where the target is a pose and nothing says what kind it is."""
+    task = document.get("task", {})
+    if size(document["target"]) in POSES and isinstance(task, dict) and not task.keys() & {"kind", "type"}:
+        return {**document, "task": {**task, "kind": "pose"}}
+    return document
+
+
 def read(document: Table) -> DocumentProblem:
     """The problem a document describes.
 
@@ -149,7 +157,7 @@ def read(document: Table) -> DocumentProblem:
     """
     if "target" not in document:
         raise InputError(f"target is missing; a problem needs robot and target, and accepts {', '.join(KEYS)}")
-    setup = read_setup(document)
+    setup = read_setup(_of_a_pose(document))
     options = dict(checked_table("[solve]", document.get("solve", {}), (*_SOLVE, *_BUILD)))
     build = {name: options.pop(name) for name in _BUILD if name in options}
     for flag in ("limits", "compiled"):

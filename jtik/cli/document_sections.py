@@ -91,7 +91,7 @@ def _criterion(name: str, plugin: Criterion | type[Criterion], options: Table, o
     if "obstacles" in options:
         raise InputError(f"{where}: obstacles belong in [obstacles], or in --obstacle")
     if not _takes_obstacles(plugin):
-        return call(where, plugin, options)
+        return call(where, plugin, options, "; a problem file has them as options of [[criteria]]")
     wanted = inspect.signature(plugin).parameters["obstacles"]
     if not obstacles and wanted.default is wanted.empty:
         raise InputError(f"{where} needs obstacles: [obstacles] in a file, or --obstacle, --circle, --sphere, --point")

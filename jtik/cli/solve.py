@@ -12,7 +12,7 @@ from jtik.cli.checks import check_folder, check_suffix
 from jtik.cli.document import DocumentProblem, read
 from jtik.cli.output import PICTURES, coordinates, draw_solution, json_value, require_pictures, write_all
 from jtik.cli.problem_options import add_problem_options, override, problem_document
-from jtik.cli.values import POSES, read_start, read_values, size
+from jtik.cli.values import read_start, read_values
 from jtik.result.solution import Solution
 
 OPTIONS = (
@@ -144,9 +144,6 @@ def _document(arguments: argparse.Namespace) -> dict[str, Any]:
         document["q0"] = read_start("--q0", arguments.q0)
     if arguments.target is not None:
         document["target"] = read_values("--target", arguments.target)
-        task = document.get("task", {})
-        if size(document["target"]) in POSES and isinstance(task, dict) and not task.keys() & {"kind", "type"}:
-            document["task"] = {**task, "kind": "pose"}
     override(document, "solve", arguments, OPTIONS)
     return document
 

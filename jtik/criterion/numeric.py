@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from jtik.criterion.function_criterion import FunctionCriterion
 from jtik.criterion.numeric_function import NumericFunction
+from jtik.criterion.tracing import CriterionError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import SX, Expression, vec, vertcat
 from jtik.types import Array
@@ -18,6 +19,10 @@ from jtik.types import Array
 DIFFERENCE_STEP = 6e-6
 """Step of central differences [rad] or [m]: the cube root of the rounding error, where it and the third derivative
 contribute about equally to the error of a gradient of order 1."""
+
+
+SLOPE_STEP = 1e-5
+"""Length of the displacement [rad] or [m] over which a given gradient is compared with the function."""
 
 
 class NumericCriterion(FunctionCriterion):
@@ -85,7 +90,7 @@ class NumericCriterion(FunctionCriterion):
         """Compute H and its gradient at q.
 
         Raises:
-            CriterionError: when one of them raises an error or is not numeric.
+            CriterionError: when one of them raises an error or is not numeric, or when the gradient is not that of H.
         """
         function = self.on(robot)
         function.failure = None
@@ -94,3 +99,27 @@ class NumericCriterion(FunctionCriterion):
             function.guarded(lambda: function.gradient(q, column), (robot.n,))
         if function.failure is not None:
             raise function.failure
+        if self._gradient_function is not None:
+            self._check_gradient(robot, q, column)
+
+    def _check_gradient(self, robot: Robot, q: Array, column: Array) -> None:
+        """Raise CriterionError when the given gradient is not the slope of the function along one direction."""
+        function = self.on(robot)
+        direction: Array = np.random.default_rng(0).standard_normal(robot.n)
+        step = SLOPE_STEP / float(np.linalg.norm(direction))
+
+        def value(share: float) -> float:
+            at: Array = np.asarray(robot.integrate(q, share * step * direction))
+            return float(function.guarded(lambda: np.array(function.value(at, column)), ()))
+
+        after, middle, before = value(1.0), value(0.0), value(-1.0)
+        function.failure = None  # a value beside q does not have to exist
+        slope, given = (after - before) / (2 * step), float(function.gradient(q, column) @ direction)
+        bend = abs(after - 2 * middle + before) / step  # the slopes before and behind differ by this much
+        allowed = 1e-2 * max(abs(slope), abs(given)) + bend + 1e-9 * max(abs(middle), 1.0) / step
+        if np.isfinite([slope, given]).all() and abs(slope - given) > allowed:
+            raise CriterionError(
+                self.name,
+                f"its gradient says that H changes by {given:.6g} along v = {np.round(direction, 3).tolist()} at q = "
+                f"{q.tolist()}, and the function by {slope:.6g}; expected dH/dv of the same function",
+            )

@@ -83,6 +83,8 @@ class Parameters(MutableMapping[str, Array]):
         UnknownNameError: when a name is read or assigned that does not exist.
     """
 
+    __slots__ = ("_non_negative", "_of_joints", "_robot", "_shapes", "_slices", "memory")  # others are misspelt names
+
     def __init__(
         self,
         values: Mapping[str, ArrayLike],

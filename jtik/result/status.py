@@ -29,7 +29,7 @@ class Status(Enum):
             the solve goes on for the task, and ends so if the slope is still infinite on the target.
     """
 
-    CONVERGED = "converged: on target, and the criterion cannot fall further without leaving it"
+    CONVERGED = "converged: on target, and the criterion, if any, cannot fall further without leaving it"
     REACHED = "reached the target; the criterion could still fall"
     SADDLE = "on target, at a saddle point or a maximum of the criterion, which could still fall"
     COMPROMISE = "stationary point of the weighted sum of task error and criterion: the error is what the weight costs"

@@ -33,6 +33,8 @@ class Trajectory:
         joint_names: the joints of q, in its order.
         joint_sizes: how many numbers of q each joint has: 1, of a ball joint 4, of a free joint 7. Empty from a file
             that does not have it, of a robot with such joints.
+        complete: whether the path was followed to its end. False when Ctrl-C ended `InverseKinematics.track`. A
+            ``.csv`` does not have it.
     """
 
     times: Array
@@ -47,6 +49,7 @@ class Trajectory:
     seconds: Array
     joint_names: tuple[str, ...]
     joint_sizes: tuple[int, ...]
+    complete: bool = True
 
     errors = RenamedAttribute("error_norm")
     statuses = RenamedAttribute("status")
@@ -58,8 +61,8 @@ class Trajectory:
 
     @property
     def converged(self) -> bool:
-        """Whether every target was reached."""
-        return bool(self.reached.all())
+        """Whether the path was followed to its end and every target was reached."""
+        return self.complete and bool(self.reached.all())
 
     def __len__(self) -> int:
         return len(self.times)
@@ -67,7 +70,10 @@ class Trajectory:
     def __repr__(self) -> str:
         reached, worst = int(self.reached.sum()), float(self.error_norm.max(initial=0.0))
         duration = float(self.times[-1]) if len(self) else 0.0
-        return f"Trajectory: {reached} of {len(self)} targets reached, {duration:.3g} s, largest error {worst:.3g}"
+        ended = "" if self.complete else ", ended by Ctrl-C"
+        return (
+            f"Trajectory: {reached} of {len(self)} targets reached, {duration:.3g} s, largest error {worst:.3g}{ended}"
+        )
 
     def save(self, path: str | Path) -> None:
         """Write it to a ``.csv``, a ``.json`` or a ``.npz`` file; `load` reads each back to the last bit.

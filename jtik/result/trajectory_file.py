@@ -32,6 +32,7 @@ def save(trajectory: Trajectory, path: str | Path) -> None:
     """Write a trajectory. Raises ArgumentError for a suffix other than those of `FORMATS`."""
     path = _file(path)
     columns: dict[str, Column] = {field.name: np.array(getattr(trajectory, field.name)) for field in fields(trajectory)}
+    columns["complete"] = np.array([trajectory.complete])
     columns["status"] = np.array([status.name for status in trajectory.status])
     FORMATS[path.suffix].write(path, columns)
 
@@ -63,6 +64,7 @@ def load(path: str | Path) -> Trajectory:
         seconds=columns["seconds"].astype(np.float64),
         joint_names=tuple(str(name) for name in columns["joint_names"]),
         joint_sizes=tuple(int(size) for size in columns["joint_sizes"]),
+        complete=bool(columns["complete"].all()),
     )
 
 
@@ -70,7 +72,7 @@ def _check_shapes(path: Path, columns: dict[str, Column]) -> None:
     """Raise ArgumentError unless the columns have one row for each target, and q one number for each of the joints."""
     k, width = len(np.atleast_1d(columns["times"])), np.shape(columns["start"])
     for name, column in columns.items():
-        matrix, joints = name in ("q", "dq"), name in ("start", "joint_names", "joint_sizes")
+        matrix, joints = name in ("q", "dq"), name in ("start", "joint_names", "joint_sizes", "complete")
         right = column.ndim == (2 if matrix else 1) and (joints or len(column) == k)
         if not right or (name == "q" and column.shape[1:] != width):
             raise ArgumentError("path", f"{path} with {name} of shape {column.shape}", "a file of Trajectory.save")
@@ -78,7 +80,7 @@ def _check_shapes(path: Path, columns: dict[str, Column]) -> None:
 
 def _defaults(columns: dict[str, Column]) -> dict[str, Column]:
     """What files of earlier versions lack."""
-    found: dict[str, Column] = {}
+    found: dict[str, Column] = {"complete": np.array([True])}
     if "times" in columns:
         found |= {name: np.full(len(columns["times"]), np.nan) for name in ADDED}
     if "q" in columns and "joint_names" in columns:

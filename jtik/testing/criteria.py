@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import pickle
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -16,18 +17,17 @@ from jtik.geometry import Circle, Sphere
 from jtik.result.solution import Status
 from jtik.robot import Robot
 from jtik.solver import InverseKinematics
-from jtik.symbolic import function, gradient, symbol, symvar
+from jtik.symbolic import function, gradient, jacobian, symbol, symvar
 from jtik.symbolic.compile import CompiledFunction
 from jtik.task import FrameTask
 from jtik.testing.common import require
+from jtik.testing.configurations import configurations
+from jtik.testing.criterion_derivatives import check_gradient, check_hessian
 from jtik.testing.residual_form import check_residual_form
 from jtik.types import Array
 
-DIFFERENCE_STEPS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-"""Steps of the central differences [rad] or [m]; a correct gradient agrees at one of them for every scale of H."""
-
-DIFFERENCE_TOLERANCE = 1e-4
-"""Relative disagreement allowed between a gradient and its best central difference."""
+SECOND_DERIVATIVES = 8
+"""Number of configurations at which second derivatives are checked: those where a criterion may fail, and some more."""
 
 
 def check_criterion(
@@ -42,15 +42,17 @@ def check_criterion(
     - It has a name, and parameters that are the same at every call.
     - It is one scalar expression of q and of these parameters, and it depends on each of them.
     - It and its gradient are finite at every sample, and the same at every evaluation.
-    - The gradient agrees with central differences.
+    - The gradient agrees with central differences, and the second derivatives with differences of the gradient.
     - In residual form (`jtik.criterion.ResidualCriterion`) H is 1/2 |r|^2, and the Jacobian of r is finite and agrees
       with the gradient, A' r.
+    - Where it can be found by name, it can be pickled, and has the same value afterwards.
     - A solve with it ends, does not raise H on a target already reached, and doubles H with the weight.
 
     Args:
         criterion: the criterion.
         robot: a robot it is meant for.
-        samples: number of random configurations besides the neutral one, or the configurations (nq,) themselves.
+        samples: number of random configurations, besides those where a criterion may fail (the neutral one, singular
+            ones, ones at the limits); or the configurations (nq,) themselves.
         rng: a seed, or a generator.
 
     Raises:
@@ -79,18 +81,30 @@ def check_criterion(
         )
     along = robot.tangent(q).T @ gradient(H, q)
     evaluate = CompiledFunction(function("criterion", [q, parameters], [H, along]))
+    second = jacobian(along, q) @ robot.tangent(q)
+    curvature = CompiledFunction(function("curvature", [q, parameters], [second]))
     memory = terms.parameters.memory
-    for sample in _samples(robot, samples, generator):
-        value, analytic = (result[:, 0] for result in evaluate(sample, memory))
+
+    def value_at(at: Array) -> float:
+        return float(evaluate(at, memory)[0][0, 0])
+
+    def gradient_at(at: Array) -> Array:
+        return evaluate(at, memory)[1][:, 0].copy()
+
+    for k, sample in enumerate(configurations(robot, samples, generator)):
+        value, analytic = (result[:, 0].copy() for result in evaluate(sample, memory))
         require(np.isfinite(value[0]), f"{who} is {value[0]} at q = {sample.tolist()}, not finite")
         require(bool(np.isfinite(analytic).all()), f"the gradient of {who} is {analytic} at q = {sample.tolist()}")
         require(
             evaluate(sample, memory)[0][0, 0] == value[0],
             f"{who} has different values in two evaluations at q = {sample.tolist()}",
         )
-        _check_gradient(who, robot, sample, analytic, lambda at: float(evaluate(at, memory)[0][0, 0]))
+        check_gradient(who, robot, sample, analytic, value_at)
+        if k < SECOND_DERIVATIVES:
+            check_hessian(who, robot, sample, curvature(sample, memory)[0].copy(), gradient_at)
         if isinstance(criterion, ResidualCriterion):
             check_residual_form(who, terms, sample, value[0], analytic)
+    _check_pickle(who, criterion, robot, generator)
     _check_use(who, criterion, robot, generator)
 
 
@@ -155,25 +169,18 @@ def _check_parameters(who: str, criterion: Criterion, robot: Robot) -> None:
         require(np.array_equal(array, again), f"parameter {name!r} of {who} starts at {array} and at {again}")
 
 
-def _samples(robot: Robot, samples: int | Iterable[ArrayLike], generator: np.random.Generator) -> list[Array]:
-    if not isinstance(samples, int):
-        return [robot.configuration(sample, argument="samples") for sample in samples]
-    return [robot.neutral, *[robot.random_configuration(generator) for _ in range(samples)]]
-
-
-def _check_gradient(who: str, robot: Robot, q: Array, analytic: Array, value: Any) -> None:
-    scale = max(1.0, float(np.abs(analytic).max()))
-    for j, unit in enumerate(np.eye(robot.n)):
-        found = []
-        for step in DIFFERENCE_STEPS:
-            ahead, behind = robot.integrate(q, step * unit), robot.integrate(q, -step * unit)
-            found.append((value(ahead) - value(behind)) / (2 * step))
-        finite = [number for number in found if np.isfinite(number)]
-        best = min(finite, key=lambda number: abs(number - analytic[j]), default=np.nan)
-        require(
-            abs(best - analytic[j]) <= DIFFERENCE_TOLERANCE * scale,
-            f"gradient of {who} along velocity {j} is {analytic[j]}, by differences {best}, at q = {q.tolist()}",
-        )
+def _check_pickle(who: str, criterion: Criterion, robot: Robot, generator: np.random.Generator) -> None:
+    """It can be pickled, unless Python cannot find it: a local function or class, or one of a notebook."""
+    made = getattr(criterion, "_function", type(criterion))
+    if made.__module__ in (None, "__main__", "builtins") or "<locals>" in made.__qualname__:
+        return
+    try:
+        again = pickle.loads(pickle.dumps(criterion))
+    except Exception as error:
+        raise AssertionError(f"{who} cannot be pickled: {type(error).__name__}: {error}") from error
+    q = robot.random_configuration(generator)
+    before, after = criterion(q, robot), again(q, robot)
+    require(before == after, f"{who} is {before} and, after it was pickled, {after}, at q = {q.tolist()}")
 
 
 def _check_use(who: str, criterion: Criterion, robot: Robot, generator: np.random.Generator) -> None:

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
@@ -127,6 +128,18 @@ class TestExecutor:
         assert len(batch) >= 15
         assert batch.complete is (len(batch) == 60)
         same(batch, ik.solve_batch(TARGETS, q0=Q0), batch.indices)
+
+    def test_a_dask_cluster_gives_the_same_numbers(self):
+        distributed = pytest.importorskip("distributed")
+        ik = solver()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Dask warns about ports and sockets
+            cluster = distributed.LocalCluster(
+                n_workers=2, processes=True, threads_per_worker=1, dashboard_address=None, silence_logs=50
+            )
+            with cluster, distributed.Client(cluster) as client:
+                batch = ik.solve_batch(TARGETS, q0=Q0, executor=client.get_executor(), block=7)
+        same(ik.solve_batch(TARGETS, q0=Q0), batch)
 
     def test_what_is_no_executor_and_what_cannot_be_sent_are_named(self):
         @jtik.criterion

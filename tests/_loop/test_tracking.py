@@ -113,3 +113,40 @@ def test_progress_is_shown_when_asked_for():
     shown = ik.track(path, q0=[0.3, 0.4, 0.5], progress=lambda *now: seen.append(now))
     assert seen == [(i, 5) for i in range(1, 6)]
     assert np.array_equal(shown.q, ik.track(path, q0=[0.3, 0.4, 0.5]).q)
+
+
+class TestInterruption:
+    """Ctrl-C ends a path, and what is done is returned."""
+
+    def track(self, done, **options):
+        def report(count, total):
+            if count == done:
+                raise KeyboardInterrupt
+
+        return solver(planar(4)).track(TestTrack().circle(), q0=[0.5, 0.4, 0.3, 0.2], progress=report, **options)
+
+    def test_what_is_done_is_returned(self, tmp_path):
+        path = self.track(7)
+        whole = solver(planar(4)).track(TestTrack().circle(), q0=[0.5, 0.4, 0.3, 0.2])
+        assert len(path) == 7
+        assert path.q.tolist() == whole.q[:7].tolist()
+        assert path.dq.tolist() == whole.dq[:7].tolist()
+        assert path.reached.all()
+        assert not path.complete
+        assert not path.converged
+        assert whole.complete
+        assert "ended by Ctrl-C" in repr(path)
+        for suffix in (".json", ".npz"):
+            path.save(tmp_path / f"path{suffix}")
+            assert not jtik.Trajectory.load(tmp_path / f"path{suffix}").complete
+
+    def test_before_the_first_target_it_is_raised(self):
+        ik = solver(planar(4))
+        with pytest.raises(KeyboardInterrupt):
+            ik.track(Interrupted(TestTrack().circle()), q0=[0.5, 0.4, 0.3, 0.2])
+        assert ik.solve([3.0, 1.0], q0=[0.1] * 4).converged  # the solver can be used
+
+
+class Interrupted(list):
+    def __iter__(self):
+        raise KeyboardInterrupt

@@ -147,3 +147,16 @@ def test_broken_json_is_refused(capsys: Capture, tmp_path: Path, text: str) -> N
     file = tmp_path / "problem.json"
     file.write_bytes(text.encode("utf-8", "surrogateescape"))
     assert "problem.json" in refusal(capsys, "solve", "--file", str(file))
+
+
+@pytest.mark.parametrize("task", [{}, {"frame": "panda_hand"}, {"kind": "position"}])
+def test_seven_numbers_are_a_pose_as_on_the_command_line(task: dict[str, Any]) -> None:
+    target = [0.4, 0.1, 0.5] if "kind" in task else [0.4, 0.1, 0.5, 0, 1, 0, 0]
+    problem = read({"robot": {"kind": "builtin", "name": "panda"}, "task": task, "target": target})
+    assert len(problem.ik.solve(problem.target).error) == (3 if "kind" in task else 6)
+
+
+def test_options_of_a_criterion_belong_in_a_file(capsys: Capture) -> None:
+    words = ["--robot", "panda", "--target", "0.4", "0.1", "0.5", "--criterion", "look_at"]
+    assert "target is missing" in refusal(capsys, "solve", *words)
+    assert "options of [[criteria]]" in refusal(capsys, "solve", *words)

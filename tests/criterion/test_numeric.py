@@ -364,3 +364,33 @@ def test_an_interrupted_batch_has_the_rows_that_are_done():
     batch = ik.solve_batch(targets)
     assert not batch.complete
     assert 0 < len(batch) < len(targets)
+
+
+class TestTheGivenGradient:
+    """A gradient that is not that of the function is noticed when a solver is built."""
+
+    @pytest.mark.parametrize("factor", [-1.0, 2.0, 1.05])
+    def test_a_wrong_one_is_refused(self, factor):
+        wrong = jtik.criterion(numeric=True, gradient=lambda q, *, aim: factor * elbow_gradient(q, aim=aim))(
+            elbow_numbers
+        )
+        with pytest.raises(jtik.CriterionError, match="its gradient says that H changes by .* and the function by"):
+            solver(planar(5), wrong)
+
+    def test_a_coarse_one_is_accepted(self):
+        coarse = jtik.criterion(numeric=True, gradient=lambda q, *, aim: 1.002 * elbow_gradient(q, aim=aim))(
+            elbow_numbers
+        )
+        assert solver(planar(5), coarse).solve(TARGET, q0=Q0).status.on_target
+
+    def test_a_function_with_a_kink_at_home_is_accepted(self):
+        kinked = jtik.criterion(numeric=True, gradient=lambda q: np.sign(q))(kink)
+        assert solver(planar(5), kinked).solve(TARGET, q0=Q0).status.on_target
+
+
+def elbow_numbers(q, *, aim=0.5):
+    return height(q, aim)
+
+
+def kink(q):
+    return float(np.abs(q).sum())

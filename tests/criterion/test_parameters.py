@@ -57,6 +57,10 @@ class TestParameters:
         numeric = differences(lambda p: at(ik, p).cost, ik.robot, q)[0]
         assert after.gradient == pytest.approx(numeric, abs=DIFFERENCES)
 
+    def test_a_name_that_is_set_as_an_attribute_is_refused(self):
+        with pytest.raises(AttributeError, match="weight"):
+            self.solver().parameters.weight = 7
+
     def test_a_value_read_is_read_only(self):
         parameters = self.solver().parameters
         for name, index in (("obstacle_avoidance.radii", 0), ("obstacle_avoidance.centers", (0, 1))):

@@ -28,6 +28,24 @@ class Fine(jtik.Criterion):
         return (kinematics.q[0] - parameters["aim"]) ** 2
 
 
+class Unpicklable(Fine):
+    def __reduce__(self):
+        raise TypeError("no")
+
+
+class Forgetful(Fine):
+    factor = 1.0
+
+    def __init__(self):
+        self.factor = 2.0
+
+    def __getstate__(self):
+        return {}
+
+    def value(self, kinematics, parameters):
+        return self.factor * super().value(kinematics, parameters)
+
+
 class TestCriteria:
     def complaint(self, criterion, error=AssertionError):
         with pytest.raises(error) as caught:
@@ -96,6 +114,76 @@ class TestCriteria:
                 return casadi.sumsqr(kinematics.q) + casadi.floor(1e9 * kinematics.q[0]) / 1e9 + parameters["aim"]
 
         assert "by differences" in self.complaint(Stairs())
+
+    def test_second_derivatives_that_are_not_those_of_the_gradient(self):
+        class Misled(casadi.Callback):
+            """1 - cos q0, whose gradient is right and says that its own derivative is 3."""
+
+            def __init__(self, order):
+                casadi.Callback.__init__(self)
+                self.order, self.after = order, None
+                self.construct(f"misled{order}", {})
+
+            def eval(self, arguments):
+                q0 = float(arguments[0])
+                return [(1 - np.cos(q0), np.sin(q0), 3.0)[self.order]]
+
+            def has_jacobian(self):
+                return self.order < 2
+
+            def get_n_in(self):
+                return 1 + (self.order > 0)
+
+            def get_sparsity_in(self, i):
+                return casadi.Sparsity.dense(1, 1)
+
+            def get_jacobian(self, name, inputs, outputs, options):
+                self.after = Slope(name, self.order + 1)
+                return self.after
+
+        class Slope(Misled):
+            def __init__(self, name, order):
+                casadi.Callback.__init__(self)
+                self.order, self.after = order, None
+                self.construct(name, {"is_diff_in": [True] + [False] * order})
+
+            def get_n_in(self):
+                return 1 + self.order
+
+            def get_n_out(self):
+                return self.order
+
+            def get_sparsity_out(self, i):
+                return casadi.Sparsity.dense(1, 1)
+
+            def eval(self, arguments):
+                return [*super().eval(arguments), *[0.0] * (self.order - 1)]
+
+        bent = Misled(0)
+
+        @jtik.criterion
+        def misled(q, robot):
+            return bent(q[0])
+
+        assert "second derivatives of criterion 'misled' along velocity 0" in self.complaint(misled)
+
+    def test_a_value_that_fails_at_the_limits_only(self):
+        @jtik.criterion
+        def barrier(q, robot):
+            return -casadi.sum1(casadi.log(2 - q))
+
+        robot = jtik.Robot.planar(3, lower=-2, upper=2)
+        with pytest.raises(AssertionError, match=r"is inf at q = \[2"):
+            check_criterion(barrier, robot, samples=0)
+
+    def test_a_one_sided_square_passes_where_it_begins(self):
+        check_criterion(jtik.criterion(lambda q, robot: casadi.fmax(q[0], 0) ** 2), planar(3), samples=3)
+
+    def test_an_object_that_cannot_be_pickled(self):
+        assert "cannot be pickled" in self.complaint(Unpicklable())
+
+    def test_an_object_that_is_another_after_it_was_pickled(self):
+        assert "after it was pickled" in self.complaint(Forgetful())
 
     def test_a_vector_is_refused_as_a_user_would_meet_it(self):
         class Wide(Fine):

@@ -45,6 +45,7 @@ class LimitActivation(JointRangeCriterion):
     summary = "pushes joints off their limits, zero until they are near"
     source = "after Marchand, Chaumette and Rizzo 1996"
     bibtex = MARCHAND_1996
+    non_negative_parameters = ("weights", "start")
 
     def __init__(
         self,

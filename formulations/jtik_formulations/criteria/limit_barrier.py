@@ -47,6 +47,7 @@ class LimitBarrier(JointRangeCriterion):
     summary = "rises steeply towards joint limits, finite at and beyond them"
     source = "Zghal, Dubey and Euler 1990; Chan and Dubey 1995"
     bibtex = "\n".join((ZGHAL_1990, CHAN_DUBEY_1995))
+    non_negative_parameters = ("weights", "margin")
 
     def __init__(
         self,

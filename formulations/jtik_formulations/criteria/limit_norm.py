@@ -49,6 +49,7 @@ class LimitNorm(JointRangeCriterion):
     summary = "reduces the deviation of the joint that is farthest from the middle of its range"
     source = "after Klein 1984"
     bibtex = KLEIN_1984
+    non_negative_parameters = ("weights", "power")
 
     def __init__(
         self,

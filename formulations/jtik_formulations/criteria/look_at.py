@@ -44,6 +44,7 @@ class LookAt(SightCriterion):
     summary = "turns an axis of a frame towards a point"
     source = "after Marchand and Hager 1998"
     bibtex = MARCHAND_HAGER_1998
+    non_negative_parameters = ("floor",)
 
     def __init__(
         self,

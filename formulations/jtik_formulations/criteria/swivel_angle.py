@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from jtik import Criterion, register_criterion
 from jtik.arguments import name as read_name
 from jtik.arguments import number, positive_number
+from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, cos, cross, dot, fmax, sin, sqrt, sumsqr, vertcat
 from jtik_formulations.bibliography import KREUTZ_DELGADO_1992
@@ -44,7 +45,7 @@ class SwivelAngle(Criterion):
         name: the first part of the names of its parameters.
 
     Raises:
-        ArgumentError: when the reference is zero, or the floor is not positive.
+        ArgumentError: when the reference is zero, the floor is not positive, or two of the frames are the same.
         UnknownNameError: when the robot has no such frame.
 
     Source: Kreutz-Delgado, Long and Seraji (1992), the arm angle.
@@ -54,6 +55,7 @@ class SwivelAngle(Criterion):
     summary = "turns the elbow about the line from shoulder to wrist"
     source = "Kreutz-Delgado, Long and Seraji 1992"
     bibtex = KREUTZ_DELGADO_1992
+    non_negative_parameters = ("floor",)
 
     def __init__(
         self,
@@ -68,6 +70,8 @@ class SwivelAngle(Criterion):
     ) -> None:
         frames = {"shoulder": shoulder, "elbow": elbow, "wrist": wrist}
         self._frames = tuple(read_name(each, frame, "the name of a frame") for each, frame in frames.items())
+        if len({*self._frames}) < 3:
+            raise ArgumentError("shoulder, elbow, wrist", self._frames, "three different frames")
         self._angle = number("angle", angle)
         self._reference = direction("reference", reference, 3)
         self._floor = positive_number("floor", floor)

@@ -49,6 +49,7 @@ class Visibility(SightCriterion):
     summary = "keeps a point within the field of view of a frame"
     source = "after Marchand and Hager 1998"
     bibtex = MARCHAND_HAGER_1998
+    non_negative_parameters = ("half_angle", "floor")
 
     def __init__(
         self,

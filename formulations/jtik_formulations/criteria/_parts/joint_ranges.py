@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -46,7 +46,7 @@ class JointRangeCriterion(Criterion):
     """
 
     joint_parameters = ("lower", "upper", "weights")
-    non_negative_parameters = ("weights",)
+    non_negative_parameters: ClassVar[tuple[str, ...]] = ("weights",)
 
     def __init__(
         self, lower: JointNumbers | None, upper: JointNumbers | None, weights: JointNumbers | None, name: str

@@ -45,6 +45,8 @@ class TaskJacobianCriterion(Criterion):
         UnknownNameError: when the robot has no such frame.
     """
 
+    non_negative_parameters = ("damping", "length")
+
     axes_matter: ClassVar[bool] = False
     """Whether H depends on the axes of three orientation rows."""
 

@@ -1,4 +1,4 @@
-"""The examples of docs/functions_as_criteria.md run, and their criteria fulfil the contract."""
+"""The examples of docs/write_a_criterion.md run, and their criteria fulfil the contract."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from pathlib import Path
 import jtik
 from jtik.testing import check_criterion
 
-TEXT = (Path(__file__).parents[1] / "docs" / "functions_as_criteria.md").read_text(encoding="utf-8")
+TEXT = (Path(__file__).parents[1] / "docs" / "write_a_criterion.md").read_text(encoding="utf-8")
 
 
 def test_the_examples() -> None:
     names: dict[str, object] = {}
     for code in re.findall(r"```python\n(.*?)```", TEXT, flags=re.DOTALL):
         exec(code, names)
-    for name in ("elbow_near", "clear_of_wall"):
+    for name in ("elbow_height", "far_from_singular", "elbow_near", "clear_of_wall"):
         criterion = names[name]
         assert isinstance(criterion, jtik.Criterion)
         check_criterion(criterion, jtik.Robot.planar(4), samples=3)

@@ -1,0 +1,77 @@
+"""Draw what each criterion does to an arm: the pictures of docs/criteria.md.
+
+Every picture shows an arm whose end effector is at one target: light where the solve began, dark where it ended.
+
+    python docs/criteria_pictures.py [NAME ...]
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import jtik
+from jtik.plotting import BACKGROUND, posture_figure
+from jtik_formulations import (
+    CompactPosture,
+    DirectionalManipulability,
+    FrameProximity,
+    Isotropy,
+    JointCentering,
+    LimitActivation,
+    LimitBarrier,
+    LimitCentering,
+    LimitNorm,
+    LookAt,
+    Manipulability,
+    MinimumDisplacement,
+    ObstacleAvoidance,
+    SmallestSingularValue,
+    SwivelAngle,
+    Visibility,
+)
+
+FOLDER = Path(__file__).parent / "criteria"
+WINDOW = (-1.3, 5.3, -1.6, 3.6)  # left, right, bottom, top [m]
+
+ARM = jtik.Robot.planar(6, lower=-2.2, upper=2.2)
+START = [1.9, -1.3, -1.1, 0.9, 0.5, -0.9]  # [rad]
+TARGET = ARM.position(START)
+BALL = jtik.Circle(center=(2.2, 0.55), radius=0.45)
+
+CRITERIA: dict[str, tuple[jtik.Criterion, list[jtik.Circle]]] = {
+    "joint_centering": (JointCentering(preferred=[0.6, -0.4, -0.4, -0.4, -0.4, 0.2]), []),
+    "minimum_displacement": (MinimumDisplacement(), []),
+    "compact_posture": (CompactPosture(), []),
+    "frame_proximity": (FrameProximity("link4", height=-0.8), []),
+    "swivel_angle": (SwivelAngle("base", "link4", "tip", angle=-1.57), []),
+    "limit_centering": (LimitCentering(), []),
+    "limit_barrier": (LimitBarrier(), []),
+    "limit_activation": (LimitActivation(), []),
+    "limit_norm": (LimitNorm(), []),
+    "manipulability": (Manipulability(kind="position"), []),
+    "isotropy": (Isotropy(kind="position"), []),
+    "smallest_singular_value": (SmallestSingularValue(kind="position"), []),
+    "directional_manipulability": (DirectionalManipulability([0.0, 1.0]), []),
+    "look_at": (LookAt((1.0, 3.2), "link5"), [jtik.Circle((1.0, 3.2), 0.08)]),
+    "visibility": (Visibility((1.0, 3.2), "link5"), [jtik.Circle((1.0, 3.2), 0.08)]),
+    "obstacle_avoidance": (ObstacleAvoidance([BALL], bodies="links"), [BALL]),
+}
+"""Criteria by name, and the circles to draw."""
+
+
+def draw(name: str) -> None:
+    """Solve with the criterion from a posture on the target, and write the picture."""
+    criterion, circles = CRITERIA[name]
+    task = jtik.FrameTask("tip", kind="position")
+    with_it = jtik.InverseKinematics(ARM, task, criteria=criterion, strategy="hybrid+second_order")
+    solution = with_it.solve(TARGET, q0=START, max_iterations=3000)
+    print(f"{name}: {solution.status.name}, H {criterion(START, ARM):.4g} -> {criterion(solution.q, ARM):.4g}")
+    figure = posture_figure(ARM, [START, solution.q], obstacles=circles, window=WINDOW, width=4.0)
+    figure.savefig(FOLDER / f"{name}.png", dpi=90, facecolor=BACKGROUND)
+
+
+if __name__ == "__main__":
+    FOLDER.mkdir(exist_ok=True)
+    for chosen in sys.argv[1:] or CRITERIA:
+        draw(chosen)
