@@ -8,9 +8,11 @@ Every picture shows an arm whose end effector is at one target: light where the 
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import jtik
+from jtik.geometry import Obstacle
 from jtik.plotting import BACKGROUND, posture_figure
 from jtik_formulations import (
     CompactPosture,
@@ -18,6 +20,7 @@ from jtik_formulations import (
     FrameProximity,
     Isotropy,
     JointCentering,
+    KhatibPotential,
     LimitActivation,
     LimitBarrier,
     LimitCentering,
@@ -26,7 +29,9 @@ from jtik_formulations import (
     Manipulability,
     MinimumDisplacement,
     ObstacleAvoidance,
+    ObstacleBarrier,
     SmallestSingularValue,
+    SoftClearance,
     SwivelAngle,
     Visibility,
 )
@@ -38,8 +43,13 @@ ARM = jtik.Robot.planar(6, lower=-2.2, upper=2.2)
 START = [1.9, -1.3, -1.1, 0.9, 0.5, -0.9]  # [rad]
 TARGET = ARM.position(START)
 BALL = jtik.Circle(center=(2.2, 0.55), radius=0.45)
+FIELD = [
+    jtik.Box.at((1.95, 0.7), (0.45, 0.15), 0.4),
+    jtik.Capsule((0.2, 2.5), (1.4, 2.1), 0.12),
+    jtik.HalfSpace((0.0, -0.9), (0.0, 1.0)),
+]
 
-CRITERIA: dict[str, tuple[jtik.Criterion, list[jtik.Circle]]] = {
+CRITERIA: dict[str, tuple[jtik.Criterion, Sequence[Obstacle]]] = {
     "joint_centering": (JointCentering(preferred=[0.6, -0.4, -0.4, -0.4, -0.4, 0.2]), []),
     "minimum_displacement": (MinimumDisplacement(), []),
     "compact_posture": (CompactPosture(), []),
@@ -56,18 +66,21 @@ CRITERIA: dict[str, tuple[jtik.Criterion, list[jtik.Circle]]] = {
     "look_at": (LookAt((1.0, 3.2), "link5"), [jtik.Circle((1.0, 3.2), 0.08)]),
     "visibility": (Visibility((1.0, 3.2), "link5"), [jtik.Circle((1.0, 3.2), 0.08)]),
     "obstacle_avoidance": (ObstacleAvoidance([BALL], bodies="links"), [BALL]),
+    "khatib_potential": (KhatibPotential(FIELD, gain=1e-2, influence=0.8, bodies="links"), FIELD),
+    "obstacle_barrier": (ObstacleBarrier(FIELD, influence=0.8, bodies="links"), FIELD),
+    "soft_clearance": (SoftClearance(FIELD, bodies="links"), FIELD),
 }
-"""Criteria by name, and the circles to draw."""
+"""Criteria by name, and the obstacles to draw."""
 
 
 def draw(name: str) -> None:
     """Solve with the criterion from a posture on the target, and write the picture."""
-    criterion, circles = CRITERIA[name]
+    criterion, obstacles = CRITERIA[name]
     task = jtik.FrameTask("tip", kind="position")
     with_it = jtik.InverseKinematics(ARM, task, criteria=criterion, strategy="hybrid+second_order")
     solution = with_it.solve(TARGET, q0=START, max_iterations=3000)
     print(f"{name}: {solution.status.name}, H {criterion(START, ARM):.4g} -> {criterion(solution.q, ARM):.4g}")
-    figure = posture_figure(ARM, [START, solution.q], obstacles=circles, window=WINDOW, width=4.0)
+    figure = posture_figure(ARM, [START, solution.q], obstacles=obstacles, window=WINDOW, width=4.0)
     figure.savefig(FOLDER / f"{name}.png", dpi=90, facecolor=BACKGROUND)
 
 

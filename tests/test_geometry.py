@@ -178,3 +178,41 @@ def test_solids_survive_pickling(solid):
     again = pickle.loads(pickle.dumps(solid))
     assert type(again) is type(solid)
     assert repr(again) == repr(solid)
+
+
+@pytest.mark.parametrize("solid", [jtik.HalfSpace((0, 0, 0), (0, 0, 1)), jtik.Polygon([(0, 0), (1, 0), (0, 1)])])
+def test_half_spaces_and_polygons_are_no_bodies_of_a_robot(solid):
+    with pytest.raises(jtik.ArgumentError, match=r"shapes\['tip'\].*Sphere"):
+        jtik.Robot(jtik.Robot.planar(2).joints, planar=True, shapes={"tip": [solid]})
+
+
+@pytest.mark.parametrize(
+    "solid",
+    [
+        jtik.Circle((1, 2), 0.3),
+        jtik.Capsule((0, 1, 2), (1, -1, 2), 0.2),
+        jtik.Cylinder((0, 0, 0), (1, 2, 3), 0.3),
+        jtik.Box.at((1, 2, 3), (0.1, 0.2, 0.3), (1, 2, 3, 4)),
+        jtik.Polygon([(0, 0), (2, 0), (1, 1)]),
+    ],
+)
+def test_the_bounds_of_a_solid_touch_it(solid, rng):
+    """Along each axis a half-space beside the bounds touches the solid: judged by its support, sampled."""
+    low, high = jtik.geometry.bounds(solid)
+    match solid:
+        case jtik.Circle():
+            points = solid.center + solid.radius * np.stack([np.cos(t := np.linspace(0, 7, 4000)), np.sin(t)], axis=1)
+        case jtik.Polygon():
+            points = solid.vertices
+        case jtik.Box():
+            corners = np.array(list(np.ndindex(2, 2, 2))) * 2 - 1
+            points = (corners * solid.half) @ solid.pose[:3, :3].T + solid.center
+        case _:
+            around = rng.normal(size=(200_000, 3))
+            if isinstance(solid, jtik.Cylinder):
+                axis = (solid.end - solid.start) / np.linalg.norm(solid.end - solid.start)
+                around -= np.outer(around @ axis, axis)
+            around *= solid.radius / np.linalg.norm(around, axis=1)[:, None]
+            points = np.concatenate([solid.start + around, solid.end + around])
+    assert points.min(axis=0) == pytest.approx(low, abs=1e-3)
+    assert points.max(axis=0) == pytest.approx(high, abs=1e-3)

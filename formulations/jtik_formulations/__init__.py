@@ -5,6 +5,7 @@ from jtik_formulations.criteria.directional_manipulability import DirectionalMan
 from jtik_formulations.criteria.frame_proximity import FrameProximity
 from jtik_formulations.criteria.isotropy import Isotropy
 from jtik_formulations.criteria.joint_centering import JointCentering
+from jtik_formulations.criteria.khatib_potential import KhatibPotential
 from jtik_formulations.criteria.limit_activation import LimitActivation
 from jtik_formulations.criteria.limit_barrier import LimitBarrier
 from jtik_formulations.criteria.limit_centering import LimitCentering
@@ -13,7 +14,9 @@ from jtik_formulations.criteria.look_at import LookAt
 from jtik_formulations.criteria.manipulability import Manipulability
 from jtik_formulations.criteria.minimum_displacement import MinimumDisplacement
 from jtik_formulations.criteria.obstacle_avoidance import ObstacleAvoidance
+from jtik_formulations.criteria.obstacle_barrier import ObstacleBarrier
 from jtik_formulations.criteria.smallest_singular_value import SmallestSingularValue
+from jtik_formulations.criteria.soft_clearance import SoftClearance
 from jtik_formulations.criteria.swivel_angle import SwivelAngle
 from jtik_formulations.criteria.visibility import Visibility
 from jtik_formulations.strategies.damped import Damped
@@ -47,6 +50,7 @@ __all__ = [
     "Isotropy",
     "JParse",
     "JointCentering",
+    "KhatibPotential",
     "LexicographicQP",
     "LimitActivation",
     "LimitBarrier",
@@ -59,11 +63,13 @@ __all__ = [
     "NakamuraHanafusa",
     "Newton",
     "ObstacleAvoidance",
+    "ObstacleBarrier",
     "ProjectedGradient",
     "QPSecondary",
     "SecondOrder",
     "SelectivelyDamped",
     "SmallestSingularValue",
+    "SoftClearance",
     "Sugihara",
     "SwivelAngle",
     "TaskPriority",

@@ -286,3 +286,20 @@ JTIK_2026 = """@software{jtik2026,
   title = {jtik: Redundancy-Resolving Inverse Kinematics},
   year = {2026},
 }"""
+
+LI_2020 = """@article{li2020,
+  author = {Li, Minchen and Ferguson, Zachary and Schneider, Teseo and Langlois, Timothy and Zorin, Denis and
+    Panozzo, Daniele and Jiang, Chenfanfu and Kaufman, Danny M.},
+  title = {Incremental Potential Contact: Intersection- and Inversion-Free, Large-Deformation Dynamics},
+  journal = {ACM Transactions on Graphics},
+  volume = {39},
+  number = {4},
+  year = {2020},
+}"""
+
+KREISSELMEIER_1979 = """@inproceedings{kreisselmeier1979,
+  author = {Kreisselmeier, Gerhard and Steinhauser, Reinhold},
+  title = {Systematic Control Design by Optimizing a Vector Performance Index},
+  booktitle = {IFAC Symposium on Computer Aided Design of Control Systems},
+  year = {1979},
+}"""

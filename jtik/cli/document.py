@@ -9,8 +9,8 @@ import inspect
 import json
 import re
 import tomllib
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,7 @@ from jtik.cli.robots import SUFFIXES, read_robot
 from jtik.cli.values import POSES, size, start_of
 from jtik.criterion import CriterionSum
 from jtik.errors import ArgumentError
-from jtik.geometry import Obstacle
+from jtik.geometry import Obstacle, Scene
 from jtik.robot import Robot
 from jtik.solver import InverseKinematics
 from jtik.task import Task
@@ -58,7 +58,7 @@ class DocumentSetup:
     robot: Robot
     tasks: list[Task]
     criteria: CriterionSum
-    obstacles: list[Obstacle] = field(default_factory=list)
+    obstacles: Sequence[Obstacle] | Scene = ()
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class DocumentProblem:
     ik: InverseKinematics
     target: Any
     options: Mapping[str, Any]
-    obstacles: list[Obstacle]
+    obstacles: Sequence[Obstacle] | Scene
 
 
 def load(path: str | Path) -> dict[str, Any]:
@@ -108,12 +108,15 @@ def _read_toml(text: str) -> Any:
 
 
 def _from_folder(document: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """The document with its paths, those of a robot and of criteria, as seen from the working directory."""
+    """The document with its paths, those of a robot, a scene and criteria, as seen from the working directory."""
     robot = document.get("robot")
     if isinstance(robot, str) and Path(robot).suffix.lower() in SUFFIXES:
         document["robot"] = str(folder / robot)
     elif isinstance(robot, dict) and isinstance(robot.get("path"), str):
         document["robot"] = {**robot, "path": str(folder / robot["path"])}
+    obstacles = document.get("obstacles")
+    if isinstance(obstacles, dict) and isinstance(obstacles.get("scene"), str):
+        document["obstacles"] = {**obstacles, "scene": str(folder / obstacles["scene"])}
     criteria = document.get("criteria")
     if isinstance(criteria, list):
         document["criteria"] = [_placed(entry, folder) for entry in criteria]

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import inspect
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from jtik.cli.checks import InputError, Table, call, checked_name, checked_table
 from jtik.cli.own_criteria import is_own, own_criterion
 from jtik.criterion import Criterion, CriterionSum, FunctionCriterion
 from jtik.errors import ArgumentError, UnknownNameError
-from jtik.geometry import Circle, Obstacle, Point, Sphere
+from jtik.geometry import Circle, Obstacle, Point, Scene, Sphere
 from jtik.registry import criteria, strategies, strategy_of
 from jtik.robot import Robot
 from jtik.strategy import Strategy
@@ -27,7 +27,9 @@ TASKS: dict[str, Callable[..., Task]] = {
 """Types of tasks."""
 
 SHAPES = ("circles", "spheres", "points", "balls")
-"""Keys of the section [obstacles]. A ball has a centre with as many coordinates as the robot, and perhaps a radius."""
+"""Keys of the section [obstacles]. A ball has a centre with as many coordinates as the robot, and perhaps a radius.
+
+Any other key is the name of an obstacle, with a table as in the file of a `jtik.Scene`; `scene` is such a file."""
 
 
 def read_tasks(given: Any, robot: Robot) -> list[Task]:
@@ -54,11 +56,11 @@ def read_strategy(given: Any) -> Strategy:
     return call(f"strategy {name!r}", strategies[alone], table)
 
 
-def read_criteria(given: Any, obstacles: list[Obstacle]) -> CriterionSum:
+def read_criteria(given: Any, obstacles: Sequence[Obstacle] | Scene) -> CriterionSum:
     """The weighted sum of the sections [[criteria]]. Warns of obstacles that no criterion takes."""
     if not isinstance(given, list):
         raise InputError("criteria: accepted: a list of tables with name, weight and options")
-    total, taken = CriterionSum(()), not obstacles
+    total, taken = CriterionSum(()), not len(obstacles)
     for entry in given:
         table = checked_table(
             "[[criteria]]", {"name": entry} if isinstance(entry, str) else entry, ("name", "weight", "options")
@@ -80,7 +82,9 @@ def _takes_obstacles(plugin: Any) -> bool:
     return isinstance(plugin, type) and "obstacles" in inspect.signature(plugin).parameters
 
 
-def _criterion(name: str, plugin: Criterion | type[Criterion], options: Table, obstacles: list[Obstacle]) -> Criterion:
+def _criterion(
+    name: str, plugin: Criterion | type[Criterion], options: Table, obstacles: Sequence[Obstacle] | Scene
+) -> Criterion:
     """One criterion; it gets the obstacles if it has that argument."""
     where = f"criterion {name!r}"
     if isinstance(plugin, FunctionCriterion):
@@ -93,14 +97,35 @@ def _criterion(name: str, plugin: Criterion | type[Criterion], options: Table, o
     if not _takes_obstacles(plugin):
         return call(where, plugin, options, "; a problem file has them as options of [[criteria]]")
     wanted = inspect.signature(plugin).parameters["obstacles"]
-    if not obstacles and wanted.default is wanted.empty:
+    if not len(obstacles) and wanted.default is wanted.empty:
         raise InputError(f"{where} needs obstacles: [obstacles] in a file, or --obstacle, --circle, --sphere, --point")
-    return call(where, plugin, {**options, "obstacles": obstacles} if obstacles else options)
+    return call(where, plugin, {**options, "obstacles": obstacles} if len(obstacles) else options)
 
 
-def read_obstacles(given: Any, dimension: int) -> list[Obstacle]:
-    """The obstacles of a section [obstacles]; ``dimension`` is that of the robot's positions."""
-    table = checked_table("[obstacles]", given, SHAPES)
+def read_obstacles(given: Any, dimension: int) -> Sequence[Obstacle] | Scene:
+    """The obstacles of a section [obstacles]; ``dimension`` is that of the robot's positions.
+
+    A scene where one of them has a name and a table of its own, or is in the file of a scene; else a list.
+    """
+    table = checked_table("[obstacles]", given)
+    named = {key: row for key, row in table.items() if key not in SHAPES and isinstance(row, dict)}
+    lists = {key: row for key, row in table.items() if key not in named}
+    checked_table("[obstacles]", lists, (*SHAPES, "scene", "or a table for each obstacle"))
+    file = lists.pop("scene", None)
+    found = _listed(lists, dimension)
+    if file is None and not named:
+        return found
+    scene = Scene(found)
+    for part in (Scene() if file is None else Scene.load(file), Scene.from_dict({"obstacles": named})):
+        for name, obstacle in part.obstacles.items():
+            if name in scene:
+                raise InputError(f"[obstacles] {name}: given twice")
+            scene = scene.with_(name, obstacle, part.gains[name])
+    return scene
+
+
+def _listed(table: Table, dimension: int) -> list[Obstacle]:
+    """The obstacles of lists of numbers."""
     makers: dict[str, tuple[Callable[..., Obstacle], int]] = {"circles": (Circle, 2), "spheres": (Sphere, 3)}
     found: list[Obstacle] = []
     for shape, rows in table.items():

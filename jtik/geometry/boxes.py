@@ -68,7 +68,7 @@ def _closest_share(start: Expression, along: Expression, half: Expression) -> Ex
     for each in breaks:
         rate = _rate(start, along, half, each)
         last = fmax(last, (rate <= 0) * each)
-        first = fmin(first, if_else(rate >= 0, each, 1))
+        first = fmin(first, each + (rate < 0))  # a share plus one counts for nothing
     middle = without_derivative((first + last) / 2)
     # between the two the square of the distance is one parabola
     there = start + middle * along

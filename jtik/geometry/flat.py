@@ -14,7 +14,7 @@ from jtik.geometry.solids import Solid, read_only
 from jtik.types import Array
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class HalfSpace(Solid):
     """All points on one side of a plane, or of a line in the plane: a floor, a wall, a table top.
 
@@ -50,7 +50,7 @@ class HalfSpace(Solid):
         return len(self.point)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Polygon(Solid):
     """A convex polygon in the plane.
 

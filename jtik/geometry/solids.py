@@ -22,6 +22,10 @@ class Solid:
         """2 in the plane, 3 in space."""
         raise NotImplementedError
 
+    def __repr__(self) -> str:
+        values = (f"{name}={np.asarray(value).tolist()}" for name, value in vars(self).items())
+        return f"{type(self).__name__}({', '.join(values)})"
+
 
 @dataclass(frozen=True, init=False, eq=False)
 class Ball(Solid):
@@ -97,7 +101,7 @@ class Sphere(Ball):
     dimensions = (3,)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class _Rounded(Solid):
     """Base of the solids around a segment.
 
@@ -164,7 +168,7 @@ class Cylinder(_Rounded):
             raise ArgumentError("end", self.end.tolist(), "another point than the start: its axis is between them")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Box(Solid):
     """A box in space, or a rectangle in the plane, in any orientation.
 

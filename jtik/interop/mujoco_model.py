@@ -10,7 +10,7 @@ import numpy as np
 
 from jtik.arguments import instance, instances
 from jtik.errors import ArgumentError
-from jtik.geometry import Ball, Box, Capsule, Cylinder, Solid
+from jtik.geometry import Ball, Box, Capsule, Cylinder, HalfSpace, Solid
 from jtik.interop.renamed import renamed_classes
 from jtik.robot import Joint, JointType, Robot
 from jtik.robot.loaders.compiled import ModelReader
@@ -45,7 +45,7 @@ def to_mujoco(robot: Robot, *, obstacles: Iterable[Solid] = ()) -> Any:
         ArgumentError: for a free joint that is not on the base, or a frame "world" that is not the base.
     """
     instance("robot", robot, Robot, "a jtik.Robot")
-    field = instances("obstacles", obstacles, Solid, "a list of jtik.Sphere, Capsule, Cylinder or Box")
+    field = instances("obstacles", obstacles, Solid, f"a list, each {ACCEPTED}")
     spec = mujoco.MjSpec()
     spec.modelname = robot.name
     spec.compiler.fusestatic = False
@@ -163,6 +163,9 @@ def _add_joint(body: Any, joint: Joint, robot: Robot) -> None:
         made.range = low, max(high, low + MINIMUM_RANGE)
 
 
+ACCEPTED = "a jtik.Point, Circle or Sphere, or a Capsule, Cylinder, Box or HalfSpace in space"
+"""What becomes a geom, for errors."""
+
 MINIMUM_RANGE = 1e-9
 """Range [rad] or [m] of a joint whose limits are equal: MuJoCo needs a positive range."""
 
@@ -180,6 +183,8 @@ def _add_mass(body: Any, frame: str, robot: Robot) -> None:
 
 def _add_geom(body: Any, name: str, solid: Solid) -> None:
     kind = mujoco.mjtGeom
+    if solid.dimension == 2 and not isinstance(solid, Ball):
+        raise ArgumentError(name, solid, ACCEPTED)
     if isinstance(solid, Ball):
         center = np.pad(solid.center, (0, 3 - len(solid.center)))
         radius = max(solid.radius, NEGLIGIBLE)
@@ -194,8 +199,14 @@ def _add_geom(body: Any, name: str, solid: Solid) -> None:
     elif isinstance(solid, Box):
         pose = solid.pose
         body.add_geom(name=name, type=kind.mjGEOM_BOX, size=solid.half, pos=pose[:3, 3], quat=_quaternion(pose))
+    elif isinstance(solid, HalfSpace):
+        pose = np.eye(4)
+        pose[:3, :3] = np.linalg.svd(solid.normal[None])[2].T[:, [1, 2, 0]]  # z along the normal or against it
+        pose[:3, 2] = solid.normal
+        pose[:3, 0] = np.cross(pose[:3, 1], pose[:3, 2])
+        body.add_geom(name=name, type=kind.mjGEOM_PLANE, size=[0, 0, 1], pos=solid.point, quat=_quaternion(pose))
     else:
-        raise ArgumentError(name, solid, "a jtik.Sphere, Circle, Capsule, Cylinder or Box")
+        raise ArgumentError(name, solid, ACCEPTED)
 
 
 def _quaternion(pose: Array) -> Array:

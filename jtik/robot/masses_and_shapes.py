@@ -11,7 +11,7 @@ import numpy as np
 
 from jtik.arguments import finite_array, mapping, non_negative_number, several
 from jtik.errors import ArgumentError, UnknownNameError
-from jtik.geometry import Solid
+from jtik.geometry import Ball, Box, Capsule, Cylinder, Solid
 from jtik.robot.tree import frozen
 from jtik.types import Array
 
@@ -58,7 +58,7 @@ def shapes_on(frames: Sequence[str], shapes: Mapping[str, Sequence[Solid]] | Non
     for frame, solids in given.items():
         _check_frame("shape", frame, frames)
         for solid in solids:
-            if not isinstance(solid, Solid):
+            if not isinstance(solid, (Ball, Box, Capsule, Cylinder)):
                 raise ArgumentError(f"shapes[{frame!r}]", solid, accepted)
     return {frame: solids for frame, solids in given.items() if solids}
 

@@ -3,7 +3,7 @@
 The operations are those that a criterion, a strategy or a task is made of:
 
 - expressions: `Expression`, `SX`, `MX`, `symbol`, `zeros`, `identity`, `numbers`, `is_symbolic`
-- elementwise: `sin`, `cos`, `atan2`, `sqrt`, `log`, `fabs`, `floor`, `fmax`, `fmin`
+- elementwise: `sin`, `cos`, `atan2`, `sqrt`, `log`, `exp`, `fabs`, `floor`, `fmax`, `fmin`
 - conditions: `if_else`, `logic_and`, `logic_or`, `logic_not`, `is_finite`
 - vectors and matrices: `vertcat`, `horzcat`, `stack`, `reshape`, `vec`, `densify`, `diag`, `trace`, `skew`, `dot`,
   `cross`, `gram`, `sum1`, `sumsqr`, `norm`, `norm_inf`, `mmax`, `mmin`, `ratio`, `solve_ldl`,
@@ -42,6 +42,7 @@ from jtik.symbolic.operations import (
     diag,
     dot,
     either,
+    exp,
     external,
     fabs,
     floor,
@@ -112,6 +113,7 @@ __all__ = [
     "diag",
     "dot",
     "either",
+    "exp",
     "external",
     "fabs",
     "floor",

@@ -30,6 +30,7 @@ sin: Any = casadi.sin
 atan2: Any = casadi.atan2
 sqrt: Any = casadi.sqrt
 log: Any = casadi.log
+exp: Any = casadi.exp
 fabs: Any = casadi.fabs
 floor: Any = casadi.floor
 fmax: Any = casadi.fmax

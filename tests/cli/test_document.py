@@ -160,3 +160,32 @@ def test_options_of_a_criterion_belong_in_a_file(capsys: Capture) -> None:
     words = ["--robot", "panda", "--target", "0.4", "0.1", "0.5", "--criterion", "look_at"]
     assert "target is missing" in refusal(capsys, "solve", *words)
     assert "options of [[criteria]]" in refusal(capsys, "solve", *words)
+
+
+def test_obstacles_with_a_name_and_a_table_each_are_a_scene(problem_file: Path) -> None:
+    scene = jtik.Scene({"wall": jtik.HalfSpace((0, -2), (0, 1))}, {"wall": 0.5})
+    scene.save(problem_file.parent / "walls.toml")
+    more = """circles = [[1.0, -1.0, 0.3]]
+scene = "walls.toml"
+table = { shape = "box", center = [1.0, 2.0], half = [0.3, 0.1], rotation = 0.2 }
+"""
+    problem_file.write_text(PROBLEM.replace("circles = [[1.0, -1.0, 0.3]]", more, 1))
+    problem = read(load(problem_file))
+    assert isinstance(problem.obstacles, jtik.Scene)
+    assert {"circle0", "wall", "table"} <= set(problem.obstacles.names)
+    gains = problem.ik.parameters["obstacle_avoidance.gains"]
+    assert sorted(gains[gains > 0])[0] == 0.5
+    assert (gains > 0).sum() == len(problem.obstacles)
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        ("table = { shape = 'box', center = [0, 0] }", "obstacles.table.half"),
+        ("scene = 'nowhere.toml'", "nowhere.toml"),
+        ("circle0 = { shape = 'point', center = [0, 0] }", "circle0: given twice"),
+    ],
+)
+def test_wrong_obstacles_with_a_name(capsys: Capture, problem_file: Path, lines: str, said: str) -> None:
+    problem_file.write_text(PROBLEM.replace("circles = [[1.0, -1.0, 0.3]]", f"circles = [[1, -1, 0.3]]\n{lines}", 1))
+    assert said in refusal(capsys, "solve", "--file", str(problem_file))

@@ -159,7 +159,8 @@ def test_obstacles_that_nothing_takes_are_a_warning(capsys: Capture) -> None:
     assert main(["solve", "--robot", "planar:3", "--target", "1", "2", "--obstacle", "1", "1", "0.2", "--json"]) == 0
     out, err = capsys.readouterr()
     json.loads(out)
-    assert err.startswith("jtik: warning: no criterion takes the obstacles; those that do: obstacle_avoidance")
+    assert err.startswith("jtik: warning: no criterion takes the obstacles; those that do: ")
+    assert "obstacle_avoidance" in err
     assert err.count("\n") == 1
 
 

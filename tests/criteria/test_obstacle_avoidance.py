@@ -298,7 +298,11 @@ class TestInvalidInput:
     @pytest.mark.parametrize(
         ("options", "argument"),
         [
-            ({"obstacles": []}, "obstacles"),
+            ({"obstacles": ["box"]}, "obstacles"),
+            ({"obstacles": [jtik.Point((1, 1))] * 3, "capacity": 2}, "obstacles"),
+            ({"capacity": 0}, "capacity"),
+            ({"capacity": {"ball": 0}}, "capacity"),
+            ({"capacity": {"ball": -1}}, "capacity['ball']"),
             ({"bodies": "elbows"}, "bodies"),
             ({"gain": -1.0}, "gain"),
             ({"gain": np.nan}, "gain"),

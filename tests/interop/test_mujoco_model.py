@@ -149,3 +149,21 @@ class TestWrongInput:
         robot = jtik.Robot([jtik.Joint("j", JointType.REVOLUTE, "base", "world")])
         with pytest.raises(jtik.ArgumentError, match="for the base only"):
             to_mujoco(robot)
+
+
+def test_a_half_space_is_a_plane_with_its_normal():
+    wall = jtik.HalfSpace([0.5, 1.0, 2.0], [1.0, 2.0, -0.5])
+    model = to_mujoco(gripper(), obstacles=[wall])
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    (plane,) = np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE)
+    assert data.geom_xmat[plane].reshape(3, 3)[:, 2] == pytest.approx(wall.normal, abs=1e-12)
+    assert (data.geom_xpos[plane] - wall.point) @ wall.normal == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "obstacle", [jtik.Box.at((0, 0), (1, 1)), jtik.Capsule((0, 0), (1, 0), 0.1), jtik.HalfSpace((0, 0), (0, 1))]
+)
+def test_obstacles_of_the_plane_other_than_circles_are_no_geoms(obstacle):
+    with pytest.raises(jtik.ArgumentError, match="in space"):
+        to_mujoco(gripper(), obstacles=[obstacle])

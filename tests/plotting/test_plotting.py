@@ -230,3 +230,33 @@ def test_the_former_module_has_the_same_names() -> None:
     from jtik.plotting import planar
 
     assert all(getattr(planar, name) is getattr(plotting, name) for name in plotting.__all__)
+
+
+def test_every_planar_obstacle_is_drawn_where_it_is() -> None:
+    obstacles = [
+        jtik.Capsule((0.0, 0.0), (1.0, 0.5), 0.2),
+        jtik.Box.at((2.0, 1.0), (0.5, 0.2), 0.4),
+        jtik.Polygon([(-1, 1), (0, 1), (-0.5, 2)]),
+        jtik.HalfSpace((0.0, -1.0), (0.0, 2.0)),
+    ]
+    left, right, bottom, top = plotting.window_around([(0.0, 0.0)], obstacles)
+    _, axes = plotting.blank_figure((left, right, bottom, top))
+    plotting.draw_obstacles(axes, obstacles)
+    assert axes.get_xlim() == (left, right)
+    assert axes.get_ylim() == (bottom, top)
+    outlines = [patch.get_path().transformed(patch.get_patch_transform()) for patch in axes.patches]
+    for x in np.linspace(left, right, 30):
+        for y in np.linspace(bottom, top, 30):
+            inside = any(outline.contains_point((x, y)) for outline in outlines)
+            depth = min(_signed(each, (x, y)) for each in obstacles)
+            if abs(depth) > 0.01:
+                assert inside == (depth < 0)
+
+
+def _signed(obstacle: jtik.geometry.Solid, point: tuple[float, float]) -> float:
+    from jtik.geometry import Slots
+    from jtik.symbolic import SX
+
+    slots = Slots.exactly([obstacle], 2)
+    parameters = {name: SX(value) for name, value in slots.parameters([obstacle]).items()}
+    return float(slots.at(parameters)[0].distances.of(SX(list(point))))

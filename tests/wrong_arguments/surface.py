@@ -52,6 +52,7 @@ ARM = jtik.Robot.planar(2)
 SPATIAL = jtik.Robot.builtin("ur5e")
 MISSING = Path("/a folder that does not exist")
 FIELD = (jtik.Circle((1.5, 0.0), 0.1),)
+OBSTACLES = Kind(frozenset({"[]"}))
 OPTIONAL_Q = CONFIGURATION | "None"
 ONE_EACH = _limits = NUMBER | ("inf", "nan")
 
@@ -299,7 +300,23 @@ SOLIDS: dict[str, Entry] = {
         for kind in (jtik.Capsule, jtik.Cylinder)
     },
     "Box": Entry(jtik.Box, fixed(pose=np.eye(4), half=(1.0, 1.0, 1.0)), {"pose": NOTHING, "half": NOTHING}),
+    "HalfSpace": Entry(
+        jtik.HalfSpace, fixed(point=(0.0, 0.0, 0.0), normal=(0.0, 0.0, 1.0)), {"point": NOTHING, "normal": NOTHING}
+    ),
+    "Polygon": Entry(jtik.Polygon, fixed(vertices=((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))), {"vertices": NOTHING}),
+    "Scene": Entry(
+        jtik.Scene, lambda: {"obstacles": FIELD}, {"obstacles": OBSTACLES | "{}", "gains": NOTHING | ("None", "{}")}
+    ),
 }
+
+OF_OBSTACLES = {
+    "obstacles": OBSTACLES,
+    "gain": NON_NEGATIVE,
+    "bodies": NOTHING,
+    "capacity": POSITIVE_COUNT | "None",
+    "name": NAME,
+}
+"""The options of the criteria on distances to obstacles."""
 
 CONSTRAINTS: dict[str, Entry] = {
     "Limits": Entry(
@@ -533,13 +550,10 @@ OF_OPTIONS: dict[str, dict[str, Kind]] = {
         "preferred": OPTIONAL_Q,
         "name": NAME,
     },
-    "obstacle_avoidance": {
-        "obstacles": NOTHING,
-        "gain": NON_NEGATIVE,
-        "bodies": NOTHING,
-        "floor": POSITIVE,
-        "name": NAME,
-    },
+    "obstacle_avoidance": {**OF_OBSTACLES, "floor": POSITIVE},
+    "khatib_potential": {**OF_OBSTACLES, "influence": POSITIVE, "floor": Kind(frozenset())},
+    "obstacle_barrier": {**OF_OBSTACLES, "influence": POSITIVE, "floor": SHARE},
+    "soft_clearance": {**OF_OBSTACLES, "smoothing": POSITIVE},
     "compact_posture": {"center": NOTHING | "None", "name": NAME},
     "directional_manipulability": {"direction": NOTHING | "None", **OF_ROWS, "measure": NOTHING},
     "frame_proximity": {
@@ -570,6 +584,9 @@ OF_OPTIONS: dict[str, dict[str, Kind]] = {
 
 NEEDED: dict[str, dict[str, Any]] = {
     "obstacle_avoidance": {"obstacles": FIELD},
+    "khatib_potential": {"obstacles": FIELD},
+    "obstacle_barrier": {"obstacles": FIELD},
+    "soft_clearance": {"obstacles": FIELD},
     "frame_proximity": {"height": 0.4},
     "look_at": {"target": (1.0, 0.5)},
     "swivel_angle": {"shoulder": "base", "elbow": "link2", "wrist": "tip"},
@@ -753,7 +770,6 @@ def axes() -> Any:
     return plotting.blank_figure((-2.0, 2.0, -2.0, 2.0), 4.0)[1]
 
 
-OBSTACLES = Kind(frozenset({"[]"}))
 PLOTTING: dict[str, Entry] = {
     "posture_figure": Entry(
         plotting.posture_figure,

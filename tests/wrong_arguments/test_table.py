@@ -44,7 +44,7 @@ NOT_CALLED: dict[str, str] = {
         "a result: the library makes it",
     ),
     **dict.fromkeys(
-        ("Criterion", "Strategy", "Task", "PlacementTask", "PointingTask", "Contender", "PreparedContender"),
+        ("Criterion", "Measure", "Strategy", "Task", "PlacementTask", "PointingTask", "Contender", "PreparedContender"),
         "a base class",
     ),
     **dict.fromkeys(("JointType", "Status"), "an enumeration"),

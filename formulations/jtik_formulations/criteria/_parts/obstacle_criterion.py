@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import ClassVar
 
 from numpy.typing import ArrayLike
@@ -125,6 +125,19 @@ class ObstacleCriterion(Criterion):
             distances = [slot.distances.of(*body.points) for slot in field]
             found.append([d - body.radius for d in distances] if body.radius else distances)
         return found, [slot.gain for slot in field] if slots.gains else None
+
+    def total(
+        self,
+        kinematics: Kinematics,
+        parameters: Mapping[str, Expression],
+        potential: Callable[[Expression], Expression],
+    ) -> Expression:
+        """The sum of a potential of the distance over all pairs, the terms of each obstacle multiplied by its gain."""
+        bodies, gains = self.measured(kinematics, parameters)
+        if gains is None:
+            return sum((potential(d) for body in bodies for d in body), 0)
+        columns = zip(gains, zip(*bodies, strict=True), strict=True)
+        return sum((gain * sum((potential(d) for d in column), 0) for gain, column in columns), 0)
 
     def rounding(self, robot: Robot, parameters: Mapping[str, Expression]) -> list[list[Expression]]:
         """For each distance the radius [m] that a `jtik.Clearance` needs: of the obstacle and of the body together.

@@ -1,0 +1,96 @@
+"""The smallest distance to an obstacle, smoothed (formulations/soft_clearance.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import ClassVar
+
+from numpy.typing import ArrayLike
+
+from jtik import register_criterion
+from jtik.arguments import non_negative_number, positive_number
+from jtik.geometry import Obstacle
+from jtik.robot import Kinematics
+from jtik.symbolic import TINY, Expression, exp, fmax, fmin, if_else, log
+from jtik_formulations.bibliography import KREISSELMEIER_1979
+from jtik_formulations.criteria._parts.bodies import BodyChoice
+from jtik_formulations.criteria._parts.obstacle_criterion import ABSENT, ObstacleCriterion
+
+SMALLEST_SMOOTHING = 1e-6
+"""Smallest smoothing [m] that is divided by."""
+
+
+@register_criterion("soft_clearance")
+class SoftClearance(ObstacleCriterion):
+    """H = gain * smoothing * ln sum of exp(-d / smoothing): minus the smallest distance d [m], smoothed.
+
+    The smoothed distance is at most the smallest one, and less than it by at most smoothing * ln N, N the number of
+    pairs of a body and an obstacle. Its gradient is the mean of the gradients of all distances, weighted by
+    exp(-d / smoothing): the body that is closest moves away, and those that are farther by a few times the smoothing do
+    not matter. Prefer it where the smallest distance shall be as large as possible; prefer `ObstacleBarrier` where all
+    that is needed is to stay off. To guarantee a distance use `jtik.Clearance`.
+
+    Live parameters: ``soft_clearance.gain``, ``.smoothing`` [m], and those of the obstacles, as of
+    `ObstacleAvoidance`; the gain of an obstacle multiplies its exponentials, as if it were there so many times.
+
+    Args:
+        obstacles: points, circles, spheres, capsules, boxes, cylinders, half-spaces or convex polygons, perhaps none;
+            or a `jtik.Scene`.
+        gain: non-negative weight [unit of H / m].
+        smoothing: positive length [m]; at least 1e-6 m is used.
+        bodies: "joints", the frames' origins; "links", the closest point of each link; "both"; or "shapes", the
+            robot's own solids as capsules, for a robot that was built with solids.
+        capacity: number of slots for obstacles, or the number for each kind, as of `ObstacleAvoidance`.
+        name: the first part of the names of its parameters.
+
+    Raises:
+        ArgumentError: when an argument is out of range, there are more obstacles than slots, the obstacles do not have
+            the robot's dimension, or the robot has no solids that move.
+        UnknownNameError: when ``capacity`` names a kind of obstacle that does not exist.
+
+    Source: Kreisselmeier and Steinhauser (1979).
+    """
+
+    summary = "maximises the smallest distance of joints, links or solids to obstacles, smoothed"
+    source = "Kreisselmeier and Steinhauser 1979"
+    bibtex = KREISSELMEIER_1979
+    non_negative_parameters = ("gain", "smoothing", *ObstacleCriterion.non_negative_parameters)
+    defaults: ClassVar[Mapping[str, object]] = {"gain": 1.0, "smoothing": 0.05}
+
+    def __init__(
+        self,
+        obstacles: Iterable[Obstacle] | Obstacle,
+        *,
+        gain: float = 1.0,
+        smoothing: float = 0.05,
+        bodies: BodyChoice = "joints",
+        capacity: int | Mapping[str, int] | None = None,
+        name: str = "soft_clearance",
+    ) -> None:
+        super().__init__(obstacles, bodies, capacity, name)
+        self._gain = non_negative_number("gain", gain)
+        self._smoothing = positive_number("smoothing", smoothing, "a positive length [m]")
+
+    def options(self) -> Mapping[str, object]:
+        """Gain and smoothing."""
+        return {"gain": self._gain, "smoothing": self._smoothing}
+
+    def own_parameters(self) -> Mapping[str, ArrayLike]:
+        """Gain and smoothing."""
+        return {"gain": self._gain, "smoothing": self._smoothing}
+
+    def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
+        """gain * smoothing * ln sum of exp(-d / smoothing); 0 where every obstacle is absent."""
+        smoothing = fmax(parameters["smoothing"], SMALLEST_SMOOTHING)
+        bodies, gains = self.measured(kinematics, parameters)
+        weights = [1.0] * len(bodies[0]) if gains is None else gains
+        pairs = [(d, weight) for body in bodies for d, weight in zip(body, weights, strict=True)]
+        if gains is not None:
+            pairs = [(if_else(weight > 0, d, ABSENT), weight) for d, weight in pairs]
+        smallest = pairs[0][0]
+        for d, _ in pairs[1:]:
+            smallest = fmin(smallest, d)
+        # relative to the smallest one, so that no exponential overflows; its derivative cancels
+        total = sum((weight * exp((smallest - d) / smoothing) for d, weight in pairs), 0)
+        H = parameters["gain"] * (smoothing * log(total + TINY) - smallest)
+        return H if gains is None else if_else(smallest < ABSENT, H, 0)
