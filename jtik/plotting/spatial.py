@@ -113,19 +113,15 @@ class SpatialScene:
     def _include(self, points: Array) -> None:
         self._corners = np.concatenate([self._corners, points.reshape(-1, 3)])
 
-    def frame(self, zoom: float = 1.0) -> None:
-        """Set the limits to what is drawn, at equal scale, and label the axes.
-
-        Args:
-            zoom: size of the box in the axes, relative to matplotlib's.
-        """
+    def frame(self) -> None:
+        """Set the limits to what is drawn, at equal scale, and label the axes."""
         low, high = self._corners.min(axis=0), self._corners.max(axis=0)
         span = np.maximum(high - low, max(THINNEST * float((high - low).max()), 1e-6))
         middle = (low + high) / 2
         axes = self.axes
         for name, at, side in zip("xyz", middle, span, strict=True):
             getattr(axes, f"set_{name}lim")(at - 0.52 * side, at + 0.52 * side, auto=None)
-        axes.set_box_aspect(span, zoom=zoom)
+        axes.set_box_aspect(span)
         self._style(span / span.max())
 
     def _style(self, shares: Array) -> None:
@@ -184,6 +180,33 @@ def fill(figure: Figure, axes: Axes, width: float) -> None:
         side, height = side * grow, seen.height * grow + 2 * PAD
     figure.set_size_inches(width, height)
     axes.set_position((left / width, bottom / height, side / width, side / height))
+
+
+def fit(figure: Figure, axes: Axes, cell: tuple[float, float, float, float]) -> None:
+    """Resize axes, so that what is drawn fills a cell of the figure.
+
+    Args:
+        figure: the figure, without a layout engine.
+        axes: 3-D axes.
+        cell: left, bottom, width and height [inch].
+    """
+    from matplotlib.transforms import Bbox
+
+    (left, bottom, width, height), side = cell, cell[2]
+    across, up = figure.get_size_inches()
+    x, y = left, bottom
+    for _ in range(ROUNDS):
+        axes.set_position((x / across, y / up, side / across, side / up))
+        figure.draw_without_rendering()
+        renderer = figure.canvas.get_renderer()
+        _separate_labels(axes, renderer)
+        parts = [_box_of(axes), *(each.get_window_extent(renderer) for each in _labels(axes))]
+        seen = Bbox.union(parts).transformed(figure.dpi_scale_trans.inverted())
+        grow = min((width - 2 * PAD) / seen.width, (height - 2 * PAD) / seen.height)
+        x = left + (width - seen.width * grow) / 2 + (x - seen.x0) * grow
+        y = bottom + (height - seen.height * grow) / 2 + (y - seen.y0) * grow
+        side *= grow
+    axes.set_position((x / across, y / up, side / across, side / up))
 
 
 def _box_of(axes: Axes) -> Any:

@@ -157,7 +157,17 @@ def test_only_the_attempt_that_led_to_the_answer_is_drawn() -> None:
 def test_a_spatial_robot_is_drawn_in_3d() -> None:
     robot = jtik.Robot.builtin("ur5e")
     study = compare(robot, jtik.FrameTask(robot.tip), strategies=["hybrid"], count=1, repeats=1)
-    assert study.plot_postures().axes[0].name == "3d"
+    figure = study.plot_postures()
+    (axes,) = figure.axes
+    assert axes.name == "3d"
+    figure.canvas.draw()
+    renderer = figure.canvas.get_renderer()
+    boxes = [axis.label.get_window_extent(renderer) for axis in (axes.xaxis, axes.yaxis, axes.zaxis)]
+    boxes += [text.get_window_extent(renderer) for text in figure.texts]
+    for k, box in enumerate(boxes):
+        assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
+        assert figure.bbox.y0 <= box.y0 < box.y1 <= figure.bbox.y1
+        assert not box.count_overlaps(boxes[:k])
     assert study.plot_joints()._repr_png_()
 
 
