@@ -216,3 +216,26 @@ def test_the_bounds_of_a_solid_touch_it(solid, rng):
             points = np.concatenate([solid.start + around, solid.end + around])
     assert points.min(axis=0) == pytest.approx(low, abs=1e-3)
     assert points.max(axis=0) == pytest.approx(high, abs=1e-3)
+
+
+@pytest.mark.parametrize("half", [(0.4, 0.3, 0.1), (0.3, 0.3, 0.3), (1.0, 0.9, 0.01), (0.5, 0.1, 0.1)])
+def test_balls_cover_a_box_and_are_thinner_than_its_capsule(half, rng):
+    box = jtik.Box.at((1, 2, 3), half, (1, 2, 3, 4))
+    balls = jtik.geometry.enclosing_balls(box)
+    thickness = enclosing_segment(box)[2]
+    if half in ((0.5, 0.1, 0.1), (0.3, 0.3, 0.3)):
+        assert not balls  # a rod or a cube: the capsule is tighter
+        return
+    assert 1 <= len(balls) <= 64
+    assert all(radius < thickness for _, radius in balls)
+    points = rng.uniform(-1, 1, (3000, 3))
+    points[:2000] /= np.abs(points[:2000]).max(axis=1)[:, None]  # on the surface
+    points = np.concatenate([points, np.array(list(np.ndindex(2, 2, 2))) * 2 - 1]) * half
+    world = points @ box.pose[:3, :3].T + box.center
+    assert (np.min([np.linalg.norm(world - c, axis=1) - r for c, r in balls], axis=0) <= 1e-12).all()
+
+
+def test_only_boxes_are_covered_by_balls():
+    assert jtik.geometry.enclosing_balls(jtik.Cylinder((0, 0, 0), (0, 0, 1), 0.2)) == []
+    with pytest.raises(jtik.ArgumentError, match="solid"):
+        jtik.geometry.enclosing_balls(jtik.HalfSpace((0, 0, 0), (0, 0, 1)))

@@ -6,7 +6,7 @@
 - named obstacles and their file: `Scene`
 - distances of points and segments: `point_to_ball`, `segment_to_ball`, and those to a capsule, a half-space, a box, a
   polygon and a cylinder, for which `Axis`, `Sides` and `in_axes` prepare the arguments
-- bodies and coordinate bounds: `enclosing_segment`, `bounds`
+- bodies and coordinate bounds: `enclosing_segment`, `enclosing_balls`, `bounds`
 """
 
 from jtik.geometry.boxes import in_axes, point_to_box, segment_to_box
@@ -19,7 +19,7 @@ from jtik.geometry.distances import (
     segment_to_capsule,
     segment_to_half_space,
 )
-from jtik.geometry.enclosing import bounds, enclosing_segment
+from jtik.geometry.enclosing import bounds, enclosing_balls, enclosing_segment
 from jtik.geometry.flat import HalfSpace, Polygon
 from jtik.geometry.kinds import Distances
 from jtik.geometry.obstacles import Obstacle, centers_and_radii
@@ -50,6 +50,7 @@ __all__ = [
     "bounds",
     "centers_and_radii",
     "closest_points",
+    "enclosing_balls",
     "enclosing_segment",
     "in_axes",
     "point_to_ball",

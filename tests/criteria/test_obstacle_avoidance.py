@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import itertools
 
+import casadi
 import numpy as np
 import pytest
 
 import jtik
-from jtik_formulations import ObstacleAvoidance
+from jtik_formulations import ObstacleAvoidance, SoftClearance
 
 from ..conftest import (
     DIFFERENCES,
@@ -235,9 +236,26 @@ def test_shapes_are_kept_away_by_their_surfaces(rng):
         assert at(ik, q).gradient == pytest.approx(numeric, abs=10 * DIFFERENCES)
 
 
-def test_shapes_need_a_robot_with_solids():
-    with pytest.raises(jtik.ArgumentError, match="bodies.*no solids that move"):
-        solver(dh_arm(3, 2), [jtik.Sphere((1, 0, 0), 0.1)], bodies="shapes")
+@pytest.mark.parametrize("bodies", ["shapes", "spheres"])
+def test_shapes_need_a_robot_with_solids(bodies):
+    with pytest.raises(jtik.ArgumentError, match="bodies.*solids.*none that moves"):
+        solver(dh_arm(3, 2), [jtik.Sphere((1, 0, 0), 0.1)], bodies=bodies)
+
+
+def test_the_chassis_of_a_vehicle_as_balls_is_thinner_than_as_a_capsule():
+    """A sphere above its middle: the capsule overlaps it, the balls do not."""
+    robot = jtik.Robot(jtik.Robot.vehicle(2).joints, shapes={"vehicle": [jtik.Box.at((0, 0, 0), (0.4, 0.3, 0.1))]})
+    sphere = jtik.Sphere((0.0, 0.0, 0.5), 0.2)
+    q = np.zeros(robot.nq)
+    smallest = {}
+    for bodies in ("shapes", "spheres"):
+        measure = ObstacleAvoidance(sphere, bodies=bodies, gain=1.0, floor=1e-3)
+        assert len(measure.rounding(robot, {"centers": casadi.SX(1, 3), "radii": casadi.SX([0.2])})) == len(
+            measure.body_names(robot)
+        )
+        smallest[bodies] = SoftClearance(sphere, bodies=bodies, smoothing=1e-4)(q, robot)
+    assert -smallest["shapes"] == pytest.approx(0.3 - np.sqrt(0.1), abs=1e-3)
+    assert -smallest["spheres"] > 0.12
 
 
 def test_live_parameters_act_as_if_built_with_them(rng):

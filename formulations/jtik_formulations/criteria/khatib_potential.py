@@ -34,8 +34,9 @@ class KhatibPotential(ObstacleCriterion):
             or a `jtik.Scene`.
         gain: Khatib's eta, non-negative [unit of H * m^2].
         influence: Khatib's rho_0, the distance [m] from which on an obstacle has no effect.
-        bodies: "joints", the frames' origins; "links", the closest point of each link; "both"; or "shapes", the
-            robot's own solids as capsules, for a robot that was built with solids.
+        bodies: "joints", the frames' origins; "links", the closest point of each link; "both"; or, for a robot
+            that was built with solids, these: "shapes", each as a capsule, or "spheres", boxes as balls where these
+            add less (`jtik.geometry.enclosing_segment`, `enclosing_balls`).
         floor: positive distance [m] below which H is continued.
         capacity: number of slots for obstacles, or the number for each kind, as of `ObstacleAvoidance`.
         name: the first part of the names of its parameters.

@@ -39,8 +39,9 @@ class ObstacleAvoidance(ObstacleCriterion):
         obstacles: points, circles, spheres, capsules, boxes, cylinders, half-spaces or convex polygons, perhaps none;
             or a `jtik.Scene`.
         gain: the paper's K_obs, non-negative; the unit of H.
-        bodies: "joints", the frames' origins; "links", the closest point of each link; "both"; or "shapes", the
-            robot's own solids as capsules, for a robot that was built with solids.
+        bodies: "joints", the frames' origins; "links", the closest point of each link; "both"; or, for a robot
+            that was built with solids, these: "shapes", each as a capsule, or "spheres", boxes as balls where these
+            add less (`jtik.geometry.enclosing_segment`, `enclosing_balls`).
         floor: positive distance [m] below which the logarithm is continued.
         capacity: number of slots; those that the obstacles leave are divided evenly among the kinds that occur. Or the
             number for each kind: ``{"ball": 8, "box": 4}``. By default 16 slots for a scene or an empty list, and of a

@@ -39,8 +39,9 @@ class ObstacleBarrier(ObstacleCriterion):
             or a `jtik.Scene`.
         gain: non-negative weight of the sum; the unit of H.
         influence: positive distance [m] from which on an obstacle has no effect.
-        bodies: "joints", the frames' origins; "links", the closest point of each link; "both"; or "shapes", the
-            robot's own solids as capsules, for a robot that was built with solids.
+        bodies: "joints", the frames' origins; "links", the closest point of each link; "both"; or, for a robot
+            that was built with solids, these: "shapes", each as a capsule, or "spheres", boxes as balls where these
+            add less (`jtik.geometry.enclosing_segment`, `enclosing_balls`).
         floor: share of the influence below which H is continued, between 0 and 1.
         capacity: number of slots for obstacles, or the number for each kind, as of `ObstacleAvoidance`.
         name: the first part of the names of its parameters.

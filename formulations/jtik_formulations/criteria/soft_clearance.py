@@ -38,8 +38,9 @@ class SoftClearance(ObstacleCriterion):
             or a `jtik.Scene`.
         gain: non-negative weight [unit of H / m].
         smoothing: positive length [m]; at least 1e-6 m is used.
-        bodies: "joints", the frames' origins; "links", the closest point of each link; "both"; or "shapes", the
-            robot's own solids as capsules, for a robot that was built with solids.
+        bodies: "joints", the frames' origins; "links", the closest point of each link; "both"; or, for a robot
+            that was built with solids, these: "shapes", each as a capsule, or "spheres", boxes as balls where these
+            add less (`jtik.geometry.enclosing_segment`, `enclosing_balls`).
         capacity: number of slots for obstacles, or the number for each kind, as of `ObstacleAvoidance`.
         name: the first part of the names of its parameters.
 

@@ -40,8 +40,8 @@ class ObstacleCriterion(Criterion):
 
     Args:
         obstacles: obstacles or a `jtik.Scene`, perhaps empty.
-        bodies: "joints", the frames' origins; "links", their centre lines; "both"; or "shapes", the robot's own solids
-            as capsules, for a robot that was built with solids.
+        bodies: "joints", the frames' origins; "links", their centre lines; "both"; or the robot's own solids, "shapes"
+            as capsules, or "spheres" with boxes as balls where these add less.
         capacity: number of slots, or the number for each kind of obstacle, see `jtik.geometry.Slots.of`.
         name: the first part of the names of its parameters.
     """
