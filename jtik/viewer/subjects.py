@@ -122,7 +122,7 @@ def _labelled(subjects: list[Subject], labels: Iterable[str] | None) -> list[Sub
     if labels is not None:
         accepted = f"{len(subjects)} names, one for each arm"
         names = list(read_names("labels", labels, accepted))
-        if len(names) != len(subjects):
+        if len(names) != len(subjects) or not all(names):
             raise ArgumentError("labels", names, accepted)
     else:
         own = [subject.label for subject in subjects]
