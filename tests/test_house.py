@@ -178,6 +178,27 @@ def test_modules_are_short() -> None:
     assert long >= LONG, "remove from LONG what is done"
 
 
+def test_pictures_and_the_registry_alone_are_reached_from_below() -> None:
+    reached = {
+        (subpackage(path.relative_to(ROOT).as_posix()), str(ast.literal_eval(call.args[0])))
+        for path in modules(JTIK)
+        for call in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(call, ast.Call) and ast.unparse(call.func).endswith("import_module")
+        if isinstance(call.args[0], ast.Constant)
+    }
+    upwards = {
+        (importer, name)
+        for importer, name in reached
+        if name.startswith("jtik.") and LEVEL[name.split(".")[1]] > LEVEL[importer]
+    }
+    assert upwards == {
+        ("criterion", "jtik.registry"),
+        ("strategy", "jtik.registry"),
+        ("result", "jtik.plotting"),
+        ("robot", "jtik.plotting"),
+    }
+
+
 def test_few_files_are_at_the_top() -> None:
     files = [path.name for path in JTIK.iterdir() if path.is_file()]
     assert len(files) <= MOST_AT_THE_TOP, files

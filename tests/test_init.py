@@ -37,7 +37,7 @@ def test_import_loads_numpy_and_casadi_and_nothing_else() -> None:
     """)
     tops, subpackages, heavy = (line.split() for line in loaded.splitlines())
     assert {top for top in tops if not top.startswith("swig_runtime_data")} == {"casadi", "jtik", "numpy"}
-    for late in ("cli", "demo", "interop", "plotting", "problems", "study", "testing"):
+    for late in ("cli", "demo", "interop", "plotting", "problems", "study", "testing", "viewer"):
         assert f"jtik.{late}" not in subpackages
     assert set(heavy) <= {"ctypes"}  # numpy needs it
 
@@ -111,6 +111,7 @@ def test_the_docstring_names_the_public_modules_and_they_exist() -> None:
         "task",
         "testing",
         "types",
+        "viewer",
     ]
     for name in public:
         assert f"`jtik.{name}`" in (jtik.__doc__ or "")

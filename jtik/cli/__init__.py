@@ -1,4 +1,4 @@
-"""The command line: ``jtik list``, ``robot``, ``solve``, ``compare``, ``plan``, ``cite``, ``cache`` and ``demo``."""
+"""The command line: ``jtik list``, ``robot``, ``solve``, ``compare``, ``plan``, ``view``, ``cite``, ``cache`` and ``demo``."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
-from jtik.cli import cache, catalogue, compare, plan, robot, solve
+from jtik.cli import cache, catalogue, compare, plan, robot, solve, view
 from jtik.cli.checks import InputError
 from jtik.cli.cite import add_cite
 from jtik.errors import JtikError
@@ -100,6 +100,7 @@ def _parser() -> argparse.ArgumentParser:
     solve.add_arguments(commands)
     compare.add_arguments(commands)
     plan.add_arguments(commands)
+    view.add_arguments(commands)
     cache.add_arguments(commands)
     add_cite(commands)
 

@@ -20,7 +20,7 @@ from jtik.plotting.figure import (
 )
 from jtik.plotting.iterations import trace_figure
 from jtik.plotting.motion import trajectory_figure, write_motion
-from jtik.plotting.postures import posture_figure
+from jtik.plotting.postures import configurations_of, posture_figure
 from jtik.plotting.scenery import draw_base, draw_obstacles, draw_path
 from jtik.plotting.skeleton import Skeleton
 from jtik.plotting.style import (
@@ -58,6 +58,7 @@ __all__ = [
     "Skeleton",
     "Window",
     "blank_figure",
+    "configurations_of",
     "draw_base",
     "draw_obstacles",
     "draw_path",

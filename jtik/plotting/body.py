@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jtik.arguments import array_of, choice, instance
+from jtik.arguments import choice, instance
 from jtik.plotting.surfaces import Surface, capsule, surface
 from jtik.robot import Robot
 from jtik.symbolic import function, horzcat, symbol
@@ -98,10 +98,3 @@ def triangles(surfaces: list[Surface]) -> tuple[Array, NDArray[np.int64]]:
     corners = [each.vertices[each.faces] for each in surfaces]
     owners = [np.full(len(each), k) for k, each in enumerate(corners)]
     return np.concatenate(corners), np.concatenate(owners)
-
-
-def table_of(robot: Robot, configurations: ArrayLike) -> Array:
-    """Configurations (k, nq) of one (nq,) or several (k, nq)."""
-    shapes = [(robot.nq,), (None, robot.nq)]
-    accepted = f"shape ({robot.nq},) or (any, {robot.nq})"
-    return np.atleast_2d(array_of("configurations", configurations, shapes, accepted))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from itertools import pairwise
 from pathlib import Path
@@ -10,15 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.arguments import choice, instance, instances, positive_number
+from jtik.arguments import choice, instance, positive_number
 from jtik.arguments import path as read_path
 from jtik.errors import ArgumentError
-from jtik.geometry import Solid
+from jtik.geometry import Scene, Solid
 from jtik.plotting.animation import write_animation
 from jtik.plotting.body import Body
 from jtik.plotting.curves import decimal_axes, panels_above_each_other
 from jtik.plotting.drawn_arm import DrawnArm
 from jtik.plotting.figure import Figure, blank_figure, label_axes, window_around
+from jtik.plotting.obstacles_in import shown_obstacles
 from jtik.plotting.postures import SHOWS, configurations_of, link_width, path_of, read_view
 from jtik.plotting.scenery import draw_base, draw_obstacles, draw_path
 from jtik.plotting.skeleton import Skeleton
@@ -95,7 +97,7 @@ def write_motion(
     robot: Robot,
     trajectory: Trajectory | ArrayLike,
     *,
-    obstacles: Iterable[Solid] = (),
+    obstacles: Iterable[Solid] | Scene = (),
     speed: float = 1.0,
     rate: float = 20.0,
     width: float = 5.0,
@@ -108,7 +110,7 @@ def write_motion(
         path: the file to write, which ends in ".gif".
         robot: the robot.
         trajectory: a Trajectory, or configurations (k, nq), which are shown at ``rate``.
-        obstacles: the obstacles.
+        obstacles: the obstacles, or a `Scene`.
         speed: seconds of the trajectory for each second of the animation.
         rate: frames for each second [1/s], at most 50; of a long animation the rate is lower.
         width: width of the animation [inch]; an inch has 100 pixels.
@@ -127,21 +129,24 @@ def write_motion(
     rate, speed = positive_number("rate", rate, "frames for each second, at most 50"), positive_number("speed", speed)
     if rate > 50:
         raise ArgumentError("rate", rate, "frames for each second, at most 50")
-    table = configurations_of(robot, trajectory)
-    seconds = (len(table) - 1) / rate
+    table, pause = (
+        configurations_of(robot, trajectory, "trajectory"),
+        round(1 / rate, 2),
+    )  # a GIF counts hundredths of a second
     if isinstance(trajectory, Trajectory):
         times = trajectory.times if len(table) == len(trajectory) else np.concatenate([[0.0], trajectory.times])
         seconds = float(times[-1] - times[0]) / speed
-        table = resampled(robot, table, times, min(MOST_FRAMES, 1 + max(1, round(rate * seconds))))
-    frames = table[:: -(-len(table) // MOST_FRAMES)]
-    discs = instances("obstacles", obstacles, Solid, "obstacles in the robot's space")
+        pause = max(pause, math.ceil(100 * seconds / MOST_FRAMES) / 100)
+        table = resampled(robot, table, times, 1 + max(1, round(seconds / pause)))
+    frames = table[:: -(-len(table) // (MOST_FRAMES + 1))]
+    discs = shown_obstacles(obstacles)
     line, width = path_of(robot, table), positive_number("width", width)
+    view, show = read_view(view), choice("show", show, SHOWS)
     if robot.dimension == 2:
         figure, draw = _planar(robot, frames, discs, line, width)
     else:
-        figure, draw = _spatial(Body(robot, choice("show", show, SHOWS)), frames, discs, line, width, read_view(view))
-    pause = seconds / max(1, len(frames) - 1) if seconds else 0.1
-    write_animation(file, figure, draw, len(frames), seconds=max(0.02, pause))
+        figure, draw = _spatial(Body(robot, show), frames, discs, line, width, view)
+    write_animation(file, figure, draw, len(frames), seconds=pause)
 
 
 def resampled(robot: Robot, table: Array, times: Array, count: int) -> Array:

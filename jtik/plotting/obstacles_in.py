@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from jtik.geometry import Box, Capsule, Circle, Cylinder, HalfSpace, Point, Polygon, Solid, Sphere
+from jtik.arguments import instances
+from jtik.geometry import Box, Capsule, Circle, Cylinder, HalfSpace, Point, Polygon, Scene, Solid, Sphere
 from jtik.geometry.kinds import KINDS, Kind
 from jtik.types import Array
 
@@ -30,6 +31,17 @@ def obstacles_in(parameters: Mapping[str, Any]) -> tuple[Solid, ...]:
                 solid = _solid(kind, numbers)
                 found.setdefault(repr(kind.name).encode() + np.concatenate(numbers).tobytes(), solid)
     return tuple(found.values())
+
+
+def shown_obstacles(given: Any) -> tuple[Solid, ...]:
+    """The obstacles of an argument: one, several, or a Scene without those whose gain is 0.
+
+    Raises:
+        ArgumentError: for anything else.
+    """
+    if isinstance(given, Scene):
+        return tuple(given[name] for name in given.names if given.gains[name] > 0)
+    return instances("obstacles", given, Solid, "obstacles, such as jtik.Sphere or jtik.Box, or a jtik.Scene")
 
 
 def obstacle_parameters(parameters: Mapping[str, Any]) -> dict[str, Array]:

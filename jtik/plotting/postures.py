@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.arguments import array_of, choice, finite_array, instance, instances, positive_number
+from jtik.arguments import array_of, choice, finite_array, instance, positive_number, shape_of
 from jtik.errors import ArgumentError
-from jtik.geometry import Solid
+from jtik.geometry import Scene, Solid
 from jtik.plotting.body import Body
 from jtik.plotting.drawn_arm import draw_postures
 from jtik.plotting.figure import Figure, Window, blank_figure, label_axes, window_around
+from jtik.plotting.obstacles_in import shown_obstacles
 from jtik.plotting.scenery import draw_base, draw_obstacles, draw_path
 from jtik.plotting.skeleton import Skeleton
 from jtik.plotting.spatial import VIEW, SpatialScene, spatial_figure
@@ -36,7 +37,7 @@ def posture_figure(
     robot: Robot,
     configurations: ArrayLike | Solution | Trajectory,
     *,
-    obstacles: Iterable[Solid] = (),
+    obstacles: Iterable[Solid] | Scene = (),
     path: ArrayLike | None = None,
     window: Window | None = None,
     width: float | None = None,
@@ -49,7 +50,7 @@ def posture_figure(
         robot: the robot.
         configurations: (nq,), (k, nq), a Solution, or a Trajectory, of which evenly spaced postures are drawn with the
             path of the end effector.
-        obstacles: the obstacles.
+        obstacles: the obstacles, or a `Scene`.
         path: positions (k, 2) or (k, 3) [m] to draw as a line.
         window: (left, right, bottom, top) [m] of a planar robot; by default one that shows everything.
         width: width of the figure [inch]; 12 for a planar robot, 6 for a spatial one by default.
@@ -73,12 +74,14 @@ def posture_figure(
     line = None if path is None else finite_array("path", path, (None, robot.dimension))
     if path is None and isinstance(configurations, Trajectory):
         line = path_of(robot, whole)
-    discs = instances("obstacles", obstacles, Solid, "obstacles in the robot's space")
+    discs = shown_obstacles(obstacles)
+    shown = choice("show", default_show(len(table)) if show is None else show, SHOWS)
+    view = read_view(view)
     if robot.dimension == 2:
         return _planar(robot, table, discs, line, window, 12.0 if width is None else width)
     if window is not None:
         raise ArgumentError("window", window, "None for a spatial robot: the figure shows everything")
-    body = Body(robot, choice("show", default_show(len(table)) if show is None else show, SHOWS))
+    body = Body(robot, shown)
     colors = [SINGLE] if len(table) == 1 else shades(len(table))
 
     def draw(scene: SpatialScene) -> None:
@@ -88,7 +91,7 @@ def posture_figure(
         scene.fix(discs, [each for own, _ in bodies for each in own])
         scene.show(bodies)
 
-    return spatial_figure(read_view(view), positive_number("width", 6.0 if width is None else width), draw)
+    return spatial_figure(view, positive_number("width", 6.0 if width is None else width), draw)
 
 
 def _planar(
@@ -113,15 +116,17 @@ def link_width(axes: Any) -> float:
     return float(min(LINK_WIDTH, LINK_SHARE * max(right - left, top - bottom)))
 
 
-def configurations_of(robot: Robot, given: Any) -> Array:
+def configurations_of(robot: Robot, given: Any, argument: str = "configurations") -> Array:
     """The configurations (k, nq) of what `posture_figure` accepts; a Trajectory begins with its start."""
     if isinstance(given, Trajectory):
         rows = given.q if np.isnan(given.start).any() else np.concatenate([given.start[None], given.q])
         given = rows
     elif isinstance(given, Solution):
         given = given.q
+    if isinstance(given, Mapping) or len(shape_of(given) or ()) == 1:
+        return np.atleast_2d(robot.configuration(given, argument=argument))
     accepted = f"shape ({robot.nq},) or (any, {robot.nq})"
-    return np.atleast_2d(array_of("configurations", given, [(robot.nq,), (None, robot.nq)], accepted))
+    return np.atleast_2d(array_of(argument, given, [(robot.nq,), (None, robot.nq)], accepted))
 
 
 def path_of(robot: Robot, table: Array) -> Array:

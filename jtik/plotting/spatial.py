@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,12 @@ SHADE = 0.45
 
 THINNEST = 0.3
 """Smallest side of the box, as a share of its largest: below it the labels of its axis overlap."""
+
+ROUNDS = 8
+"""How often axes and figure are resized; each time the labels move."""
+
+TALLEST = 1.25
+"""Largest height of a figure, as a share of its width."""
 
 PAD = 0.06
 """Margin around the picture [inch]."""
@@ -106,19 +113,15 @@ class SpatialScene:
     def _include(self, points: Array) -> None:
         self._corners = np.concatenate([self._corners, points.reshape(-1, 3)])
 
-    def frame(self, zoom: float = 1.0) -> None:
-        """Set the limits to what is drawn, at equal scale, and label the axes.
-
-        Args:
-            zoom: size of the box in the axes, relative to matplotlib's.
-        """
+    def frame(self) -> None:
+        """Set the limits to what is drawn, at equal scale, and label the axes."""
         low, high = self._corners.min(axis=0), self._corners.max(axis=0)
         span = np.maximum(high - low, max(THINNEST * float((high - low).max()), 1e-6))
         middle = (low + high) / 2
         axes = self.axes
         for name, at, side in zip("xyz", middle, span, strict=True):
             getattr(axes, f"set_{name}lim")(at - 0.52 * side, at + 0.52 * side, auto=None)
-        axes.set_box_aspect(span, zoom=zoom)
+        axes.set_box_aspect(span)
         self._style(span / span.max())
 
     def _style(self, shares: Array) -> None:
@@ -161,24 +164,77 @@ def spatial_figure(view: tuple[float, float], width: float, draw: Callable[[Spat
 
 def fill(figure: Figure, axes: Axes, width: float) -> None:
     """Resize axes and figure, so that what is drawn fills the figure of that width [inch]."""
+    from matplotlib.transforms import Bbox
+
     side, left, bottom, height = width, 0.0, 0.0, width
-    for _ in range(6):
+    for _ in range(ROUNDS):
         figure.set_size_inches(width, height)
         axes.set_position((left / width, bottom / height, side / width, side / height))
         figure.draw_without_rendering()
-        _separate_labels(axes, figure.canvas.get_renderer())
-        seen = axes.get_tightbbox(figure.canvas.get_renderer()).transformed(figure.dpi_scale_trans.inverted())
-        grow = (width - 2 * PAD) / seen.width
-        left, bottom = PAD + (left - seen.x0) * grow, PAD + (bottom - seen.y0) * grow
+        renderer = figure.canvas.get_renderer()
+        _separate_labels(axes, renderer)
+        parts = [_box_of(axes), *(each.get_window_extent(renderer) for each in _labels(axes))]
+        seen = Bbox.union(parts).transformed(figure.dpi_scale_trans.inverted())
+        grow = min((width - 2 * PAD) / seen.width, (TALLEST * width - 2 * PAD) / seen.height)
+        left, bottom = (width - seen.width * grow) / 2 + (left - seen.x0) * grow, PAD + (bottom - seen.y0) * grow
         side, height = side * grow, seen.height * grow + 2 * PAD
     figure.set_size_inches(width, height)
     axes.set_position((left / width, bottom / height, side / width, side / height))
 
 
+def fit(figure: Figure, axes: Axes, cell: tuple[float, float, float, float]) -> None:
+    """Resize axes, so that what is drawn fills a cell of the figure.
+
+    Args:
+        figure: the figure, without a layout engine.
+        axes: 3-D axes.
+        cell: left, bottom, width and height [inch].
+    """
+    from matplotlib.transforms import Bbox
+
+    (left, bottom, width, height), side = cell, cell[2]
+    across, up = figure.get_size_inches()
+    x, y = left, bottom
+    for _ in range(ROUNDS):
+        axes.set_position((x / across, y / up, side / across, side / up))
+        figure.draw_without_rendering()
+        renderer = figure.canvas.get_renderer()
+        _separate_labels(axes, renderer)
+        parts = [_box_of(axes), *(each.get_window_extent(renderer) for each in _labels(axes))]
+        seen = Bbox.union(parts).transformed(figure.dpi_scale_trans.inverted())
+        grow = min((width - 2 * PAD) / seen.width, (height - 2 * PAD) / seen.height)
+        x = left + (width - seen.width * grow) / 2 + (x - seen.x0) * grow
+        y = bottom + (height - seen.height * grow) / 2 + (y - seen.y0) * grow
+        side *= grow
+    axes.set_position((x / across, y / up, side / across, side / up))
+
+
+def _box_of(axes: Axes) -> Any:
+    """The rectangle around the box of 3-D axes, in pixels."""
+    from matplotlib.transforms import Bbox
+    from mpl_toolkits.mplot3d import proj3d
+
+    corners = product(axes.get_xlim(), axes.get_ylim(), axes.get_zlim())
+    points = [proj3d.proj_transform(*corner, axes.get_proj())[:2] for corner in corners]
+    pixels = axes.transData.transform(points)
+    return Bbox([pixels.min(axis=0), pixels.max(axis=0)])
+
+
+def _labels(axes: Axes) -> list[Any]:
+    """The texts of 3-D axes that are drawn: the labels of the axes, and the numbers."""
+    found = []
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        low, high = sorted(axis.get_view_interval())
+        numbers = [tick.label1 for tick in axis.majorTicks if low <= tick.get_loc() <= high]
+        found += [axis.label, *numbers]
+    return [text for text in found if text.get_text()]
+
+
 def _separate_labels(axes: Axes, renderer: Any) -> None:
     """Move the labels of axes away from the numbers that they touch."""
     every = (axes.xaxis, axes.yaxis, axes.zaxis)
-    numbers = [tick.label1.get_window_extent(renderer) for axis in every for tick in axis.majorTicks]
+    names = [axis.label for axis in every]
+    numbers = [text.get_window_extent(renderer) for text in _labels(axes) if text not in names]
     for axis in every:
         if axis.label.get_window_extent(renderer).padded(2).count_overlaps(numbers):
             axis.labelpad += 3

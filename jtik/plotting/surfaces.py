@@ -90,7 +90,7 @@ def obstacle_surface(solid: Solid, extent: Extent) -> Surface:
         depth = DEPTH * radius if solid.dimension == 2 else 0.01 * radius
         pose[:3, 3] = extent.middle - ((extent.middle - point) @ normal + depth) * normal
         if solid.dimension == 2:
-            pose[:3, :3] = np.stack([np.cross(normal, [0.0, 0.0, 1.0]), [0.0, 0.0, 1.0], normal], axis=1)
+            pose[:3, :3] = np.stack([np.cross([0.0, 0.0, 1.0], normal), [0.0, 0.0, 1.0], normal], axis=1)
             return box(np.array([1.2 * radius, FLAT * radius, depth])).at(pose)
         return box(np.array([1.2 * radius, 1.2 * radius, depth]), 10).at(pose)
     if solid.dimension == 3:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
+from jtik.result import Trajectory
+
 
 class Drawable:
     """Base of a robot that can be drawn."""
@@ -30,4 +32,6 @@ class Drawable:
             MissingExtraError: when matplotlib is not installed.
         """
         robot: Any = self
-        return import_module("jtik.plotting").posture_figure(robot, robot.home if q is None else q, **options)
+        plotting, given = import_module("jtik.plotting"), robot.home if q is None else q
+        shown = given if isinstance(given, Trajectory) else plotting.configurations_of(robot, given, "q")
+        return plotting.posture_figure(robot, shown, **options)

@@ -35,7 +35,7 @@ class ArmNodes:
         robot: the robot.
         color: red, green and blue, 0 to 255.
         show: one of `SHOWS`.
-        opacity: its opacity.
+        axes: whether the axes of the tip are shown.
 
     Attributes:
         frames: the nodes of its frames, by name of the frame.
@@ -43,22 +43,21 @@ class ArmNodes:
     """
 
     def __init__(
-        self, scene: Any, path: str, robot: Robot, color: tuple[int, int, int], show: str, opacity: float | None
+        self, scene: Any, path: str, robot: Robot, color: tuple[int, int, int], show: str, *, axes: bool
     ) -> None:
         self._scene, self._path, self._robot = scene, path, robot
-        self._style = {"color": color, "opacity": opacity}
+        self._color = color
         self._poses = Poses(robot)
         self.root = scene.add_frame(path, show_axes=False)
         surfaces, length = _surfaces(robot, show), reach(robot)
         self.shown = next(iter(surfaces))
         self.frames: dict[str, Any] = {}
         for frame in self._poses.frames:
-            axes = frame == robot.tip
             self.frames[frame] = scene.add_frame(
                 f"{path}/{_escaped(frame)}",
-                show_axes=axes,
-                axes_length=0.08 * reach(robot),
-                axes_radius=0.004 * reach(robot),
+                show_axes=axes and frame == robot.tip,
+                axes_length=0.08 * length,
+                axes_radius=0.004 * length,
             )
         for k, (frame, each) in enumerate(surfaces[self.shown]):
             self._add(f"{path}/{_escaped(frame)}/{k}", each)
@@ -72,7 +71,7 @@ class ArmNodes:
 
     def _add(self, name: str, each: Surface) -> Any:
         vertices, faces = each.vertices.astype(np.float32), each.faces.astype(np.uint32)
-        return self._scene.add_mesh_simple(name, vertices, faces, flat_shading=not each.smooth, **self._style)
+        return self._scene.add_mesh_simple(name, vertices, faces, flat_shading=not each.smooth, color=self._color)
 
     def _link(self, length: float) -> Surface:
         return capsule(np.zeros(3), np.array([0.0, 0.0, length]), self._radius)

@@ -24,6 +24,7 @@ class ArmPanel:
         label: name of the arm.
         robot: the robot.
         q: its configuration, (nq,).
+        color: its colour: red, green and blue, 0 to 255.
         moved: called with a configuration when a slider is moved.
         shown: called with whether the arm is shown.
         expanded: whether the sliders are seen at once.
@@ -41,6 +42,7 @@ class ArmPanel:
         robot: Robot,
         q: Array,
         *,
+        color: tuple[int, int, int],
         moved: Callable[[Array], None],
         shown: Callable[[bool], None],
         expanded: bool,
@@ -48,10 +50,12 @@ class ArmPanel:
         self._robot, self._moved, self._quiet = robot, moved, False
         self._q = q.copy()
         self.sliders: dict[str, Any] = {}
-        self.folder = gui.add_folder(label, expand_by_default=expanded)
+        self.folder = gui.add_folder(label)
         with self.folder:
+            gui.add_html(f'<div style="height:4px;margin:0 0.75em;background:rgb{color}"></div>')
             self.visible = gui.add_checkbox("shown", True)
             self.status = gui.add_markdown("")
+        with self.folder, gui.add_folder("joints", expand_by_default=expanded):
             for joint in robot.joints:
                 if joint.is_independent and joint.type in (JointType.REVOLUTE, JointType.PRISMATIC):
                     self.sliders[joint.name] = self._slider(gui, joint)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 import socket
+from contextlib import redirect_stdout
+from io import StringIO
 from typing import Any
 
 from jtik.arguments import integer
@@ -51,8 +54,16 @@ def start(port: Any, title: str) -> Any:
         import viser
     except ImportError as error:
         raise MissingExtraError("viser", "view", "jtik.view") from error
-    server = viser.ViserServer(host=HOST, port=read_port(port), label=title, verbose=False)
+    logging.getLogger("websockets").addHandler(logging.NullHandler())  # a browser that hangs up is no news
+    with redirect_stdout(StringIO()):  # it prints a banner
+        server = viser.ViserServer(host=HOST, port=read_port(port), label=title, verbose=False)
     server.gui.configure_theme(
         control_width="medium", show_logo=False, show_share_button=False, brand_color=(0, 114, 178)
     )
     return server
+
+
+def stop(server: Any) -> None:
+    """End a server."""
+    with redirect_stdout(StringIO()):
+        server.stop()

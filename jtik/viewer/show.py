@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, TypeGuard
 
-from jtik.arguments import choice, instances, positive_integer
+from jtik.arguments import choice, positive_integer
 from jtik.errors import ArgumentError
-from jtik.geometry import Solid
+from jtik.geometry import Scene, Solid
+from jtik.plotting.obstacles_in import shown_obstacles
 from jtik.robot import Robot
 from jtik.viewer.arm import SHOWS
 from jtik.viewer.subjects import read_subjects
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 def view(
     *subjects: Robot | InverseKinematics | Solution | Trajectory | Comparison | Any,
     robot: Robot | None = None,
-    obstacles: Iterable[Solid] = (),
+    obstacles: Iterable[Solid] | Scene = (),
     labels: Iterable[str] | None = None,
     show: str = "meshes",
     port: int | None = None,
@@ -44,7 +45,7 @@ def view(
         subjects: a Robot or an InverseKinematics, each followed by what it is to show, if not its home configuration:
             Solutions, Trajectories, or configurations (nq,). Or one Comparison alone, with its contenders overlaid.
         robot: the robot of the Solutions, Trajectories and configurations that no robot or solver precedes.
-        obstacles: the obstacles, in place of those of the solvers' criteria and clearances.
+        obstacles: the obstacles, or a `Scene`, in place of those of the solvers' criteria and clearances.
         labels: names of the arms in the panel; those of the robots by default.
         show: "meshes", "shapes" or "links".
         port: the port; any free one by default.
@@ -59,7 +60,7 @@ def view(
     """
     choice("show", show, SHOWS)
     height = positive_integer("height", height)
-    solids = instances("obstacles", obstacles, Solid, "obstacles, such as jtik.Sphere or jtik.Box")
+    solids = shown_obstacles(obstacles)
     if len(subjects) == 1 and _is_comparison(subjects[0]):
         for name, value in (("robot", robot), ("labels", labels)):
             if value is not None:

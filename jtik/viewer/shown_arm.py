@@ -24,7 +24,6 @@ class ShownArm:
         subject: the robot and its motion.
         color: red, green and blue, 0 to 255.
         show: "meshes", "shapes" or "links".
-        opacity: its opacity; None for none.
         expanded: whether its sliders are seen at once.
 
     Attributes:
@@ -41,16 +40,22 @@ class ShownArm:
         *,
         color: tuple[int, int, int],
         show: str,
-        opacity: float | None,
         expanded: bool,
     ) -> None:
         self.subject, self._lock, self._solving = subject, threading.RLock(), threading.Lock()
         robot, path = subject.robot, f"/{subject.label.replace('/', '|')}"
         self._q = np.array(subject.q[0])
         self._wanted: Array | None = None
-        self.nodes = ArmNodes(server.scene, path, robot, color, show, opacity)
+        self.nodes = ArmNodes(server.scene, path, robot, color, show, axes=subject.moves)
         self.panel = ArmPanel(
-            server.gui, subject.label, robot, self._q, moved=self.move, shown=self._shown, expanded=expanded
+            server.gui,
+            subject.label,
+            robot,
+            self._q,
+            color=color,
+            moved=self.move,
+            shown=self._shown,
+            expanded=expanded,
         )
         self.target: LiveTarget | None = None
         self.handle: Any = None
@@ -117,7 +122,7 @@ class ShownArm:
             return
         with self._lock:
             self._place(q)
-            self.panel.say(f"target: {solution.status.value}, {1e3 * solution.position_error:.3g} mm away")
+            self.panel.say(f"target: {solution.status.value}, {solution.position_error:.3g} m away")
 
     def remove(self) -> None:
         """Remove its nodes and its panel."""

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jtik.arguments import instance
+from jtik.arguments import names as read_names
 from jtik.errors import ArgumentError
 from jtik.geometry import HalfSpace
 from jtik.plotting.body import THICKNESS, Poses, reach
@@ -103,7 +104,7 @@ def _with_motion(owner: Robot | InverseKinematics, given: Any) -> Subject:
         raise ArgumentError("subjects", given, ACCEPTED)
     if not isinstance(given, (Solution, Trajectory)):
         given = np.asarray(robot.configuration(given, argument="subjects"))
-    table = configurations_of(robot, given)
+    table = configurations_of(robot, given, "subjects")
     times = np.zeros(1)
     if isinstance(given, Trajectory):
         times = given.times if len(table) == len(given) else np.concatenate([[0.0], given.times])
@@ -119,9 +120,10 @@ def _parts(owner: Robot | InverseKinematics) -> tuple[Robot, InverseKinematics |
 def _labelled(subjects: list[Subject], labels: Iterable[str] | None) -> list[Subject]:
     """The subjects with the labels given, or else with a number where several have the same name."""
     if labels is not None:
-        names = [str(each) for each in labels]
-        if len(names) != len(subjects) or len(set(names)) != len(names):
-            raise ArgumentError("labels", names, f"{len(subjects)} different texts, one for each arm")
+        accepted = f"{len(subjects)} names, one for each arm"
+        names = list(read_names("labels", labels, accepted))
+        if len(names) != len(subjects) or not all(names):
+            raise ArgumentError("labels", names, accepted)
     else:
         own = [subject.label for subject in subjects]
         names = [name if own.count(name) == 1 else f"{name} {own[: k + 1].count(name)}" for k, name in enumerate(own)]

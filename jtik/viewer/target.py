@@ -13,7 +13,7 @@ from jtik.solver import InverseKinematics
 from jtik.task import FrameTask
 from jtik.types import Array
 
-MOST_ITERATIONS = 60
+MOST_ITERATIONS = 300
 """Largest number of iterations of a solve: the next position of the target is waiting."""
 
 

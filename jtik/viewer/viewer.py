@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from jtik.geometry import HalfSpace
 from jtik.plotting.obstacles_in import obstacles_in
-from jtik.plotting.style import COLORS, OBSTACLE_FACE, SINGLE
+from jtik.plotting.style import COLORS, OBSTACLE_EDGE, SINGLE
 from jtik.plotting.surfaces import Extent, obstacle_surface
 from jtik.types import Array
 from jtik.viewer.playing import Player
-from jtik.viewer.server import HOST, start
+from jtik.viewer.server import HOST, start, stop
 from jtik.viewer.shown_arm import ShownArm
 from jtik.viewer.subjects import Size, Subject, size_of
 
@@ -69,22 +70,23 @@ class Viewer:
             for k, subject in enumerate(self._subjects):
                 single = len(self._subjects) == 1
                 color = rgb(SINGLE if single else COLORS[k % len(COLORS)])
-                opacity = None if k == 0 else 0.75
-                arm = ShownArm(self._server, subject, color=color, show=self._show, opacity=opacity, expanded=single)
+                arm = ShownArm(self._server, subject, color=color, show=self._show, expanded=single)
                 self.arms.append(arm)
             self._place_camera(size)
 
     def _place_camera(self, size: Size) -> None:
-        scene, camera, planar = self._server.scene, self._server.initial_camera, size.planar
+        camera, planar = self._server.initial_camera, size.planar
         camera.look_at = size.extent.middle
         offset = np.array([0.0, -1e-3, 1.0]) if planar else np.array([0.75, -1.0, 0.5])
-        camera.position = size.extent.middle + (1.5 if planar else 1.6) * size.extent.radius * offset / np.linalg.norm(
-            offset
-        )
+        away = (1.2 if planar else 1.35) * size.extent.radius
+        camera.position = size.extent.middle + away * offset / np.linalg.norm(offset)
         camera.up = (0.0, 1.0, 0.0) if planar else (0.0, 0.0, 1.0)
+        if not any(isinstance(each, HalfSpace) for each in self._every()):  # else that is the floor
+            self._add_floor(size)
+
+    def _add_floor(self, size: Size) -> None:
         cell = 10.0 ** np.floor(np.log10(max(size.extent.radius, 1e-3)))
-        depth = -3 * size.thickness if planar else 0.0
-        scene.add_grid(
+        self._server.scene.add_grid(
             "/floor",
             width=40 * cell,
             height=40 * cell,
@@ -92,19 +94,22 @@ class Viewer:
             section_size=cell,
             cell_color=(225, 227, 230),
             section_color=(205, 208, 212),
-            position=(0.0, 0.0, depth),
+            position=(0.0, 0.0, -3 * size.thickness if size.planar else 0.0),
             fade_distance=12 * size.extent.radius,
         )
+
+    def _every(self) -> tuple[Any, ...]:
+        """The obstacles that are shown."""
+        return self._given or tuple(each for subject in self._subjects for each in subject.obstacles)
 
     def _draw_obstacles(self, extent: Extent) -> None:
         for node in self.obstacles:
             node.remove()
-        every = self._given or tuple(each for subject in self._subjects for each in subject.obstacles)
         self.obstacles = []
-        for k, obstacle in enumerate(every):
+        for k, obstacle in enumerate(self._every()):
             each = obstacle_surface(obstacle, extent)
             vertices, faces = each.vertices.astype(np.float32), each.faces.astype(np.uint32)
-            style = {"color": rgb(OBSTACLE_FACE), "opacity": 0.8, "flat_shading": not each.smooth, "side": "double"}
+            style = {"color": rgb(OBSTACLE_EDGE), "opacity": 0.75, "flat_shading": not each.smooth, "side": "double"}
             self.obstacles.append(self._server.scene.add_mesh_simple(f"/obstacles/{k}", vertices, faces, **style))
 
     def _at(self, moment: float) -> None:
@@ -167,7 +172,7 @@ class Viewer:
             self._closed.set()
             if self.player is not None:
                 self.player.close()
-            self._server.stop()
+            stop(self._server)
 
     def __enter__(self) -> Self:
         return self

@@ -47,7 +47,7 @@ def test_json_has_every_field_of_a_solution(capsys: Capture) -> None:
     assert document["joint_names"] == list(ik.robot.joint_names)
     public = {name for name in (*vars(solution), *dir(type(solution))) if not name.startswith("_")}
     left_out, added = (
-        {"trace", "report", "inspect", "look", "gave_way", "of"},
+        {"trace", "report", "inspect", "plot", "look", "gave_way", "of"},
         {"robot", "strategy", "why", "joint_names"},
     )
     assert set(document) == public - left_out | added

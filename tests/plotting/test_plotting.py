@@ -142,10 +142,10 @@ def test_spheres_are_refused() -> None:
         plotting.draw_obstacles(axes, [jtik.Sphere((0, 0, 0), 1.0)])
 
 
-def test_robots_out_of_the_plane_are_refused() -> None:
-    robot = jtik.Robot.from_dh([(0.5, 0.0, 0.0, 0.0)])
+def test_robots_out_of_the_plane_are_refused_on_plane_axes() -> None:
+    _, axes = plotting.blank_figure((-1, 1, -1, 1))
     with pytest.raises(jtik.ArgumentError, match="planar"):
-        plotting.posture_figure(robot, [0.0])
+        plotting.DrawnArm(axes, jtik.Robot.from_dh([(0.5, 0.0, 0.0, 0.0)]))
 
 
 def test_a_window_holds_points_and_obstacles() -> None:
@@ -161,7 +161,8 @@ def test_a_posture_figure_takes_one_configuration_or_several(arm: jtik.Robot) ->
     dark = [(pixels(figure).min(axis=2) < 200).sum() for figure in (one, several)]
     assert dark[0] > 100
     assert len(several.axes[0].collections) == 2 * len(one.axes[0].collections)
-    assert len(several.axes[0].patches) == 1
+    bases = len(one.axes[0].patches)
+    assert len(several.axes[0].patches) == bases + 1
 
 
 def test_an_animation_has_the_frames_it_was_given(arm: jtik.Robot, tmp_path: Path) -> None:
@@ -179,6 +180,17 @@ def test_an_animation_has_the_frames_it_was_given(arm: jtik.Robot, tmp_path: Pat
     assert durations == [100, 100, 100, 500]
     assert all(np.abs(a - b).max() > 128 for a, b in itertools.pairwise(frames))
     np.testing.assert_allclose(frames[-1], pixels(figure), atol=48)
+
+
+def test_the_label_of_an_axis_has_room(arm: jtik.Robot) -> None:
+    figure = plotting.posture_figure(arm, [1.2, 0.1, -0.3], width=4.0)
+    figure.canvas.draw()
+    axes, renderer = figure.axes[0], figure.canvas.get_renderer()
+    names = [text.get_window_extent(renderer) for text in axes.texts]
+    ticks = [each.get_window_extent(renderer) for each in (*axes.get_xticklabels(), *axes.get_yticklabels())]
+    assert len(names) == 2
+    assert len(ticks) > 4
+    assert not any(name.overlaps(tick) for name in names for tick in ticks)
 
 
 def test_a_missing_matplotlib_is_named_with_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -118,10 +118,56 @@ def test_obstacles_of_a_scene_are_drawn() -> None:
     assert {tuple(np.round(center, 9)) for center in scenes[0].parameters["obstacle_avoidance.centers"]} <= drawn
 
 
+def test_obstacles_of_criteria_and_of_clearances_are_drawn_each_once(tmp_path) -> None:
+    robot, task = jtik.Robot.planar(4), jtik.FrameTask("tip", kind="position")
+    near, far = jtik.Circle((2.0, 2.5), 0.3), jtik.Circle((-2.0, 1.5), 0.4)
+    study = compare(
+        robot,
+        task,
+        strategies="weighted_qp",
+        criteria={"with": ObstacleAvoidance([near]), "without": None},
+        clearances=jtik.Clearance(ObstacleAvoidance([near, far])),
+        count=1,
+        repeats=1,
+        max_iterations=20,
+    )
+    study.save(tmp_path / "study.npz")
+    for each in (study, Comparison.load(tmp_path / "study.npz")):
+        for criteria in ("with", "without"):
+            patches = each.plot_postures(criteria=criteria).axes[0].patches
+            drawn = sorted(tuple(np.round(patch.center, 9)) for patch in patches if patch.radius in (0.3, 0.4))
+            assert drawn == [(-2.0, 1.5), (2.0, 2.5)]
+
+
+def test_only_the_attempt_that_led_to_the_answer_is_drawn() -> None:
+    robot, task = jtik.Robot.planar(3), jtik.FrameTask("tip", kind="position")
+    out_of_reach = problems.Case(name="far", kind="far", q0=[2.5, -2.9, 2.9], targets=[(4.0, 0.0)])
+    study = compare(robot, task, strategies="newton", problems=[out_of_reach], repeats=1, restarts=3, max_iterations=8)
+    (trace,) = study.traces.values()
+    assert len(np.unique(trace.attempt)) > 2
+    line = next(line for line in study.plot_postures().axes[0].get_lines() if len(line.get_xdata()) > 1)
+    rows = trace.answer_rows
+    assert len(line.get_xdata()) == len(rows) + 1 < len(trace.q)
+    expected = [robot.position(q) for q in (*trace.q[rows], trace.q[-1])]
+    np.testing.assert_allclose(np.column_stack(line.get_data()), expected, atol=1e-9)
+    V = study.plot_lyapunov().axes[0].get_lines()[0].get_ydata()
+    np.testing.assert_array_equal(V, np.maximum(trace.V[rows], style.FLOOR))
+
+
 def test_a_spatial_robot_is_drawn_in_3d() -> None:
     robot = jtik.Robot.builtin("ur5e")
     study = compare(robot, jtik.FrameTask(robot.tip), strategies=["hybrid"], count=1, repeats=1)
-    assert study.plot_postures().axes[0].name == "3d"
+    figure = study.plot_postures()
+    (axes,) = figure.axes
+    assert axes.name == "3d"
+    figure.canvas.draw()
+    renderer = figure.canvas.get_renderer()
+    boxes = [axis.label.get_window_extent(renderer) for axis in (axes.xaxis, axes.yaxis, axes.zaxis)]
+    boxes += [text.get_window_extent(renderer) for text in figure.texts]
+    for k, box in enumerate(boxes):
+        assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
+        assert figure.bbox.y0 <= box.y0 < box.y1 <= figure.bbox.y1
+        assert not box.count_overlaps(boxes[:k])
     assert study.plot_joints()._repr_png_()
 
 

@@ -53,7 +53,7 @@ def test_the_file_format_keeps_its_names(study, tmp_path):
     with np.load(tmp_path / "study.npz", allow_pickle=False) as archive:
         header, names = json.loads(str(archive["header"])), set(archive.files)
     assert header["format"] == 1
-    keys = "format robot tasks problems settings machine complete fingerprint traces paths"
+    keys = "format robot tasks problems obstacles settings machine complete fingerprint traces paths"
     assert set(header) == set(keys.split())
     columns = """
         contender criteria case kind success status note iterations seconds seconds_low seconds_high

@@ -15,7 +15,7 @@ from jtik.interop.urdf import to_urdf
 from jtik.planner import Planner
 from jtik.problems import Case, ProblemSet
 from jtik.qp import Conic, PersistentOSQP, QPSolversBackend, backend_of
-from jtik.robot import DHRow, Mass, Mimic
+from jtik.robot import DHRow, Mass, Mesh, Mimic
 from jtik_formulations import FrameProximity, JointCentering, ObstacleAvoidance
 
 from .values import (
@@ -129,6 +129,7 @@ ROBOT: dict[str, Entry] = {
             "tip": NOTHING | "None",
             "masses": CONFIGURATION | "None",
             "shapes": CONFIGURATION | "None",
+            "meshes": CONFIGURATION | "None",
             "keyframes": CONFIGURATION | "None",
             "neutral": OPTIONAL_Q,
             "ignored": SENTENCES,
@@ -274,6 +275,7 @@ ROBOT: dict[str, Entry] = {
         fixed(joint="a"),
         {"joint": TEXT, "multiplier": Kind(NUMBER.accepted - {"0"}), "offset": NUMBER},
     ),
+    "Mesh": Entry(Mesh, fixed(file="a.stl"), {"file": NAME, "pose": NOTHING, "scale": NOTHING}),
     "Mass": Entry(Mass, fixed(mass=1.0), {"mass": NON_NEGATIVE, "center": NOTHING, "inertia": NOTHING}),
     "DHRow": Entry(
         DHRow,
@@ -802,6 +804,31 @@ STUDY: dict[str, Entry] = {
 }
 
 PLOTTED = {"robot": ARM, "configurations": [[0.3, 0.2]]}
+TRAJECTORY = IK.track([(1.0, 0.5), (1.0, 0.6)])
+TRACE = IK.solve((1.0, 0.5), q0=[0.3, 0.9], trace=True).trace
+
+
+def viewed(**options: Any) -> None:
+    """A view of an arm, which is closed at once."""
+    arguments = {"subjects": [0.3, 0.2], **options}
+    jtik.view(ARM, arguments.pop("subjects"), **arguments).close()
+
+
+VIEWER: dict[str, Entry] = {
+    "view": Entry(
+        viewed,
+        nothing,
+        {
+            "subjects": CONFIGURATION,
+            "robot": NOTHING | "None",
+            "obstacles": Kind(frozenset({"[]"})),
+            "labels": NAME | "None",
+            "show": NOTHING,
+            "port": NOTHING | "None",
+            "height": POSITIVE_COUNT,
+        },
+    )
+}
 
 
 def axes() -> Any:
@@ -814,11 +841,33 @@ PLOTTING: dict[str, Entry] = {
         fixed(**PLOTTED, width=4.0),
         {
             "robot": NOTHING,
-            "configurations": NOTHING,
+            "configurations": CONFIGURATION,
             "obstacles": OBSTACLES,
             "path": NOTHING | "None",
             "window": NOTHING | "None",
-            "width": POSITIVE,
+            "width": POSITIVE | "None",
+            "view": NOTHING,
+            "show": NOTHING | "None",
+        },
+    ),
+    "Robot.plot": Entry(ARM.plot, nothing, {"q": OPTIONAL_Q}),
+    "trajectory_figure": Entry(
+        plotting.trajectory_figure, lambda: {"trajectory": TRAJECTORY}, {"trajectory": NOTHING, "width": POSITIVE}
+    ),
+    "trace_figure": Entry(plotting.trace_figure, lambda: {"trace": TRACE}, {"trace": NOTHING, "width": POSITIVE}),
+    "write_motion": Entry(
+        plotting.write_motion,
+        lambda: {"path": MISSING / "a.gif", "robot": ARM, "trajectory": [[0.3, 0.2]]},
+        {
+            "path": NOTHING,
+            "robot": NOTHING,
+            "trajectory": CONFIGURATION.without("{}"),
+            "obstacles": OBSTACLES.without("[]"),
+            "speed": POSITIVE.without(*POSITIVE.accepted),
+            "rate": POSITIVE.without(*POSITIVE.accepted),
+            "width": POSITIVE.without(*POSITIVE.accepted),
+            "view": NOTHING,
+            "show": NOTHING,
         },
     ),
     "draw_postures": Entry(
@@ -901,6 +950,7 @@ ENTRIES: dict[str, Entry] = {
     **PROBLEMS,
     **STUDY,
     **PLOTTING,
+    **VIEWER,
     **TESTING,
     **BACKENDS,
     **INTEROP,

@@ -36,6 +36,7 @@ MODULES = (
     "jtik.planner",
     "jtik.plotting",
     "jtik.testing",
+    "jtik.viewer",
 )
 
 NOT_CALLED: dict[str, str] = {
@@ -62,8 +63,11 @@ NOT_CALLED: dict[str, str] = {
     **dict.fromkeys(("JointType", "Status"), "an enumeration"),
     "Kind": "an alias",
     **dict.fromkeys(
-        ("Kinematics", "TaskRows", "TaskStack", "WeightedCoordinates", "Setting"), "the library makes it from arguments"
+        ("Kinematics", "TaskRows", "TaskStack", "WeightedCoordinates", "Setting"),
+        "the library makes it from arguments",
     ),
+    "Viewer": "`view` makes it",
+    "configurations_of": "reads the argument of `posture_figure`, which is in the table",
     "NamedProblem": "a value of `named`",
     **dict.fromkeys(("names", "available"), "takes no argument"),
     **dict.fromkeys(("CalledBackend", "FusedBackend", "QPSolver"), "a base class"),
@@ -112,6 +116,7 @@ LEFT_OUT = {
     ("to_urdf", "turn"),
     ("check_criterion", "criterion"),
     ("write_animation", "figure"),
+    ("Robot.plot", "options"),
     ("Conic", "options"),
     ("QPSolversBackend", "options"),
     ("PersistentOSQP", "options"),

@@ -5,13 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from jtik.plotting import Figure
+from jtik.plotting import INK, Axes, Figure
+from jtik.plotting.spatial import fit
 from jtik.study.figures.robot_drawing import RobotDrawing
 from jtik.study.figures.selection import choose_case, configurations_of, obstacles_of_case
 from jtik.study.figures.style import grid, panels
 
 if TYPE_CHECKING:
     from jtik.study.comparison import Comparison
+
+
+TITLE = 0.25
+"""Height of a title [inch]."""
 
 
 def posture_panels(
@@ -43,4 +48,19 @@ def posture_panels(
     for axes in table.flat[len(found) :]:
         axes.remove()
     figure.suptitle(at.case, fontsize=11, x=0.01, ha="left")
+    if not scene.is_planar:
+        _arrange(figure, list(table.flat[: len(found)]), list(found), columns)
     return figure
+
+
+def _arrange(figure: Figure, panels: list[Axes], titles: list[str], columns: int) -> None:
+    """Fill the figure with panels of 3-D axes, for which matplotlib's layout leaves half of it empty."""
+    figure.set_layout_engine("none")
+    width, height = figure.get_size_inches()
+    rows = -(-len(panels) // columns)
+    across, up = width / columns, (height - TITLE) / rows
+    for k, (axes, title) in enumerate(zip(panels, titles, strict=True)):
+        left, top = k % columns * across, height - TITLE - k // columns * up
+        axes.set_title("", loc="left")
+        figure.text((left + 0.1) / width, (top - 0.05) / height, title, color=INK, fontsize=10.5, va="top")
+        fit(figure, axes, (left, top - up, across, up - TITLE))

@@ -68,6 +68,7 @@ class RobotDrawing:
         left, right, bottom, top = self.window
         axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
         axes.grid(False)
+        axes.set_axisbelow("line")  # the numbers are within the frame, above a half-space
         label_axes(axes, 8.0)
         draw_obstacles(axes, self.obstacles)
         size = min(LINK_WIDTH, 0.012 * (right - left))
@@ -84,4 +85,4 @@ class RobotDrawing:
         scene.include(self._all)
         scene.fix(self.obstacles, self._all)
         scene.show([(body.surfaces(each), color) for each, color in zip(some, colors, strict=True)])
-        scene.frame(zoom=1.05)
+        scene.frame()
