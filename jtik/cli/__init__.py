@@ -1,4 +1,4 @@
-"""The command line: ``jtik list``, ``robot``, ``solve``, ``compare``, ``plan``, ``view``, ``cite``, ``cache`` and ``demo``."""
+"""The command line: ``jtik list``, ``robot``, ``solve``, ``compare``, ``plan``, ``view`` and the others."""
 
 from __future__ import annotations
 
