@@ -52,14 +52,18 @@ def final_verdict(
     """
     shorten_null = null_longer if model.has_criterion else 0
     shorten_task = logic_not(shorten_null) if model.has_criterion else 1
+    restores: Expression = 0
     if model.clearance:
-        accepted = logic_or(accepted, model.restoration.accepts(dq, candidate.length))
+        restores = model.restoration.accepts(dq, candidate.length)
+        accepted = logic_or(accepted, restores)
     accepted = logic_and(accepted, is_finite(candidate.V_to_target + candidate.H if evaluated else dq))
     if model.clearance:
         clear = model.clearance.keeps(dq)
         accepted = logic_and(accepted, clear)
         # a step whose path is not proved safe is too long: both of its parts are shortened
         shorten_task, shorten_null = (logic_or(part, logic_not(clear)) for part in (shorten_task, shorten_null))
+        # what a restoration adds to V says nothing about the length of the task part
+        shorten_task = logic_and(shorten_task, logic_not(logic_and(restores, clear)))
     if model.timed:  # at rest a refusal by rounding must not shorten the step to the next target
         predicted = model.predicted_decrease(model.J @ dq) if predicted is None else predicted
         matters = predicted > SIGNIFICANT * model.here.V

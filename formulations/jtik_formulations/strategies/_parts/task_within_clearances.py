@@ -67,8 +67,7 @@ def within_clearances(model: LocalModel, t: Expression, weight: Array) -> ClearD
     """
     n, (low, high) = model.robot.n, model.box
     metric, rows = _Metric(model, t, weight / weight.mean()), model.restoration.rows
-    start = t + model.restoration.dq
-    lower, upper, missing = low - start, high - start, rows.lower - rows.matrix @ start
+    lower, upper, missing = low - t, high - t, rows.lower - rows.matrix @ t
     within = logic_and(mmax(lower) <= 0, logic_and(mmin(upper) >= 0, mmax(missing) <= 0))
     solution = model.solve(
         QuadraticProgram(
@@ -82,9 +81,12 @@ def within_clearances(model: LocalModel, t: Expression, weight: Array) -> ClearD
         )
     )
     change = solution.x
-    share = fmax(1 - ratio(metric.square(change), metric.square_of_t), 0)
+    lost = metric.square(change)
+    if model.clearance and model.clearance.restores:  # what the restoration changes is not missing
+        lost = fmax(sqrt(lost + TINY) - sqrt(metric.square(model.restoration.dq) + TINY), 0) ** 2
+    share = fmax(1 - ratio(lost, metric.square_of_t), 0)
     short = logic_and(norm(change) > NEGLIGIBLE, share < COMPLETE)
-    dq = fmin(fmax(start + change, low), high)  # the solver's tolerance must not leave the box
+    dq = fmin(fmax(t + change, low), high)  # the solver's tolerance must not leave the box
     return ClearDisplacement(dq, share, if_else(short, 1 - share, 0))
 
 

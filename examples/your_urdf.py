@@ -1,0 +1,31 @@
+"""Load a URDF, see what jtik made of it, and reach a pose.
+
+python examples/your_urdf.py [arm.urdf]
+"""
+
+import sys
+
+import jtik
+
+ARM = """
+<robot name="two_and_a_half">
+  <link name="base"/><link name="column"/><link name="upper"/><link name="forearm"/><link name="tool0"/>
+  <joint name="lift" type="prismatic"><parent link="base"/><child link="column"/><axis xyz="0 0 1"/>
+    <limit lower="0" upper="0.5" velocity="0.3" effort="100"/></joint>
+  <joint name="shoulder" type="revolute"><parent link="column"/><child link="upper"/><origin xyz="0 0 0.3"/>
+    <axis xyz="0 0 1"/><limit lower="-2.5" upper="2.5" velocity="2" effort="50"/></joint>
+  <joint name="elbow" type="revolute"><parent link="upper"/><child link="forearm"/><origin xyz="0.35 0 0"/>
+    <axis xyz="0 0 1"/><limit lower="-2.6" upper="2.6" velocity="2" effort="50"/></joint>
+  <joint name="flange" type="fixed"><parent link="forearm"/><child link="tool0"/><origin xyz="0.3 0 0"/></joint>
+</robot>
+"""
+
+robot = jtik.Robot.from_urdf(sys.argv[1] if len(sys.argv) > 1 else ARM)
+print(robot)
+print("joints:", *robot.joint_names)
+print("tip:", robot.tip, "  ignored:", robot.ignored or "nothing")
+
+reachable = robot.position(robot.random_configuration(1))
+solution = jtik.InverseKinematics(robot, jtik.FrameTask("tip")).solve(reachable, restarts=20)
+print(solution)
+assert solution.status.on_target
