@@ -28,6 +28,7 @@ from jtik.planner.plan_file import Plan
 from jtik.planner.settings import Problem, Structure, Values
 from jtik.planner.solving import GIVEN, Solver
 from jtik.planner.state import Messages, State
+from jtik.registry import strategy_of
 from jtik.robot import JointType, Robot
 from jtik.strategy import Strategy
 from jtik.task import FrameTask
@@ -120,11 +121,17 @@ class Planner:
         kind = "position" if full.dimension == 2 else "pose"
         wanted = FrameTask(full.tip, kind=kind) if task is None else instance("task", task, FrameTask, accepted)  # type: ignore[arg-type]
         moving, _ = reduced(full, wanted, None, full.neutral)
-        obstacles = Scene(demo.obstacles if demo and scene is None else () if scene is None else scene)
-        read_obstacles(obstacles, full.dimension)
-        if demo and scene is None:
-            obstacles = Scene({f"disc {i}": each for i, each in enumerate(demo.obstacles, 1)})
+        field = {f"disc {i}": each for i, each in enumerate(demo.obstacles, 1)} if demo and scene is None else scene
+        obstacles = _scene(field, full.dimension)
         dt, compiled = positive_number("dt", dt), flag("compiled", compiled)
+        safe, speeds = non_negative_number("safe", safe), _speeds(target_speed)
+        start = moving.home if q0 is None else moving.configuration(q0, argument="q0")
+        if not callable(clock):
+            raise ArgumentError("clock", clock, "a function that returns the time [s]")
+        if executor is not None:
+            instance("executor", executor, Executor, "a concurrent.futures.Executor, or None")
+        messages = Messages(clock)
+        journal, former = _journal(folder, moving, messages)
         names, weights, given = _criteria(criteria)
         problem = Problem(
             robot=moving,
@@ -133,11 +140,11 @@ class Planner:
             weights=weights,
             bodies="shapes" if any(_moves(moving, frame) for frame in moving.shapes) else "both",
             limits=_limits(limits, moving),
-            strategy=strategy if isinstance(strategy, Strategy) else None,
+            strategy=None if isinstance(strategy, str) else strategy_of(strategy),
             compiled=compiled,
         )
         structure = Structure(
-            strategy=GIVEN if isinstance(strategy, Strategy) else strategy,
+            strategy=strategy if isinstance(strategy, str) else GIVEN,
             options={},
             criteria=names,
             limits=problem.limits.position,
@@ -146,17 +153,14 @@ class Planner:
         )
         solver = Solver(problem, structure)
         preferred = np.clip(moving.neutral, moving.lower, moving.upper)
-        values = Values(obstacles, preferred, {}, non_negative_number("safe", safe))
+        values = Values(obstacles, preferred, {}, safe)
         solver.fill(values)
-        start = moving.home if q0 is None else moving.configuration(q0, argument="q0")
         if demo and q0 is None:
             start = solver.ik.solve(demo.path(2)[0], q0=demo.start).q
-        messages = Messages(clock)
         state = State(problem, solver, values, start, messages=messages)
-        state.set_target_speed(*_speeds(target_speed, state.arm.reach))
+        state.set_target_speed(*(speeds or (state.arm.reach / 6, 1.0)))
         self._executor = ThreadPoolExecutor(2, "jtik planner") if executor is None else executor
         self._own_executor = executor is None
-        journal, former = _journal(folder, moving, messages)
         self._server: Server | None = None
         self.loop = Loop(state, self._executor, clock=clock, dt=dt, journal=journal, sessions=former)
 
@@ -209,6 +213,16 @@ class Planner:
             self._executor.shutdown(wait=False, cancel_futures=True)
 
 
+def _scene(given: Any, dimension: int) -> Scene:
+    """The obstacles. Raises ArgumentError for anything else, naming the argument."""
+    try:
+        scene = Scene(() if given is None else given)
+        read_obstacles(scene, dimension)
+    except ArgumentError as error:
+        raise ArgumentError("scene", error.given, f"a jtik.Scene, or obstacles: {error.accepted}") from None
+    return scene
+
+
 def _moves(robot: Robot, frame: str) -> bool:
     return any(joint.is_moving for joint in robot.path(frame))
 
@@ -241,10 +255,10 @@ def _limits(given: bool | Limits, robot: Robot) -> Limits:
     return Limits(position=limits.position, velocity=tuple(speeds.tolist()))
 
 
-def _speeds(given: object, reach: float) -> tuple[float, float]:
-    """Largest speed [m/s] and angular speed [rad/s] of the target."""
+def _speeds(given: object) -> tuple[float, float] | None:
+    """Largest speed [m/s] and angular speed [rad/s] of the target; None where none are given."""
     if given is None:
-        return reach / 6, 1.0
+        return None
     accepted = "two positive numbers: a speed [m/s] and an angular speed [rad/s]"
     speed, turn = array_of("target_speed", given, [(2,)], accepted, lambda x: (x > 0) & (x < math.inf)).tolist()
     return speed, turn

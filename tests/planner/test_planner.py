@@ -108,8 +108,8 @@ def _is_plain(value: object) -> bool:
     [
         ({"robot": "panda"}, "robot"),
         ({"task": jtik.CenterOfMassTask()}, "task"),
-        ({"scene": jtik.Sphere((0, 0, 0), 1)}, "obstacles"),
-        ({"scene": 5}, "obstacles"),
+        ({"scene": jtik.Sphere((0, 0, 0), 1)}, "scene"),
+        ({"scene": 5}, "scene"),
         ({"strategy": 5}, "strategy"),
         ({"criteria": 5}, "criteria"),
         ({"criteria": ["joint_centering", "joint_centering"]}, "criteria"),

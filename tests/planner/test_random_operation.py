@@ -66,7 +66,7 @@ def operate(operator: Operator, generator: np.random.Generator, ticks: int) -> N
         assert operator.loop.frame.position.shape == (2,)
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_a_few_thousand_periods_of_random_operation(seed: int) -> None:
     operator, generator = Operator(), np.random.default_rng(seed)
     operate(operator, generator, 3000)
@@ -79,6 +79,7 @@ def test_a_few_thousand_periods_of_random_operation(seed: int) -> None:
     assert operator.loop.frame.mode == "live"
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow() -> None:
     operator, generator = Operator(), np.random.default_rng(5)
 

@@ -12,6 +12,7 @@ import jtik
 from jtik import plotting
 from jtik.interop.mujoco_model import to_mujoco
 from jtik.interop.urdf import to_urdf
+from jtik.planner import Planner
 from jtik.problems import Case, ProblemSet
 from jtik.qp import Conic, PersistentOSQP, QPSolversBackend, backend_of
 from jtik.robot import DHRow, Mass, Mimic
@@ -370,6 +371,31 @@ SOLVER: dict[str, Entry] = {
         IK.jog,
         fixed(q=[0.3, 0.2], rate=0.5),
         {"q": CONFIGURATION, "rate": NUMBER, "direction": Kind(frozenset({"0", "None"})), "dt": POSITIVE},
+    ),
+    "InverseKinematics.report": Entry(
+        IK.report,
+        fixed(q=[0.3, 0.2], target=(1.0, 1.0)),
+        {"q": CONFIGURATION, "target": NOTHING},
+    ),
+    "Planner": Entry(
+        Planner,
+        lambda: {"robot": ARM, "criteria": None, "strategy": "newton", "folder": False},
+        {
+            "robot": NOTHING.without("None"),
+            "task": Kind(frozenset({"None"})),
+            "scene": OBSTACLES | ("{}", "None"),
+            "strategy": NOTHING,
+            "criteria": Kind(frozenset({"None", "[]"})),
+            "q0": OPTIONAL_Q,
+            "limits": FLAG,
+            "safe": NON_NEGATIVE,
+            "target_speed": Kind(frozenset({"None"})),
+            "dt": POSITIVE,
+            "compiled": FLAG.without("True"),
+            "folder": NOTHING.without("None", "'x'", "bytes"),
+            "clock": NOTHING.without("class"),
+            "executor": Kind(frozenset({"None"})),
+        },
     ),
     "InverseKinematics.step, arrays": Entry(
         lambda q, target: IK.step(np.array(q) if isinstance(q, list) else q, target),

@@ -33,6 +33,7 @@ MODULES = (
     "jtik.qp",
     "jtik.problems",
     "jtik.study",
+    "jtik.planner",
     "jtik.plotting",
     "jtik.testing",
 )
