@@ -97,10 +97,12 @@ function criteriaPart() {
 
 function criterionRow({ name, summary }) {
   const chosen = state.settings.criteria.includes(name);
-  const box = toggle(words(name), (checked) => {
-    const now = state.settings.criteria;
-    send("set_criteria", { names: checked ? [...now, name] : now.filter((each) => each !== name) });
+  // the switches as they stand: the settings may not have caught up with the last click
+  const box = toggle(words(name), () => {
+    const switches = [...document.querySelectorAll(".criterion > .switch input")];
+    send("set_criteria", { names: switches.filter((each) => each.checked).map((each) => each.dataset.criterion) });
   });
+  box.input.dataset.criterion = name;
   box.set(chosen);
   box.node.title = summary ?? "";
   const gains = Object.keys(state.settings.gains).filter((parameter) => parameter.startsWith(`${name}.`) && typeof state.settings.gains[parameter] === "number");

@@ -7,7 +7,7 @@ import time
 import numpy as np
 
 
-def wait_for(condition, seconds=15.0):
+def wait_for(condition, seconds=45.0):
     end = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < end, "it did not come about"
