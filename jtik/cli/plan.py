@@ -36,8 +36,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Serve the page until Ctrl-C, and return 0."""
     from jtik.geometry import Scene
     from jtik.planner import Planner
-    from jtik.planner.desk import Desk
-    from jtik.planner.server import PORT, Server, check_port
+    from jtik.planner.web.desk import Desk
+    from jtik.planner.web.server import PORT, Server, check_port
 
     port = check_port(PORT if arguments.port is None else arguments.port)
     robot = None if arguments.robot is None else read_robot(arguments.robot)

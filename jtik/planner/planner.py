@@ -21,13 +21,14 @@ from jtik.demo.scene import Scene as Demo
 from jtik.errors import ArgumentError
 from jtik.geometry import Scene, Slots, Solid
 from jtik.geometry.slots import read_obstacles
-from jtik.planner import catalogue, sessions
-from jtik.planner.journal import Journal
-from jtik.planner.loop import DT, Loop
-from jtik.planner.plan_file import Plan
-from jtik.planner.settings import Problem, Structure, Values
-from jtik.planner.solving import GIVEN, Solver
-from jtik.planner.state import Messages, State
+from jtik.planner.files import sessions
+from jtik.planner.files.journal import Journal
+from jtik.planner.files.plan_file import Plan
+from jtik.planner.session import catalogue
+from jtik.planner.session.loop import DT, Loop
+from jtik.planner.session.settings import Problem, Structure, Values
+from jtik.planner.session.solving import GIVEN, Solver
+from jtik.planner.session.state import Messages, State
 from jtik.registry import strategy_of
 from jtik.robot import JointType, Robot
 from jtik.strategy import Strategy
@@ -35,7 +36,7 @@ from jtik.task import FrameTask
 from jtik.task.reduction import reduced
 
 if TYPE_CHECKING:
-    from jtik.planner.server import Server
+    from jtik.planner.web.server import Server
 
 CRITERIA = ("joint_centering", "obstacle_avoidance")
 """The criteria of the paper's Figure 2.2."""
@@ -57,9 +58,9 @@ class Planner:
     """A session of an operator who guides the end effector of a robot, changes obstacles and settings, and records.
 
     The target moves at a limited speed, and one step of the solver follows it 60 times a second, in a thread that
-    `start` begins and `close` ends. `submit` takes edits (`jtik.planner.edits`) from any thread; `frame`, `status`,
-    `settings` and `history` are the latest values, which any thread may read. What compiled functions read changes at
-    once; another strategy, criterion or capacity is built in a worker while the present solver goes on::
+    `start` begins and `close` ends. `submit` takes edits (`jtik.planner.edits.messages`) from any thread; `frame`,
+    `status`, `settings` and `history` are the latest values, which any thread may read. What compiled functions read
+    changes at once; another strategy, criterion or capacity is built in a worker while the present solver goes on::
 
         with jtik.planner.Planner() as planner:
             planner.loop.submit(MoveTarget((6.0, 1.0)))
@@ -189,8 +190,8 @@ class Planner:
             MissingExtraError: when websockets is not installed.
             PortInUseError: when another program uses the port.
         """
-        from jtik.planner.desk import Desk
-        from jtik.planner.server import Server
+        from jtik.planner.web.desk import Desk
+        from jtik.planner.web.server import Server
 
         if self._server is None:
             server = Server(Desk(self.loop), port=port)

@@ -17,7 +17,7 @@ import pytest
 from websockets.sync.client import connect
 
 from jtik.cli import main
-from jtik.planner.server import PORT
+from jtik.planner.web.server import PORT
 
 PATIENCE = 120.0
 """Longest time to wait for the process [s]."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.planner.attempt import Attempt
+from jtik.planner.attempts.attempt import Attempt
 
 SCENE = {"obstacles": {"post": {"shape": "circle", "center": [2.0, 1.0], "radius": 0.25, "gain": 1.0}}}
 

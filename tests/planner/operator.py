@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 import jtik
-from jtik.planner.catalogue import Criteria
-from jtik.planner.edits import Edit
-from jtik.planner.loop import DT, Loop
-from jtik.planner.settings import Problem, Structure, Values
-from jtik.planner.solving import Solver
-from jtik.planner.state import Messages, State
+from jtik.planner.edits.messages import Edit
+from jtik.planner.session.catalogue import Criteria
+from jtik.planner.session.loop import DT, Loop
+from jtik.planner.session.settings import Problem, Structure, Values
+from jtik.planner.session.solving import Solver
+from jtik.planner.session.state import Messages, State
 
 ROBOT = jtik.Robot.planar(4)
 START = np.array([0.9, -0.6, -0.5, 0.4])

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jtik.errors import ArgumentError
-from jtik.planner.attempt import Attempt
+from jtik.planner.attempts.attempt import Attempt
 
 from .conftest import SCENE, make_attempt
 

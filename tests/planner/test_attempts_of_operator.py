@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.planner import sessions
-from jtik.planner.edits import AddObstacle, HoldTarget, Jog, MoveTarget, SetGain, SetObstacleGain, SetStrategy
-from jtik.planner.edits_of_attempts import (
+from jtik.planner.edits.messages import AddObstacle, HoldTarget, Jog, MoveTarget, SetGain, SetObstacleGain, SetStrategy
+from jtik.planner.edits.of_attempts import (
     Branch,
     Choose,
     DeleteAttempt,
@@ -27,9 +26,10 @@ from jtik.planner.edits_of_attempts import (
     StopRecording,
     Undo,
 )
-from jtik.planner.journal import Journal
-from jtik.planner.loop import DT
-from jtik.planner.plan_file import Plan
+from jtik.planner.files import sessions
+from jtik.planner.files.journal import Journal
+from jtik.planner.files.plan_file import Plan
+from jtik.planner.session.loop import DT
 from tests.planner.operator import ROBOT, START, Operator
 
 GOAL = (2.4, 0.8)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.planner import between
-from jtik.planner.between import Distances, Smallest
+from jtik.planner.attempts import between
+from jtik.planner.attempts.between import Distances, Smallest
 from jtik_formulations import ObstacleAvoidance
 
 from ..conftest import EXACT, ball_arm, floating_arm

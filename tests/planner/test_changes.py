@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jtik.planner.edits import (
+from jtik.planner.edits.messages import (
     AddObstacle,
     ChangeObstacle,
     DeleteObstacle,

@@ -10,8 +10,8 @@ import pytest
 
 import jtik
 from jtik.errors import ArgumentError
-from jtik.planner.commands import FORMATS, JointCommands, export, file_name, load
-from jtik.planner.commit import as_recorded, timed
+from jtik.planner.commit.commands import FORMATS, JointCommands, export, file_name, load
+from jtik.planner.commit.committing import as_recorded, timed
 
 from ..conftest import ball_arm
 from .conftest import make_attempt

@@ -10,8 +10,8 @@ import pytest
 import jtik
 from jtik.constraints import Limits
 from jtik.errors import ArgumentError
-from jtik.planner.commands import FORMATS, load
-from jtik.planner.commit import ACCELERATION, PICTURES, SPEED, check, commit, timed
+from jtik.planner.commit.commands import FORMATS, load
+from jtik.planner.commit.committing import ACCELERATION, PICTURES, SPEED, check, commit, timed
 
 from ..conftest import ball_arm, floating_arm
 from .conftest import SCENE, make_attempt

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.planner.compare import COLUMNS, measure, table
+from jtik.planner.attempts.compare import COLUMNS, measure, table
 from jtik.study.path_metrics import path_length, smoothness
 
 from ..conftest import EXACT

@@ -7,8 +7,8 @@ import json
 import pytest
 
 from jtik.errors import ArgumentError, UnknownNameError
-from jtik.planner import edits_of_attempts
-from jtik.planner.edits import EDITS, HoldTarget, MoveTarget, SetGain, from_json
+from jtik.planner.edits import of_attempts as edits_of_attempts
+from jtik.planner.edits.messages import EDITS, HoldTarget, MoveTarget, SetGain, from_json
 
 EXAMPLES = [
     {"edit": "move_target", "position": [6.0, 1.5], "orientation": [1.0, 0.0, 0.0, 0.0]},

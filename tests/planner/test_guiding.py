@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jtik.planner.edits import HoldTarget, Jog, MoveTarget, SetLimits, SetTargetSpeed
-from jtik.planner.loop import DT
+from jtik.planner.edits.messages import HoldTarget, Jog, MoveTarget, SetLimits, SetTargetSpeed
+from jtik.planner.session.loop import DT
 from tests.planner.operator import ROBOT, START, Operator
 
 

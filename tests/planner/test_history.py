@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jtik.errors import ArgumentError, UnknownNameError
-from jtik.planner.attempt import Attempt
-from jtik.planner.history import History
-from jtik.planner.recording import Recording
+from jtik.planner.attempts.attempt import Attempt
+from jtik.planner.attempts.history import History
+from jtik.planner.attempts.recording import Recording
 
 from .conftest import make_attempt, same
 

@@ -16,14 +16,14 @@ import pytest
 
 import jtik
 from jtik.errors import ArgumentError
-from jtik.planner import journal as journal_module
-from jtik.planner import plan_file, snapshots
-from jtik.planner.history import History
-from jtik.planner.journal import JOURNAL, SNAPSHOT, Journal
-from jtik.planner.plan_file import Plan
-from jtik.planner.recording import Recording
-from jtik.planner.recovery import recover
-from jtik.planner.sessions import new_folder, recoverable
+from jtik.planner.attempts.history import History
+from jtik.planner.attempts.recording import Recording
+from jtik.planner.files import journal as journal_module
+from jtik.planner.files import plan_file, snapshots
+from jtik.planner.files.journal import JOURNAL, SNAPSHOT, Journal
+from jtik.planner.files.plan_file import Plan
+from jtik.planner.files.recovery import recover
+from jtik.planner.files.sessions import new_folder, recoverable
 
 from .conftest import SCENE, make_attempt, same
 
@@ -309,8 +309,8 @@ RECORDER = """
 import sys, time
 import numpy as np
 from pathlib import Path
-from jtik.planner.journal import Journal
-from jtik.planner.attempt import Attempt
+from jtik.planner.files.journal import Journal
+from jtik.planner.attempts.attempt import Attempt
 
 journal = Journal(Path(sys.argv[1]), robot={"name": "arm", "joint_names": ["a"], "nq": 1})
 journal.start()

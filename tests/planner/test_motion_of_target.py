@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jtik.planner import rotations
-from jtik.planner.edits import HoldTarget, MoveTarget
-from jtik.planner.target import GuidedTarget
+from jtik.planner.edits.messages import HoldTarget, MoveTarget
+from jtik.planner.session import rotations
+from jtik.planner.session.target import GuidedTarget
 
 DT = 0.1
 

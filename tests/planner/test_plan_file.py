@@ -10,9 +10,9 @@ import pytest
 
 import jtik
 from jtik.errors import ArgumentError
-from jtik.planner import plan_file
-from jtik.planner.history import History
-from jtik.planner.plan_file import Plan
+from jtik.planner.attempts.history import History
+from jtik.planner.files import plan_file
+from jtik.planner.files.plan_file import Plan
 
 from .conftest import SCENE, make_attempt, same
 

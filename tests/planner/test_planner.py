@@ -10,9 +10,10 @@ import pytest
 
 import jtik
 from jtik.errors import ArgumentError, UnknownNameError
-from jtik.planner import Planner, sessions
-from jtik.planner.edits import MoveTarget
-from jtik.planner.edits_of_attempts import Record
+from jtik.planner import Planner
+from jtik.planner.edits.messages import MoveTarget
+from jtik.planner.edits.of_attempts import Record
+from jtik.planner.files import sessions
 from jtik_formulations import JointCentering, Newton, ObstacleAvoidance
 from tests.planner.operator import Later
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from jtik.planner.edits import ChangeObstacle, DeleteObstacle, HoldTarget, MoveTarget, SetGain, TakePosture
-from jtik.planner.inbox import Inbox
-from jtik.planner.schedule import Schedule
+from jtik.planner.edits.messages import ChangeObstacle, DeleteObstacle, HoldTarget, MoveTarget, SetGain, TakePosture
+from jtik.planner.session.inbox import Inbox
+from jtik.planner.session.schedule import Schedule
 
 
 def test_edits_come_in_their_order() -> None:

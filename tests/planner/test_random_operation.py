@@ -8,9 +8,9 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from jtik.planner import edits
-from jtik.planner import edits_of_attempts as of_attempts
-from jtik.planner.loop import DT
+from jtik.planner.edits import messages as edits
+from jtik.planner.edits import of_attempts
+from jtik.planner.session.loop import DT
 from tests.planner.operator import Operator
 
 STRATEGIES = ("newton", "hybrid", "damped")

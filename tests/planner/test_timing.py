@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jtik.errors import ArgumentError
-from jtik.planner.timing import SPACING, smoothed, timed_path
+from jtik.planner.commit.timing import SPACING, smoothed, timed_path
 
 METHODS = ("toppra", "trapezoid") if importlib.util.find_spec("toppra") else ("trapezoid",)
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.planner.commit import timed
-from jtik.planner.trajectories import animation, as_trajectory, figure
+from jtik.planner.commit.committing import timed
+from jtik.planner.commit.trajectories import animation, as_trajectory, figure
 
 from ..conftest import ball_arm
 from .conftest import SCENE, make_attempt

@@ -7,15 +7,15 @@ import pytest
 import jtik
 from jtik.constraints import Limits
 from jtik.errors import ArgumentError, JtikError
-from jtik.planner.attempt import Attempt
-from jtik.planner.commands import export
-from jtik.planner.commit import as_recorded, check, commit, timed
-from jtik.planner.compare import measure
-from jtik.planner.history import History
-from jtik.planner.plan_file import Plan
-from jtik.planner.recovery import recover
-from jtik.planner.sessions import new_folder, recoverable
-from jtik.planner.trajectories import animation, as_trajectory, figure
+from jtik.planner.attempts.attempt import Attempt
+from jtik.planner.attempts.compare import measure
+from jtik.planner.attempts.history import History
+from jtik.planner.commit.commands import export
+from jtik.planner.commit.committing import as_recorded, check, commit, timed
+from jtik.planner.commit.trajectories import animation, as_trajectory, figure
+from jtik.planner.files.plan_file import Plan
+from jtik.planner.files.recovery import recover
+from jtik.planner.files.sessions import new_folder, recoverable
 
 from .conftest import make_attempt
 

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 import pytest
 
 from jtik.planner import Planner
-from jtik.planner.desk import Desk
-from jtik.planner.server import Server
+from jtik.planner.web.desk import Desk
+from jtik.planner.web.server import Server
 
 
 @pytest.fixture(scope="module")

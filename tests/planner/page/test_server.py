@@ -13,9 +13,9 @@ from websockets.sync.client import connect
 
 import jtik
 from jtik.planner import Planner
-from jtik.planner.outgoing import MODES
-from jtik.planner.server import PortInUseError, Server
-from jtik.planner.web import FILES, PAGE
+from jtik.planner.web.http import FILES, PAGE
+from jtik.planner.web.outgoing import MODES
+from jtik.planner.web.server import PortInUseError, Server
 
 from .waiting import is_still, wait_for
 

@@ -7,7 +7,7 @@ import pytest
 
 import jtik
 from jtik.planner import Planner
-from jtik.planner.desk import Desk
+from jtik.planner.web.desk import Desk
 
 from .waiting import is_still, wait_for
 

@@ -1,0 +1,1 @@
+"""Attempts: recorded, branched, measured and compared."""

@@ -1,0 +1,1 @@
+"""Commit to an attempt: check it, time it, write it for a controller."""

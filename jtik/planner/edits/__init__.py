@@ -1,0 +1,1 @@
+"""What an operator can ask for: edits, their JSON, and what each does."""

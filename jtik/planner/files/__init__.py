@@ -1,0 +1,1 @@
+"""What is on disk: journals, snapshots, recovery, and the file of a plan."""

@@ -1,0 +1,1 @@
+"""A session: the loop that owns the solver, its state, and what it publishes."""

@@ -1,0 +1,95 @@
+"""What an operator sets: the structure that a solver is built for, and the values that change in a built one."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from jtik.constraints import Limits
+from jtik.geometry import Scene, Slots
+from jtik.planner.session.catalogue import Criteria
+from jtik.planner.session.frames import plain
+from jtik.robot import Robot
+from jtik.strategy import Strategy
+from jtik.task import FrameTask
+from jtik.types import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What stays as it is for the whole session.
+
+    Attributes:
+        robot: the robot.
+        task: what its end effector does.
+        criteria: the criteria that can be chosen.
+        weights: first weight of each criterion by name, 1 where there is none.
+        bodies: what keeps away from obstacles, as of obstacle criteria: "both" or "shapes".
+        limits: the limits, with those of the positions.
+        strategy: a strategy object that can be chosen by the name "given"; None for none.
+        compiled: whether solvers run as generated C.
+    """
+
+    robot: Robot
+    task: FrameTask
+    criteria: Criteria
+    weights: Mapping[str, float] = field(default_factory=dict)
+    bodies: str = "both"
+    limits: Limits = field(default_factory=Limits)
+    strategy: Strategy | None = None
+    compiled: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """What a solver is built for.
+
+    Attributes:
+        strategy: name of the strategy.
+        options: options of the strategy.
+        criteria: names of the criteria.
+        limits: whether the position limits hold.
+        clearance: whether the clearance holds.
+        slots: the places for obstacles.
+    """
+
+    strategy: str
+    options: Mapping[str, Any]
+    criteria: tuple[str, ...]
+    limits: bool
+    clearance: bool
+    slots: Slots
+
+    @property
+    def key(self) -> str:
+        """A text that is the same for structures of the same solver."""
+        options = {name: plain(value) for name, value in sorted(self.options.items())}
+        parts = [
+            self.strategy,
+            options,
+            self.criteria,
+            self.limits,
+            self.clearance,
+            dict(self.slots.counts),
+            self.slots.corners,
+        ]
+        return json.dumps(parts)
+
+
+@dataclass(frozen=True, eq=False)
+class Values:
+    """What changes in a built solver.
+
+    Attributes:
+        scene: the obstacles.
+        preferred: preferred posture (nq,) [rad] and [m].
+        gains: values of other live parameters by name.
+        safe: smallest distance that the clearance allows [m].
+    """
+
+    scene: Scene
+    preferred: Array
+    gains: Mapping[str, Any]
+    safe: float

@@ -1,0 +1,182 @@
+"""The state of a session, which belongs to the thread of the loop."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from jtik.errors import JtikError
+from jtik.geometry import Scene
+from jtik.planner.edits.messages import Jog
+from jtik.planner.session import rotations
+from jtik.planner.session.arm import Arm
+from jtik.planner.session.frames import Level, Message
+from jtik.planner.session.settings import Problem, Structure, Values
+from jtik.planner.session.solving import Solver
+from jtik.planner.session.target import GuidedTarget
+from jtik.types import Array
+
+MESSAGES = 200
+"""Number of messages that are kept."""
+
+AGAIN = 5.0
+"""Time after which a message of the same text is told again [s]."""
+
+
+class Messages:
+    """The latest messages, each text at most once in some seconds.
+
+    Args:
+        clock: the time [s].
+
+    Attributes:
+        latest: the latest messages, which any thread may read.
+    """
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._clock = clock
+        self._told: dict[str, float] = {}
+        self._count = 0
+        self.latest: deque[Message] = deque(maxlen=MESSAGES)
+
+    def tell(self, level: Level, text: str) -> None:
+        """Add a message."""
+        now = self._clock()
+        if now - self._told.get(text, -AGAIN) < AGAIN:
+            return
+        if len(self._told) > MESSAGES:
+            self._told.clear()
+        self._told[text] = now
+        self.latest.append(Message(self._count, level, " ".join(text.split())))
+        self._count += 1
+
+
+class State:
+    """Where the arm and its target are, what is set, and the solver.
+
+    Args:
+        problem: what stays as it is.
+        solver: the first solver.
+        values: what changes in a built solver.
+        q: where the arm is (nq,).
+        messages: takes messages for the operator.
+
+    Attributes:
+        q: where the arm is (nq,).
+        target: the target.
+        solver: the solver that steps.
+        wanted: the structure that was asked for last.
+        values: what changes in a built solver.
+        jog: motion along the self-motion.
+        jogged: what that motion does, in words; empty without one.
+        changes: how often the settings have changed.
+    """
+
+    def __init__(self, problem: Problem, solver: Solver, values: Values, q: Array, *, messages: Messages) -> None:
+        self.problem, self.solver, self.values, self.messages = problem, solver, values, messages
+        self.wanted: Structure = solver.structure
+        self.arm = Arm(problem.robot, problem.robot.frame(problem.task.frame))
+        self.q = np.array(q, dtype=float)
+        turns = problem.task.target_kind != "position"
+        self.target = GuidedTarget(*self.arm.end_effector(self.q), speed=1.0, rotation_speed=1.0, turns=turns)
+        self.jog = Jog(0.0)
+        self.jogged = ""
+        self.changes = 0
+        solver.fill(values)
+
+    def set_target_speed(self, speed: float, rotation: float) -> None:
+        """Set the largest speed [m/s] and angular speed [rad/s] of the target."""
+        self.target.speed, self.target.rotation_speed = speed, rotation
+        self.touch()
+
+    def target_of(self, position: Array, orientation: Array) -> Any:
+        """A target as the task reads it, see `target_of`."""
+        return target_of(self.problem, position, orientation)
+
+    def step(self, dt: float, *, guided: bool) -> None:
+        """One step of the arm. A step that fails leaves the arm where it is, and is told.
+
+        Args:
+            dt: period [s].
+            guided: whether the target moves, which comes before a motion along the self-motion.
+        """
+        self.jogged = ""
+        try:
+            q = self._jog(dt) if self.jog.rate and not guided else self._follow(dt)
+        except JtikError as error:
+            self.messages.tell("error", f"the step failed: {error}")
+            return
+        except Exception as error:  # a criterion or a strategy of a third party may raise anything
+            self.messages.tell("error", f"the step failed: {type(error).__name__}: {error}")
+            return
+        if np.isfinite(q).all():
+            self.q = q
+            return
+        self.messages.tell("error", "the step led to no finite configuration; the arm stays where it is")
+        self.solver.ik.reset()
+
+    def _follow(self, dt: float) -> Array:
+        """The configuration after one step to the target."""
+        return self.solver.step(self.q, self.target_of(self.target.position, self.target.orientation), dt).q
+
+    def _jog(self, dt: float) -> Array:
+        """The configuration after one displacement along the self-motion."""
+        found = self.solver.ik.jog(self.q, self.jog.rate, direction=self.jog.direction, dt=dt)
+        self.jogged = found.reason
+        return found.q
+
+    def take(self, solver: Solver) -> None:
+        """Go on with another solver, from where the arm is."""
+        self.solver = solver
+        solver.ik.reset()
+        solver.fill(self.values)
+        self.touch()
+
+    def touch(self) -> None:
+        """Note that the settings have changed."""
+        self.changes += 1
+
+    def set_values(self, **changes: Any) -> None:
+        """Change values of the solver."""
+        self.values = replace(self.values, **changes)
+        self.solver.fill(self.values)
+        self.touch()
+
+    def set_scene(self, scene: Scene) -> None:
+        """Change the obstacles; those without a place in the present solver are left out until there is another."""
+        self.values = replace(self.values, scene=scene)
+        self.solver.fill_scene(self.values)
+        self.touch()
+
+    def put(self, q: Array, position: Array, orientation: Array | None) -> None:
+        """Put the arm and the target somewhere at once, at rest."""
+        self.q = np.array(q, dtype=float)
+        self.target.put(position, self.target.orientation if orientation is None else orientation)
+        self.jog = Jog(0.0)
+        self.solver.ik.reset()
+
+
+def target_of(problem: Problem, position: Array, orientation: Array | None) -> Any:
+    """A target as the task reads it.
+
+    Args:
+        problem: what stays as it is.
+        position: its position, (2,) or (3,) [m].
+        orientation: its orientation, a unit quaternion (w, x, y, z); None where the task uses none.
+    """
+    kind = problem.task.target_kind
+    if kind == "position" or orientation is None:
+        return position
+    if problem.robot.dimension == 2:
+        angle = 2 * math.atan2(orientation[3], orientation[0])
+        return np.array([angle] if kind == "orientation" else [*position, angle])
+    if kind == "orientation":
+        return rotations.matrix(orientation)
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = rotations.matrix(orientation), position
+    return pose

@@ -1,0 +1,325 @@
+"""The planner's web server: the files of the page, and the socket that carries edits, frames and texts."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import http
+import json
+import logging
+import os
+import socket
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Protocol
+from urllib.parse import unquote, urlsplit
+
+from jtik.arguments import integer
+from jtik.errors import ArgumentError, JtikError, MissingExtraError
+from jtik.planner.attempts.rows import AttemptRows, Row
+from jtik.planner.edits import messages as edits
+from jtik.planner.web.http import FILES, KINDS, file, is_foreign, response
+from jtik.planner.web.outgoing import Outgoing, Published
+
+if TYPE_CHECKING:
+    from websockets.asyncio.server import ServerConnection
+    from websockets.http11 import Request, Response
+
+    from jtik.planner.attempts.attempt import Attempt
+    from jtik.planner.attempts.history import History
+    from jtik.planner.session.arm import Arm
+
+PORT = 8731
+"""Port when none is given."""
+
+HOST = "127.0.0.1"
+"""Address that the server listens on: no other machine reaches it."""
+
+POLL = 1 / 240
+"""Period in which a connection looks for what is new [s]."""
+
+TABULATE = 0.1
+"""Period in which the table of attempts is brought up to date [s]."""
+
+OPENING = 600
+"""Longest time until a request is answered [s]: an animation takes long to draw."""
+
+MAX_MESSAGE = 64 * 2**20
+"""Largest message of a page [bytes]: a whole plan."""
+
+STEERING = ("move_target", "hold_target", "jog")
+"""Edits that keep the arm in motion after they were sent."""
+
+
+class Planning(Protocol):
+    """What the server needs of a planner; all of it may be called from any thread."""
+
+    @property
+    def loop(self) -> Running:
+        """The loop, which publishes frames and takes edits."""
+
+    @property
+    def arm(self) -> Arm:
+        """The robot."""
+
+    def measures(self, attempt: Attempt) -> Mapping[str, Any]:
+        """The measures of an attempt by name."""
+
+    def findings(self, attempt: Attempt) -> Sequence[str]:
+        """What a check of an attempt finds, in words."""
+
+    def exported(self, attempt: Attempt, kind: str) -> bytes:
+        """An attempt as a file of a kind."""
+
+    def plan_text(self) -> str:
+        """The whole plan as a file."""
+
+    def load_text(self, text: str, name: str) -> None:
+        """Go on from the text of a plan."""
+
+
+class Running(Published, Protocol):
+    """What the server needs of a loop."""
+
+    @property
+    def history(self) -> History:
+        """The attempts."""
+
+    def submit(self, edit: edits.Edit) -> bool:
+        """Hand an edit to the loop; False where too many wait."""
+
+
+class PortInUseError(JtikError):
+    """The port cannot be opened: another program uses it."""
+
+
+def check_port(port: object) -> int:
+    """The number of a port that is free.
+
+    Raises:
+        ArgumentError: when it is no number of a port.
+        PortInUseError: when it is taken.
+    """
+    number = _port(port)
+    with socket.socket() as trial:
+        if os.name == "posix":  # a port whose last connections are still closing is free
+            trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            trial.bind((HOST, number))
+        except OSError as error:
+            raise _in_use(number) from error
+    return number
+
+
+def _port(port: object) -> int:
+    accepted = "a number from 0 to 65535"
+    number = integer("port", port, accepted=accepted)
+    if number > 65535:
+        raise ArgumentError("port", port, accepted)
+    return number
+
+
+def _in_use(port: int) -> PortInUseError:
+    return PortInUseError(f"port {port} cannot be opened; accepted: a free one, by --port (0: any)")
+
+
+class Server:
+    """Serves the page of a planner on the loopback address.
+
+    Args:
+        planner: the planner.
+        port: port to listen on; 0 for any free one.
+
+    Attributes:
+        port: the port, once it listens.
+
+    Raises:
+        MissingExtraError: when websockets is not installed.
+        PortInUseError: when the port is taken, by `start` and `run`.
+    """
+
+    def __init__(self, planner: Planning, *, port: int = PORT) -> None:
+        try:
+            import websockets  # noqa: F401
+        except ImportError as error:
+            raise MissingExtraError("websockets", "planner", "the planner's page") from error
+        self._planner = planner
+        self.port = _port(port)
+        self._steering: object = None
+        self._table = AttemptRows(planner.arm, planner.measures)
+        self._rows: tuple[Row, ...] = ()
+        self._thread: threading.Thread | None = None
+        self._ends: Callable[[], None] = lambda: None
+
+    @property
+    def url(self) -> str:
+        """Address of the page."""
+        return f"http://{HOST}:{self.port}/"
+
+    async def serve(self, ready: Callable[[], None] = lambda: None) -> None:
+        """Serve until the task is cancelled; ``ready`` is called once the port is open."""
+        from websockets.asyncio.server import serve
+
+        quiet = logging.getLogger("jtik.planner.web.server")
+        quiet.addHandler(logging.NullHandler())
+        quiet.propagate = False  # connections that a browser opens ahead and drops are no errors
+        try:
+            server = await serve(
+                self._talk,
+                HOST,
+                self.port,
+                process_request=self._answer,
+                max_size=MAX_MESSAGE,
+                compression=None,  # on the loopback address it only costs time
+                logger=quiet,
+                open_timeout=OPENING,
+                close_timeout=1,
+            )
+        except OSError as error:
+            raise _in_use(self.port) from error
+        async with server:
+            self.port = next(iter(server.sockets)).getsockname()[1]
+            ready()
+            await self._tabulate()
+
+    def start(self) -> Server:
+        """Serve in a thread of its own, until `close`."""
+        listening = threading.Event()
+        failed: list[BaseException] = []
+
+        async def main() -> None:
+            task = asyncio.current_task()
+            loop = asyncio.get_running_loop()
+            assert task is not None
+            self._ends = lambda: (loop.call_soon_threadsafe(task.cancel), None)[1]
+            with contextlib.suppress(asyncio.CancelledError):
+                await self.serve(listening.set)
+
+        def work() -> None:
+            try:
+                asyncio.run(main())
+            except BaseException as error:  # told to the caller of `start`
+                failed.append(error)
+            listening.set()
+
+        self._thread = threading.Thread(target=work, name="jtik planner server", daemon=True)
+        self._thread.start()
+        listening.wait()
+        if failed:
+            raise failed[0]
+        return self
+
+    def close(self) -> None:
+        """Close all connections and the port."""
+        if self._thread is not None:
+            with contextlib.suppress(RuntimeError):  # its event loop has ended
+                self._ends()
+            self._thread.join()
+            self._thread = None
+
+    def __enter__(self) -> Server:
+        return self.start()
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    async def _tabulate(self) -> None:
+        """Keep the table of attempts up to date, measured in another thread."""
+        seen = None
+        while True:
+            history = self._planner.loop.history
+            if history is not seen:
+                seen, tables = history, self._table.of(history)
+                while (rows := await asyncio.to_thread(next, tables, None)) is not None:
+                    self._rows = rows
+                    if self._planner.loop.history is not history:
+                        break
+            await asyncio.sleep(TABULATE)
+
+    async def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
+        """The answer to a request; None lets the socket open."""
+        path = unquote(urlsplit(request.path).path)
+        host, origin = request.headers.get("Host", ""), request.headers.get("Origin")
+        if is_foreign(host, origin) or (path == "/socket" and origin is None):
+            return response(http.HTTPStatus.FORBIDDEN, b"This page may not open the planner.\n", "text/plain")
+        if path == "/socket":
+            return None
+        return await asyncio.to_thread(self._document, path)
+
+    def _document(self, path: str) -> Response:
+        """A file of the page, or what is made on demand: a check, an export, the plan."""
+        place = FILES.get(path)
+        if place is not None:
+            return response(http.HTTPStatus.OK, place.read_bytes(), KINDS[place.suffix])
+        try:
+            if path == "/plan.json":
+                return file(self._planner.plan_text().encode(), "plan.json")
+            if path.startswith("/check/"):
+                found = self._planner.findings(self._planner.loop.history[path.removeprefix("/check/")])
+                return response(http.HTTPStatus.OK, json.dumps(list(found)).encode(), "application/json")
+            if path.startswith("/export/"):
+                kind, _, name = path.removeprefix("/export/").partition("/")
+                body = self._planner.exported(self._planner.loop.history[name], kind)
+                return file(body, f"{name}.{kind}")
+        except (JtikError, OSError) as error:
+            return response(http.HTTPStatus.BAD_REQUEST, f"{error}\n".encode(), "text/plain")
+        return response(http.HTTPStatus.NOT_FOUND, b"There is nothing at this address.\n", "text/plain")
+
+    async def _talk(self, connection: ServerConnection) -> None:
+        """Serve one page: send what is new, submit its edits, and stop what it steered when it is gone."""
+        from websockets.exceptions import ConnectionClosed
+
+        outgoing = Outgoing(self._planner.loop, lambda: self._rows)
+        sender = asyncio.create_task(_send(connection, outgoing))
+        try:
+            async for text in connection:
+                await self._receive(connection, text, outgoing)
+        except ConnectionClosed:
+            pass
+        finally:
+            sender.cancel()
+            if self._steering is connection:
+                self._steering = None
+                self._stop()
+
+    async def _receive(self, connection: ServerConnection, text: str | bytes, outgoing: Outgoing) -> None:
+        """Submit the edit that a message describes; one that describes none gets an answer."""
+        try:
+            given = json.loads(text)
+            if not isinstance(given, dict):
+                raise ArgumentError("message", given, "an edit, as an object with the key edit")
+            if given.get("type") == "hello":
+                return
+            if given.get("type") == "load_plan":
+                await asyncio.to_thread(
+                    self._planner.load_text, str(given.get("text", "")), str(given.get("name", "plan.json"))
+                )
+                return
+            if given.get("edit") in ("save_plan", "load_plan"):
+                raise ArgumentError("message", given["edit"], "edits that name no file: a page saves by a download")
+            self._planner.loop.submit(edits.from_json(given))
+        except (JtikError, ValueError, RecursionError) as error:
+            outgoing.answer(f"{error}")
+            return
+        if given["edit"] in STEERING:
+            self._steering = connection
+
+    def _stop(self) -> None:
+        """Stop the target and the self-motion."""
+        still = (0.0,) * self._planner.arm.robot.dimension
+        self._planner.loop.submit(edits.HoldTarget(velocity=still))
+        self._planner.loop.submit(edits.Jog(rate=0.0))
+
+
+async def _send(connection: ServerConnection, outgoing: Outgoing) -> None:
+    """Send what is new, at the pace of the page: one that is slow gets the newest only."""
+    from websockets.exceptions import ConnectionClosed
+
+    with contextlib.suppress(ConnectionClosed):
+        while True:
+            for message in outgoing.news():
+                await connection.send(message)
+            await asyncio.sleep(POLL)
