@@ -152,13 +152,16 @@ def rises(trace):
     return ((V[1:] - V[:-1]) / np.maximum(V[:-1], np.finfo(float).tiny))[trace.accepted == 1]
 
 
-def turning(robot):
-    """The entries of q that a solve moves without limits, (nq,): those of joints whose limits leave a full turn."""
+def turning(robot, limits=True):
+    """The entries of q that a solve moves without limits, (nq,): those of joints whose limits leave a full turn.
+
+    Without ``limits`` those of all revolute joints.
+    """
     mask = np.zeros(robot.nq, dtype=bool)
     for joint in robot.independent_joints:
         if joint.type is JointType.REVOLUTE:
             where = robot.q_slice(joint.name)
-            mask[where] = robot.upper[where] - robot.lower[where] > 2 * np.pi - 0.1
+            mask[where] = not limits or robot.upper[where] - robot.lower[where] > 2 * np.pi - 0.1
     return mask
 
 
@@ -169,9 +172,9 @@ def under_limits(robot, rows):
     return rows
 
 
-def as_moved(robot, rows):
+def as_moved(robot, rows, limits=True):
     """The rows of a trace as a path: its last row without the whole turns by which the answer is brought back."""
-    rows, free = rows.copy(), turning(robot)
+    rows, free = rows.copy(), turning(robot, limits)
     rows[-1, free] += 2 * np.pi * np.rint((rows[-2, free] - rows[-1, free]) / (2 * np.pi))
     return rows
 

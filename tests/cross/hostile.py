@@ -222,7 +222,7 @@ def solved(case: Setup, given: Problem) -> tuple[str, list[tuple[str, str]]]:
     if case.limited and case.tree.outside(under_limits(case.ik.robot, q)) > ROUNDING:
         wrong.append(("limit", f"outside its limits by {case.tree.outside(q):.3g}"))
     if case.clear:
-        wrong += too_near(case, given, as_moved(case.ik.robot, q))
+        wrong += too_near(case, given, as_moved(case.ik.robot, q, case.limited))
     if case.ik._engine.problem.has_criterion:
         wrong += leaking(case)
     return solution.status.name, wrong
