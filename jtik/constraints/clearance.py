@@ -52,8 +52,8 @@ class Clearance:
     Braking is not anticipated: in `track` and ``step(dt=)`` with acceleration limits, a body that moves towards an
     obstacle can come closer than ``safe`` (formulations/limits.md).
 
-    Live parameters: ``clearance.safe``, ``.influence``, and those of the measure, such as ``clearance.centers``. Gain and
-    influence of the measure are those of its H, and play no part here.
+    Live parameters: ``clearance.safe``, ``.influence``, and those of the measure, such as ``clearance.centers``, but
+    for the gain and the influence of its H.
 
     Args:
         measure: a criterion with ``distances``, such as ``ObstacleAvoidance(obstacles, bodies="links")``. It is not
