@@ -213,3 +213,18 @@ def test_a_file_of_a_text_editor_with_a_byte_order_mark(suffix, tmp_path):
     PLANAR.save(path)
     path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
     assert jtik.Scene.load(path) == PLANAR
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_rotated_box_is_read_as_it_was_saved(dimension, tmp_path, rng):
+    """Digit for digit, again and again: a scene that comes from a file or a pickle is equal to what was saved."""
+    for _ in range(50):
+        rotation = rng.uniform(-9, 9) if dimension == 2 else rng.normal(size=4) * 10.0 ** rng.integers(-200, 150)
+        scene = jtik.Scene([jtik.Box.at(np.zeros(dimension), np.ones(dimension), rotation)])
+        scene.save(tmp_path / "scene.toml")
+        read = jtik.Scene.load(tmp_path / "scene.toml")
+        assert read == scene
+        assert pickle.loads(pickle.dumps(scene)) == scene
+        box, again = scene["box0"], read["box0"]
+        assert again.pose.tolist() == box.pose.tolist()
+        assert "_" not in repr(box)
