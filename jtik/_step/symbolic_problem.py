@@ -110,7 +110,7 @@ class SymbolicProblem:
         self.pairs = list[str]()
         for clearance in self.clearances:
             own = self.terms.own(clearance, parameters)
-            measured = {name: own[name] for name in clearance.measure.parameters(self.robot)}
+            measured = clearance.of_measure(self.robot, own)
             bodies = clearance.measure.distances(kinematics, measured)
             rounded = rounding_of(clearance.measure, self.robot, measured, bodies)
             self.pairs += pair_names(clearance, self.robot, bodies)

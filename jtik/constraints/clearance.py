@@ -20,7 +20,7 @@ from jtik.constraints.measure import Measure
 from jtik.constraints.motion_bound import MotionBound
 from jtik.errors import ArgumentError
 from jtik.robot import UNWEIGHTED, Robot, WeightedCoordinates
-from jtik.symbolic import Expression, fmax, fmin, if_else, mmin, sum1, vertcat
+from jtik.symbolic import Expression, fmax, fmin, if_else, mmin, reshape, sum1, vertcat
 
 SAMPLES = 4
 """Points along a step, its end included, where distances are evaluated; between them they are bounded."""
@@ -33,6 +33,10 @@ A body that moves along an obstacle ends every step slightly short of the aim, w
 
 LONGEST = 0.3
 """Largest motion of each velocity entry in a restoration step [rad] or [m]; refused steps reduce it."""
+
+
+OWN = ("safe", "influence", "gain")
+"""Names of a clearance's own figures: a parameter of the measure of such a name is not one of the clearance."""
 
 
 class Clearance:
@@ -48,7 +52,8 @@ class Clearance:
     Braking is not anticipated: in `track` and ``step(dt=)`` with acceleration limits, a body that moves towards an
     obstacle can come closer than ``safe`` (formulations/limits.md).
 
-    Live parameters: ``clearance.safe``, ``.influence``, and those of the measure, such as ``clearance.centers``.
+    Live parameters: ``clearance.safe``, ``.influence``, and those of the measure, such as ``clearance.centers``, but
+    for the gain and the influence of its H.
 
     Args:
         measure: a criterion with ``distances``, such as ``ObstacleAvoidance(obstacles, bodies="links")``. It is not
@@ -104,9 +109,20 @@ class Clearance:
         return ("safe", "influence", *getattr(self.measure, "non_negative_parameters", ()))
 
     def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
-        """Its own, and those of the measure."""
+        """Its own, and those of the measure but for `OWN`, which there belong to H."""
         own = {"safe": self.safe, "influence": min(self.influence, 1e300)}
-        return {**own, **dict(self.measure.parameters(robot))}
+        return {**own, **{name: value for name, value in self.measure.parameters(robot).items() if name not in OWN}}
+
+    def of_measure(self, robot: Robot, parameters: Mapping[str, Expression]) -> dict[str, Expression]:
+        """The parameters of the measure, among these of the clearance; those of `OWN` keep their first values."""
+        first = self.measure.parameters(robot)
+        return {name: _constant(value) if name in OWN else parameters[name] for name, value in first.items()}
+
+
+def _constant(value: ArrayLike) -> Expression:
+    """Numbers as an expression of the shape of a live parameter."""
+    array = np.asarray(value, dtype=float)
+    return reshape(vertcat(*array.ravel(order="F").tolist()), *(*array.shape, 1, 1)[:2])
 
 
 def clearances_of(given: Clearance | Iterable[Clearance] | None) -> tuple[Clearance, ...]:

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from jtik.symbolic import TINY, Expression, dot, fabs, fmax, fmin, if_else, norm, sqrt, sumsqr, without_derivative
+from jtik.symbolic import TINY, Expression, dot, fabs, fmax, fmin, if_else, sqrt, sumsqr, without_derivative
 
 HALVINGS = 22
 """Bisections for the closest point of a segment: to 2.4e-7 of its length, and one Newton step follows."""
 
 FLAT = 1e-14
 """Weight that keeps the Newton step finite where all points of a segment are equally close."""
+
+ON_AXIS = 1e-80
+"""Square of the distance [m^2] from the axis where a point counts as on it.
+
+Quotients by this distance, and their second derivatives, then stay below the largest number, and zero times them is 0.
+"""
 
 
 @dataclass(frozen=True)
@@ -45,7 +51,7 @@ class Axis:
 def point_to_cylinder(point: Expression, axis: Axis) -> Expression:
     """Signed distance [m] from a point (3, 1) to a cylinder; negative inside."""
     height, across = axis.split(point - axis.center)
-    return _depth(norm(across) - axis.radius, fabs(height) - axis.half)
+    return _depth(sqrt(sumsqr(across) + ON_AXIS) - axis.radius, fabs(height) - axis.half)
 
 
 def segment_to_cylinder(start: Expression, end: Expression, axis: Axis) -> Expression:
@@ -66,7 +72,7 @@ def segment_to_cylinder(start: Expression, end: Expression, axis: Axis) -> Expre
 
     def at(share: Expression) -> tuple[Expression, ...]:
         """Distance from the axis, its derivative, height from the nearer end's side, and its derivative."""
-        reach = sqrt(fmax(square + share * (2 * slope + share * bend), 0) + TINY)
+        reach = sqrt(fmax(square + share * (2 * slope + share * bend), 0) + ON_AXIS)
         upright = height + share * rise
         return (
             reach - axis.radius,

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from jtik import arguments
 from jtik.errors import ArgumentError, UnknownNameError
-from jtik.geometry.scene_data import obstacle_from, obstacle_to, read_table, to_toml
+from jtik.geometry.scene_data import from_json, obstacle_from, obstacle_to, read_table, to_toml
 from jtik.geometry.slots import ACCEPTED, read_gains
 from jtik.geometry.solids import Solid
 from jtik.types import Array
@@ -166,14 +166,20 @@ class Scene:
         """Write the scene to a .toml or .json file.
 
         Raises:
-            ArgumentError: for another name of a file.
+            ArgumentError: for another name of a file, or a name of an obstacle that cannot be written.
+            OSError: when the file cannot be written.
         """
         file = arguments.path("path", path, FILES)
         if file.suffix not in (".toml", ".json"):
             raise ArgumentError("path", str(file), FILES)
         data = self.to_dict()
         text = to_toml(data) if file.suffix == ".toml" else json.dumps(data, indent=2) + "\n"
-        file.write_text(text, encoding="utf-8")
+        try:
+            content = text.encode("utf-8")
+        except UnicodeEncodeError as error:  # before the file is opened, which would empty it
+            given = f"names with {error.object[error.start]!a}, which no file can hold"
+            raise ArgumentError("obstacles", given, "names of Unicode characters") from error
+        file.write_bytes(content)
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Scene:
@@ -187,9 +193,9 @@ class Scene:
         if file.suffix not in (".toml", ".json"):
             raise ArgumentError("path", str(file), FILES)
         try:
-            text = file.read_text(encoding="utf-8")
-            data = tomllib.loads(text) if file.suffix == ".toml" else json.loads(text)
-        except ValueError as error:  # what both readers raise, and a text in another encoding
+            text = file.read_text(encoding="utf-8-sig")
+            data = tomllib.loads(text) if file.suffix == ".toml" else from_json(text)
+        except (ValueError, RecursionError) as error:  # what both readers raise, and a text in another encoding
             raise ArgumentError(str(file), f"{error}", f"a {file.suffix[1:].upper()} file of a scene") from error
         return cls._from(f"{file}: ", data)
 

@@ -86,6 +86,19 @@ def read_table(
     return dict(data)
 
 
+def from_json(text: str) -> Any:
+    """The data of a JSON text. Raises ValueError where it is none, or has a key twice in one object."""
+    return json.loads(text, object_pairs_hook=_distinct)
+
+
+def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        keys = [key for key, _ in pairs]
+        raise ValueError(f"the key {next(key for key in keys if keys.count(key) > 1)!r} is there twice")
+    return found
+
+
 def to_toml(data: Mapping[str, Any]) -> str:
     """The TOML of a scene: tables of texts, numbers and lists of numbers, whose JSON is TOML, too."""
     lines = []
@@ -93,6 +106,7 @@ def to_toml(data: Mapping[str, Any]) -> str:
         if not rows:
             lines.append(f"[{section}]\n")
         for name, row in rows.items():
-            lines.append(f"[{section}.{json.dumps(name, ensure_ascii=False)}]")
+            quoted = json.dumps(name, ensure_ascii=False).replace("\x7f", "\\u007f")  # TOML has no such character
+            lines.append(f"[{section}.{quoted}]")
             lines += [*(f"{key} = {json.dumps(value)}" for key, value in row.items()), ""]
     return "\n".join(lines)

@@ -23,7 +23,7 @@ class Solid:
         raise NotImplementedError
 
     def __repr__(self) -> str:
-        values = (f"{name}={np.asarray(value).tolist()}" for name, value in vars(self).items())
+        values = (f"{name}={np.asarray(value).tolist()}" for name, value in vars(self).items() if name[0] != "_")
         return f"{type(self).__name__}({', '.join(values)})"
 
 
@@ -186,6 +186,8 @@ class Box(Solid):
     pose: Array
     half: Array
 
+    _rotation: ClassVar[float | Array | None] = None  # the numbers that `at` was given, so that a copy has the same
+
     def __post_init__(self) -> None:
         half = array_of("half", self.half, [(3,), (2,)], "three positive lengths [m], or two in the plane")
         if half.min() <= 0:
@@ -199,7 +201,7 @@ class Box(Solid):
         object.__setattr__(self, "pose", read_only(pose))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return partial(type(self), self.pose, self.half), ()
+        return partial(_turned, type(self), self.pose, self.half, self.rotation), ()
 
     @classmethod
     def at(cls, center: ArrayLike, half: ArrayLike, rotation: ArrayLike | None = None) -> Box:
@@ -218,9 +220,12 @@ class Box(Solid):
         size = len(middle)
         pose = np.eye(size + 1)
         pose[:size, size] = middle
-        if rotation is not None:
-            pose[:size, :size] = _planar(rotation) if size == 2 else _spatial(rotation)
-        return cls(pose, finite_array("half", half, (size,)))
+        edges = finite_array("half", half, (size,))
+        if rotation is None:
+            return cls(pose, edges)
+        turned: float | Array = _angle(rotation) if size == 2 else _unit(rotation)
+        pose[:size, :size] = _planar(turned) if isinstance(turned, float) else _spatial(turned)
+        return _turned(cls, pose, edges, turned)
 
     @property
     def dimension(self) -> int:
@@ -235,12 +240,17 @@ class Box(Solid):
     @property
     def rotation(self) -> float | Array:
         """The angle [rad] in the plane; in space the quaternion (w, x, y, z)."""
+        if self._rotation is not None:
+            return self._rotation
         R = self.pose[:-1, :-1]
         return float(np.arctan2(R[1, 0], R[0, 0])) if self.dimension == 2 else _quaternion(R)
 
 
 ROTATION_TOLERANCE = 1e-6
 """Largest entry of R R' - I up to which a matrix counts as a rotation."""
+
+ROUNDING = 1e-15
+"""Difference from 1 up to which the norm of a quaternion counts as 1."""
 
 
 def read_only(array: Array) -> Array:
@@ -249,18 +259,38 @@ def read_only(array: Array) -> Array:
     return array
 
 
-def _planar(angle: ArrayLike) -> Array:
-    turned = number("rotation", angle, "an angle [rad]")
-    cosine, sine = np.cos(turned), np.sin(turned)
+def _turned(kind: type[Box], pose: Array, half: Array, rotation: float | Array) -> Box:
+    """The box of a pose whose rotation has been made from these numbers."""
+    box = kind(pose, half)
+    object.__setattr__(box, "_rotation", rotation if isinstance(rotation, float) else read_only(np.array(rotation)))
+    return box
+
+
+def _angle(rotation: ArrayLike) -> float:
+    """An angle in (-pi, pi] [rad]."""
+    angle = number("rotation", rotation, "an angle [rad]")
+    return angle if abs(angle) <= np.pi else float(np.arctan2(np.sin(angle), np.cos(angle)))
+
+
+def _unit(rotation: ArrayLike) -> Array:
+    """A quaternion of norm 1 with w >= 0; one that has norm 1 but for rounding keeps its numbers."""
+    given = finite_array("rotation", rotation, (4,), "a quaternion (w, x, y, z)")
+    largest = float(np.abs(given).max())
+    if not largest > 0:
+        raise ArgumentError("rotation", given.tolist(), "a quaternion (w, x, y, z) that is not zero")
+    if abs(np.linalg.norm(given) - 1) > ROUNDING:
+        given = given / largest
+        given = given / np.linalg.norm(given)
+    return given if given[0] >= 0 else -given
+
+
+def _planar(angle: float) -> Array:
+    cosine, sine = np.cos(angle), np.sin(angle)
     return np.array([[cosine, -sine], [sine, cosine]])
 
 
-def _spatial(quaternion: ArrayLike) -> Array:
-    given = finite_array("rotation", quaternion, (4,), "a quaternion (w, x, y, z)")
-    length = float(np.linalg.norm(given))
-    if not length > 0:
-        raise ArgumentError("rotation", given.tolist(), "a quaternion (w, x, y, z) that is not zero")
-    w, x, y, z = given / length
+def _spatial(quaternion: Array) -> Array:
+    w, x, y, z = quaternion
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],

@@ -33,8 +33,8 @@ class Mass:
             by default. Its off-diagonal entries are ixy = -(integral of x y dm), as in URDF and MuJoCo.
 
     Raises:
-        ArgumentError: when a value is not finite, the mass is negative, or the tensor is not symmetric or has a
-            negative principal moment.
+        ArgumentError: when a value is not finite, the mass is negative, or the tensor is not symmetric, has a
+            negative principal moment, or is not zero where the mass is.
     """
 
     mass: float
@@ -48,6 +48,8 @@ class Mass:
         if not is_inertia(inertia):
             accepted = "a symmetric (3, 3) tensor [kg m^2] without negative principal moments"
             raise ArgumentError("Mass.inertia", inertia.tolist(), accepted)
+        if self.mass == 0 and inertia.any():
+            raise ArgumentError("Mass.inertia", inertia.tolist(), "zeros beside a mass of zero")
         object.__setattr__(self, "inertia", frozen((inertia + inertia.T) / 2))
 
     def __reduce__(self) -> tuple[Any, ...]:

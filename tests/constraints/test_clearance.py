@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik_formulations import JointCentering, ObstacleAvoidance
+from jtik_formulations import JointCentering, KhatibPotential, ObstacleAvoidance, ObstacleBarrier, SelfCollision
 
+from .._step.conftest import problem_of
 from ..conftest import planar, planar_points, slow
 
 FIELD = [jtik.Circle((2.0, 1.2), 0.4), jtik.Circle((3.2, -0.8), 0.5), jtik.Circle((1.0, -1.5), 0.4)]
@@ -368,3 +369,39 @@ class TestInvalidInput:
     def test_a_measure_without_distances(self):
         with pytest.raises(jtik.ArgumentError, match="measure"):
             jtik.Clearance(JointCentering())
+
+
+@pytest.mark.parametrize(
+    "measure",
+    [
+        KhatibPotential([jtik.Circle((2, 1), 0.2)], influence=0.6, gain=7.0),
+        ObstacleBarrier([jtik.Circle((2, 1), 0.2)], influence=0.6),
+        SelfCollision(radius=0.02, influence=0.6),
+    ],
+)
+def test_influence_and_gain_of_the_measure_are_not_those_of_the_clearance(measure):
+    """The criterion's own influence and gain shape its H; the clearance has its own."""
+    clearance = jtik.Clearance(measure, influence=0.25)
+    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(kind="position"), clearances=clearance, strategy="hybrid+qp")
+    assert ik.parameters["clearance.influence"] == 0.25
+    assert "clearance.gain" not in ik.parameters
+    problem = problem_of(planar(4), clearances=[clearance])
+    figures = problem.clearance(np.full(4, 0.3), problem.terms.parameters.memory)[2].full()
+    assert set(figures[:, 2]) == {0.25}
+    assert set(figures[:, 3]) == {0.5}
+
+
+def test_a_measure_whose_own_distances_depend_on_such_a_name_keeps_its_value():
+    class Grown(ObstacleAvoidance):
+        def parameters(self, robot):
+            return {**super().parameters(robot), "safe": 0.125}
+
+        def distances(self, kinematics, parameters):
+            return [[d - parameters["safe"] for d in body] for body in super().distances(kinematics, parameters)]
+
+    obstacle, q = jtik.Circle((2, 1), 0.2), np.full(4, 0.3)
+    found = []
+    for measure in (ObstacleAvoidance([obstacle]), Grown([obstacle], name="grown")):
+        problem = problem_of(planar(4), clearances=[jtik.Clearance(measure, safe=0.03)])
+        found.append(problem.clearance(q, problem.terms.parameters.memory)[0].full())
+    assert found[0] - found[1] == pytest.approx(0.125)

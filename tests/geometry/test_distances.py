@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import casadi
 import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
 import jtik
+from jtik.geometry import Axis, segment_to_cylinder
 
 from ..conftest import EXACT
 from .shapes import PLANAR, SPATIAL, distance, random_bodies, random_obstacle
@@ -161,3 +163,17 @@ def test_corners_that_are_repeated_change_nothing():
     triangle = jtik.Polygon([(0, 0), (1, 0), (0, 1)])
     for point, expected in (((0.25, 0.25), -0.25), ((0.5, -0.5), 0.5), ((2, 0), 1), ((1, 1), np.sqrt(0.5))):
         assert distance(triangle, np.array(point, dtype=float))[0] == pytest.approx(expected, abs=EXACT)
+
+
+@pytest.mark.parametrize("radius", [1e-6, 0.1, 1e6])
+@pytest.mark.parametrize("across", [(0.0, 0.0, 0.01), (0.3, 0.0, 0.0)])
+@pytest.mark.parametrize("along", [(0.0, -1e-6, 0.0), (0.0, 1.0, 0.0)])
+def test_derivatives_of_a_segment_whose_middle_is_on_the_axis_of_a_cylinder_are_finite(radius, across, along):
+    """As of a capsule about a joint that a cylinder stands on: the distance from the axis is zero there."""
+    middle = np.array([0.6581505646763794, 0.5024167236629001, 0.0628])
+    ends = [casadi.SX.sym(name, 3) for name in "ab"]
+    axis = Axis.between(casadi.SX(middle), casadi.SX(middle + along), casadi.SX(radius))
+    d = segment_to_cylinder(*ends, axis)
+    H, g = casadi.hessian(d, casadi.vertcat(*ends))
+    found = casadi.Function("derivatives", ends, [d, g, H])(middle - across, middle + across)
+    assert all(np.isfinite(each.full()).all() for each in found)

@@ -127,7 +127,17 @@ def test_a_wrong_file_is_refused_with_its_name_and_the_key(data, says, tmp_path)
         jtik.Scene.from_dict(data)
 
 
-@pytest.mark.parametrize(("name", "text"), [("a.toml", "x = ="), ("a.json", "{"), ("a.toml", "[obstacles]\nx = 3")])
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.toml", "x = ="),
+        ("a.json", "{"),
+        ("a.toml", "[obstacles]\nx = 3"),
+        ("a.json", "[" * 100_000),
+        ("a.toml", "a = " + "[" * 100_000),
+        ("a.json", '{"obstacles": {"a": {"shape": "point", "center": [0, 0], "center": [1, 1]}}}'),
+    ],
+)
 def test_a_file_that_is_no_scene(name, text, tmp_path):
     path = tmp_path / name
     path.write_text(text)
@@ -179,3 +189,42 @@ def test_shapes_that_are_none(build, argument):
     with pytest.raises(jtik.ArgumentError) as caught:
         build()
     assert caught.value.argument == argument
+
+
+@pytest.mark.parametrize("suffix", ["toml", "json"])
+@pytest.mark.parametrize("name", ["\x7f", "\n\t", "\x01", "a.b", '"', "\\u0041", "[x]", "\U0001f600", "\u2028", "#"])
+def test_names_of_any_characters_are_kept_in_a_file(name, suffix, tmp_path):
+    scene = jtik.Scene({name: jtik.Circle((1, 2), 0.5)})
+    scene.save(tmp_path / f"scene.{suffix}")
+    assert jtik.Scene.load(tmp_path / f"scene.{suffix}") == scene
+
+
+def test_a_name_that_cannot_be_written_leaves_the_file_as_it_was(tmp_path):
+    path = tmp_path / "scene.toml"
+    PLANAR.save(path)
+    with pytest.raises(jtik.ArgumentError, match="obstacles"):
+        jtik.Scene({"\ud800": jtik.Circle((1, 2), 0.5)}).save(path)
+    assert jtik.Scene.load(path) == PLANAR
+
+
+@pytest.mark.parametrize("suffix", ["toml", "json"])
+def test_a_file_of_a_text_editor_with_a_byte_order_mark(suffix, tmp_path):
+    path = tmp_path / f"scene.{suffix}"
+    PLANAR.save(path)
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert jtik.Scene.load(path) == PLANAR
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_rotated_box_is_read_as_it_was_saved(dimension, tmp_path, rng):
+    """Digit for digit, again and again: a scene that comes from a file or a pickle is equal to what was saved."""
+    for _ in range(50):
+        rotation = rng.uniform(-9, 9) if dimension == 2 else rng.normal(size=4) * 10.0 ** rng.integers(-200, 150)
+        scene = jtik.Scene([jtik.Box.at(np.zeros(dimension), np.ones(dimension), rotation)])
+        scene.save(tmp_path / "scene.toml")
+        read = jtik.Scene.load(tmp_path / "scene.toml")
+        assert read == scene
+        assert pickle.loads(pickle.dumps(scene)) == scene
+        box, again = scene["box0"], read["box0"]
+        assert again.pose.tolist() == box.pose.tolist()
+        assert "_" not in repr(box)

@@ -285,3 +285,9 @@ class TestWithoutMasses:
 def test_what_cannot_be_an_inertia(inertia):
     with pytest.raises(jtik.ArgumentError, match=r"Mass.inertia"):
         Mass(1.0, np.zeros(3), inertia)
+
+
+def test_an_inertia_without_a_mass_is_refused():
+    """It would be left out with the mass."""
+    with pytest.raises(jtik.ArgumentError, match=r"Mass.inertia: .*; accepted: zeros beside a mass of zero"):
+        Mass(0.0, np.zeros(3), np.eye(3))

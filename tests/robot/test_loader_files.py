@@ -69,6 +69,11 @@ def test_an_mjcf_in_another_encoding_includes_its_files(tmp_path):
         ('<inertial><mass value="2"/><inertia ixx="1"/></inertial>', {"b": 2.0}, "link 'b' has a mass without an iner"),
         (f"<inertial>{MOMENTS}</inertial>", {}, "link 'b' has an <inertial> without a mass"),
         (f"<inertial><mass/>{MOMENTS}</inertial>", {}, "link 'b' has an <inertial> without a mass"),
+        (
+            f'<inertial><mass value="-2"/>{MOMENTS}</inertial>',
+            {},
+            "link 'b' has a negative mass: it counts as massless",
+        ),
     ],
 )
 def test_masses_without_inertia_and_inertias_without_mass_load_with_a_warning(link, masses, told):

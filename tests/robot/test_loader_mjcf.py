@@ -341,6 +341,17 @@ def test_bodies_without_mass_textures_without_files_and_invalid_inertias_are_acc
     assert not robot.shapes
 
 
+@pytest.mark.parametrize("mass", ["-1", "nan"])
+def test_masses_that_are_none_are_told(mass):
+    text = f"""<mujoco><worldbody><body name="arm"><inertial mass="{mass}" pos="0 0 0" diaginertia="1 1 1"/>
+        <joint/><body name="hand"><inertial mass="2" pos="0 0 0" diaginertia="1 2 2"/><joint/></body></body>
+        </worldbody></mujoco>"""
+    with pytest.warns(UserWarning, match="body 'arm' has no mass of a non-negative number"):
+        robot = Robot.from_mjcf(text)
+    assert list(robot.masses) == ["hand"]
+    assert np.diag(robot.masses["hand"].inertia) == pytest.approx([1, 2, 2])  # those of the others are kept
+
+
 def test_name_and_tip_may_be_given(everything):
     robot = Robot.from_mjcf(EVERYTHING, tip="nail", name="mine")
     assert (robot.tip, robot.name) == ("nail", "mine")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import warnings
 from collections.abc import Callable, Iterator
@@ -30,11 +31,13 @@ class CompiledModel:
         model: the ``mujoco.MjModel``; a small sphere replaces each mesh.
         meshes: the meshes by the number of the geom that replaces them.
         has_inertias: whether its inertias are those of the description.
+        without_mass: names of the bodies whose mass is negative or no finite number; they count as massless.
     """
 
     model: Any
     meshes: dict[int, MeshFile]
     has_inertias: bool
+    without_mass: tuple[str, ...] = ()
 
 
 def compile_source(
@@ -78,6 +81,9 @@ def _compile(
     if edit is not None:
         edit(spec)
     meshes = _remove_meshes(spec, source.path)
+    refused = [body for body in spec.bodies if body.explicitinertial and not 0 <= body.mass < math.inf]
+    for body in refused:
+        body.mass = 0.0
     if not inertias:
         _replace_inertias(spec)
     if not geoms:
@@ -90,7 +96,7 @@ def _compile(
     model = spec.compile()
     kept = {geom.name: geom.id for geom in spec.geoms}
     found = {kept[name]: mesh for name, mesh in meshes.items() if name in kept}
-    return CompiledModel(model, found, has_inertias=inertias)
+    return CompiledModel(model, found, has_inertias=inertias, without_mass=tuple(body.name for body in refused))
 
 
 def _included(root: Element, path: Path | None) -> dict[str, bytes]:
@@ -106,7 +112,6 @@ def _included(root: Element, path: Path | None) -> dict[str, bytes]:
 def _replace_inertias(spec: Any) -> None:
     for body in spec.bodies:
         if body.explicitinertial:
-            body.mass = body.mass if body.mass > 0 else 0.0
             body.fullinertia = np.full(6, np.nan)
             body.inertia = np.ones(3)
             body.iquat = np.array([1.0, 0.0, 0.0, 0.0])

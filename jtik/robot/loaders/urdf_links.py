@@ -83,6 +83,9 @@ class _Links:
         if mass is None or not _are_numbers(mass, "value", 1):
             self.changes.append(f"{who} has an <inertial> without a mass: it counts as massless")
             return
+        if float(mass.get("value", "")) < 0:
+            self.changes.append(f"{who} has a negative mass: it counts as massless")
+            return
         inertial = Element("inertial")
         if origin is not None and not _is_origin(origin):
             self.notes.append(f"{who}: the <origin> of its <inertial> is not three numbers; it is not used")
