@@ -27,6 +27,7 @@ def matrix():
 SAMPLE = [
     ("ten", "joint_centering", "hybrid"),
     ("ten", "gravity_torque", "hybrid+qp"),
+    ("ten", "frame_proximity", "hybrid"),
     *slow(
         ("panda", "gravity_torque", "hybrid+second_order"),
         ("panda", "manipulability", "hybrid"),
