@@ -134,7 +134,7 @@ def page(cells: dict[str, dict[str, Any]]) -> str:
         "",
         "Written by [criteria_matrix.py](../benchmarks/criteria_matrix.py). From a random posture on its target,",
         '`solve(until="stationary")` should keep the task within its tolerance, not raise H, and end stationary.',
-        "For self-collision it is a posture at which bodies are near each other, and none touch: where a joint lies on the",
+        "For self-collision bodies are near each other at the start, and none touch: where a joint lies on the",
         "axis of another link H has a kink at its minimum, and first-order strategies end beside it.",
         "",
         f"{marks}; an empty cell has not been computed.",
