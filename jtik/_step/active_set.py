@@ -111,26 +111,32 @@ class ActiveSet:
         of_active = sum(if_else(pushed, self._task_gradient[j] ** 2, 0) for pushed, (_, j) in pairs)
         return fmax(sumsqr(self._task_gradient) - of_active, 0) ** 0.5
 
-    def _wrong_multipliers(self, model: LocalModel) -> list[Expression]:
+    @cached_property
+    def _sides(self) -> list[Expression]:
+        """For each bounded joint 1 where its upper limit is active, -1 where its lower limit is, else 0."""
+        at_upper = [self._here.q[i] >= self._upper[i] - AT_LIMIT for i, _ in self._problem.bounded]
+        return [active * (2 * upper - 1) for active, upper in zip(self.active, at_upper, strict=True)]
+
+    def _wrong_multipliers(self, model: LocalModel, gradient: Expression) -> list[Expression]:
         """For each active limit by how much its multiplier has the wrong sign, non-negative.
 
-        It is the inward part of the negative gradient of H + lambda' r + 1/2 c |r|^2.
+        It is the inward part of the negative ``gradient`` (n, 1), that of a Lagrangian.
         """
-        c = (12 * norm(model.multipliers) + model.gradient_norm / model.jacobian_norm) / model.neighbourhood
-        gradient = self._gradient + self._J.T @ (c * self._here.residual - model.multipliers)
         gradient = model.coordinates.gradient_by_joints(gradient)
-        signs = [if_else(self._here.q[i] >= self._upper[i] - AT_LIMIT, 1, -1) for i, _ in self._problem.bounded]
-        return [
-            if_else(active, fmax(sign * gradient[j], 0), 0)
-            for active, sign, (_, j) in zip(self.active, signs, self._problem.bounded, strict=True)
-        ]
+        pairs = zip(self._sides, self._problem.bounded, strict=True)
+        return [fmax(side * gradient[j], 0) for side, (_, j) in pairs]
 
-    def largest_wrong_multiplier(self, model: LocalModel) -> Expression:
-        """The largest multiplier of the wrong sign, non-negative: 0 where no active limit should be released."""
-        largest: Expression = 0
-        for each in self._wrong_multipliers(model):
-            largest = fmax(largest, each)
-        return largest
+    def _lagrangian_gradient(self, model: LocalModel) -> Expression:
+        """Gradient of H + lambda' r over all joints, with the multipliers of the free joints, (n, 1)."""
+        return self._gradient - self._J.T @ model.multipliers
+
+    def stationarity_residual(self, model: LocalModel) -> Expression:
+        """Norm of h and of all multipliers of the wrong sign: 0 where the first-order conditions of H hold.
+
+        No multipliers make it smaller than that of `jtik.result.reduced_gradient`, which is the smallest.
+        """
+        wrong = self._wrong_multipliers(model, self._lagrangian_gradient(model))
+        return norm(vertcat(model.stationarity_residual, *wrong))
 
     def after(self, model: LocalModel, wanted: Expression, arrived: Expression, accepted: Expression) -> Expression:
         """The active set the next step starts from, (bounded, 1).
@@ -146,7 +152,12 @@ class ActiveSet:
         blocked = [if_else(accepted, 0, logic_or(own, out)) for own, out in zip(self.active, pushed, strict=True)]
         if not self._problem.has_criterion:
             return vertcat(*blocked)
-        wrong, largest = self._wrong_multipliers(model), self.largest_wrong_multiplier(model)
+        # off the target the task decides, by the penalty term 1/2 c |r|^2
+        c = (12 * norm(model.multipliers) + model.gradient_norm / model.jacobian_norm) / model.neighbourhood
+        wrong = self._wrong_multipliers(model, self._lagrangian_gradient(model) + c * self._task_gradient)
+        largest: Expression = 0
+        for each in wrong:
+            largest = fmax(largest, each)
         leaves = largest > model.stationarity_residual
         kept = [
             logic_or(push, logic_and(own, logic_not(logic_and(leaves, each == largest))))

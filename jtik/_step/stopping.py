@@ -113,8 +113,7 @@ class Stop:
         if problem.has_criterion:
             residual = stationarity_residual
             if residual is None:
-                residual = model.stationarity_residual
-                residual = fmax(residual, active.largest_wrong_multiplier(model)) if active else residual
+                residual = active.stationarity_residual(model) if active else model.stationarity_residual
             size = model.joint_gradient_norm(model.gradient_free, model.gradient_norm)
             largest = settings.optimality_tolerance * fmax(1, size)
             small = logic_and(has_slope, residual <= largest)

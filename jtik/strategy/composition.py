@@ -25,7 +25,7 @@ from jtik.strategy.base import Shape, State, Strategy, Update, take_renamed
 from jtik.strategy.checked_call import CheckedCall
 from jtik.strategy.displacement import NullSpaceDisplacement, Outcome, TaskDisplacement
 from jtik.strategy.evaluation import Evaluation
-from jtik.strategy.merit import SUFFICIENT, penalty_falls, penalty_weight, residual_reduction
+from jtik.strategy.merit import SUFFICIENT, next_allowance, penalty_falls, penalty_weight, residual_reduction
 from jtik.strategy.model import LocalModel
 from jtik.strategy.options import Part, read_options
 from jtik.symbolic import Expression, dot, fabs, fmax, if_else, is_symbolic, logic_and, logic_or, ratio, sumsqr
@@ -162,6 +162,8 @@ class Composition(Strategy):
             state |= CheckedCall(self, self._checked_secondary_term(), "initial_state")(Mapping, shape)  # type: ignore[type-abstract]
         if shape.has_criterion:
             state["penalty"] = np.zeros(1)
+            if self._checked_acceptance() == "merit" and not shape.timed:
+                state["allowance"] = np.zeros(1)
         return state | dict(path_backtracking(self._checked_acceptance(), shape.has_clearance).initial_state())
 
     def evaluates_candidate(self, has_criterion: bool) -> bool:
@@ -222,6 +224,9 @@ class Composition(Strategy):
             after |= CheckedCall(self, secondary, "adapt").states(state, model, state, proposed, outcome)
         if model.has_criterion:
             after["penalty"] = mu
+            if "allowance" in state:
+                left = next_allowance(model, state["allowance"], candidate)
+                after["allowance"] = if_else(verdict.accepted, left, state["allowance"])
         return Update(
             dq=dq,
             accepted=verdict.accepted,
@@ -265,7 +270,8 @@ class Composition(Strategy):
             return falls, actual, penalty
         decrease, reduction = step.decrease_of_criterion, residual_reduction(model, step.predicted)
         mu = penalty_weight(model, penalty, decrease, reduction, step.squared_lengths, step.candidate.H)
-        better = penalty_falls(model, mu, step.candidate, decrease, reduction)
+        allowance = state.get("allowance", 0)
+        better = penalty_falls(model, mu, step.candidate, decrease, reduction, allowance)
         return if_else(model.near_target, better, falls), actual, mu
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from jtik.strategy.evaluation import Evaluation
 from jtik.strategy.model import LocalModel
-from jtik.symbolic import Expression, fabs, fmax, fmin, logic_and, norm, ratio, sqrt
+from jtik.symbolic import Expression, fabs, fmax, fmin, if_else, logic_and, norm, ratio, sqrt
 from jtik.types import Array
 
 if TYPE_CHECKING:
@@ -24,6 +24,10 @@ ROUNDING = 1e-14
 
 LARGEST_INCREASE = 100
 """Largest factor by which one step may raise a penalty weight above its smallest admissible value."""
+
+
+MEMORY = 0.98
+"""Weight of the values of H before in their average, with which an accepted step is compared (Zhang and Hager 2004)."""
 
 
 @dataclass(frozen=True)
@@ -105,12 +109,32 @@ def residual_reduction(model: LocalModel, predicted: Expression) -> Expression:
 
 
 def penalty_falls(
-    model: LocalModel, mu: Expression, candidate: Evaluation, decrease: Expression, reduction: Expression
+    model: LocalModel,
+    mu: Expression,
+    candidate: Evaluation,
+    decrease: Expression,
+    reduction: Expression,
+    allowance: Expression = 0,
 ) -> Expression:
-    """1 where H + mu |r| falls sufficiently and the step ends in the neighbourhood of the target (M5)."""
+    """1 where H + mu |r| falls sufficiently and the step ends in the neighbourhood of the target (M5).
+
+    Args:
+        model: the local model.
+        mu: the penalty weight.
+        candidate: task and criterion where the step ends.
+        decrease: predicted decrease of H by the step, to first order.
+        reduction: predicted decrease of |r| by the step.
+        allowance: what H + mu |r| may rise by (M7).
+    """
     here = model.here
     predicted = mu * reduction + decrease
     merit, after = here.H + mu * here.length, candidate.H + mu * candidate.length
     noise = ROUNDING * (fabs(here.H) + fabs(merit) + mu * model.jacobian_norm)
-    better = logic_and(predicted > -noise, merit - after >= SUFFICIENT * predicted - noise)
+    better = logic_and(predicted > -noise, merit + allowance - after >= SUFFICIENT * predicted - noise)
     return logic_and(candidate.length <= model.neighbourhood, better)
+
+
+def next_allowance(model: LocalModel, allowance: Expression, candidate: Evaluation) -> Expression:
+    """What H + mu |r| may rise by in the step after an accepted one (M7); nothing outside the neighbourhood."""
+    left = MEMORY * fmax(allowance + model.here.H - candidate.H, 0)
+    return if_else(model.near_target, left, 0)

@@ -108,3 +108,30 @@ class TestStationary:
         robot = jtik.Robot.planar(2, lower=[-0.2, 0.1], upper=[0.2, 0.4])
         assert flags(stop_of([0.5, 1.5], q=np.array([0.2, 0.4]), robot=robot))["stationary"]
         assert not flags(stop_of([0.5, 1.5], q=np.array([0.2, 0.3]), robot=robot))["stationary"]
+
+
+class TestStepAndReport:
+    """The stopping test never measures less than the report of the solution, whichever limits are active."""
+
+    @pytest.mark.parametrize("weights", [None, np.array([1.0, 9.0, 0.25, 4.0, 1.0, 2.0, 1.0])])
+    @pytest.mark.parametrize("kind", ["position", "pose"])
+    def test_the_residual_of_the_step_is_at_least_that_of_the_report(self, kind, weights, rng):
+        robot = jtik.Robot.planar(7, lower=-1.5, upper=1.0)
+        criterion, task = JointCentering(preferred=[0.5] * 7), jtik.FrameTask(kind=kind)
+        ik = jtik.InverseKinematics(robot, task, criteria=criterion, weights=weights)
+        problem, q, flags = ik._engine.problem, casadi.SX.sym("q", 7), casadi.SX.sym("active", 7)
+        target = casadi.SX.sym("target", problem.tasks.read_target(robot.pose(np.zeros(7))).size)
+        inputs = constants(inputs_of(problem, robot.pose(np.zeros(7))))._replace(target=target)
+        at = linearized(problem, q, inputs, {"neighbourhood": casadi.SX(1.0), "active": flags}, None)
+        of_step = casadi.Function("of_step", [q, target, flags], [at.active_set.stationarity_residual(at.model)])
+        equal = 0
+        for _ in range(300):
+            angles = rng.uniform(-1.4, 0.9, size=7)
+            limits = rng.random((2, 7)) < 0.3
+            angles[limits[0]], angles[limits[1]] = -1.5, 1.0
+            pose = robot.pose(angles + rng.choice([0, 1e-7]) * rng.normal(size=7))
+            report = ik.solve(pose, q0=angles, max_iterations=0).report
+            found = float(of_step(angles, problem.tasks.read_target(pose), rng.random(7) < 0.7))
+            assert found >= report.null_space_residual * (1 - 1e-9) - 1e-12
+            equal += found <= report.null_space_residual * (1 + 1e-6)
+        assert weights is not None or equal > 5

@@ -27,7 +27,12 @@ def matrix():
 SAMPLE = [
     ("ten", "joint_centering", "hybrid"),
     ("ten", "gravity_torque", "hybrid+qp"),
+    ("ten", "frame_proximity", "hybrid"),
+    ("ten", "effective_mass", "hybrid"),
     *slow(
+        ("ten", "effective_mass", "hybrid+qp"),
+        ("vehicle", "limit_norm", "hybrid"),
+        ("vehicle", "limit_norm", "hybrid+qp"),
         ("panda", "gravity_torque", "hybrid+second_order"),
         ("panda", "manipulability", "hybrid"),
         ("vehicle", "support_polygon", "hybrid+second_order"),

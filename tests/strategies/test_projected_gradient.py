@@ -5,13 +5,16 @@ from __future__ import annotations
 import functools
 import math
 
+import casadi
 import numpy as np
 import pytest
 
 import jtik
+from jtik.strategy import Shape
 from jtik_formulations import Hybrid, JointCentering, Newton, ObstacleAvoidance, ProjectedGradient, Transpose
 
 from ..conftest import ACCEPTED_RISE, planar, planar_jacobian, planar_points, slow
+from ..strategy.conftest import numbers, quadratic_model
 
 PRIMARIES = {"transpose": Transpose, "newton": Newton, "hybrid": Hybrid}
 FIELD = [jtik.Circle((4.0, 2.5), 0.5), jtik.Circle((6.5, -1.0), 0.8)]
@@ -161,6 +164,21 @@ def test_steps_are_no_longer_than_the_limit(primary, rng):
     for rule in ("merit", "sqrt"):
         trace = run(primary, rule, rng, step_limit=0.05).trace
         assert np.sqrt(2 * trace.V2.max()) <= 0.05 * (1 + 1e-9)
+
+
+TOO_SHORT = 1e-13
+"""A displacement [rad] that shows no curvature."""
+
+
+@pytest.mark.parametrize("timed", [False, True])
+def test_a_solve_does_not_keep_a_gain_whose_steps_are_too_short_to_change_it(timed):
+    term, gradient = ProjectedGradient(), np.array([0.0, 0.0, 1e-4])
+    model = quadratic_model(np.eye(3)[:2], np.zeros(2), gradient=gradient, timed=timed)
+    given = {name: casadi.SX(each) for name, each in term.initial_state(Shape(3, 3, 2, True)).items()}
+    given |= {"beta": casadi.SX(TOO_SHORT / 1e-4), "last_kind": casadi.SX(2), "last_q": casadi.SX([0, 0, TOO_SHORT])}
+    given["last_null_gradient"] = casadi.SX(gradient)
+    step = numbers(term.propose(model, given, casadi.SX.zeros(3)).dq)
+    assert np.linalg.norm(step) == pytest.approx(TOO_SHORT if timed else 1e-11)
 
 
 @pytest.mark.parametrize("primary", ["newton", "hybrid"])

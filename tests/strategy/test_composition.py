@@ -103,9 +103,10 @@ def test_the_usual_acceptance(backtracking, bounds_itself, rule):
 
 
 class TestState:
-    def test_it_is_that_of_both_parts_and_the_penalty_weight(self):
+    def test_it_is_that_of_both_parts_the_penalty_weight_and_the_allowance(self):
         pair = Pair(Given(NEWTON), Null(DOWN))
-        assert set(pair.initial_state(Shape(3, 3, 2, True))) == {"task", "null", "penalty"}
+        assert set(pair.initial_state(Shape(3, 3, 2, True))) == {"task", "null", "penalty", "allowance"}
+        assert set(pair.initial_state(Shape(3, 3, 2, True, timed=True))) == {"task", "null", "penalty"}
         assert set(pair.initial_state(Shape(3, 3, 2, False))) == {"task"}
         assert set(pair.initial_state(Shape(3, 3, 2, False, True))) == {"task", "null"}
 

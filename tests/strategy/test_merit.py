@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+import itertools
+from dataclasses import replace
+
 import casadi
 import numpy as np
 import pytest
 
-from jtik.strategy.merit import LARGEST_INCREASE, penalty_falls, penalty_weight, residual_reduction
+from jtik.strategy.merit import (
+    LARGEST_INCREASE,
+    MEMORY,
+    next_allowance,
+    penalty_falls,
+    penalty_weight,
+    residual_reduction,
+)
 
 from .conftest import numbers, quadratic_model
 
@@ -55,11 +65,11 @@ class TestPenaltyWeight:
 
 
 class TestPenaltyFalls:
-    def falls(self, model, dq, mu):
+    def falls(self, model, dq, mu, allowance=0):
         """Whether dq is accepted; what it promises are the exact decreases to first order."""
         J, r, g = (np.array(casadi.DM(part)) for part in (model.J, model.here.residual, model.gradient))
         reach = np.linalg.norm(r) - np.linalg.norm(r[:, 0] + J @ dq)
-        return bool(numbers(penalty_falls(model, mu, model.candidate(casadi.SX(dq)), -g[:, 0] @ dq, reach)))
+        return bool(numbers(penalty_falls(model, mu, model.candidate(casadi.SX(dq)), -g[:, 0] @ dq, reach, allowance)))
 
     def test_a_newton_step_of_the_task_is_accepted(self, rng):
         J, r, _ = problem(rng)
@@ -90,3 +100,34 @@ class TestPenaltyFalls:
         J, g = np.array([[1.0, 0.0]]), np.zeros(2)
         model = quadratic_model(J, np.zeros(1), gradient=g)
         assert self.falls(model, np.zeros(2), mu=1.0)
+
+    @pytest.mark.parametrize(("allowance", "accepted"), [(0.99, False), (1.01, True)])
+    def test_it_may_rise_by_the_allowance(self, allowance, accepted):
+        """Along -gradient by the length 1, H rises by -1 + 4 / 2."""
+        J, g = np.array([[1.0, 0.0]]), np.array([0.0, 1.0])
+        model = quadratic_model(J, np.zeros(1), gradient=g, hessian=4.0 * np.eye(2))
+        assert self.falls(model, -g, mu=1.0, allowance=allowance) is accepted
+
+
+class TestAllowance:
+    def after(self, allowance, change, near=1):
+        """The allowance after a step that changes H by ``change``."""
+        J, r = np.array([[1.0, 0.0]]), np.array([0.1])
+        model = quadratic_model(J, r, gradient=np.array([0.0, change]), hessian=np.zeros((2, 2)))
+        model = replace(model, near_target=casadi.SX(near))
+        return numbers(next_allowance(model, casadi.SX(allowance), model.candidate(casadi.SX([0.0, 1.0]))))
+
+    def test_with_H_it_is_the_weighted_average_of_H(self, rng):
+        values = np.sort(rng.random(8))[::-1]
+        allowance, average = 0.0, values[0]
+        for before, H in itertools.pairwise(values):
+            allowance = self.after(allowance, H - before)
+            average = MEMORY * average + (1 - MEMORY) * H
+            assert H + allowance == pytest.approx(average)
+
+    def test_it_is_never_negative(self):
+        assert self.after(0.2, 0.3) == 0
+        assert self.after(0.2, 0.1) == pytest.approx(MEMORY * 0.1)
+
+    def test_there_is_none_far_from_the_target(self):
+        assert self.after(0.2, -0.3, near=0) == 0

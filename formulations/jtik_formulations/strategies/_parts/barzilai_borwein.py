@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jtik.strategy import LocalModel, NullSpaceDisplacement, Outcome, Shape, State
-from jtik.symbolic import TINY, Expression, dot, fmax, fmin, if_else, is_symbolic, logic_and, sqrt, sumsqr
+from jtik.symbolic import TINY, Expression, dot, fmax, fmin, if_else, is_symbolic, logic_and, norm, ratio, sqrt, sumsqr
 from jtik.types import Array
 
 SMALLEST_CHANGE = 1e-12
@@ -16,6 +16,9 @@ SMALLEST_CHANGE = 1e-12
 
 SMALLEST_MOTION = 1e-12
 """Displacement [rad] up to which it is rounding and shows no curvature: y is then the change of live parameters."""
+
+SHOWING_MOTION = 1e-11
+"""Displacement [rad] that shows curvature."""
 
 NO_STEP, STEP, NULL_STEP = 0.0, 1.0, 2.0
 """Kinds of the last step: there was none; a step; a step that was mostly a null-space step."""
@@ -53,6 +56,7 @@ class BarzilaiBorweinGain:
         If the last step was mostly a null-space step, y is the change of ``null_gradient`` (n, 1), and where H is not
         convex there is no bound. Otherwise y is that of grad H; where H is not convex the gain stays the same. So it
         does where q has not changed: at rest, a live parameter that changes must not leave a gain of almost nothing.
+        In a solve it is then long enough to show the curvature: a shorter step would never change it.
         """
         change = model.coordinates.from_joints(model.robot.difference(state["last_q"], model.here.q))
         squared = sumsqr(change)
@@ -60,7 +64,11 @@ class BarzilaiBorweinGain:
         of_all = dot(change, model.gradient - state["last_H_gradient"])
         significant = of_all > SMALLEST_CHANGE * sqrt(squared) * model.gradient_norm
         kind = if_else(squared > SMALLEST_MOTION**2, state["last_kind"], NO_STEP)
-        kept = if_else(logic_and(kind == STEP, significant), squared / of_all, state["beta"])
+        before = state["beta"]
+        if not model.timed:
+            shows = ratio(SHOWING_MOTION, norm(null_gradient))
+            before = if_else(squared > SMALLEST_MOTION**2, before, fmax(before, shows))
+        kept = if_else(logic_and(kind == STEP, significant), squared / of_all, before)
         return if_else(kind == NULL_STEP, squared / fmax(of_null, squared / UNBOUNDED + TINY), kept)
 
     def adapt(
