@@ -5,9 +5,7 @@ from jtik_formulations import SelfCollision
 
 panda = jtik.Robot.builtin("panda")
 pairs = panda.collision_pairs()
-print(
-    f"{len(pairs)} pairs of {len(pairs.bodies)} bodies can touch, {len(pairs.left_out)} are left out; the first ones:"
-)
+print(f"{len(pairs)} pairs of {len(pairs.bodies)} bodies can touch, {len(pairs.left_out)} are left out; the first:")
 print("\n".join(str(pairs).splitlines()[:4]))
 
 apart = SelfCollision()
