@@ -8,7 +8,7 @@ from jtik._step.active_set import clamped
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.clearance import ClearanceModel
 from jtik.constraints.motion_bound import MotionBound
-from jtik.symbolic import Expression, substitute, symbol
+from jtik.symbolic import Expression, once_for_each, substitute, symbol
 
 
 def clearance_model(
@@ -46,7 +46,7 @@ def clearance_model(
         gain=gain,
         curvature_radius=figures[:, 4],
         motion=MotionBound(problem.robot, q),
-        after=lambda step: substitute(after, dq, step),
+        after=once_for_each(lambda step: substitute(after, dq, step)),
         coordinates=problem.coordinates,
         restored=problem.restored,
         longest=state.get("longest", 0),

@@ -172,7 +172,7 @@ def _parts(problem: SymbolicProblem, q: Expression, target: Expression, paramete
     if problem.clearances:
         distances, of_distances, figures = problem.clearance(at, parameters)
         parts += [distances, _movable(problem, of_distances), figures]
-    return [q, *[substitute(part, at, q) for part in parts]]
+    return [q, *substitute(parts, [at], [q])]  # together: they share most of their values
 
 
 def _movable(problem: SymbolicProblem, J: Expression) -> Expression:

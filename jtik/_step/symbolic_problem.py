@@ -26,6 +26,7 @@ from jtik.symbolic import (
     jacobian,
     norm,
     substitute,
+    sum1,
     symbol,
     vertcat,
     zeros,
@@ -87,12 +88,17 @@ class SymbolicProblem:
         self.unshifted = self._unshifted(q, target)
         self.error_jacobian = function("error_jacobian", [q, target], [rows.jacobian])
         self.residual_jacobian = function("residual_jacobian", [q, target], [self.factor.T @ rows.jacobian])
-        self.criterion = function("criterion", [q, parameters], [sum(values, zeros(1))])
         self.least_squares = terms.least_squares()
         self.clearances = clearances
         if clearances:
             self._measure(kinematics, parameters)
         self.values = function("criteria", [q, parameters], [vertcat(*values)])
+        self.criterion = function("criterion", [q, parameters], [self._total(q, parameters)], cse=False)
+
+    def _total(self, q: Expression, parameters: Expression) -> Expression:
+        """H, the sum of the values of the criteria."""
+        values = self.values(q, parameters)
+        return sum((values[i] for i in range(values.shape[0])), zeros(1))
 
     def _unshifted(self, q: Expression, target: Expression) -> Function | None:
         """The residual without the numbers of the target whose derivative is constant, such as those of a position."""
@@ -123,8 +129,9 @@ class SymbolicProblem:
         d, q = vertcat(*distances), kinematics.q
         self.restored = np.array(restored)
         self.distances = function("distances", [q, parameters], [d])
+        d = self.distances(q, parameters)  # where each value is computed once
         J = jacobian(d, q) @ self.robot.tangent(q)
-        self.clearance = function("clearance", [q, parameters], [d, J, vertcat(*figures)])
+        self.clearance = function("clearance", [q, parameters], [d, J, vertcat(*figures)], cse=False)
 
     def symbols(self) -> tuple[Expression, Expression, Expression]:
         """Fresh symbols for q, target and parameters."""
@@ -187,18 +194,19 @@ class SymbolicProblem:
         """(q, target, parameters) -> error, its Jacobian, value of each criterion, dH/dv, residual, its Jacobian."""
         q, target, parameters = self.symbols()
         error, residual = self.error(q, target), self.residual(q, target)
-        H = self.criterion(q, parameters)
+        values = self.values(q, parameters)
         return function(
             "report",
             [q, target, parameters],
             [
                 error,
                 self.error_jacobian(q, target),
-                self.values(q, parameters),
-                self.gradient(H, q),
+                values,
+                self.gradient(sum1(values), q),
                 residual,
                 self.residual_jacobian(q, target),
             ],
+            cse=False,  # it is evaluated once in a solve
         )
 
     def hessian(self) -> Function:

@@ -6,7 +6,7 @@ The distances come from a criterion that measures them, such as ObstacleAvoidanc
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
@@ -20,7 +20,7 @@ from jtik.constraints.measure import Measure
 from jtik.constraints.motion_bound import MotionBound
 from jtik.errors import ArgumentError
 from jtik.robot import UNWEIGHTED, Robot, WeightedCoordinates
-from jtik.symbolic import Expression, fmax, fmin, if_else, mmin, reshape, sum1, vertcat
+from jtik.symbolic import Expression, fmax, fmin, if_else, mmin, once_for_each, reshape, sum1, vertcat
 
 SAMPLES = 4
 """Points along a step, its end included, where distances are evaluated; between them they are bounded."""
@@ -205,13 +205,17 @@ class ClearanceModel:
         counts = vertcat(*self.restored.astype(float).tolist()) * (lacks > TOLERATED * (self.aim - self.safe))
         return if_else(counts, lacks, 0)
 
-    def keeps(self, dq: Expression) -> Expression:
-        """1 if every distance stays safe along the straight path of the displacement dq (n, 1).
+    @cached_property
+    def keeps(self) -> Callable[[Expression], Expression]:
+        """dq -> 1 if every distance stays safe along the straight path of the displacement dq (n, 1), else 0.
 
         The distances are evaluated at K samples. A point of a body moves at most L in the step and its link rotates by
         at most S. Between two samples a distance is safe where both exceed the safe value by the smaller of
         (L^2 / rho + L S) / (8 K^2) and L / (2 K). A distance that starts below it is no smaller at any sample.
         """
+        return once_for_each(self._keeps)
+
+    def _keeps(self, dq: Expression) -> Expression:
         travelled, turned = self.motion.lengths(self.coordinates.to_joints(dq))
         curved = (travelled**2 / self.curvature_radius + travelled * turned) / (8 * SAMPLES**2)
         dip = fmin(curved, travelled / (2 * SAMPLES))

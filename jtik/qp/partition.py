@@ -47,7 +47,7 @@ def partitioned(
         intermediate values. What only such functions need is computed in them.
     """
     dense, later = ([[densify(each) for each in group] for group in groups] for groups in (wanted, deferred))
-    graph = _Graph.of(known, dense, later)
+    graph = _Graph.of(known, dense, later)  # which has each value once
     passed_on: list[list[int]] = [[] for _ in names]
     for node in sorted(graph.used_later):
         passed_on[graph.stage[node]].append(node)
@@ -59,16 +59,16 @@ def partitioned(
         graph.evaluate([node for node in graph.computed if graph.stage[node] == k], values)
         outputs = [_filled(like, graph.results[k][i], values) for i, like in enumerate(wanted[k])]
         if k == len(names) - 1:
-            stages.append(function(name, inputs, outputs))
+            stages.append(function(name, inputs, outputs, cse=False))
             break
         outputs.append(vertcat(*[values[node] for node in passed_on[k]]) if passed_on[k] else zeros(0))
-        stages.append(function(name, inputs, outputs))
+        stages.append(function(name, inputs, outputs, cse=False))
         passed |= {node: columns[k][i] for i, node in enumerate(passed_on[k])}
         if k < len(deferred):
             values = dict(passed)
             graph.evaluate(graph.only_deferred[k], values)
             outputs = [_filled(like, graph.deferred[k][i], values) for i, like in enumerate(deferred[k])]
-            after.append(function(f"{name}_data", [*inputs, columns[k]], outputs))
+            after.append(function(f"{name}_data", [*inputs, columns[k]], outputs, cse=False))
         inputs = [*inputs, columns[k], *known[k + 1]]
     return stages, after
 

@@ -91,24 +91,24 @@ class Staged:
         )
 
     def joined(self) -> Function:
-        """The step as one MX function that contains the calls of a fused back end."""
+        """The step as one MX function that contains the calls of a fused back end, each of which occurs once."""
         inputs, ends = _columns(self.local, self.local.n_in()), self.stages[-1].n_out()
         if self.fast_path is None:
             at = [*inputs, *called(self.local, inputs)]
-            return function("jtik_step", inputs, self._through([*at, *self._prepared(at)]))
+            return function("jtik_step", inputs, self._through([*at, *self._prepared(at)]), cse=False)
         parts = called(self.fast_path, inputs)
         arguments = [*parts[:ends], *inputs, *parts[ends + 1 :]]
         inside = [MX.sym(f"a{i}", *part.shape) for i, part in enumerate(arguments)]
         fast = function("fast_path", inside, inside[:ends])
-        qp = function("qp_path", inside, called(self.qp_path, inside[ends:]))
-        return function("jtik_step", inputs, called(either(fast, qp), [parts[ends], *arguments]))
+        qp = function("qp_path", inside, called(self.qp_path, inside[ends:]), cse=False)
+        return function("jtik_step", inputs, called(either(fast, qp), [parts[ends], *arguments]), cse=False)
 
     @cached_property
     def qp_path(self) -> Function:
         """(inputs, local model, outputs of the first stage) -> outputs of the step; called after ``fast_path``."""
         first, before = self.stages[0], self.local.n_in() + self.local.n_out()
         at, given = _columns(first, before), [MX.sym(f"g{i}", *first.size_out(i)) for i in range(first.n_out())]
-        return function("jtik_qp_path", [*at, *given], self._through(at, given))
+        return function("jtik_qp_path", [*at, *given], self._through(at, given), cse=False)
 
     def _prepared(self, at: Sequence[MX]) -> list[MX]:
         """Expressions of the results of the preparations."""

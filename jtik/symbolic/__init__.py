@@ -10,7 +10,7 @@ The operations are those that a criterion, a strategy or a task is made of:
   `ldl_pivots`
 - derivatives: `gradient`, `jacobian`, `hessian`
 - a value without its derivative: `without_derivative`
-- inspection: `symvar`, `substitute`, `is_equal`
+- inspection: `symvar`, `substitute`, `is_equal`; `once_for_each`
 - functions: `Function`, `function`, `Callback`, `Sparsity`, `either`, `conic`, `has_conic`, `external`, `c_source`,
   and the codes of a function's instructions `OP_CALL`, `OP_CONST`, `OP_INPUT`, `OP_OUTPUT`
 - constants: `LARGEST`, `TINY`
@@ -71,6 +71,7 @@ from jtik.symbolic.operations import (
     norm,
     norm_inf,
     numbers,
+    once_for_each,
     ratio,
     reshape,
     sin,
@@ -142,6 +143,7 @@ __all__ = [
     "norm",
     "norm_inf",
     "numbers",
+    "once_for_each",
     "ratio",
     "reshape",
     "sin",

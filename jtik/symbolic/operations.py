@@ -6,7 +6,7 @@ Every use of CasADi in jtik goes through this module. CasADi has no type annotat
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeAlias
 
@@ -156,6 +156,25 @@ def conic(name: str, plugin: str, n: int, rows: int, options: Mapping[str, Any])
 def either(when: Function, otherwise: Function) -> Function:
     """(condition, arguments) -> ``when(arguments)`` if the condition is not 0, else ``otherwise``. One is evaluated."""
     return casadi.Function.if_else("either", when, otherwise)
+
+
+def once_for_each(build: Callable[[Expression], Expression]) -> Callable[[Expression], Expression]:
+    """The same function, which returns the same expression when it is called with the same one again.
+
+    An expression that is built twice makes a graph larger, and the elimination of what is there twice takes most of the
+    time of building a function.
+    """
+    built = list[tuple[Expression, Expression]]()
+
+    def found(argument: Expression) -> Expression:
+        for known, result in built:
+            if known.shape == argument.shape and is_equal(known, argument):
+                return result
+        result = build(argument)
+        built.append((argument, result))
+        return result
+
+    return found
 
 
 def is_symbolic(value: object) -> bool:

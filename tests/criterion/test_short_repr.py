@@ -36,7 +36,7 @@ class Elsewhere(jtik.Criterion):
         (ObstacleAvoidance([CIRCLE] * 3, gain=0.2), "ObstacleAvoidance(3 obstacles, gain=0.2)"),
         (
             ObstacleAvoidance([CIRCLE] * 2, bodies="both", floor=0.1, name="walls"),
-            "ObstacleAvoidance(2 obstacles, bodies='both', floor=0.1, name='walls')",
+            "ObstacleAvoidance(2 obstacles, floor=0.1, bodies='both', name='walls')",
         ),
         (link_height, "link_height(height=0.5)"),
         (link_height(height=[0.1, 0.2]), "link_height(height=[0.1, 0.2])"),

@@ -56,7 +56,10 @@ def test_a_forged_header(saved, tmp_path):
     jtik.Comparison.load(path)
     for key in header:
         write(path, {name: value for name, value in header.items() if name != key}, arrays)
-        refused(path)
+        if key == "obstacles":  # files of earlier versions do not have it
+            assert jtik.Comparison.load(path).obstacles == ()
+        else:
+            refused(path)
         for wrong in WRONG:
             write(path, {**header, key: wrong}, arrays)
             loaded_or_refused(path)
