@@ -86,6 +86,7 @@ def present(scene: Scene | Mapping[str, Any]) -> dict[str, Solid]:
 
 
 def default_bodies(robot: Robot) -> str:
-    """ "shapes" on a robot with solids that move, else "links"."""
-    moves = any(joint.is_moving for frame in robot.shapes for joint in robot.path(frame))
-    return "shapes" if moves else "links"
+    """ "shapes" on a robot with solids that move, else "links"; "joints" on one without links, such as a gantry."""
+    if any(joint.is_moving for frame in robot.shapes for joint in robot.path(frame)):
+        return "shapes"
+    return "links" if robot.segments else "joints"

@@ -83,7 +83,7 @@ on("status", () => {
   const text = byId("status");
   const { words, rebuilding, violated } = state.status;
   text.textContent = violated?.length ? `${words}; too near: ${violated.slice(0, 3).join(", ")}${violated.length > 3 ? " ..." : ""}` : words;
-  text.className = `status ${violated?.length ? "bad" : words === "at rest" ? "rest" : ""}`;
+  text.className = `status ${violated?.length ? "bad" : words.startsWith("at rest") ? "rest" : ""}`;
   byId("rebuilding").hidden = !rebuilding;
   redraw();
 });
@@ -126,7 +126,7 @@ listen(host, () => view, {
   Escape: () => send("hold_target", { velocity: Array(state.setup.robot.dimension).fill(0) }),
 });
 
-byId("save").onclick = () => download("plan.json");
+byId("save").onclick = () => download("plan.json").catch((error) => emit("message", { level: "error", text: error.message }));
 byId("load").onclick = () => byId("file").click();
 byId("file").onchange = async ({ target }) => {
   if (target.files[0]) sendRaw({ type: "load_plan", name: target.files[0].name, text: await target.files[0].text() });
