@@ -32,7 +32,7 @@ def clearance(
         robot: the robot.
         attempt: the attempt.
         scenes: when the obstacles change and what they are; by default as they were recorded.
-        bodies: what may not come close to obstacles; by default "shapes" on a robot that has any, else "links".
+        bodies: what may not come close to obstacles; by default "shapes", else "links", else "joints".
         accuracy: how far the distance found may be above the smallest one [m].
     """
     changes = attempt.scenes if scenes is None else scenes

@@ -83,7 +83,7 @@ def commit(
         limits: limits of the commands, see `timed`.
         scene: the obstacles, a `jtik.Scene` or its dict; by default those of the attempt when it ended.
         safe: smallest distance allowed of any body to any obstacle [m].
-        bodies: what may not come close to obstacles; by default "shapes" on a robot that has any, else "links".
+        bodies: what may not come close to obstacles; by default "shapes", else "links", else "joints".
         period: time between two commands [s].
         smoothing: how far a joint may be from the recorded path [rad] or [m], see `timed`. By default 0.02, without
             which a path that was guided by hand takes several times as long as it was recorded; where the smoothed path

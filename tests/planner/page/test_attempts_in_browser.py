@@ -164,6 +164,11 @@ def test_an_attempt_is_committed_and_its_files_verified_by_forward_kinematics(pa
     q, times = table[columns].to_numpy(), table["time [s]"].to_numpy()
     document = json.loads(exported(page, "json"))
     numbers = np.load(io.BytesIO(exported(page, "npz")))
+    wait_for(lambda: ".npz" in page.text("#exported"))
+    told = page.text("#exported")
+    assert f"{times[-1]:.2f} s" in told
+    assert "smoothed" in told
+    assert page.find("#exported .findings li").count() >= 1
     page.keyboard.press("Escape")
     assert (np.diff(times) > 0).all()
     np.testing.assert_allclose(q[0], attempt.configurations[0], atol=1e-6)
