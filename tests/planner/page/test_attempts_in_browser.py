@@ -69,7 +69,7 @@ def test_what_was_recorded_is_in_the_table_with_its_measures(page, planner, firs
 
 def test_an_attempt_is_scrubbed_and_left(page, planner, first):
     attempt = planner.loop.history[first]
-    live = planner.loop.frame.q.copy()
+    live = planner.loop.frame.q.copy()  # the self-motion may not have settled
     time = 0.4 * attempt.duration
     scrub(page, time)
     wait_for(lambda: planner.loop.frame.mode == "scrubbing")
@@ -79,7 +79,8 @@ def test_an_attempt_is_scrubbed_and_left(page, planner, first):
     wait_for(lambda: np.allclose(page.js("() => [...planner.state.frame.q]"), planner.loop.frame.q, atol=1e-5))
     page.find("#live").click()
     wait_for(lambda: planner.loop.frame.mode == "live")
-    np.testing.assert_allclose(planner.loop.frame.q, live, atol=1e-2)
+    np.testing.assert_allclose(planner.loop.frame.q, live, atol=0.1)
+    assert np.abs(attempt.configurations[attempt.index(shown)] - live).max() > 0.2
 
 
 def test_an_attempt_is_played_and_paused(page, planner, first):
@@ -142,6 +143,8 @@ def test_an_attempt_is_solved_again_with_another_strategy(page, planner, first):
     page.select("#resolve", "newton")
     wait_for(lambda: len(names(planner)) == 3, 120)
     again = planner.loop.history[names(planner)[-1]]
+    page.find(f'tr[data-attempt="{again.name}"]').wait_for()
+    assert page.text(".second .current") == first, "the operator's choice stays"
     assert again.strategy == "newton"
     assert again.parent == first
     np.testing.assert_allclose(again.targets, planner.loop.history[first].targets, atol=1e-9)
@@ -158,7 +161,7 @@ def test_an_attempt_is_committed_and_its_files_verified_by_forward_kinematics(pa
     attempt, robot = planner.loop.history[first], planner.arm.robot
     page.find(f'tr[data-attempt="{first}"] .name').click()
     page.find("#commit").click()
-    wait_for(lambda: page.text(".findings") not in ("", "checking"))
+    wait_for(lambda: page.find(".findings").first.inner_text() not in ("", "checking"))
     table = pandas.read_csv(io.BytesIO(exported(page, "csv")))
     columns = [f"{name} [rad]" for name in robot.joint_names]
     q, times = table[columns].to_numpy(), table["time [s]"].to_numpy()
@@ -167,7 +170,7 @@ def test_an_attempt_is_committed_and_its_files_verified_by_forward_kinematics(pa
     wait_for(lambda: ".npz" in page.text("#exported"))
     told = page.text("#exported")
     assert f"{times[-1]:.2f} s" in told
-    assert "smoothed" in told
+    assert ("smoothed" in told) == ("inside" not in told), "smoothed, unless that would be no better"
     assert page.find("#exported .findings li").count() >= 1
     page.keyboard.press("Escape")
     assert (np.diff(times) > 0).all()
