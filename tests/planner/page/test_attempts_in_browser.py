@@ -190,7 +190,13 @@ def test_the_plan_is_saved_and_loaded(page, planner):
     path = download.value.path()
     page.find(f'[aria-label="delete {before.names[-1]}"]').click()
     wait_for(lambda: len(planner.loop.history) == len(before) - 1)
+    kept = planner.loop.history
     page.set_input_files("#file", path)
+    page.click_text("Keep them")
+    page.set_input_files("#file", path)
+    page.find("#replace").wait_for()
+    assert planner.loop.history is kept, "nothing is replaced without asking"
+    page.find("#replace").click()
     wait_for(lambda: planner.loop.history.names == before.names)
     for one, other in zip(planner.loop.history, before, strict=True):
         assert one.to_json() == other.to_json()
@@ -200,5 +206,6 @@ def test_a_file_that_is_no_plan_is_told_and_nothing_is_lost(page, planner, tmp_p
     before = planner.loop.history
     (tmp_path / "notes.json").write_text('{"shopping": ["bread"]}')
     page.set_input_files("#file", tmp_path / "notes.json")
+    page.find("#replace").click()
     wait_for(lambda: "no plan" in page.text("#toasts"))
     assert planner.loop.history is before
