@@ -139,6 +139,50 @@ def test_smoothing_is_told_and_bounded():
         timed(motion(q), arm, smoothing=-1.0)
 
 
+def shaken(seed: int = 0) -> np.ndarray:
+    """A path that a hand has guided: it trembles."""
+    return np.linspace([0, 0], [1, -1], 200) + 5e-3 * np.random.default_rng(seed).normal(size=(200, 2))
+
+
+def test_a_path_that_was_guided_by_hand_is_smoothed_by_default(tmp_path):
+    arm, attempt = jtik.Robot.planar(2), motion(shaken())
+    done = commit(attempt, arm, tmp_path / "a.csv", "csv")
+    exact = commit(attempt, arm, tmp_path / "b.csv", "csv", smoothing=0.0)
+    assert done.commands.times[-1] < 0.5 * exact.commands.times[-1]
+    assert done.findings == ()
+    assert "smoothed" in done.commands.note
+    assert "smoothed" not in exact.commands.note
+    for each in attempt.configurations:
+        assert np.abs(done.commands.positions - each).max(axis=1).min() <= 0.02 + 5e-3
+
+
+def test_no_smoothing_cuts_a_corner_into_an_obstacle(tmp_path):
+    slide = jtik.JointType.PRISMATIC
+    joints = [
+        jtik.Joint("x", slide, "base", "a", axis=(1, 0, 0), lower=-2.0, upper=2.0),
+        jtik.Joint("y", slide, "a", "tip", axis=(0, 1, 0), lower=-2.0, upper=2.0),
+    ]
+    gantry = jtik.Robot(joints, planar=True)
+    ramp = np.linspace(0.0, 1.0, 120)
+    corner = np.concatenate([np.stack([ramp, 0 * ramp], axis=1), np.stack([1 + 0 * ramp, ramp], axis=1)[1:]])
+    center = np.array([0.97, 0.02])
+    attempt = motion(corner, scenes=[(0.0, jtik.Scene({"post": jtik.Circle(tuple(center), 0.01)}).to_dict())])
+
+    def away(commands):  # the tip is what goes around the corner
+        return np.linalg.norm(commands.positions - center, axis=1).min() - 0.01
+
+    cut = commit(attempt, gantry, tmp_path / "a.csv", "csv", safe=0.009, smoothing=0.02)
+    assert away(cut.commands) < 0.009
+    assert [each.kind for each in cut.findings] == ["clearance"]
+    done = commit(attempt, gantry, tmp_path / "a.csv", "csv", safe=0.009)
+    assert away(done.commands) >= 0.009
+    assert done.findings == ()
+    assert "0.02 rad" not in done.commands.note
+    none = commit(attempt, gantry, tmp_path / "a.csv", "csv", safe=0.015)  # the attempt itself comes nearer
+    assert "smoothed" not in none.commands.note
+    assert [each.kind for each in none.findings] == ["clearance"]
+
+
 def test_a_motion_of_another_robot_and_wrong_arguments_are_refused():
     with pytest.raises(ArgumentError, match="motion"):
         check(make_attempt(nq=3), limited_arm())

@@ -76,6 +76,7 @@ def test_every_edit_is_among_the_examples() -> None:
         ({"edit": "set_limits", "on": 1}, "on"),
         ({"edit": "set_preferred", "joint": "a", "value": None}, "value"),
         ({"edit": "set_preferred", "joint": "", "value": 1.0}, "joint"),
+        ({"edit": "set_preferred", "joint": "a", "value": 1e7}, "value"),
         ({"edit": "set_gain", "parameter": "a.b", "value": {"a": 1}}, "value"),
         ({"edit": "set_criteria", "names": ["a", "a"]}, "names"),
         ({"edit": "set_strategy", "name": "newton", "options": [1]}, "options"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from jtik.planner import Planner
 from jtik.planner.edits.messages import MoveTarget
 from jtik.planner.edits.of_attempts import Record
 from jtik.planner.files import sessions
+from jtik.planner.session.loop import DT
 from jtik_formulations import JointCentering, Newton, ObstacleAvoidance
 from tests.planner.operator import Later
 
@@ -137,3 +139,21 @@ def test_a_wrong_argument_is_named(arguments: dict, argument: str) -> None:
 def test_an_unknown_name_is_named(arguments: dict) -> None:
     with pytest.raises(UnknownNameError):
         made(**arguments)
+
+
+def test_a_session_killed_before_anything_was_done_is_not_offered(tmp_path) -> None:
+    now = [0.0]
+    planner = made(folder=tmp_path, clock=lambda: now[0])
+    journal = planner.loop._journal
+    for _ in range(600):
+        now[0] += DT
+        planner.loop.tick(now[0])
+    assert journal.write()
+    os.close(journal._file)  # what the end of the process does
+    assert sessions.recoverable(tmp_path) == ()
+    planner.loop.submit(Record())
+    planner.loop.tick(now[0] + DT)
+    journal._file = os.open(journal.folder / "journal.jsonl", os.O_WRONLY | os.O_APPEND)
+    assert journal.write()
+    os.close(journal._file)
+    assert [each.folder for each in sessions.recoverable(tmp_path)] == [journal.folder]

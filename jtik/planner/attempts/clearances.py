@@ -32,7 +32,7 @@ def clearance(
         robot: the robot.
         attempt: the attempt.
         scenes: when the obstacles change and what they are; by default as they were recorded.
-        bodies: what may not come close to obstacles; by default "shapes" on a robot that has any, else "links".
+        bodies: what may not come close to obstacles; by default "shapes", else "links", else "joints".
         accuracy: how far the distance found may be above the smallest one [m].
     """
     changes = attempt.scenes if scenes is None else scenes
@@ -86,6 +86,7 @@ def present(scene: Scene | Mapping[str, Any]) -> dict[str, Solid]:
 
 
 def default_bodies(robot: Robot) -> str:
-    """ "shapes" on a robot with solids that move, else "links"."""
-    moves = any(joint.is_moving for frame in robot.shapes for joint in robot.path(frame))
-    return "shapes" if moves else "links"
+    """ "shapes" on a robot with solids that move, else "links"; "joints" on one without links, such as a gantry."""
+    if any(joint.is_moving for frame in robot.shapes for joint in robot.path(frame)):
+        return "shapes"
+    return "links" if robot.segments else "joints"

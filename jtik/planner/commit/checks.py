@@ -73,7 +73,7 @@ def check(
         limits: which limits hold; the robot's own positions and velocities by default.
         scene: the obstacles, a `jtik.Scene` or its dict; by default those of the attempt when it ended.
         safe: smallest distance allowed of any body to any obstacle [m].
-        bodies: what may not come close to obstacles; by default "shapes" on a robot that has any, else "links".
+        bodies: what may not come close to obstacles; by default "shapes", else "links", else "joints".
         accuracy: how far the distance found may be above the smallest one [m].
 
     Raises:

@@ -36,6 +36,9 @@ ACCELERATION = 2.0
 PERIOD = 0.01
 """Time between two commands [s]."""
 
+SMOOTHING = (0.02, 0.005, 0.0)
+"""How far joints may be from the recorded path by default [rad] or [m]: the first of these that nears no obstacle."""
+
 PICTURES = {"figure": ".png", "animation": ".gif"}
 """What `commit` writes besides files of joint commands, and how the names of these files end."""
 
@@ -66,7 +69,7 @@ def commit(
     safe: float = 0.0,
     bodies: str | None = None,
     period: float = PERIOD,
-    smoothing: float = 0.0,
+    smoothing: float | None = None,
     recorded: bool = False,
 ) -> Committed:
     """Time an attempt, check the commands, and write them, whatever the check finds: it returns the findings.
@@ -80,9 +83,11 @@ def commit(
         limits: limits of the commands, see `timed`.
         scene: the obstacles, a `jtik.Scene` or its dict; by default those of the attempt when it ended.
         safe: smallest distance allowed of any body to any obstacle [m].
-        bodies: what may not come close to obstacles; by default "shapes" on a robot that has any, else "links".
+        bodies: what may not come close to obstacles; by default "shapes", else "links", else "joints".
         period: time between two commands [s].
-        smoothing: how far a joint may be from the recorded path [rad] or [m], see `timed`.
+        smoothing: how far a joint may be from the recorded path [rad] or [m], see `timed`. By default 0.02, without
+            which a path that was guided by hand takes several times as long as it was recorded; where the smoothed path
+            is nearer to an obstacle than ``safe``, 0.005, and at last the path as it was recorded.
         recorded: whether the times of the attempt are kept.
 
     Raises:
@@ -91,15 +96,20 @@ def commit(
         OSError: when the file cannot be written.
     """
     format, file = choice("format", format, (*FORMATS, *PICTURES)), read_path("path", path)
-    if recorded:
-        commands, held = as_recorded(attempt, robot), Limits() if limits is None else limits
-    else:
-        commands = timed(attempt, robot, limits=limits, period=period, smoothing=smoothing)
+    held = Limits() if limits is None else limits
+    if not recorded:
         bounds, _ = _assumed(robot, limits)
-        given = Limits() if limits is None else limits
-        held = replace(given, velocity=bounds.velocity, acceleration=bounds.acceleration)
+        held = replace(held, velocity=bounds.velocity, acceleration=bounds.acceleration)
     shown = (attempt.scene_at(attempt.duration) or {}) if scene is None else scene
-    findings = check(commands, robot, limits=held, scene=shown, safe=safe, bodies=bodies)
+    for tolerance in SMOOTHING if smoothing is None and not recorded else (smoothing or 0.0,):
+        commands = (
+            as_recorded(attempt, robot)
+            if recorded
+            else timed(attempt, robot, limits=limits, period=period, smoothing=tolerance)
+        )
+        findings = check(commands, robot, limits=held, scene=shown, safe=safe, bodies=bodies)
+        if all(each.kind != "clearance" for each in findings):
+            break
     if format == "figure":
         figure(commands, robot, scene=shown).savefig(file)
     elif format == "animation":

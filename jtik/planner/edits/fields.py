@@ -55,6 +55,11 @@ def _nested(value: Any) -> Any:
     return tuple(_nested(each) for each in value) if isinstance(value, list) else value
 
 
+def _coordinate(argument: str, value: object) -> float:
+    accepted = f"one number up to {LARGEST:g} [rad] or [m]"
+    return float(array_of(argument, value, [()], accepted, lambda x: np.isfinite(x) & (np.abs(x) <= LARGEST)))
+
+
 def _direction(argument: str, value: object) -> str | int | tuple[float, ...]:
     if isinstance(value, str):
         return label(argument, value)
@@ -83,6 +88,7 @@ Velocity: TypeAlias = Annotated[tuple[float, ...], _velocity]
 Rotation: TypeAlias = Annotated[tuple[float, ...], _rotation]
 Quaternion: TypeAlias = Annotated[tuple[float, ...], _quaternion]
 Value: TypeAlias = Annotated[float | tuple[Any, ...], _value]
+Coordinate: TypeAlias = Annotated[float, _coordinate]
 Direction: TypeAlias = Annotated[str | int | tuple[float, ...], _direction]
 ObstacleData: TypeAlias = Annotated[Mapping[str, Any], _obstacle]
 Options: TypeAlias = Annotated[Mapping[str, Any], _options]

@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 from jtik.arguments import mapping
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.planner.edits.fields import (
+    Coordinate,
     Direction,
     Name,
     Names,
@@ -193,7 +194,7 @@ class SetPreferred(Edit):
     """
 
     joint: Name
-    value: float
+    value: Coordinate
 
 
 @dataclass(frozen=True)

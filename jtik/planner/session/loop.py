@@ -92,7 +92,7 @@ class Loop:
         self._background = Background(state, self._attempts, self._editor, executor, sessions)
         self._inbox = Inbox()
         self._schedule = Schedule(dt, clock())
-        self._tick, self._measured, self._saved = 0, clock(), (clock(), 0)
+        self._tick, self._measured, self._saved = 0, clock(), (clock(), state.changes)
         self._moved, self._guided, self._step_time = False, False, 0.0
         self._shown_scene: object = None
         self._closed = threading.Event()
@@ -168,7 +168,7 @@ class Loop:
                     return
             raise ArgumentError("edit", edit.kind, "an edit of the planner")
         except JtikError as error:
-            self._state.messages.tell("error", f"{edit.kind}: {error}")
+            self._state.messages.tell("error", f"{edit.kind}: {str(error).removeprefix(f'{edit.kind}: ')}")
         except Exception as error:  # what a class of a third party raises
             self._state.messages.tell("error", f"{edit.kind}: {type(error).__name__}: {error}")
 

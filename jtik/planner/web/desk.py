@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ from jtik.planner.attempts.attempt import Attempt
 from jtik.planner.attempts.compare import measure
 from jtik.planner.commit.committing import check, commit
 from jtik.planner.edits import of_attempts as edits
+from jtik.planner.files.plain import LONGEST_NAME
 from jtik.planner.files.plan_file import Plan
 
 if TYPE_CHECKING:
@@ -28,6 +30,21 @@ KINDS = {
     "gif": "animation",
 }
 """Suffixes of the files that an attempt can be exported as, and the formats of `jtik.planner.commit.committing`."""
+
+
+@dataclass(frozen=True)
+class Exported:
+    """A file of an attempt.
+
+    Attributes:
+        body: what is in it.
+        findings: what a check of the motion in it finds, in words.
+        about: how the motion was timed, in words.
+    """
+
+    body: bytes
+    findings: tuple[str, ...]
+    about: str
 
 
 class Desk:
@@ -57,8 +74,8 @@ class Desk:
         """Smallest distance to obstacles that is asked for [m]: 0, which is contact, while the clearance is off."""
         return self.loop.settings.safe if self.loop.settings.clearance else 0.0
 
-    def exported(self, attempt: Attempt, kind: str) -> bytes:
-        """An attempt as a file, timed within the limits.
+    def exported(self, attempt: Attempt, kind: str) -> Exported:
+        """An attempt as a file, timed within the limits, and what is wrong with the motion in it.
 
         Args:
             attempt: the attempt.
@@ -71,7 +88,10 @@ class Desk:
             raise ArgumentError("format", kind, f"one of {', '.join(KINDS)}")
         with tempfile.TemporaryDirectory(prefix="jtik-export-") as folder:
             path = Path(folder) / f"attempt.{kind}"
-            return commit(attempt, self._robot, path, KINDS[kind], safe=self._safe()).path.read_bytes()
+            done = commit(attempt, self._robot, path, KINDS[kind], safe=self._safe())
+            about = f"{done.commands.times[-1]:.2f} s, timed by {done.commands.method}"
+            notes = [about, *([done.commands.note] if done.commands.note else [])]
+            return Exported(path.read_bytes(), tuple(each.text for each in done.findings), "; ".join(notes))
 
     def plan_text(self) -> str:
         """The whole plan as a file."""
@@ -91,10 +111,18 @@ class Desk:
             ArgumentError: for anything that is no plan, or one of another robot.
         """
         with tempfile.TemporaryDirectory(prefix="jtik-plan-") as folder:
-            path = Path(folder) / (Path(name).name or "plan.json")
-            path.write_text(text, encoding="utf-8")
+            path, called = Path(folder) / "plan.json", _shown(name)
+            path.write_bytes(text.encode("utf-8", "replace"))
             try:
                 plan = Plan.load(path, self._robot)
             except ArgumentError as error:
-                raise ArgumentError("plan", str(error.given).replace(str(path), path.name), error.accepted) from None
+                place = error.argument.replace(path.name, called, 1).removeprefix("path")
+                given = str(error.given).replace(str(path), called)
+                raise ArgumentError(place or "plan", given, error.accepted) from None
         self.loop.submit(edits.TakePlan(plan))
+
+
+def _shown(name: str) -> str:
+    """The name of a file that a stranger chose, for messages."""
+    kept = "".join(each for each in name.replace("\\", "/").rsplit("/", 1)[-1] if each.isprintable())
+    return kept[:LONGEST_NAME] or "plan.json"

@@ -34,7 +34,11 @@ def is_foreign(host: str, origin: str | None) -> bool:
         origin: where the page is from; None for a request that a page need not make.
     """
     own = {f"http://{host}", f"https://{host}"}
-    return urlsplit(f"//{host}").hostname not in LOOPBACK or (origin is not None and origin not in own)
+    try:
+        name = urlsplit(f"//{host}").hostname
+    except ValueError:  # no name at all
+        return True
+    return name not in LOOPBACK or (origin is not None and origin not in own)
 
 
 def response(status: http.HTTPStatus, body: bytes, kind: str, **more: str) -> Response:
@@ -64,9 +68,12 @@ def response(status: http.HTTPStatus, body: bytes, kind: str, **more: str) -> Re
     return Response(status.value, status.phrase, Headers(headers), body)
 
 
-def file(body: bytes, name: str) -> Response:
-    """A file to save. Characters that a header cannot have, or a file system should not, become underscores."""
+def file(body: bytes, name: str, **more: str) -> Response:
+    """A file to save, with more headers.
+
+    Characters of its name that a header cannot have, or a file system should not, become underscores.
+    """
     name = re.sub(r"[^A-Za-z0-9._-]", "_", name)
     kind = mimetypes.guess_type(name)[0] or "application/octet-stream"
     named = {"Content-Disposition": f'attachment; filename="{name}"'}
-    return response(http.HTTPStatus.OK, body, kind, **named)
+    return response(http.HTTPStatus.OK, body, kind, **named, **more)

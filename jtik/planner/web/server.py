@@ -13,7 +13,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Protocol
-from urllib.parse import unquote, urlsplit
+from urllib.parse import quote, unquote
 
 from jtik.arguments import integer
 from jtik.errors import ArgumentError, JtikError, MissingExtraError
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from jtik.planner.attempts.attempt import Attempt
     from jtik.planner.attempts.history import History
     from jtik.planner.session.arm import Arm
+    from jtik.planner.web.desk import Exported
 
 PORT = 8731
 """Port when none is given."""
@@ -47,6 +48,12 @@ OPENING = 600
 
 MAX_MESSAGE = 64 * 2**20
 """Largest message of a page [bytes]: a whole plan."""
+
+ABOUT = "Jtik-Export"
+"""Header of an exported file: how its motion was timed, and what a check of it finds, as JSON in percent encoding."""
+
+MOST_FINDINGS = 50
+"""Largest number of findings in that header."""
 
 STEERING = ("move_target", "hold_target", "jog")
 """Edits that keep the arm in motion after they were sent."""
@@ -69,7 +76,7 @@ class Planning(Protocol):
     def findings(self, attempt: Attempt) -> Sequence[str]:
         """What a check of an attempt finds, in words."""
 
-    def exported(self, attempt: Attempt, kind: str) -> bytes:
+    def exported(self, attempt: Attempt, kind: str) -> Exported:
         """An attempt as a file of a kind."""
 
     def plan_text(self) -> str:
@@ -241,7 +248,7 @@ class Server:
 
     async def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
         """The answer to a request; None lets the socket open."""
-        path = unquote(urlsplit(request.path).path)
+        path = unquote(request.path.partition("?")[0])
         host, origin = request.headers.get("Host", ""), request.headers.get("Origin")
         if is_foreign(host, origin) or (path == "/socket" and origin is None):
             return response(http.HTTPStatus.FORBIDDEN, b"This page may not open the planner.\n", "text/plain")
@@ -262,8 +269,9 @@ class Server:
                 return response(http.HTTPStatus.OK, json.dumps(list(found)).encode(), "application/json")
             if path.startswith("/export/"):
                 kind, _, name = path.removeprefix("/export/").partition("/")
-                body = self._planner.exported(self._planner.loop.history[name], kind)
-                return file(body, f"{name}.{kind}")
+                made = self._planner.exported(self._planner.loop.history[name], kind)
+                about = json.dumps({"about": made.about, "findings": made.findings[:MOST_FINDINGS]})
+                return file(made.body, f"{name}.{kind}", **{ABOUT: quote(about)})
         except (JtikError, OSError) as error:
             return response(http.HTTPStatus.BAD_REQUEST, f"{error}\n".encode(), "text/plain")
         return response(http.HTTPStatus.NOT_FOUND, b"There is nothing at this address.\n", "text/plain")
@@ -288,7 +296,7 @@ class Server:
     async def _receive(self, connection: ServerConnection, text: str | bytes, outgoing: Outgoing) -> None:
         """Submit the edit that a message describes; one that describes none gets an answer."""
         try:
-            given = json.loads(text)
+            given = _read(text)
             if not isinstance(given, dict):
                 raise ArgumentError("message", given, "an edit, as an object with the key edit")
             if given.get("type") == "hello":
@@ -301,7 +309,7 @@ class Server:
             if given.get("edit") in ("save_plan", "load_plan"):
                 raise ArgumentError("message", given["edit"], "edits that name no file: a page saves by a download")
             self._planner.loop.submit(edits.from_json(given))
-        except (JtikError, ValueError, RecursionError) as error:
+        except (JtikError, ValueError, RecursionError, OSError) as error:
             outgoing.answer(f"{error}")
             return
         if given["edit"] in STEERING:
@@ -312,6 +320,15 @@ class Server:
         still = (0.0,) * self._planner.arm.robot.dimension
         self._planner.loop.submit(edits.HoldTarget(velocity=still))
         self._planner.loop.submit(edits.Jog(rate=0.0))
+
+
+def _read(text: str | bytes) -> Any:
+    """What a message says. Raises ArgumentError for one that is no JSON."""
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError) as error:
+        given = f"what is no JSON: {str(error)[:100]}"
+        raise ArgumentError("message", given, "an edit, as an object with the key edit") from None
 
 
 async def _send(connection: ServerConnection, outgoing: Outgoing) -> None:

@@ -77,7 +77,16 @@ def test_the_page_needs_nothing_from_elsewhere(server):
 
 @pytest.mark.parametrize(
     "path",
-    ["/../server.py", "/..%2fserver.py", "/page/../../server.py", "//etc/passwd", "/style.css/", "/none.js", "/%00"],
+    [
+        "/../server.py",
+        "/..%2fserver.py",
+        "/page/../../server.py",
+        "//etc/passwd",
+        "/style.css/",
+        "/none.js",
+        "/%00",
+        "//[",
+    ],
 )
 def test_no_other_file_is_served(server, path):
     status, body, _ = get(server.port, path)
@@ -100,7 +109,7 @@ def test_a_client_without_an_origin_may_not_open_the_socket(server):
     assert refused.value.response.status_code == 403
 
 
-@pytest.mark.parametrize("host", ["evil.example", "127.0.0.1.evil.example", "evil.example:80", ""])
+@pytest.mark.parametrize("host", ["evil.example", "127.0.0.1.evil.example", "evil.example:80", "", "[::"])
 def test_a_name_that_a_foreign_page_leads_here_is_refused(server, host):
     assert get(server.port, "/", Host=host)[0] == 403
 
@@ -155,7 +164,10 @@ def test_nothing_is_sent_twice(server, planner):
 @pytest.mark.parametrize(
     ("message", "words"),
     [
-        ("not json", "Expecting value"),
+        ("not json", "no JSON"),
+        (json.dumps({"type": "load_plan", "text": "{}", "name": "a" * 5000}), "no plan"),
+        ('{"type": "load_plan", "text": "{}", "name": "../\\u0000.json"}', "no plan"),
+        ('{"type": "load_plan", "text": "\\ud800"}', "no JSON"),
         ("[]", "edit"),
         ("7", "edit"),
         ('{"type": "other"}', "edit"),

@@ -1,6 +1,6 @@
 // The dock below the view: record, play, scrub, undo and branch; the attempts side by side; check, commit and export.
 
-import { choice, download, el, figure, words } from "./dom.js";
+import { ask, choice, download, el, figure, words } from "./dom.js";
 import { attemptColour } from "./palette.js";
 import { send } from "./socket.js";
 import { emit, on, state } from "./state.js";
@@ -130,13 +130,37 @@ function attemptRow(attempt, index, best) {
 export async function commitDialog(name) {
   const dialog = document.getElementById("dialog");
   const findings = el("ul", { class: "findings" }, el("li", {}, "checking"));
+  const written = el("div", { id: "exported", class: "exported" });
   const format = choice(FORMATS, () => {}, { "aria-label": "format", id: "format" });
+  const button = el("button", { class: "primary", id: "export", onclick: async () => {
+    button.disabled = true;
+    written.replaceChildren(el("p", { class: "note" }, "Timing, checking and writing"));
+    written.replaceChildren(...await exported(name, format.value));
+    button.disabled = false;
+  } }, "Export");
   dialog.replaceChildren(
-    el("h2", {}, `Commit ${name}`), el("p", { class: "note" }, "Limits, speeds, accelerations, and the clearance between samples."), findings,
-    el("div", { class: "row" }, format, el("button", { class: "primary", id: "export", onclick: () => download(`export/${format.value}/${encodeURIComponent(name)}`) }, "Export"),
-      el("button", { onclick: () => dialog.close() }, "Close")));
+    el("h2", {}, `Commit ${name}`),
+    el("p", { class: "note" }, "The attempt as it was recorded: limits, speeds, and the clearance between samples."), findings,
+    el("p", { class: "note" }, "A file has its path, timed within the limits of the joints, and is checked again."),
+    el("div", { class: "row" }, format, button, el("button", { onclick: () => dialog.close() }, "Close")), written);
   dialog.showModal();
-  const answer = await fetch(`check/${encodeURIComponent(name)}`);
-  const found = answer.ok ? await answer.json() : [await answer.text()];
-  findings.replaceChildren(...(found.length ? found.map((each) => el("li", { class: "bad" }, String(each))) : [el("li", { class: "good" }, "Nothing found: the attempt can be committed.")]));
+  try {
+    const answer = await ask(`check/${encodeURIComponent(name)}`);
+    findings.replaceChildren(...findingsList(await answer.json(), "Nothing found: the attempt can be committed."));
+  } catch (error) {
+    findings.replaceChildren(el("li", { class: "bad" }, error.message));
+  }
+}
+
+const findingsList = (found, none) => (found.length ? found.map((each) => el("li", { class: "bad" }, String(each))) : [el("li", { class: "good" }, none)]);
+
+// Save an attempt as a file; what is told of it: how it was timed, and what the check of its motion finds.
+async function exported(name, format) {
+  try {
+    const { name: file, answer } = await download(`export/${format}/${encodeURIComponent(name)}`);
+    const { about, findings } = JSON.parse(decodeURIComponent(answer.headers.get("Jtik-Export")));
+    return [el("p", { class: "note" }, el("b", {}, file), ` ${about}`), el("ul", { class: "findings" }, findingsList(findings, "Nothing found in the motion of this file."))];
+  } catch (error) {
+    return [el("ul", { class: "findings" }, el("li", { class: "bad" }, error.message))];
+  }
 }

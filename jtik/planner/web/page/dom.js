@@ -113,6 +113,21 @@ export function choice(options, change, properties = {}) {
   return input;
 }
 
-export function download(url) {
-  el("a", { href: url, download: "" }).click();
+// A request to the planner. Throws an Error with what to tell the operator.
+export async function ask(url) {
+  const answer = await fetch(url).catch(() => {
+    throw new Error("The planner does not answer: is it still running?");
+  });
+  if (!answer.ok) throw new Error((await answer.text()).trim());
+  return answer;
+}
+
+// Save what the planner makes as a file. Returns its name and the answer; throws as `ask` does.
+export async function download(url) {
+  const answer = await ask(url);
+  const name = /filename="([^"]*)"/.exec(answer.headers.get("Content-Disposition") ?? "")?.[1] ?? "file";
+  const blob = URL.createObjectURL(await answer.blob());
+  el("a", { href: blob, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(blob), 60_000);
+  return { name, answer };
 }

@@ -83,7 +83,7 @@ on("status", () => {
   const text = byId("status");
   const { words, rebuilding, violated } = state.status;
   text.textContent = violated?.length ? `${words}; too near: ${violated.slice(0, 3).join(", ")}${violated.length > 3 ? " ..." : ""}` : words;
-  text.className = `status ${violated?.length ? "bad" : words === "at rest" ? "rest" : ""}`;
+  text.className = `status ${violated?.length ? "bad" : words.startsWith("at rest") ? "rest" : ""}`;
   byId("rebuilding").hidden = !rebuilding;
   redraw();
 });
@@ -113,7 +113,7 @@ on("sessions", ([latest]) => {
   const ended = new Date(1000 * latest.ended).toLocaleString();
   offer.replaceChildren(
     el("span", {}, `A session was not ended. Last written: ${ended}.`),
-    el("button", { class: "primary", onclick: () => { send("recover", { session: latest.name }); offer.hidden = true; } }, "Recover it"),
+    el("button", { class: "primary", onclick: () => replacing(() => { send("recover", { session: latest.name }); offer.hidden = true; }) }, "Recover it"),
     el("button", { onclick: () => (offer.hidden = true) }, "Not now"),
   );
 });
@@ -126,12 +126,31 @@ listen(host, () => view, {
   Escape: () => send("hold_target", { velocity: Array(state.setup.robot.dimension).fill(0) }),
 });
 
-byId("save").onclick = () => download("plan.json");
+byId("save").onclick = () => download("plan.json").catch((error) => emit("message", { level: "error", text: error.message }));
 byId("load").onclick = () => byId("file").click();
 byId("file").onchange = async ({ target }) => {
-  if (target.files[0]) sendRaw({ type: "load_plan", name: target.files[0].name, text: await target.files[0].text() });
+  const [file] = target.files;
+  if (file) {
+    const text = await file.text();
+    replacing(() => sendRaw({ type: "load_plan", name: file.name, text }));
+  }
   target.value = "";
 };
+
+// Do what replaces the attempts, once the operator has agreed where there are any.
+function replacing(act) {
+  if (state.attempts.length === 0) return act();
+  const dialog = byId("dialog");
+  const agreed = () => {
+    dialog.close();
+    act();
+  };
+  dialog.replaceChildren(
+    el("h2", {}, "Replace the attempts?"),
+    el("p", { class: "note" }, `The plan has ${state.attempts.length} of them. Save it first to keep them.`),
+    el("div", { class: "row" }, el("button", { class: "primary", id: "replace", onclick: agreed }, "Replace them"), el("button", { onclick: () => dialog.close() }, "Keep them")));
+  dialog.showModal();
+}
 
 const KEYS = [
   ["← ↑ → ↓, W A S D", "move the target while a key is down"], ["Q E, Page keys", "move it down and up (spatial robots)"],

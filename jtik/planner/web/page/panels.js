@@ -5,7 +5,7 @@ import { jog } from "./input.js";
 import { obstaclePart } from "./obstacles.js";
 import { optionFields, readOptions } from "./options.js";
 import { send } from "./socket.js";
-import { clearPath, on, state } from "./state.js";
+import { on, state } from "./state.js";
 
 export function showPanels(host) {
   const parts = [targetPart, obstaclePart, posturePart, strategyPart, criteriaPart, limitsPart];
@@ -37,7 +37,7 @@ function targetPart() {
     el("div", { class: "row" }, fields.map((field) => field.node)),
     speed.node,
     jogs.node,
-    el("div", { class: "row" }, el("button", { onclick: () => send("hold_target", { velocity: Array(d).fill(0) }) }, "Stop"), el("button", { onclick: clearPath }, "Clear the path")),
+    el("div", { class: "row" }, el("button", { onclick: () => send("hold_target", { velocity: Array(d).fill(0) }) }, "Stop")),
   ]);
 }
 

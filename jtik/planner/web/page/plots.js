@@ -7,25 +7,27 @@ import { limited, on, state } from "./state.js";
 const KEPT = 200; // statuses: 20 s at 10 a second
 const FLOOR = 1e-9; // smallest value on a logarithmic plot
 
-// key, label, unit, read from a status, whether the scale is logarithmic
-const FIGURES = [
-  ["error", "error", "m", (s) => s.error, true],
-  ["V", "V, task", "", (s) => s.V, true],
-  ["H", "H, criteria", "", (s) => s.H, false],
-  ["joints", "clearance of joints", "m", (s) => s.clearance?.joints, false],
-  ["links", "clearance of links", "m", (s) => s.clearance?.links, false],
-  ["manipulability", "manipulability", "", (s) => s.manipulability, false],
-  ["active", "active limits", "", (s) => s.active_limits?.length ?? 0, false],
-  ["null", "null space", "dof", (s) => s.null_space, false],
-  ["step", "time a step", "ms", (s) => (s.step_time ?? NaN) * 1000, false],
+const ERROR_UNITS = { position: "m", orientation: "rad" }; // of a pose, metres and radians are in one number
+
+// key, label, unit, read from a status, whether the scale is logarithmic, what it means
+const figures = () => [
+  ["error", "error", ERROR_UNITS[state.setup.task.kind] ?? "", (s) => s.error, true, "norm of the task error; of a pose, metres and radians together"],
+  ["V", "V, task", "", (s) => s.V, true, "Lyapunov function of the task: half the sum of squares of the weighted error"],
+  ["H", "H, criteria", "", (s) => s.H, false, "weighted sum of the criteria, which the self-motion makes small"],
+  ["joints", "clearance of joints", "m", (s) => s.clearance?.joints, false, "smallest distance of a joint to an obstacle"],
+  ["links", "clearance of links", "m", (s) => s.clearance?.links, false, "smallest distance of a link to an obstacle"],
+  ["manipulability", "manipulability", "", (s) => s.manipulability, false, "square root of the determinant of J J', of the weighted Jacobian"],
+  ["active", "active limits", "", (s) => s.active_limits?.length ?? 0, false, "number of joints at a limit"],
+  ["null", "null space", "", (s) => s.null_space, false, "dimension of the null space of the task"],
+  ["step", "time a step", "ms", (s) => (s.step_time ?? NaN) * 1000, false, "computing time of the last step"],
 ];
 
 class Plot {
-  constructor([key, label, unit, read, log]) {
+  constructor([key, label, unit, read, log, meaning]) {
     Object.assign(this, { read, log, unit, values: [] });
     this.canvas = el("canvas", { class: "spark" });
     this.value = el("output", {});
-    this.node = el("div", { class: "figure", data: { figure: key } }, el("span", { class: "name" }, label), this.value, el("i", {}, unit), this.canvas);
+    this.node = el("div", { class: "figure", data: { figure: key }, title: meaning }, el("span", { class: "name" }, label), this.value, el("i", {}, unit), this.canvas);
   }
 
   take(status) {
@@ -77,19 +79,23 @@ class Plot {
 }
 
 export function showFigures(host) {
-  const fixed = FIGURES.map((one) => new Plot(one));
-  const list = el("div", { class: "figures" }, fixed.map((plot) => plot.node));
+  let fixed = [];
+  const list = el("div", { class: "figures" });
   const own = el("div", { class: "figures" });
   const joints = el("div", { class: "joints" });
   const criteria = new Map();
   host.append(part("Step", [list]), part("Criteria", [own]), part("Joints", [joints]));
 
+  on("robot", () => {
+    fixed = figures().map((one) => new Plot(one));
+    list.replaceChildren(...fixed.map((plot) => plot.node));
+  });
   on("status", () => {
     for (const plot of fixed) plot.take(state.status);
     const values = state.status.criteria ?? {};
     if ([...criteria.keys()].join() !== Object.keys(values).join()) {
       criteria.clear();
-      for (const name of Object.keys(values)) criteria.set(name, new Plot([name, words(name), "", (s) => s.criteria?.[name], false]));
+      for (const name of Object.keys(values)) criteria.set(name, new Plot([name, words(name), "", (s) => s.criteria?.[name], false, "weighted value of the criterion"]));
       own.replaceChildren(...[...criteria.values()].map((plot) => plot.node));
     }
     for (const plot of criteria.values()) plot.take(state.status);

@@ -51,7 +51,9 @@ function readText(document) {
     const before = new Set(state.attempts.map(({ name }) => name));
     state.attempts = document.attempts;
     const added = state.attempts.filter(({ name }) => before.size > 0 && !before.has(name));
-    if (added.length) state.attempt = added.at(-1).name; // the newest is the one to work on
+    // What was just recorded is the one to work on; what was resolved meanwhile takes nobody's choice away.
+    if (added.length && (state.recorded || state.frame?.recording)) state.attempt = added.at(-1).name;
+    if (added.length) state.recorded = false;
     const names = state.attempts.map((attempt) => attempt.name);
     if (!names.includes(state.attempt)) state.attempt = names.at(-1) ?? null;
     for (const name of state.overlays) if (!names.includes(name)) state.overlays.delete(name);
@@ -102,6 +104,7 @@ function readFrame(buffer) {
     received: performance.now(),
   };
   if (state.frame.recording && !before?.recording) clearPath();
+  if (before?.recording && !state.frame.recording) state.recorded = true;
   if (state.frame.mode === "live") walk(state.frame);
   if (before?.mode !== state.frame.mode || before?.recording !== state.frame.recording) emit("mode");
   emit("frame");
