@@ -56,7 +56,7 @@ class ControlLoop:
             dt: duration of the step [s].
 
         Raises:
-            ArgumentError: for a wrong shape, NaN or infinity, or a direction that is none, naming it.
+            ArgumentError: for a wrong shape, NaN or infinity, or a direction of another form, naming it.
         """
         return self._engine.jogging.jog(q, rate, direction, dt)
 

@@ -22,7 +22,7 @@ OBSTACLE_FACE, OBSTACLE_EDGE = "#f3d2ae", "#bf7a3a"
 """Colours of an obstacle: inside, and its edge."""
 
 SINGLE = "#4d86b0"
-"""Colour of a single posture in space: light and shade can be told on it."""
+"""Colour of a single posture in space: light and shade can be seen on it."""
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", INK)
 """Colours of Okabe and Ito (2008), without yellow, which is hard to see on white."""

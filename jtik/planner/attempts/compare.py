@@ -113,7 +113,7 @@ def measure(
         accuracy: how far `Measures.clearance` may be above the smallest distance [m].
 
     Raises:
-        ArgumentError: for an argument that cannot be used, or a scene that is none.
+        ArgumentError: for an argument that cannot be used, or a scene that is no `jtik.Scene`.
     """
     q, times = read_attempt(attempt, robot).configurations, attempt.times
     motion = Motion.of(robot, times, q)

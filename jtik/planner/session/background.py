@@ -67,7 +67,7 @@ class Background:
         self._handlers[type(edit)](edit)
 
     def poll(self) -> None:
-        """Take the results of the jobs that have ended; what went wrong is told."""
+        """Take the results of the jobs that have ended; errors are reported."""
         jobs, self._jobs = self._jobs, []
         for name, future, done in jobs:
             if not future.done():

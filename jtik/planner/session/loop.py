@@ -249,7 +249,7 @@ class Loop:
             self._thread.start()
 
     def run(self) -> None:
-        """Run until `close`. Whatever goes wrong in a period is told, and the next one follows."""
+        """Run until `close`. An error in a period is reported, and the next one follows."""
         while not self._closed.wait(self._schedule.wait(self._clock())):
             try:
                 self.tick(self._clock())

@@ -25,7 +25,7 @@ MESSAGES = 200
 """Number of messages that are kept."""
 
 AGAIN = 5.0
-"""Time after which a message of the same text is told again [s]."""
+"""Time after which a message of the same text is shown again [s]."""
 
 
 class Messages:
@@ -99,7 +99,7 @@ class State:
         return target_of(self.problem, position, orientation)
 
     def step(self, dt: float, *, guided: bool) -> None:
-        """One step of the arm. A step that fails leaves the arm where it is, and is told.
+        """One step of the arm. A step that fails leaves the arm where it is, and is reported.
 
         Args:
             dt: period [s].

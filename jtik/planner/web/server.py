@@ -206,7 +206,7 @@ class Server:
         def work() -> None:
             try:
                 asyncio.run(main())
-            except BaseException as error:  # told to the caller of `start`
+            except BaseException as error:  # raised again by `start`
                 failed.append(error)
             listening.set()
 

@@ -79,10 +79,10 @@ def load_mjcf(path_or_xml: PathOrText) -> RobotDescription:
         points = {frame: Mass(mass.mass, mass.center) for frame, mass in read.masses.items()}
         change = "its masses count as point masses: MuJoCo refuses their inertias"
         read = replace(read, masses=points, changes=(*read.changes, change))
-    told = [
+    changes = [
         f"body {name!r} has no mass of a non-negative number: it counts as massless" for name in compiled.without_mass
     ]
-    return with_mimic_joints(replace(read, name=_name(source), changes=(*read.changes, *told)))
+    return with_mimic_joints(replace(read, name=_name(source), changes=(*read.changes, *changes)))
 
 
 def load_mujoco(model: Any) -> RobotDescription:

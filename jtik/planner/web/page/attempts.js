@@ -154,7 +154,7 @@ export async function commitDialog(name) {
 
 const findingsList = (found, none) => (found.length ? found.map((each) => el("li", { class: "bad" }, String(each))) : [el("li", { class: "good" }, none)]);
 
-// Save an attempt as a file; what is told of it: how it was timed, and what the check of its motion finds.
+// Save an attempt as a file; what is reported about it: how it was timed, and what the check of its motion finds.
 async function exported(name, format) {
   try {
     const { name: file, answer } = await download(`export/${format}/${encodeURIComponent(name)}`);
