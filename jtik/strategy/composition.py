@@ -225,7 +225,7 @@ class Composition(Strategy):
         if model.has_criterion:
             after["penalty"] = mu
             if "allowance" in state:
-                left = next_allowance(model, state["allowance"], candidate)
+                left = next_allowance(model, state["allowance"], candidate, mu)
                 after["allowance"] = if_else(verdict.accepted, left, state["allowance"])
         return Update(
             dq=dq,

@@ -134,7 +134,9 @@ def penalty_falls(
     return logic_and(candidate.length <= model.neighbourhood, better)
 
 
-def next_allowance(model: LocalModel, allowance: Expression, candidate: Evaluation) -> Expression:
+def next_allowance(model: LocalModel, allowance: Expression, candidate: Evaluation, mu: Expression) -> Expression:
     """What H + mu |r| may rise by in the step after an accepted one (M7); nothing outside the neighbourhood."""
-    left = MEMORY * fmax(allowance + model.here.H - candidate.H, 0)
+    decrease = model.here.H - candidate.H
+    decrease = fmin(decrease, decrease + mu * (model.here.length - candidate.length))
+    left = MEMORY * fmax(allowance + decrease, 0)
     return if_else(model.near_target, left, 0)

@@ -71,6 +71,7 @@ class Running:
         words = ["plan", "--no-browser", "--port", "0", "--robot", "planar:3", "--folder", str(folder)]
         self.process = subprocess.Popen(
             [sys.executable, "-m", "jtik", *words],
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # which a background process may ignore
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,

@@ -115,7 +115,14 @@ class TestAllowance:
         J, r = np.array([[1.0, 0.0]]), np.array([0.1])
         model = quadratic_model(J, r, gradient=np.array([0.0, change]), hessian=np.zeros((2, 2)))
         model = replace(model, near_target=casadi.SX(near))
-        return numbers(next_allowance(model, casadi.SX(allowance), model.candidate(casadi.SX([0.0, 1.0]))))
+        return numbers(next_allowance(model, casadi.SX(allowance), model.candidate(casadi.SX([0.0, 1.0])), 2.0))
+
+    def test_H_that_falls_while_the_error_rises_by_more_leaves_nothing(self):
+        """Otherwise two steps, one for H and one for the task, could follow each other for ever."""
+        J = np.array([[1.0, 0.0]])
+        model = quadratic_model(J, np.array([0.1]), gradient=np.array([-0.3, 0.0]), hessian=np.zeros((2, 2)))
+        model = replace(model, near_target=casadi.SX(1))
+        assert numbers(next_allowance(model, casadi.SX(0.0), model.candidate(casadi.SX([0.1, 0.0])), 2.0)) == 0
 
     def test_with_H_it_is_the_weighted_average_of_H(self, rng):
         values = np.sort(rng.random(8))[::-1]
