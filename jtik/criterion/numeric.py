@@ -115,8 +115,8 @@ class NumericCriterion(FunctionCriterion):
         after, middle, before = value(1.0), value(0.0), value(-1.0)
         function.failure = None  # a value beside q does not have to exist
         slope, given = (after - before) / (2 * step), float(function.gradient(q, column) @ direction)
-        bend = abs(after - 2 * middle + before) / step  # the slopes before and behind differ by this much
-        allowed = 1e-2 * max(abs(slope), abs(given)) + bend + 1e-9 * max(abs(middle), 1.0) / step
+        slope_change = abs(after - 2 * middle + before) / step  # the slopes before and behind differ by this much
+        allowed = 1e-2 * max(abs(slope), abs(given)) + slope_change + 1e-9 * max(abs(middle), 1.0) / step
         if np.isfinite([slope, given]).all() and abs(slope - given) > allowed:
             raise CriterionError(
                 self.name,

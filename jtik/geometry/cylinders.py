@@ -68,15 +68,15 @@ def segment_to_cylinder(start: Expression, end: Expression, axis: Axis) -> Expre
     height, across = axis.split(start - axis.center)
     rise, drift = axis.split(end - start)
     # the squared distance from the axis is a quadratic in the share
-    square, slope, bend = sumsqr(across), dot(across, drift), sumsqr(drift)
+    square, slope, drift_squared = sumsqr(across), dot(across, drift), sumsqr(drift)
 
     def at(share: Expression) -> tuple[Expression, ...]:
         """Distance from the axis, its derivative, height from the nearer end's side, and its derivative."""
-        reach = sqrt(fmax(square + share * (2 * slope + share * bend), 0) + ON_AXIS)
+        reach = sqrt(fmax(square + share * (2 * slope + share * drift_squared), 0) + ON_AXIS)
         upright = height + share * rise
         return (
             reach - axis.radius,
-            (slope + share * bend) / reach,
+            (slope + share * drift_squared) / reach,
             fabs(upright) - axis.half,
             if_else(upright > 0, rise, -rise),
         )
@@ -91,9 +91,9 @@ def segment_to_cylinder(start: Expression, end: Expression, axis: Axis) -> Expre
     share = without_derivative(share)
     beside, outward, above, upward = at(share)
     rate = fmax(beside, 0) * outward + fmax(above, 0) * upward
-    curvature = (beside > 0) * (outward**2 + beside * (bend - outward**2) / (beside + axis.radius))
+    curvature = (beside > 0) * (outward**2 + beside * (drift_squared - outward**2) / (beside + axis.radius))
     curvature = curvature + (above > 0) * rise**2
-    moved = fmin(fmax(-rate / (curvature + FLAT * (rise**2 + bend) + TINY), -(0.5**HALVINGS)), 0.5**HALVINGS)
+    moved = fmin(fmax(-rate / (curvature + FLAT * (rise**2 + drift_squared) + TINY), -(0.5**HALVINGS)), 0.5**HALVINGS)
     share = fmin(fmax(share + moved, 0), 1)
     closest = start + share * (end - start)
     return point_to_cylinder(closest, axis)
