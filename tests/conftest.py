@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import functools
 import math
+import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,6 +23,8 @@ DIFFERENCES = 1e-6
 ACCEPTED_RISE = 1e-13
 """Relative rise of V that is a rounding error of its evaluation."""
 
+# the libraries that the package ziglang builds for itself at its first call, once for all tests
+os.environ.setdefault("ZIG_GLOBAL_CACHE_DIR", str(Path.home() / ".cache" / "zig"))
 
 LARGE = ("jparse", "lexicographic_qp", "mink", "selectively_damped", "sns", "sns_qp", "weighted_qp")
 """Strategies with a large compiled step: a solver with one of them takes several times as long to build."""

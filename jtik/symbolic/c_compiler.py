@@ -16,6 +16,15 @@ from jtik.errors import JtikError
 OPTIONS = ("-O2",)
 """Options of every call: -O3 and -march make no generated step faster."""
 
+ZIG = ("-m", "ziglang", "cc")
+"""How the compiler of the package ``ziglang``, which is clang, is called."""
+
+ZIG_CACHE = "zig"
+"""Name of the folders in which this compiler keeps files."""
+
+ZIG_OPTIONS = ("-fno-sanitize=all", "-g0")
+"""Options that turn off what this compiler adds of itself: checks at run time, and information for debuggers."""
+
 SHOWN = 2000
 """Longest part of a compiler's output in an error, in characters: the end, where the reason is."""
 
@@ -38,7 +47,9 @@ class CompilerError(JtikError):
 
 
 def compiler() -> tuple[str, ...]:
-    """The command of the compiler: ``$CC``, ``cc``, ``gcc``, ``clang``, or that of the package ``ziglang``.
+    """The command of the compiler: ``$CC``, ``clang``, that of the package ``ziglang``, ``gcc``, or ``cc``.
+
+    The order is that of speed: generated steps by clang are 1.1 to 2 times faster than those by gcc.
 
     Raises:
         CompilerError: when there is none, or ``$CC`` is no command.
@@ -49,12 +60,15 @@ def compiler() -> tuple[str, ...]:
             return tuple(shlex.split(own, posix=os.name != "nt"))
         except ValueError as error:
             raise CompilerError(f"CC={own}", f"not a command: {error}") from error
-    for name in ("cc", "gcc", "clang"):
+    clang = shutil.which("clang")
+    if clang:
+        return (clang,)
+    if importlib.util.find_spec("ziglang"):
+        return (sys.executable, *ZIG)
+    for name in ("gcc", "cc"):
         found = shutil.which(name)
         if found:
             return (found,)
-    if importlib.util.find_spec("ziglang"):
-        return (sys.executable, "-m", "ziglang", "cc")
     raise CompilerError("compiled=True", "no C compiler found; install one, or: pip install ziglang")
 
 
@@ -71,22 +85,28 @@ def _version(command: tuple[str, ...]) -> str:
     return _run([*command, "--version"])
 
 
+def options(command: tuple[str, ...]) -> tuple[str, ...]:
+    """The options of a compiler."""
+    return (*OPTIONS, *ZIG_OPTIONS) if command[-len(ZIG) :] == ZIG else OPTIONS
+
+
 def compile_library(command: tuple[str, ...], code: Path, built: Path) -> None:
     """Compile a file of C to a shared library.
 
     Raises:
         CompilerError: when the compiler cannot be run or fails, or what it wrote is no complete library.
     """
-    _run([*command, *OPTIONS, "-shared", "-fPIC", str(code), "-o", str(built), "-lm"], said=[*command, *OPTIONS])
+    said = [*command, *options(command)]
+    _run([*said, "-shared", "-fPIC", str(code), "-o", str(built), "-lm"], said=said, scratch=built.parent)
     try:
         data = built.read_bytes()
     except OSError as error:
         raise CompilerError(
-            shlex.join([*command, *OPTIONS]), f"the compiler reported success, but there is no library: {error}"
+            shlex.join(said), f"the compiler reported success, but there is no library: {error}"
         ) from error
     if not is_complete(data):
         reason = f"the compiler reported success, but its {len(data)} bytes are no complete shared library"
-        raise CompilerError(shlex.join([*command, *OPTIONS]), reason)
+        raise CompilerError(shlex.join(said), reason)
 
 
 def is_complete(data: bytes) -> bool:
@@ -106,11 +126,19 @@ def is_complete(data: bytes) -> bool:
     return sections > 0 and sections + size * count <= len(data)
 
 
-def _run(call: list[str], said: list[str] | None = None) -> str:
-    """What a command prints to stdout. Raises CompilerError, with the command as ``said``, when it fails."""
+def _run(call: list[str], said: list[str] | None = None, scratch: Path | None = None) -> str:
+    """What a command prints to stdout. Raises CompilerError, with the command as ``said``, when it fails.
+
+    Zig's compiler keeps what it compiles: where a folder ``scratch`` is given the object in it, and its own libraries,
+    which take some seconds at the first call, beside it.
+    """
     name = shlex.join(said or call)
+    environment = None
+    if scratch is not None:
+        local, shared = scratch / ZIG_CACHE, scratch.parent / ZIG_CACHE
+        environment = {"ZIG_GLOBAL_CACHE_DIR": str(shared), **os.environ, "ZIG_LOCAL_CACHE_DIR": str(local)}
     try:
-        run = subprocess.run(call, capture_output=True, check=False, stdin=subprocess.DEVNULL)
+        run = subprocess.run(call, capture_output=True, check=False, stdin=subprocess.DEVNULL, env=environment)
     except (OSError, ValueError) as error:
         raise CompilerError(name, str(error)) from error
     if run.returncode:

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from jtik.symbolic import library_cache
-from jtik.symbolic.c_compiler import OPTIONS, CompilerError, compile_library, compiler, version
+from jtik.symbolic.c_compiler import CompilerError, compile_library, compiler, options, version
 from jtik.symbolic.operations import Function, c_source, external
 from jtik.types import Array
 
@@ -97,8 +97,8 @@ def library(function: Function, beside: str = "") -> Library:
 
     Compiling takes about a second. Libraries are kept in the user's cache folder (``$XDG_CACHE_HOME/jtik``, see
     `jtik.symbolic.library_cache`) under the hash of their code, the compiler and its version, the machine and the
-    version of jtik, so that an unchanged function is compiled once. The compiler is ``$CC``, ``cc``, ``gcc``, ``clang``
-    or the package ``ziglang``.
+    version of jtik, so that an unchanged function is compiled once. The compiler is ``$CC``, ``clang``, that of
+    the package ``ziglang`` (extra ``native``), ``gcc`` or ``cc``.
 
     Args:
         function: the function.
@@ -110,7 +110,7 @@ def library(function: Function, beside: str = "") -> Library:
     command = compiler()
     source = c_source(function) + beside
     machine = (sys.platform, platform.machine(), sys.maxsize, sys.modules["jtik"].__version__)
-    depends = repr((command, OPTIONS, version(command), machine, source))
+    depends = repr((command, options(command), version(command), machine, source))
     name = "jtik_" + hashlib.sha256(depends.encode()).hexdigest()[:32]
 
     def build(scratch: Path) -> Path:

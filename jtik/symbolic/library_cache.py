@@ -21,7 +21,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
-from jtik.symbolic.c_compiler import CompilerError
+from jtik.symbolic.c_compiler import ZIG_CACHE, CompilerError
 from jtik.symbolic.private_folder import private_folder
 
 LIMIT = 512 * 2**20
@@ -114,10 +114,10 @@ def info() -> CacheInfo:
 
 
 def clear() -> CacheInfo:
-    """Delete all libraries, and what killed processes have left. Returns what the cache held."""
+    """Delete all libraries, and what compilers and killed processes have left. Returns what the cache held."""
     held = info()
     for each in held.folder.iterdir():
-        if each.name.startswith(SCRATCH):
+        if each.name.startswith(SCRATCH) or each.name == ZIG_CACHE:
             shutil.rmtree(each, ignore_errors=True)
         elif each.suffix == SUFFIX:
             _remove(each)

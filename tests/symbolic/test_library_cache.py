@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from jtik.symbolic import c_compiler, function, library_cache, symbol
+from jtik.symbolic.c_compiler import compile_library
 from jtik.symbolic.compile import CompilerError, compiler, library
 
 needs_a_compiler = pytest.mark.skipif(
@@ -73,7 +74,7 @@ def planted(cache):
     text = f"#include <stddef.h>\nint {real.stem.rpartition('-')[0]}(void) {{ return 1; }}\n"
     code = cache.parent / "planted.c"
     code.write_text(text)
-    subprocess.run([*compiler(), "-shared", "-fPIC", str(code), "-o", str(code.with_suffix(".so"))], check=True)
+    compile_library(compiler(), code, code.with_suffix(".so"))
     return real, code.with_suffix(".so").read_bytes()
 
 
@@ -227,6 +228,51 @@ def test_the_words_of_cc_are_those_of_a_shell(monkeypatch):
     monkeypatch.setenv("CC", "'cc")
     with pytest.raises(CompilerError, match="CC='cc: not a command"):
         compiler()
+
+
+@pytest.mark.parametrize(
+    ("on_path", "zig", "chosen"),
+    [
+        (("clang", "gcc", "cc"), True, "clang"),
+        (("gcc", "cc"), True, "ziglang"),
+        (("gcc", "cc"), False, "gcc"),
+        (("cc",), False, "cc"),
+    ],
+)
+def test_the_fastest_compiler_is_taken(tmp_path, monkeypatch, on_path, zig, chosen):
+    for name in on_path:
+        script(tmp_path / name, "")
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(c_compiler.importlib.util, "find_spec", lambda name: object() if zig else None)
+    assert compiler() == ((sys.executable, "-m", "ziglang", "cc") if chosen == "ziglang" else (str(tmp_path / chosen),))
+
+
+def test_without_a_compiler_the_message_says_what_to_install(tmp_path, monkeypatch):
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(c_compiler.importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(CompilerError, match=r"no C compiler found; .*pip install ziglang"):
+        compiler()
+
+
+@pytest.mark.parametrize("command", ["gcc", "ziglang"])
+def test_every_compiler_leaves_one_library_and_the_same_number(cache, monkeypatch, command):
+    if command == "ziglang":
+        pytest.importorskip("ziglang")
+        monkeypatch.setenv("CC", f"{sys.executable} -m ziglang cc")
+    else:
+        monkeypatch.setenv("CC", "gcc")
+    assert value(library(example())) == 7
+    assert len(left(cache)) == 1
+
+
+def test_what_a_compiler_keeps_beside_the_libraries_is_cleared(cache):
+    (cache / "zig" / "o").mkdir(parents=True)
+    cache.chmod(0o700)
+    library(example())
+    library_cache.clear()
+    assert left(cache) == []
 
 
 def test_another_version_of_the_compiler_or_of_jtik_or_another_machine_is_another_library(cache, monkeypatch):
