@@ -94,7 +94,13 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const double* starts,
       res[0] = q[1 - here];
       res[1] = state[1 - here];
       res[2] = outcome;
-      JTIK_NAME(arg, res, iw, w, 0);
+      if (JTIK_NAME(arg, res, iw, w, 0) || (long long)outcome[JTIK_CODE] == JTIK_UNSOLVED) {
+        tally[1] = number; /* the search in Python repeats this call, with another solver */
+        tally[2] = here;
+        tally[3] = k;
+        tally[5] = 0;
+        return JTIK_LOOK;
+      }
       here = 1 - here;
       ++k;
       code = (long long)outcome[JTIK_CODE];
@@ -174,6 +180,7 @@ def source(state: VectorLayout) -> str:
         "STALLED": Code.STALLED,
         "SLOW": Code.SLOW,
         "DONE": Code.DONE,
+        "UNSOLVED": Code.UNSOLVED,
         "PATIENCE": state.slices["patience"].start,
         "STATE": first + len(Inputs._fields),
         "TARGET": first + Inputs._fields.index("target"),

@@ -24,7 +24,7 @@ from jtik._step.symbolic_problem import SymbolicProblem
 from jtik._step.vector_layout import VectorLayout
 from jtik.constraints.clearance import LONGEST
 from jtik.qp import backend_of
-from jtik.qp.backend import Backend
+from jtik.qp.backend import Backend, FusedBackend
 from jtik.qp.fast_path import fast_or_qp_path
 from jtik.qp.recorder import QPRecorder
 from jtik.qp.staged import Staged, staged
@@ -80,10 +80,12 @@ class FusedStep:
         return bind(self.function, arguments, results)
 
     def compiled(self, beside: str = "") -> FusedStep:
-        """The same in generated C, all but the QP solver's calls.
+        """The same in generated C: one function, with the QP solver where its back end has a static library.
+
+        A step that calls Python, or another solver, is several functions in C with these calls in between.
 
         Args:
-            beside: more C to compile with it, where no QP solver is called.
+            beside: more C to compile with it, where it is one function.
 
         Raises:
             CompilerError: without a compiler.
@@ -91,6 +93,12 @@ class FusedStep:
         if self.parts is None:
             built = library(self.function, beside)
             return replace(self, function=built.function, library=built)
+        backend = self.parts.backend
+        if self.parts.fusible and isinstance(backend, FusedBackend) and backend.archive:
+            # in C a step whose QPs need no solver costs no more within the whole: there is no separate fast path
+            whole = replace(self.parts, fast_path=None)
+            built = library(whole.joined(), beside, backend.archive)
+            return replace(self, function=built.function, parts=whole, library=built)
         parts = self.parts.compiled()
         return replace(self, function=parts.joined() if parts.fusible else parts, parts=parts)
 

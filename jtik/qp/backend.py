@@ -12,6 +12,7 @@ import numpy as np
 from jtik.arguments import positive_number
 from jtik.errors import JtikError
 from jtik.symbolic import Function, has_conic
+from jtik.symbolic.archives import Archive
 from jtik.types import Array
 
 PLUGINS = {"daqp": 1e-7, "osqp": 1e-3, "piqp": 1e-5, "proxqp": 1e-3, "qpoases": 1e-7, "highs": 1e-5, "qrqp": 1e-5}
@@ -86,7 +87,13 @@ class _BackendBase(ABC):
 
 
 class FusedBackend(_BackendBase):
-    """A back end that CasADi calls, so that the step stays one function."""
+    """A back end that CasADi calls, so that the step stays one function.
+
+    Attributes:
+        archive: the static library that the step in generated C calls; None where it cannot call the solver.
+    """
+
+    archive: Archive | None = None
 
     @abstractmethod
     def function(self, n: int, rows: int) -> Function:

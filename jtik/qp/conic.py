@@ -9,6 +9,7 @@ from jtik.arguments import name as read_name
 from jtik.qp.backend import EXCLUDED, PLUGINS, BackendError, FusedBackend, accuracy_of
 from jtik.qp.qpsolvers_backend import QPSolversBackend
 from jtik.symbolic import Function, conic, has_conic
+from jtik.symbolic.archives import archive_of
 
 _DEFAULTS: Mapping[str, Mapping[str, Any]] = {
     "daqp": {"daqp": {"primal_tol": 1e-8}},
@@ -42,6 +43,7 @@ class Conic(FusedBackend):
             raise BackendError(name, f"is no usable plugin of this CasADi; use one of {', '.join(usable)}")
         self.name = name
         self.accuracy = accuracy_of(accuracy, PLUGINS.get(name, 1e-5))
+        self.archive = archive_of(name)
         self._options = {**_DEFAULTS.get(name, {}), **options}
         if name == "daqp" and not options:  # CasADi's own copy fails on one QP in some thousands that this one solves
             self.fallback = QPSolversBackend("daqp", primal_tol=1e-8)

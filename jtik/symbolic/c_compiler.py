@@ -12,6 +12,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from jtik.errors import JtikError
+from jtik.symbolic.archives import Archive
 
 OPTIONS = ("-O2",)
 """Options of every call: -O3 and -march make no generated step faster."""
@@ -90,14 +91,19 @@ def options(command: tuple[str, ...]) -> tuple[str, ...]:
     return (*OPTIONS, *ZIG_OPTIONS) if command[-len(ZIG) :] == ZIG else OPTIONS
 
 
-def compile_library(command: tuple[str, ...], code: Path, built: Path) -> None:
-    """Compile a file of C to a shared library.
+def compile_library(command: tuple[str, ...], code: Path, built: Path, archive: Archive | None = None) -> None:
+    """Compile a file of C to a shared library, linked with a static one if there is any.
 
     Raises:
         CompilerError: when the compiler cannot be run or fails, or what it wrote is no complete library.
     """
     said = [*command, *options(command)]
-    _run([*said, "-shared", "-fPIC", str(code), "-o", str(built), "-lm"], said=said, scratch=built.parent)
+    files = [str(code), "-o", str(built)]
+    if archive is not None:
+        files = [f"-I{archive.include}", *files, str(archive.file)]
+        if sys.platform == "linux":  # it calls its own copy, not one of another version that the process has loaded
+            files.append("-Wl,-Bsymbolic")
+    _run([*said, "-shared", "-fPIC", *files, "-lm"], said=said, scratch=built.parent)
     try:
         data = built.read_bytes()
     except OSError as error:

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from jtik.symbolic import library_cache
+from jtik.symbolic.archives import Archive
 from jtik.symbolic.c_compiler import CompilerError, compile_library, compiler, options, version
 from jtik.symbolic.operations import Function, c_source, external
 from jtik.types import Array
@@ -92,7 +93,7 @@ def to_c(function: Function) -> Function:
     return library(function).function
 
 
-def library(function: Function, beside: str = "") -> Library:
+def library(function: Function, beside: str = "", archive: Archive | None = None) -> Library:
     """The function as a shared library of generated C.
 
     Compiling takes about a second. Libraries are kept in the user's cache folder (``$XDG_CACHE_HOME/jtik``, see
@@ -103,6 +104,7 @@ def library(function: Function, beside: str = "") -> Library:
     Args:
         function: the function.
         beside: more C source for the same library; it calls the function JTIK_NAME.
+        archive: a static library that the C calls; None for none.
 
     Raises:
         CompilerError: when there is no compiler, it fails, or the library cannot be stored or loaded.
@@ -110,14 +112,15 @@ def library(function: Function, beside: str = "") -> Library:
     command = compiler()
     source = c_source(function) + beside
     machine = (sys.platform, platform.machine(), sys.maxsize, sys.modules["jtik"].__version__)
-    depends = repr((command, options(command), version(command), machine, source))
+    linked = archive and hashlib.sha256(archive.file.read_bytes()).hexdigest()
+    depends = repr((command, options(command), version(command), machine, source, linked))
     name = "jtik_" + hashlib.sha256(depends.encode()).hexdigest()[:32]
 
     def build(scratch: Path) -> Path:
         code, built = scratch / f"{name}.c", scratch / f"{name}.so"
         # the prefix keeps the symbols of several libraries, and libc's own "step", apart
         code.write_text(source.replace(function.name(), name).replace("JTIK_NAME", name), encoding="utf-8")
-        compile_library(command, code, built)
+        compile_library(command, code, built, archive)
         return built
 
     path = library_cache.find_or_build(name, build)

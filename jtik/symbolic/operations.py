@@ -6,6 +6,7 @@ Every use of CasADi in jtik goes through this module. CasADi has no type annotat
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeAlias
@@ -208,10 +209,24 @@ def function(
 
 
 def c_source(function: Function) -> str:
-    """The function as C, all names prefixed with its own."""
+    """The function as C, all names prefixed with its own. Each thread has memory of its own for the solvers in it."""
     generator = casadi.CodeGenerator(function.name())
     generator.add(function)
-    return str(generator.dump())
+    return _OF_ALL_THREADS.sub(r"static JTIK_THREAD_LOCAL \1", _THREAD_LOCAL + str(generator.dump()))
+
+
+_OF_ALL_THREADS = re.compile(
+    r"^static ((?:int|struct \w+) casadi_f\d+_(?:mem|mem_counter|unused_stack\w*)\b)", re.MULTILINE
+)
+"""Variables of generated C that all threads would share."""
+
+_THREAD_LOCAL = """
+#if defined(_MSC_VER)
+#define JTIK_THREAD_LOCAL __declspec(thread)
+#else
+#define JTIK_THREAD_LOCAL _Thread_local
+#endif
+"""
 
 
 def norm(vector: Expression) -> Expression:
