@@ -18,6 +18,7 @@ from jtik._loop.saddle_escape import SaddleEscape
 from jtik._loop.search import Search
 from jtik._loop.solving import Solving
 from jtik._loop.stepping import Stepping
+from jtik._loop.target_memory import TargetMemory
 from jtik._step.inputs import InputMemory
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.arguments import flag
@@ -139,9 +140,11 @@ class Engine:
         runner = self.runners.solve
         if runner.fused.library:
             self.search.native = NativeSearch(runner.fused.library, runner, turns, has_criterion=has_criterion)
+        self._targets = targets = TargetMemory(tasks, self.memory.inputs.target)
         self.stepping = Stepping(
             robot,
             tasks,
+            targets,
             self.runners,
             self.configurations,
             escape=escape,
@@ -152,7 +155,13 @@ class Engine:
         )
         self.jogging = Jogging(problem, self.runners, self.configurations, escape=escape, exclusive=self._exclusive)
         self.solving = Solving(
-            problem, self.runners, self.search, self.configurations, inspector=inspector, exclusive=self._exclusive
+            problem,
+            self.runners,
+            self.search,
+            targets,
+            self.configurations,
+            inspector=inspector,
+            exclusive=self._exclusive,
         )
 
     def copied(self) -> Engine:
@@ -183,7 +192,7 @@ class Engine:
         try:
             exclusive.busy = True
             at = self.configurations.read("q", q)
-            self.memory.inputs.target[:] = self.problem.tasks.read_target(target)
+            self._targets.read(target)
             return self._inspector.snapshot(at, target)()
         finally:
             exclusive.busy = False
@@ -200,7 +209,7 @@ class Engine:
             raise in_use()
         try:
             exclusive.busy = True
-            self.memory.inputs.target[:] = self.problem.tasks.read_target(target)
+            self._targets.read(target)
             start = self.configurations.clamped(self.configurations.read("q", q))
             numbers = parts.numeric_qp(qp, [start, *self.runners.step_inputs, runner.first_state])
             problem: qpsolvers.Problem = as_problem(numbers)[0]

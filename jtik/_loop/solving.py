@@ -26,6 +26,7 @@ from jtik._loop.options import read_search_options, read_settings
 from jtik._loop.runner import Runner
 from jtik._loop.runners import Runners
 from jtik._loop.search import Search, SearchOptions
+from jtik._loop.target_memory import TargetMemory
 from jtik._loop.trace_recorder import TraceRecorder
 from jtik._loop.tracking import follow
 from jtik._step.inputs import SETTING
@@ -61,6 +62,7 @@ class Solving:
         problem: SymbolicProblem,
         runners: Runners,
         search: Search,
+        targets: TargetMemory,
         configurations: ConfigurationReader,
         *,
         inspector: Inspector,
@@ -72,7 +74,7 @@ class Solving:
         self._configurations, self._exclusive = configurations, exclusive
         self._memory = runners.memory
         self._target = self._memory.inputs.target
-        self._vector_shape = self._target.shape if self._tasks.target_is_vector else None
+        self._targets = targets
         self._options: tuple[Any, ...] = ()
         self._kinds: list[type] = []
         self._prepared: tuple[Any, ...] = ()
@@ -94,7 +96,7 @@ class Solving:
                 if isinstance(ended, Solution):
                     return ended
                 begun = ended
-            self._target[:] = self._tasks.read_target(target)
+            self._targets.read(target)
             start = self._configurations.start(q0)
             search_options = self._read_options(options)
             jump = None
@@ -260,7 +262,7 @@ class Solving:
 
             def solve(target: Any, q: Array) -> Solution:
                 begin = time.perf_counter()
-                self._target[:] = self._tasks.read_target(target)
+                self._targets.read(target)
                 found = self._search_in_memory(q, search_options, runner)
                 return self._solution(found, target, options, begin)
 
@@ -299,10 +301,7 @@ class Solving:
             return None
         if start.dtype is not _FLOAT or not self._configurations.vector:
             start = self._configurations.start(start)
-        if type(target) is np.ndarray and target.dtype is _FLOAT and target.shape == self._vector_shape:
-            self._target[:] = target  # not checked: if it is not finite, the search does not end in DONE
-        else:
-            self._target[:] = self._tasks.read_target(target)
+        self._targets.copy(target)  # if it is not finite, the search does not end in DONE
         native.q0[:] = start
         returned = native.run_prepared()
         if returned != Code.DONE:

@@ -13,6 +13,7 @@ from jtik._loop.inspection import Inspector
 from jtik._loop.runner import Runner
 from jtik._loop.runners import Runners
 from jtik._loop.saddle_escape import SaddleEscape
+from jtik._loop.target_memory import TargetMemory
 from jtik._step.solve_progress import UNKNOWN
 from jtik._step.stopping import Code
 from jtik.constraints.step_box import StepBox
@@ -32,6 +33,7 @@ class Stepping:
         self,
         robot: Robot,
         tasks: TaskStack,
+        targets: TargetMemory,
         runners: Runners,
         configurations: ConfigurationReader,
         *,
@@ -47,9 +49,7 @@ class Stepping:
         self._criterion_escape = criterion_escape if criterion_escape.possible else None
         self._exclusive = exclusive
         self._numeric = terms if terms.numeric else None
-        self._target = runners.memory.inputs.target
-        # a target of this shape is copied without a check; arguments are checked after a step that is not finite
-        self._vector_shape = self._target.shape if tasks.target_is_vector else None
+        self._targets = targets  # vectors are copied without a check; they are checked after a step that is not finite
         self._untimed: Runner | None = None
         self._timed: tuple[Runner, StepBox] | None = None
         if runners.step_is_built:
@@ -71,10 +71,7 @@ class Stepping:
                 runner, box = self._untimed or self._first(), None
             else:
                 runner, box = self._timed or self._first_timed()
-            if type(target) is np.ndarray and target.dtype == _FLOAT and target.shape == self._vector_shape:
-                self._target[:] = target
-            else:
-                self._target[:] = self._tasks.read_target(target)
+            self._targets.copy(target)
             at = runner.at
             memory = runner.q[at]
             if self._vector and type(q) is np.ndarray and q.dtype == _FLOAT and q.shape == memory.shape:

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any, ClassVar
 
 from jtik.robot import Kinematics, Robot
-from jtik.symbolic import Expression, symbol
+from jtik.symbolic import Expression, Function, symbol
 from jtik.types import Array
 
 
@@ -87,6 +87,13 @@ class Task(ABC):
     def frames(self, robot: Robot) -> tuple[str, ...]:
         """The frames on which the error depends; empty where the joints are read from the error itself."""
         return ()
+
+    def matrix_reader(self, robot: Robot) -> Function | None:
+        """The function that reads a target (4, 4): its memory, row by row -> numbers, whether valid; None without.
+
+        It is a faster way than `read_target`, which reads what is not valid.
+        """
+        return None
 
     def target_is_vector(self, robot: Robot) -> bool:
         """Whether a vector of ``target_size`` finite numbers is a target without any conversion."""

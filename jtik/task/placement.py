@@ -12,9 +12,9 @@ from jtik.arguments import choice
 from jtik.arguments import name as read_name
 from jtik.robot import Kinematics, Robot
 from jtik.robot.pose_input import FORMS
-from jtik.symbolic import Expression, atan2, cos, reshape, rigid_motion, rotation, sin, vertcat
+from jtik.symbolic import Expression, Function, atan2, cos, reshape, rigid_motion, rotation, sin, vertcat
 from jtik.task.base import TaskRows
-from jtik.task.targets import Kind, read_fast, read_placement, unused_part
+from jtik.task.targets import Kind, matrix_reader, read_fast, read_placement, unused_part
 from jtik.task.weighted import Axes, WeightedTask, kept, named
 from jtik.types import Array
 
@@ -88,6 +88,10 @@ class PlacementTask(WeightedTask):
     def target_is_vector(self, robot: Robot) -> bool:
         """True for positions, and for every kind on a planar robot."""
         return self.target_kind == "position" or robot.dimension == 2
+
+    def matrix_reader(self, robot: Robot) -> Function | None:
+        """That of the kind, for a robot in space."""
+        return matrix_reader(self.target_kind) if robot.dimension == 3 else None
 
     def accepted(self, robot: Robot) -> str:
         """What a target may be, for error messages."""

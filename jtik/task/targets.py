@@ -8,12 +8,27 @@ another library; see `jtik.robot.pose_input`, which also normalises numbers that
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import Any, Literal
 
 import numpy as np
 
 from jtik.errors import ArgumentError
 from jtik.robot.pose_input import as_numbers, is_pair, plain, pose_of, read_rotation
+from jtik.symbolic import (
+    SX,
+    Function,
+    cross,
+    dot,
+    function,
+    identity,
+    is_finite,
+    logic_and,
+    norm_inf,
+    symbol,
+    vec,
+    vertcat,
+)
 from jtik.types import Array
 
 Kind = Literal["position", "orientation", "pose"]
@@ -67,6 +82,19 @@ def is_rotation(
         and abs(zx * xx + zy * xy + zz * xz) <= ROTATION_TOLERANCE
         and zx * (xy * yz - xz * yy) + zy * (xz * yx - xx * yz) + zz * (xx * yy - xy * yx) > 0
     )
+
+
+@cache
+def matrix_reader(kind: Kind) -> Function:
+    """The function that reads a matrix (4, 4) as `read_fast` does: its memory, row by row -> numbers, whether valid."""
+    memory = symbol("T", 4, 4)
+    T = memory.T
+    R, p = T[:3, :3], T[:3, 3]
+    numbers = {"position": p, "orientation": vec(R), "pose": vertcat(p, vec(R))}[kind]
+    off = norm_inf(vec(R.T @ R - identity(3)))
+    is_pose = logic_and(norm_inf(memory[:, 3] - SX([0, 0, 0, 1])) == 0, is_finite(memory))
+    is_rotation = logic_and(off <= ROTATION_TOLERANCE, dot(R[:, 2], cross(R[:, 0], R[:, 1])) > 0)
+    return function("read_matrix", [memory], [numbers, logic_and(is_pose, is_rotation)])
 
 
 def read_placement(target: Any, kind: Kind, dimension: int, accepted: str) -> Array:
