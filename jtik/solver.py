@@ -14,7 +14,7 @@ from jtik._loop.control_loop import ControlLoop
 from jtik._loop.copying import FixedSolver
 from jtik._loop.engine import Engine
 from jtik._loop.locked_joints import LockedJoints
-from jtik._loop.options import Until, read_executor
+from jtik._loop.options import Compiled, Until, read_executor
 from jtik.arguments import positive_integer
 from jtik.constraints.clearance import Clearance, clearances_of
 from jtik.constraints.limits import Limits, limits_of
@@ -73,8 +73,10 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         null_space_rate: rate at which `track` and ``step(dt=)`` approach the minimum of the criterion [1/s], so that
             their speed in the null space does not depend on dt. Where the strategy has a ``step_limit``, that speed is
             at most about this rate times it. ``math.inf`` for steps as long as those of `solve`.
-        compiled: run the step as generated C, three to five times faster. This needs a C compiler and, the first time,
-            about a second.
+        compiled: run the step as generated C, three to fifteen times faster. This needs a C compiler and, the first
+            time, a second to half a minute. "auto": begin on CasADi's virtual machine, compile in a thread once the
+            solver has run for a second, or at `warm_up`, and change over between two calls; results are the same, and
+            without a compiler it goes on as it was.
 
     Attributes:
         robot: the robot with only the joints that move.
@@ -102,7 +104,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         joints: str | Iterable[str] | None = None,
         at: ArrayLike | None = None,
         weights: Weights = None,
-        compiled: bool = False,
+        compiled: Compiled = False,
         null_space_rate: float = 5.0,
     ) -> None:
         self._lock(robot, task, joints := joints_of(joints), at)
@@ -236,7 +238,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         Raises:
             ArgumentError: for an argument of wrong shape, NaN or infinity, naming it, or a dt that is not positive.
         """
-        return self._stepping.step(q, target, dt)
+        return self._stepping.call(q, target, dt)
 
     def build(
         self, q: ArrayLike, target: Any, *, qp: str | None = None, program: str | None = None

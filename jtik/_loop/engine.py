@@ -6,14 +6,15 @@ from typing import TYPE_CHECKING, Any
 
 from jtik._loop.arguments import ConfigurationReader
 from jtik._loop.attempts import Attempts
+from jtik._loop.compile_ahead import CompileAhead
 from jtik._loop.criterion_escape import CriterionEscape, Escapes, StepEscape
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
 from jtik._loop.jogging import Jogging
 from jtik._loop.minimum_certificate import MinimumCertificate
 from jtik._loop.native_search import NativeSearch
-from jtik._loop.options import read_rate
-from jtik._loop.runners import Runners
+from jtik._loop.options import Compiled, read_compiled, read_rate
+from jtik._loop.runners import SOLVE, Runners
 from jtik._loop.saddle_escape import SaddleEscape
 from jtik._loop.search import Search
 from jtik._loop.solving import Solving
@@ -21,7 +22,6 @@ from jtik._loop.stepping import Stepping
 from jtik._loop.target_memory import TargetMemory
 from jtik._step.inputs import InputMemory
 from jtik._step.symbolic_problem import SymbolicProblem
-from jtik.arguments import flag
 from jtik.constraints import Clearance, Limits
 from jtik.criterion import CriterionSum, CriterionTerms
 from jtik.criterion.trial import check_compiled, check_finite
@@ -79,12 +79,12 @@ class Engine:
         criteria: CriterionSum,
         clearances: tuple[Clearance, ...],
         solver: str | Backend | None,
-        compiled: bool,
+        compiled: Compiled,
         null_space_rate: float,
         weights: Array | None = None,
         original: SymbolicProblem | None = None,
     ) -> None:
-        compiled = flag("compiled", compiled, "whether the step is compiled as C")
+        compiled = read_compiled(compiled)
         bounds, terms = limits.of(robot), CriterionTerms.of(robot, criteria, clearances)
         if original is None:
             coordinates = WeightedCoordinates.of(weights)
@@ -93,7 +93,12 @@ class Engine:
             problem = original.copied(terms)
         problem.locked = bounds.locked
         if compiled:
-            check_compiled(terms, problem.values)
+            try:
+                check_compiled(terms, problem.values)
+            except ArgumentError:
+                if compiled is True:
+                    raise
+                compiled = False
         check_finite(terms, problem.values)
         self.problem, self._arguments = problem, (robot, tasks, limits, strategy)
         self._options: dict[str, Any] = {
@@ -117,14 +122,14 @@ class Engine:
             raise ArgumentError("solver", solver, accepted)
         self.memory = InputMemory(tasks.target_size, problem.terms.parameters, bounds.lower, bounds.upper)
         inputs = self.memory.inputs
-        certificate = MinimumCertificate(problem, compiled=compiled)  # compiled while the step is
+        certificate = MinimumCertificate(problem, compiled=compiled is True)  # compiled while the step is
         self.runners = Runners(
             problem,
             strategy,
             backend,
             bounds=bounds,
             memory=self.memory,
-            compiled=compiled,
+            compiled=compiled is True,
             null_space_rate=read_rate("null_space_rate", null_space_rate),
         )
         self.configurations = ConfigurationReader(robot, inputs.lower, inputs.upper)
@@ -137,9 +142,8 @@ class Engine:
         by_level = len(problem.levels) > 1 and self.runners.respects_priority
         search_inputs = self.runners.search_inputs
         self.search = Search(robot, attempts, turns, search_inputs, has_criterion=has_criterion, by_level=by_level)
-        runner = self.runners.solve
-        if runner.fused.library:
-            self.search.native = NativeSearch(runner.fused.library, runner, turns, has_criterion=has_criterion)
+        self._adopted(SOLVE)
+        self._ahead = ahead = CompileAhead(self.runners if compiled == "auto" else None, self._adopted)
         self._targets = targets = TargetMemory(tasks, self.memory.inputs.target)
         self.stepping = Stepping(
             robot,
@@ -152,6 +156,7 @@ class Engine:
             inspector=inspector,
             exclusive=self._exclusive,
             terms=problem.terms,
+            ahead=ahead,
         )
         self.jogging = Jogging(problem, self.runners, self.configurations, escape=escape, exclusive=self._exclusive)
         self.solving = Solving(
@@ -162,7 +167,16 @@ class Engine:
             self.configurations,
             inspector=inspector,
             exclusive=self._exclusive,
+            ahead=ahead,
         )
+
+    def _adopted(self, name: str) -> None:
+        """Let searches run in C where the step of `solve` does."""
+        library = self.runners.solve.fused.library
+        if name == SOLVE and library:
+            has_criterion = self.problem.has_criterion
+            turns = self.runners.turns
+            self.search.native = NativeSearch(library, self.runners.solve, turns, has_criterion=has_criterion)
 
     def copied(self) -> Engine:
         """An engine with the functions of this one, memory of its own, and the parameters as they are."""
@@ -178,7 +192,8 @@ class Engine:
         try:
             exclusive.busy = True
             self.stepping.warm_up()
-            self.solving.warm_up()
+            _ = self.runners.track
+            self._ahead.begin()
             self._escape.warm_up()
             self._inspector.warm_up()
         finally:

@@ -6,14 +6,15 @@ import math
 import sys
 import warnings
 from concurrent.futures import Executor
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from jtik._loop.search import SearchOptions
 from jtik._step.inputs import Settings
-from jtik.arguments import integer, positive_number, positive_or_infinite
+from jtik.arguments import flag, integer, positive_number, positive_or_infinite
 from jtik.errors import ArgumentError
 
 Until = Literal["stationary", "reached"]
+Compiled: TypeAlias = bool | Literal["auto"]
 
 
 def read_settings(position: float, orientation: float, optimality: float, until: str) -> Settings:
@@ -38,6 +39,17 @@ def read_rate(argument: str, rate: object) -> float:
     """
     accepted = "a positive rate [1/s]; math.inf for steps as long as the strategy proposes"
     return positive_or_infinite(argument, rate, accepted)
+
+
+def read_compiled(compiled: object) -> Compiled:
+    """Whether the step runs as generated C: True, False, or "auto" for as soon as it is compiled.
+
+    Raises:
+        ArgumentError: for anything else.
+    """
+    if isinstance(compiled, str) and compiled == "auto":
+        return "auto"
+    return flag("compiled", compiled, "whether the step runs as generated C, or 'auto' for as soon as it is compiled")
 
 
 def read_until(until: str) -> Until:

@@ -44,16 +44,23 @@ class Runner:
         self.state = (self.first_state.copy(), self.first_state.copy())
         self.outcome = np.zeros(len(StepOutcome._fields))
         self.record = np.zeros(fused.record.size)
+        self.calls = self._bound(fused)
+        self.view = memoryview(self.outcome.data)
+        self.at = 0
+
+    def adopt(self, fused: FusedStep) -> None:
+        """Run another form of the same step, on the same memory, from the next call on."""
+        self.fused, self.calls = fused, self._bound(fused)
+
+    def _bound(self, fused: FusedStep) -> tuple[Callable[[], None], ...]:
         records = [self.record] if fused.record.size else []
-        self.calls = tuple(
+        return tuple(
             fused.bind(
-                [self.q[a], *inputs, self.state[a]],
+                [self.q[a], *self.inputs, self.state[a]],
                 [self.q[1 - a], self.state[1 - a], self.outcome, *records],
             )
             for a in (0, 1)
         )
-        self.view = memoryview(self.outcome.data)
-        self.at = 0
 
     def take_over(self, other: Runner) -> None:
         """Repeat the last call of another runner, from the same configuration and with the same state."""

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -23,6 +25,9 @@ from jtik.strategy import Strategy
 from jtik.symbolic import Function
 from jtik.symbolic.compile import to_c
 from jtik.types import Array
+
+SOLVE, EVALUATED, TIMED = "solve", "evaluated", "timed"
+"""Names of the steps that can be compiled while they run on the virtual machine."""
 
 
 class Runners:
@@ -57,6 +62,8 @@ class Runners:
         compiled: bool,
         null_space_rate: float,
     ) -> None:
+        self._made = dict[str, list[Runner]]()
+        self._in_c = dict[str, FusedStep]()
         self._problem, self._strategy, self._backend = problem, strategy, backend
         self._bounds, self._compiled, self._null_space_rate = bounds, compiled, null_space_rate
         self.memory = memory
@@ -65,7 +72,7 @@ class Runners:
         self.search_inputs = memory.inputs._replace(lower=lower, upper=upper)
         with ThreadPoolExecutor(1) as compiler:
             box = compiler.submit(self._built_box) if compiled else None  # while the step is compiled
-            self.solve = self._runner(self._fused(), self.search_inputs)
+            self.solve = self._runner(self._fused(), self.search_inputs, SOLVE)
         if can_explore(problem, strategy):
             self.solve.explorer = lambda: self.exploring
         self._box_function = box.result() if box else self._built_box()
@@ -90,13 +97,13 @@ class Runners:
     @cached_property
     def step(self) -> Runner:
         """The runner of `step`: the errors that it returns are always those after the step."""
-        return self._started(self._runner(self._evaluated, self.step_inputs))
+        return self._started(self._runner(self._evaluated, self.step_inputs, self.step_name))
 
     @cached_property
     def timed_step(self) -> tuple[Runner, StepBox]:
         """The runner of ``step(dt=)``, within a box on the step that it owns."""
         inputs, box = self.timed_box
-        return self._started(self._runner(self._timed, inputs)), box
+        return self._started(self._runner(self._timed, inputs, TIMED)), box
 
     @cached_property
     def timed_box(self) -> tuple[Inputs[Array], StepBox]:
@@ -107,7 +114,7 @@ class Runners:
     @cached_property
     def track(self) -> Runner:
         """The runner of `InverseKinematics.track`: timed steps on the inputs of `solve`."""
-        return self._runner(self._timed, self.memory.inputs)
+        return self._runner(self._timed, self.memory.inputs, TIMED)
 
     @cached_property
     def traced_solve(self) -> Runner:
@@ -169,8 +176,41 @@ class Runners:
         name = f"search step, {recorded=}, {explores=}"
         return self._runner(problem.once(name, build, keep=_can_be_shared), self.search_inputs)
 
-    def _runner(self, fused: FusedStep, inputs: Inputs[Array]) -> Runner:
-        return Runner(fused, inputs, self._problem.robot.nq)
+    def _runner(self, fused: FusedStep, inputs: Inputs[Array], name: str | None = None) -> Runner:
+        if name is None:
+            return Runner(fused, inputs, self._problem.robot.nq)
+        made = Runner(self._in_c.get(name, fused), inputs, self._problem.robot.nq)
+        self._made.setdefault(name, []).append(made)
+        return made
+
+    @property
+    def step_name(self) -> str:
+        """The name of the step that `step` uses."""
+        return SOLVE if self.step_is_built else EVALUATED
+
+    @property
+    def built(self) -> list[str]:
+        """Names of the steps that are built and can be compiled."""
+        return [name for name, made in self._made.items() if made[0].fused.is_one_function]
+
+    def in_c(self, name: str, using_casadi: AbstractContextManager[Any]) -> FusedStep:
+        """The step with this name in generated C. It may be called in any thread.
+
+        Raises:
+            CompilerError: without a compiler.
+        """
+        fused = self._made[name][0].fused
+
+        def build() -> FusedStep:
+            return fused.compiled("" if name == TIMED else native_source.source(fused.state), using_casadi)
+
+        return self._problem.once(f"{name} in C", build)
+
+    def adopt(self, name: str, fused: FusedStep) -> None:
+        """Run the step with this name as this function from now on."""
+        self._in_c[name] = fused
+        for runner in self._made[name]:
+            runner.adopt(fused)
 
     def _started(self, runner: Runner) -> Runner:
         runner.start(self._problem.robot.neutral)

@@ -18,13 +18,14 @@ from jtik._loop.arrivals import SearchResult
 from jtik._loop.batch import BatchEntry, collect, solved
 from jtik._loop.batch_file import BatchFile
 from jtik._loop.batch_pool import BatchPool
+from jtik._loop.compile_ahead import CompileAhead
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
 from jtik._loop.jump import Jump
 from jtik._loop.native_source import UNREADABLE
 from jtik._loop.options import read_search_options, read_settings
 from jtik._loop.runner import Runner
-from jtik._loop.runners import Runners
+from jtik._loop.runners import SOLVE, TIMED, Runners
 from jtik._loop.search import Search, SearchOptions
 from jtik._loop.target_memory import TargetMemory
 from jtik._loop.trace_recorder import TraceRecorder
@@ -67,17 +68,15 @@ class Solving:
         *,
         inspector: Inspector,
         exclusive: ExclusiveUse,
+        ahead: CompileAhead,
     ) -> None:
         self._robot, self._tasks, self._has_criterion = problem.robot, problem.tasks, problem.has_criterion
         self._terms, self._evaluations_before = problem.terms, 0
         self._runners, self._search, self._inspector = runners, search, inspector
         self._configurations, self._exclusive = configurations, exclusive
-        self._memory = runners.memory
+        self._memory, self._targets, self._ahead = runners.memory, targets, ahead
         self._target = self._memory.inputs.target
-        self._targets = targets
-        self._options: tuple[Any, ...] = ()
-        self._kinds: list[type] = []
-        self._prepared: tuple[Any, ...] = ()
+        self._options, self._kinds, self._prepared = tuple[Any, ...](), list[type](), tuple[Any, ...]()
         self._search_options = SearchOptions(0, 0, 0)
 
     def solve(self, target: Any, q0: Any, options: Options, trace: bool) -> Solution:
@@ -90,6 +89,8 @@ class Solving:
             raise in_use()
         try:
             exclusive.busy = True
+            if self._ahead.waiting and self._ahead.adopt():
+                self._options = self._prepared = ()  # they are prepared anew for the search in C
             begun = None
             if self._known(options, self._prepared) and not trace:
                 ended = self._solve_native(target, q0, begin)
@@ -112,8 +113,8 @@ class Solving:
             if recorder:
                 solution.__dict__["trace"] = recorder.trace(found.q, self._error)
             if found.alternatives:
-                others = tuple(self._solution(other, target, options, begin, jump) for other in found.alternatives)
-                solution.__dict__["alternatives"] = others
+                others = [self._solution(other, target, options, begin, jump) for other in found.alternatives]
+                solution.__dict__["alternatives"] = tuple(others)
             return solution
         finally:
             exclusive.busy = False
@@ -217,6 +218,9 @@ class Solving:
         own = starts if len(starts) == 1 else [starts[i] for i in chosen]
         native = self._search.find_all(table, np.array(own), search_options) if chosen else None
         for k, i in enumerate(chosen):
+            if self._ahead.waiting and self._ahead.adopt():
+                rest = np.array(own if len(own) == 1 else own[k:])
+                native = self._search.find_all(table[k:], rest, search_options)
             found, seconds = next(native) if native else (None, 0.0)
             begin = time.perf_counter()
             self._target[:] = numbers[i]
@@ -241,10 +245,6 @@ class Solving:
                 seconds + time.perf_counter() - begin,
             )
 
-    def warm_up(self) -> None:
-        """Build what a path runs."""
-        _ = self._runners.track
-
     def track(self, targets: Iterable[Any], q0: Any, dt: float, options: Options, progress: Progress) -> Trajectory:
         """Follow a path of targets, as `InverseKinematics.track` describes it."""
         given, _ = read_targets(self._tasks, targets)
@@ -258,6 +258,7 @@ class Solving:
             start, dt = self._configurations.start(q0), positive_number("dt", dt)
             search_options, stationary = self._read_options(options), options[-1] != "reached"
             self._memory.inputs.settings[SETTING.null_space_again] = float(stationary)
+            self._ahead.adopt()
             box, runner = self._runners.tracking_box(stationary=stationary), self._runners.track
 
             def solve(target: Any, q: Array) -> Solution:
@@ -330,11 +331,13 @@ class Solving:
         jump: Jump | None = None,
     ) -> SearchResult:
         """Search for the target that is in memory."""
+        begin = time.perf_counter()
         self._evaluations_before = self._terms.evaluations()
         if recorder or search_options.limit == 0:  # otherwise the first step clamps it
             start = self._configurations.clamped(start, runner.inputs.lower, runner.inputs.upper)
         found = self._search.find(runner, start, search_options, recorder, begun=begun, jump=jump)
         self._terms.raise_interruption()
+        self._ahead.spend(TIMED if runner.inputs is self._memory.inputs else SOLVE, time.perf_counter() - begin)
         return found
 
     def _error(self, q: Array) -> Array:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 import numpy as np
 
 from jtik._loop.arguments import ConfigurationReader
+from jtik._loop.compile_ahead import CompileAhead
 from jtik._loop.criterion_escape import StepEscape
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
 from jtik._loop.runner import Runner
-from jtik._loop.runners import Runners
+from jtik._loop.runners import TIMED, Runners
 from jtik._loop.saddle_escape import SaddleEscape
 from jtik._loop.target_memory import TargetMemory
 from jtik._step.solve_progress import UNKNOWN
@@ -27,7 +29,11 @@ _new_tuple = tuple.__new__
 
 
 class Stepping:
-    """One update per call; the state of the strategy is kept from call to call."""
+    """One update per call; the state of the strategy is kept from call to call.
+
+    Attributes:
+        call: `step`, or what compiles its step meanwhile.
+    """
 
     def __init__(
         self,
@@ -42,7 +48,10 @@ class Stepping:
         inspector: Inspector,
         exclusive: ExclusiveUse,
         terms: CriterionTerms,
+        ahead: CompileAhead,
     ) -> None:
+        self._ahead = ahead
+        self.call = self._step_ahead if ahead.compiles else self.step
         self._robot, self._tasks, self._runners = robot, tasks, runners
         self._read, self._vector = configurations.read, configurations.vector
         self._escape, self._inspector = escape, inspector
@@ -59,6 +68,18 @@ class Stepping:
         """Build what a step runs."""
         self._first()
         self._first_timed()
+
+    def _step_ahead(self, q: Any, target: Any, dt: float | None) -> Step:
+        """`step`, on the virtual machine until its step in generated C is ready."""
+        ahead, name = self._ahead, self._runners.step_name if dt is None else TIMED
+        if ahead.waiting and not self._exclusive.busy:
+            ahead.adopt()
+            if not ahead.waiting:
+                self.call = self.step
+        begin = time.perf_counter()
+        stepped = self.step(q, target, dt)
+        ahead.spend(name, time.perf_counter() - begin)
+        return stepped
 
     def step(self, q: Any, target: Any, dt: float | None) -> Step:
         """One update, as `InverseKinematics.step` describes it."""

@@ -8,7 +8,9 @@ language.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -42,6 +44,7 @@ from jtik.symbolic import (
     symbol,
     vertcat,
 )
+from jtik.symbolic.archives import Archive
 from jtik.symbolic.compile import Library, bind, library
 from jtik.types import Array
 
@@ -79,25 +82,38 @@ class FusedStep:
             return fast_or_qp_path(self.function, self.parts, Code.UNSOLVED, arguments, results)
         return bind(self.function, arguments, results)
 
-    def compiled(self, beside: str = "") -> FusedStep:
+    @property
+    def archive(self) -> Archive | None:
+        """The static library of the solver of its quadratic programs, where it can be one function in generated C."""
+        backend = self.parts.backend if self.parts and self.parts.fusible else None
+        return backend.archive if isinstance(backend, FusedBackend) else None
+
+    @property
+    def is_one_function(self) -> bool:
+        """Whether it is one function in generated C."""
+        return self.parts is None or self.archive is not None
+
+    def compiled(self, beside: str = "", using_casadi: AbstractContextManager[Any] | None = None) -> FusedStep:
         """The same in generated C: one function, with the QP solver where its back end has a static library.
 
         A step that calls Python, or another solver, is several functions in C with these calls in between.
 
         Args:
             beside: more C to compile with it, where it is one function.
+            using_casadi: is entered while CasADi is used, not while the compiler runs; for a step that is one function.
 
         Raises:
             CompilerError: without a compiler.
         """
         if self.parts is None:
-            built = library(self.function, beside)
+            built = library(self.function, beside, using_casadi=using_casadi)
             return replace(self, function=built.function, library=built)
-        backend = self.parts.backend
-        if self.parts.fusible and isinstance(backend, FusedBackend) and backend.archive:
+        if self.archive:
             # in C a step whose QPs need no solver costs no more within the whole: there is no separate fast path
             whole = replace(self.parts, fast_path=None)
-            built = library(whole.joined(), beside, backend.archive)
+            with using_casadi or nullcontext():
+                joined = whole.joined()
+            built = library(joined, beside, self.archive, using_casadi)
             return replace(self, function=built.function, parts=whole, library=built)
         parts = self.parts.compiled()
         return replace(self, function=parts.joined() if parts.fusible else parts, parts=parts)

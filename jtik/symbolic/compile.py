@@ -12,6 +12,7 @@ import hashlib
 import platform
 import sys
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple, cast
 
@@ -93,7 +94,12 @@ def to_c(function: Function) -> Function:
     return library(function).function
 
 
-def library(function: Function, beside: str = "", archive: Archive | None = None) -> Library:
+def library(
+    function: Function,
+    beside: str = "",
+    archive: Archive | None = None,
+    using_casadi: AbstractContextManager[Any] | None = None,
+) -> Library:
     """The function as a shared library of generated C.
 
     Compiling takes about a second. Libraries are kept in the user's cache folder (``$XDG_CACHE_HOME/jtik``, see
@@ -105,12 +111,15 @@ def library(function: Function, beside: str = "", archive: Archive | None = None
         function: the function.
         beside: more C source for the same library; it calls the function JTIK_NAME.
         archive: a static library that the C calls; None for none.
+        using_casadi: is entered while CasADi is used, not while the compiler runs.
 
     Raises:
         CompilerError: when there is no compiler, it fails, or the library cannot be stored or loaded.
     """
     command = compiler()
-    source = c_source(function) + beside
+    using = using_casadi or nullcontext()
+    with using:
+        source = c_source(function) + beside
     machine = (sys.platform, platform.machine(), sys.maxsize, sys.modules["jtik"].__version__)
     linked = archive and hashlib.sha256(archive.file.read_bytes()).hexdigest()
     depends = repr((command, options(command), version(command), machine, source, linked))
@@ -125,10 +134,13 @@ def library(function: Function, beside: str = "", archive: Archive | None = None
 
     path = library_cache.find_or_build(name, build)
     try:
-        return _loaded(name, path)
+        with using:
+            return _loaded(name, path)
     except (OSError, RuntimeError) as error:
         if not path.exists():  # another process has just deleted it
-            return _loaded(name, library_cache.find_or_build(name, build))
+            path = library_cache.find_or_build(name, build)
+            with using:
+                return _loaded(name, path)
         library_cache.forget(path)
         reason = f"{' '.join(str(error).split())}; the folder is another one with XDG_CACHE_HOME"
         raise CompilerError(f"{path}, made by {' '.join(command)}, cannot be loaded", reason) from error
