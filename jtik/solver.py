@@ -73,10 +73,10 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         null_space_rate: rate at which `track` and ``step(dt=)`` approach the minimum of the criterion [1/s], so that
             their speed in the null space does not depend on dt. Where the strategy has a ``step_limit``, that speed is
             at most about this rate times it. ``math.inf`` for steps as long as those of `solve`.
-        compiled: run the step as generated C, three to fifteen times faster. This needs a C compiler and, the first
-            time, a second to half a minute. "auto": begin on CasADi's virtual machine, compile in a thread once the
-            solver has run for a second, or at `warm_up`, and change over between two calls; results are the same, and
-            without a compiler it goes on as it was.
+        compiled: run the step as generated C, three to fifteen times faster. True needs a C compiler and, the first
+            time, a second to half a minute. "auto" begins on CasADi's virtual machine, compiles in a thread once the
+            solver has run for a second, or at `warm_up`, and changes over between two calls; results are the same, and
+            without a compiler it goes on as it was. False stays on the virtual machine.
 
     Attributes:
         robot: the robot with only the joints that move.
@@ -104,7 +104,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         joints: str | Iterable[str] | None = None,
         at: ArrayLike | None = None,
         weights: Weights = None,
-        compiled: Compiled = False,
+        compiled: Compiled = "auto",
         null_space_rate: float = 5.0,
     ) -> None:
         self._lock(robot, task, joints := joints_of(joints), at)

@@ -15,10 +15,11 @@ import weakref
 from collections import defaultdict
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from functools import cache
 from typing import Any, Protocol
 
 from jtik._step.fused_step import FusedStep
-from jtik.symbolic.compile import CompilerError
+from jtik.symbolic.compile import CompilerError, compiler
 
 PAYS = 1.0
 """Time that a step has run on the virtual machine when it is compiled [s]."""
@@ -70,6 +71,7 @@ class CompileAhead:
             self._spent[name] += seconds
             if self._spent[name] > PAYS:
                 self.begin()
+                self._begun.add(name)  # also where it cannot be compiled
 
     def begin(self) -> None:
         """Compile all steps that are built."""
@@ -92,6 +94,10 @@ class CompileAhead:
                 self._adopted(name)
         return self.waiting < waited
 
+    def settled(self, name: str) -> bool:
+        """Whether nothing will change for the step with this name any more."""
+        return name in self._begun and not self.waiting
+
 
 _jobs: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
 _using_casadi = threading.Lock()
@@ -107,7 +113,8 @@ def _begin(steps: weakref.ref[Steps], name: str, ready: queue.SimpleQueue[tuple[
             return
         fused = None
         try:
-            fused = held.in_c(name, _using_casadi)
+            if _has_compiler():
+                fused = held.in_c(name, _using_casadi)
         except CompilerError as error:
             _logger.warning("the step goes on without generated C: %s", error)
         ready.put((name, fused))
@@ -117,6 +124,17 @@ def _begin(steps: weakref.ref[Steps], name: str, ready: queue.SimpleQueue[tuple[
         thread = threading.Thread(target=_work, name="jtik compiler", daemon=True)
         _worker.append((os.getpid(), thread))
         thread.start()
+
+
+@cache
+def _has_compiler() -> bool:
+    """Whether there is a C compiler; the first time that there is none it is told."""
+    try:
+        compiler()
+    except CompilerError as error:
+        _logger.info("steps go on without generated C: %s", error)
+        return False
+    return True
 
 
 def _work() -> None:

@@ -74,8 +74,8 @@ class Stepping:
         ahead, name = self._ahead, self._runners.step_name if dt is None else TIMED
         if ahead.waiting and not self._exclusive.busy:
             ahead.adopt()
-            if not ahead.waiting:
-                self.call = self.step
+        if ahead.settled(name):
+            self.call = self.step
         begin = time.perf_counter()
         stepped = self.step(q, target, dt)
         ahead.spend(name, time.perf_counter() - begin)

@@ -24,7 +24,7 @@ from jtik.symbolic.c_compiler import CompilerError, compile_library, compiler, o
 from jtik.symbolic.operations import Function, c_source, external
 from jtik.types import Array
 
-__all__ = ["CompiledFunction", "CompilerError", "Library", "bind", "library", "to_c"]
+__all__ = ["CompiledFunction", "CompilerError", "Library", "bind", "compiler", "library", "to_c"]
 
 
 def bind(function: Function, arguments: list[Array], results: list[Array]) -> Callable[[], None]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import gc
+import logging
 import os
 import pickle
 import subprocess
@@ -126,7 +127,7 @@ def test_steps_are_the_same_before_and_after(eager, dt):
 
 
 def test_a_batch_changes_over_on_its_way(monkeypatch):
-    goals = targets(40) * 400
+    goals = targets(40) * 50
     expected = solver(compiled=False).solve_batch(goals[:40], q0=np.zeros(7))
     ik, rows = solver(), []
 
@@ -138,7 +139,7 @@ def test_a_batch_changes_over_on_its_way(monkeypatch):
     ik.warm_up()
     batch = ik.solve_batch(goals, q0=np.zeros(7), progress=waited)
     assert ik._engine.search.native is not None
-    assert np.abs(batch.q - np.tile(expected.q, (400, 1))).max() < EXACT
+    assert np.abs(batch.q - np.tile(expected.q, (50, 1))).max() < EXACT
     assert batch.status[:40] == expected.status
 
 
@@ -184,6 +185,27 @@ def test_without_a_compiler_it_goes_on_as_it_was(eager, monkeypatch, caplog):
         assert ik.solve(goal, q0=ik.robot.neutral).q.tolist() == expected.q.tolist()
     assert not ik._engine._ahead.waiting
     assert "/nowhere/to/be/found" in caplog.text
+
+
+def test_no_compiler_at_all_is_told_once(eager, monkeypatch, tmp_path, caplog):
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr("jtik.symbolic.c_compiler.importlib.util.find_spec", lambda name: None)
+    compile_ahead._has_compiler.cache_clear()
+    try:
+        with caplog.at_level(logging.INFO):
+            for _ in range(2):
+                ik, goal = solver(), targets(1)[0]
+                for _ in range(3):
+                    ik.solve(goal, q0=ik.robot.neutral)
+                    ik.step(ik.robot.neutral, goal)
+                when(lambda ik=ik: ik._engine._ahead._ready.qsize() == ik._engine._ahead.waiting)
+                ik.step(ik.robot.neutral, goal)
+                assert ik._stepping.call == ik._stepping.step
+    finally:
+        compile_ahead._has_compiler.cache_clear()
+    told = [record for record in caplog.records if "no C compiler" in record.getMessage()]
+    assert [record.levelno for record in told] == [logging.INFO]
 
 
 def test_a_solver_that_is_gone_is_not_compiled():
