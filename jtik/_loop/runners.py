@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
 
 import numpy as np
@@ -20,8 +19,7 @@ from jtik.constraints.step_box import StepBox, box_function
 from jtik.qp import Backend
 from jtik.qp.call import PythonCall
 from jtik.strategy import Strategy
-from jtik.symbolic import Function
-from jtik.symbolic.compile import to_c
+from jtik.symbolic.compilation import Compilation
 from jtik.types import Array
 
 
@@ -34,7 +32,7 @@ class Runners:
         backend: what solves the QPs of a strategy that has any.
         bounds: limits of position, velocity and acceleration.
         memory: the inputs of `solve`.
-        compiled: whether the step runs as generated C.
+        compilation: compiles the step as generated C; None for the virtual machine.
         null_space_rate: rate of the motion in the null space in timed steps [1/s].
 
     Attributes:
@@ -54,21 +52,22 @@ class Runners:
         *,
         bounds: Bounds,
         memory: InputMemory,
-        compiled: bool,
+        compilation: Compilation | None,
         null_space_rate: float,
     ) -> None:
         self._problem, self._strategy, self._backend = problem, strategy, backend
-        self._bounds, self._compiled, self._null_space_rate = bounds, compiled, null_space_rate
+        self._bounds, self._compilation, self._null_space_rate = bounds, compilation, null_space_rate
         self.memory = memory
         self.turns = FullTurns(problem, bounds.lower, bounds.upper)
         lower, upper = self.turns.free
         self.search_inputs = memory.inputs._replace(lower=lower, upper=upper)
-        with ThreadPoolExecutor(1) as compiler:
-            box = compiler.submit(self._built_box) if compiled else None  # while the step is compiled
-            self.solve = self._runner(self._fused(), self.search_inputs)
+        box = problem.once("box", lambda: box_function(bounds))
+        if compilation:
+            compilation.begin([box])  # while the step is compiled
+        self.solve = self._runner(self._fused(), self.search_inputs)
         if can_explore(problem, strategy):
             self.solve.explorer = lambda: self.exploring
-        self._box_function = box.result() if box else self._built_box()
+        self._box_function = problem.once("compiled box", lambda: compilation.to_c(box)) if compilation else box
         self.step_is_built = strategy.evaluates_candidate(problem.has_criterion) or bool(problem.clearances)
         self.step_inputs = memory.inputs._replace(settings=np.array(Settings()))
 
@@ -176,17 +175,12 @@ class Runners:
         runner.start(self._problem.robot.neutral)
         return runner
 
-    def _built_box(self) -> Function:
-        def build() -> Function:
-            box = box_function(self._bounds)
-            return to_c(box) if self._compiled else box
-
-        return self._problem.once("box", build)
-
     def _fused(self, *, evaluated: bool = False) -> FusedStep:
         def build() -> FusedStep:
             fused = fused_step(self._problem, self._strategy, backend=self._backend, evaluated=evaluated)
-            return fused.compiled(native_source.source(fused.state)) if self._compiled else fused
+            if self._compilation is None:
+                return fused
+            return fused.compiled(self._compilation, native_source.source(fused.state))
 
         return self._problem.once(f"step, {evaluated=}", build, keep=_can_be_shared)
 
@@ -201,7 +195,7 @@ class Runners:
 
         def build() -> FusedStep:
             fused = fused_step(self._problem, self._strategy, backend=self._backend, timed=True)
-            return fused.compiled() if self._compiled else fused
+            return fused.compiled(self._compilation) if self._compilation else fused
 
         return self._problem.once("timed step", build, keep=_can_be_shared)
 

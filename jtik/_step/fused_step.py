@@ -42,7 +42,8 @@ from jtik.symbolic import (
     symbol,
     vertcat,
 )
-from jtik.symbolic.compile import Library, bind, library
+from jtik.symbolic.compilation import Compilation
+from jtik.symbolic.compile import Library, bind
 from jtik.types import Array
 
 STRATEGY_PREFIX = "strategy."
@@ -79,19 +80,20 @@ class FusedStep:
             return fast_or_qp_path(self.function, self.parts, Code.UNSOLVED, arguments, results)
         return bind(self.function, arguments, results)
 
-    def compiled(self, beside: str = "") -> FusedStep:
+    def compiled(self, compilation: Compilation, beside: str = "") -> FusedStep:
         """The same in generated C, all but the QP solver's calls.
 
         Args:
+            compilation: compiles it.
             beside: more C to compile with it, where no QP solver is called.
 
         Raises:
             CompilerError: without a compiler.
         """
         if self.parts is None:
-            built = library(self.function, beside)
+            built = compilation.library(self.function, beside)
             return replace(self, function=built.function, library=built)
-        parts = self.parts.compiled()
+        parts = self.parts.compiled(compilation)
         return replace(self, function=parts.joined() if parts.fusible else parts, parts=parts)
 
 

@@ -6,10 +6,14 @@ import importlib.util
 import os
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
+import threading
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from jtik.errors import JtikError
 
@@ -18,6 +22,9 @@ OPTIONS = ("-O2",)
 
 SHOWN = 2000
 """Longest part of a compiler's output in an error, in characters: the end, where the reason is."""
+
+PATIENCE = 2.0
+"""How long a compiler that is to end may go on before it is forced to [s]."""
 
 
 class CompilerError(JtikError):
@@ -71,13 +78,71 @@ def _version(command: tuple[str, ...]) -> str:
     return _run([*command, "--version"])
 
 
-def compile_library(command: tuple[str, ...], code: Path, built: Path) -> None:
+class CompilerRuns:
+    """The compilers that run, in any thread, and their end.
+
+    Each has a process group of its own: Ctrl-C on the terminal does not reach it, and its parts end with it.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._processes: set[subprocess.Popen[bytes]] = set()
+        self._ended = False
+
+    def run(self, call: list[str]) -> subprocess.CompletedProcess[bytes]:
+        """Run a command to its end. Raises OSError where it cannot be run, or `end` was called."""
+        pipes: dict[str, Any] = dict.fromkeys(("stdout", "stderr"), subprocess.PIPE)
+        group: dict[str, Any] = {"process_group": 0} if os.name == "posix" else {}
+        with self._lock:
+            if self._ended:
+                raise InterruptedError("the compilation was ended")
+            process = subprocess.Popen(call, stdin=subprocess.DEVNULL, **pipes, **group)
+            self._processes.add(process)
+        try:
+            output = process.communicate()
+        except BaseException:  # Ctrl-C, where it runs in the main thread
+            _end(process)
+            raise
+        finally:
+            with self._lock:
+                self._processes.discard(process)
+        return subprocess.CompletedProcess(call, process.returncode, *output)
+
+    def end(self) -> None:
+        """End all that run; what would run later fails."""
+        with self._lock:
+            self._ended, running = True, list(self._processes)
+        for process in running:
+            _end(process)
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End a command with its parts: it is asked to, which lets it delete its files, and then forced to."""
+    for name in ("SIGTERM", "SIGKILL"):
+        if process.poll() is None:
+            if os.name == "posix":
+                with suppress(ProcessLookupError):
+                    os.killpg(process.pid, getattr(signal, name))
+            else:
+                process.terminate()
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(PATIENCE)
+
+
+def compile_library(command: tuple[str, ...], code: Path, built: Path, runs: CompilerRuns | None = None) -> None:
     """Compile a file of C to a shared library.
+
+    Args:
+        command: the command of the compiler.
+        code: the file.
+        built: the library to write.
+        runs: runs the compiler, and can end it.
 
     Raises:
         CompilerError: when the compiler cannot be run or fails, or what it wrote is no complete library.
     """
-    _run([*command, *OPTIONS, "-shared", "-fPIC", str(code), "-o", str(built), "-lm"], said=[*command, *OPTIONS])
+    call = [*command, *OPTIONS, "-shared", "-fPIC", str(code), "-o", str(built), "-lm"]
+    _run(call, said=[*command, *OPTIONS], runs=runs)
     try:
         data = built.read_bytes()
     except OSError as error:
@@ -106,11 +171,11 @@ def is_complete(data: bytes) -> bool:
     return sections > 0 and sections + size * count <= len(data)
 
 
-def _run(call: list[str], said: list[str] | None = None) -> str:
+def _run(call: list[str], said: list[str] | None = None, runs: CompilerRuns | None = None) -> str:
     """What a command prints to stdout. Raises CompilerError, with the command as ``said``, when it fails."""
     name = shlex.join(said or call)
     try:
-        run = subprocess.run(call, capture_output=True, check=False, stdin=subprocess.DEVNULL)
+        run = (runs or CompilerRuns()).run(call)
     except (OSError, ValueError) as error:
         raise CompilerError(name, str(error)) from error
     if run.returncode:

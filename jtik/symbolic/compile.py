@@ -18,7 +18,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from jtik.symbolic import library_cache
-from jtik.symbolic.c_compiler import OPTIONS, CompilerError, compile_library, compiler, version
+from jtik.symbolic.c_compiler import OPTIONS, CompilerError, CompilerRuns, compile_library, compiler, version
 from jtik.symbolic.operations import Function, c_source, external
 from jtik.types import Array
 
@@ -92,7 +92,7 @@ def to_c(function: Function) -> Function:
     return library(function).function
 
 
-def library(function: Function, beside: str = "") -> Library:
+def library(function: Function, beside: str = "", runs: CompilerRuns | None = None) -> Library:
     """The function as a shared library of generated C.
 
     Compiling takes about a second. Libraries are kept in the user's cache folder (``$XDG_CACHE_HOME/jtik``, see
@@ -103,6 +103,7 @@ def library(function: Function, beside: str = "") -> Library:
     Args:
         function: the function.
         beside: more C source for the same library; it calls the function JTIK_NAME.
+        runs: runs the compiler, and can end it.
 
     Raises:
         CompilerError: when there is no compiler, it fails, or the library cannot be stored or loaded.
@@ -117,7 +118,7 @@ def library(function: Function, beside: str = "") -> Library:
         code, built = scratch / f"{name}.c", scratch / f"{name}.so"
         # the prefix keeps the symbols of several libraries, and libc's own "step", apart
         code.write_text(source.replace(function.name(), name).replace("JTIK_NAME", name), encoding="utf-8")
-        compile_library(command, code, built)
+        compile_library(command, code, built, runs)
         return built
 
     path = library_cache.find_or_build(name, build)
