@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Protocol, TypeVar
 
 from jtik.arguments import flag
@@ -43,6 +44,35 @@ def watched(items: Counted[Item], progress: Progress, label: str) -> Iterator[It
     if callable(progress):
         return _reported(items, progress)
     return _bar(items, label) if read_progress(progress) is True else iter(items)
+
+
+@contextmanager
+def counted(progress: Progress, label: str) -> Iterator[Callable[[int, int], None] | None]:
+    """A function that is to be called with (done, total), where the total may grow; None where nobody is informed.
+
+    Args:
+        progress: as in `watched`. The bar also shows the elapsed time, which goes on between two calls.
+        label: text beside the bar.
+
+    Raises:
+        ArgumentError: when ``progress`` is something else.
+        MissingExtraError: when a bar is wanted and rich is not installed.
+    """
+    if callable(progress):
+        yield progress
+    elif read_progress(progress) is False:
+        yield None
+    else:
+        try:
+            from rich.console import Console
+            from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
+            from rich.progress import Progress as Bar
+        except ImportError as error:
+            raise MissingExtraError("rich", "cli", "a progress bar") from error
+        columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+        with Bar(*columns, console=Console(stderr=True)) as bar:
+            task = bar.add_task(label, total=None)
+            yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 def _bar(items: Counted[Item], label: str) -> Iterator[Item]:

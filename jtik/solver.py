@@ -19,13 +19,14 @@ from jtik.arguments import positive_integer
 from jtik.constraints.clearance import Clearance, clearances_of
 from jtik.constraints.limits import Limits, limits_of
 from jtik.criterion import Criteria, CriterionSum, Parameters
-from jtik.progress import Progress
+from jtik.progress import Progress, counted
 from jtik.qp import Backend
 from jtik.registry import strategy_of
 from jtik.result import Solution, SolutionBatch, Step, Trajectory
 from jtik.robot import Robot
 from jtik.robot.joint_weights import Weights, read_weights
 from jtik.strategy import Strategy
+from jtik.symbolic.compilation import Compilation
 from jtik.task import Task
 from jtik.task.reduction import joints_of
 
@@ -74,9 +75,12 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
             their speed in the null space does not depend on dt. Where the strategy has a ``step_limit``, that speed is
             at most about this rate times it. ``math.inf`` for steps as long as those of `solve`.
         compiled: run the step as generated C, three to fifteen times faster. True needs a C compiler and, the first
-            time, a second to half a minute. "auto" begins on CasADi's virtual machine, compiles in a thread once the
-            solver has run for a second, or at `warm_up`, and changes over between two calls; results are the same, and
-            without a compiler it goes on as it was. False stays on the virtual machine.
+            time, a second to half a minute; Ctrl-C ends the compiler. "auto" begins on CasADi's virtual machine,
+            compiles in a thread once the solver has run for a second, or at `warm_up`, and changes over between two
+            calls; results are the same, and without a compiler it goes on as it was. False stays on the virtual
+            machine.
+        progress: True for a bar on the terminal while it is built and compiled, or a function called with (done,
+            total): the number of parts that are done, and of those known so far; each C file is one.
 
     Attributes:
         robot: the robot with only the joints that move.
@@ -89,6 +93,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
     Raises:
         ArgumentError: for an argument that cannot be used, naming it.
         UnknownNameError: for a joint, frame, strategy or solver that does not exist.
+        MissingExtraError: for a bar without rich.
     """
 
     def __init__(
@@ -106,6 +111,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         weights: Weights = None,
         compiled: Compiled = "auto",
         null_space_rate: float = 5.0,
+        progress: Progress = False,
     ) -> None:
         self._lock(robot, task, joints := joints_of(joints), at)
         self.limits: Limits = limits_of(limits)
@@ -113,7 +119,9 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         terms: dict[str, Any] = {"criteria": CriterionSum.of(criteria), "clearances": clearances_of(clearances)}
         how: dict[str, Any] = {"solver": solver, "compiled": compiled, "null_space_rate": null_space_rate}
         how["weights"] = read_weights(self.robot, weights)
-        self._run_on(Engine(self.robot, self.tasks, self.limits, self.strategy, **terms, **how))
+        with counted(progress, "building") as report, (compilation := Compilation()).shown(report, parts=1):
+            built: dict[str, Any] = {**terms, **how, "compilation": compilation}
+            self._run_on(Engine(self.robot, self.tasks, self.limits, self.strategy, **built))
         arguments = {"robot": robot, "task": self.tasks.tasks, "limits": self.limits, "strategy": self.strategy}
         self._fix({**arguments, **terms, **how, "joints": joints, "at": self._locked})
 

@@ -18,8 +18,11 @@ from contextlib import AbstractContextManager
 from functools import cache
 from typing import Any, Protocol
 
-from jtik._step.fused_step import FusedStep
-from jtik.symbolic.compile import CompilerError, compiler
+from jtik._step.fused_step import Compiled, FusedStep
+from jtik.symbolic import Function
+from jtik.symbolic.archives import Archive
+from jtik.symbolic.c_compiler import CompilerRuns
+from jtik.symbolic.compile import CompilerError, Library, compiler, library
 
 PAYS = 1.0
 """Time that a step has run on the virtual machine when it is compiled [s]."""
@@ -34,7 +37,7 @@ class Steps(Protocol):
     def built(self) -> list[str]:
         """Names of the steps that are built and can be compiled."""
 
-    def in_c(self, name: str, using_casadi: AbstractContextManager[Any]) -> FusedStep:
+    def in_c(self, name: str, compiled: Compiled, using_casadi: AbstractContextManager[Any]) -> FusedStep:
         """The step with this name in generated C. It may be called in any thread.
 
         Raises:
@@ -102,6 +105,13 @@ class CompileAhead:
 _jobs: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
 _using_casadi = threading.Lock()
 _worker: list[tuple[int, threading.Thread]] = []
+_runs = CompilerRuns()
+_closing = threading.Event()
+
+
+def _library(function: Function, beside: str, archive: Archive | None) -> Library:
+    """A library, by a compiler that ends with the interpreter."""
+    return library(function, beside, archive, runs=_runs, using_casadi=_using_casadi)
 
 
 def _begin(steps: weakref.ref[Steps], name: str, ready: queue.SimpleQueue[tuple[str, FusedStep | None]]) -> None:
@@ -114,9 +124,10 @@ def _begin(steps: weakref.ref[Steps], name: str, ready: queue.SimpleQueue[tuple[
         fused = None
         try:
             if _has_compiler():
-                fused = held.in_c(name, _using_casadi)
+                fused = held.in_c(name, _library, _using_casadi)
         except CompilerError as error:
-            _logger.warning("the step goes on without generated C: %s", error)
+            if not _closing.is_set():
+                _logger.warning("the step goes on without generated C: %s", error)
         ready.put((name, fused))
 
     _jobs.put(compile_step)
@@ -143,7 +154,9 @@ def _work() -> None:
 
 
 def _stop() -> None:
-    """Let the interpreter end only when the thread is not in CasADi, which is about to be unloaded."""
+    """End the compiler, and the interpreter only when the thread is not in CasADi, which is about to be unloaded."""
+    _closing.set()
+    _runs.end()
     _using_casadi.acquire(timeout=5.0)
 
 

@@ -7,6 +7,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from jtik._loop.engine import Engine
+from jtik.progress import Progress
 from jtik.result.jog import Jog
 from jtik.result.report import Report
 
@@ -18,7 +19,7 @@ class ControlLoop:
 
     _engine: Engine
 
-    def warm_up(self) -> None:
+    def warm_up(self, *, progress: Progress = False) -> None:
         """Build now what is otherwise built when it is first needed, so that no call of a control loop waits for it.
 
         ``step(dt=)`` and `track` have a function of their own, which takes about as long to build as the solver. The
@@ -27,8 +28,15 @@ class ControlLoop:
         A strategy that accepts every step, such as ``Damped(backtracking=False)`` without a
         criterion, also has a function of its own for a `step` without a time. Call it once, at any time: it changes no
         result.
+
+        Args:
+            progress: as in the constructor.
+
+        Raises:
+            ArgumentError: for a progress that is not a bool or a function.
+            MissingExtraError: for a bar without rich.
         """
-        self._engine.warm_up()
+        self._engine.warm_up(progress)
 
     def reset(self) -> None:
         """Forget the state that `step` keeps, as after a jump of the target; the robot is then at rest."""

@@ -26,12 +26,14 @@ from jtik.constraints import Clearance, Limits
 from jtik.criterion import CriterionSum, CriterionTerms
 from jtik.criterion.trial import check_compiled, check_finite
 from jtik.errors import ArgumentError
+from jtik.progress import Progress, counted
 from jtik.qp import Backend, as_problem, backend_of
 from jtik.registry import supporting_clearances
 from jtik.result.report import Report
 from jtik.robot import Robot, WeightedCoordinates
 from jtik.strategy import Strategy
 from jtik.strategy.checked_call import CheckedCall
+from jtik.symbolic.compilation import Compilation
 from jtik.task import TaskStack
 from jtik.types import Array
 
@@ -54,6 +56,7 @@ class Engine:
         null_space_rate: rate of the motion in the null space in timed steps [1/s].
         weights: weights of the velocity entries (n,); None for none.
         original: the problem of an engine of the same arguments, whose functions are used; None for a new one.
+        compilation: compiles the functions, and reports it.
 
     Attributes:
         problem: robot, tasks, criteria and clearances.
@@ -83,6 +86,7 @@ class Engine:
         null_space_rate: float,
         weights: Array | None = None,
         original: SymbolicProblem | None = None,
+        compilation: Compilation | None = None,
     ) -> None:
         compiled = read_compiled(compiled)
         bounds, terms = limits.of(robot), CriterionTerms.of(robot, criteria, clearances)
@@ -122,14 +126,16 @@ class Engine:
             raise ArgumentError("solver", solver, accepted)
         self.memory = InputMemory(tasks.target_size, problem.terms.parameters, bounds.lower, bounds.upper)
         inputs = self.memory.inputs
-        certificate = MinimumCertificate(problem, compiled=compiled is True)  # compiled while the step is
+        self._compilation = compilation or Compilation()
+        compiler = self._compilation if compiled is True else None
+        certificate = MinimumCertificate(problem, compiler)  # compiled while the step is
         self.runners = Runners(
             problem,
             strategy,
             backend,
             bounds=bounds,
             memory=self.memory,
-            compiled=compiled is True,
+            compilation=compiler,
             null_space_rate=read_rate("null_space_rate", null_space_rate),
         )
         self.configurations = ConfigurationReader(robot, inputs.lower, inputs.upper)
@@ -184,18 +190,19 @@ class Engine:
         engine.memory.inputs.parameters[:] = self.memory.inputs.parameters
         return engine
 
-    def warm_up(self) -> None:
+    def warm_up(self, progress: Progress) -> None:
         """Build what is otherwise built when it is first needed, as `InverseKinematics.warm_up` describes it."""
         exclusive = self._exclusive
         if exclusive.busy:
             raise in_use()
         try:
             exclusive.busy = True
-            self.stepping.warm_up()
-            _ = self.runners.track
+            builds = self.stepping.warm_up, lambda: self.runners.track, self._escape.warm_up, self._inspector.warm_up
+            with counted(progress, "building") as report, self._compilation.shown(report, len(builds)):
+                for build in builds:
+                    build()
+                    self._compilation.part_done()
             self._ahead.begin()
-            self._escape.warm_up()
-            self._inspector.warm_up()
         finally:
             exclusive.busy = False
 

@@ -8,7 +8,7 @@ from jtik.errors import JtikError
 class ExclusiveUse:
     """A guard that refuses a second call, of another thread or from within the first, and does not wait.
 
-    A call reads and sets `busy` itself, in a tenth of the time that a lock takes::
+    A call reads and sets `busy` itself, in a fifth of the time that a lock takes::
 
         if guard.busy:
             raise in_use()
@@ -19,7 +19,8 @@ class ExclusiveUse:
             guard.busy = False
 
     The interpreter changes threads and delivers signals where something is called or a loop goes round, which is not
-    the case from the test to the assignment. So neither a thread nor Ctrl-C can come in between.
+    the case from the test to the assignment. So neither a thread nor Ctrl-C can come in between; a test reads it from
+    the instructions of every such method. An interpreter without a global lock takes one when it imports CasADi.
 
     Attributes:
         busy: whether a call is within.

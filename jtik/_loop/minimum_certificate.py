@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Future
 from functools import cached_property
 
 from jtik._step.inputs import Inputs
 from jtik._step.strict_minimum import strict_minimum
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.symbolic import Function
-from jtik.symbolic.compile import CompiledFunction, to_c
+from jtik.symbolic.compilation import Compilation
+from jtik.symbolic.compile import CompiledFunction, CompilerError, Library, to_c
 from jtik.types import Array
 
 
@@ -18,29 +19,28 @@ class MinimumCertificate:
 
     Args:
         problem: the problem.
-        compiled: whether it runs as generated C, which is then built at once, in a thread.
+        compilation: compiles it as generated C, from now on, where H is minimised; None for the virtual machine.
     """
 
-    def __init__(self, problem: SymbolicProblem, *, compiled: bool) -> None:
+    def __init__(self, problem: SymbolicProblem, compilation: Compilation | None) -> None:
         self._problem = problem
         self._last = (b"", False)  # a search and the status of its end ask for the same configuration
-        self._built: Future[Function] | None = None
-        if compiled and problem.has_criterion:
-            self._built = problem.once("compiled strict_minimum", self._compiling)
+        self._built: Future[Library] | None = None
+        if compilation and problem.has_criterion:
+            self._built = problem.once("compiled strict_minimum", lambda: compilation.begun(self._symbolic))
 
-    def _compiling(self) -> Future[Function]:
-        """The function, which a thread compiles."""
-        compiler = ThreadPoolExecutor(1)
-        built = compiler.submit(to_c, strict_minimum(self._problem))
-        compiler.shutdown(wait=False)
-        return built
+    @property
+    def _symbolic(self) -> Function:
+        return self._problem.once("strict_minimum", lambda: strict_minimum(self._problem))
 
     @cached_property
     def _function(self) -> CompiledFunction:
-        problem = self._problem
-        if self._built:
-            return CompiledFunction(self._built.result())
-        return CompiledFunction(problem.once("strict_minimum", lambda: strict_minimum(problem)))
+        if self._built is None:
+            return CompiledFunction(self._symbolic)
+        try:
+            return CompiledFunction(self._built.result().function)
+        except (CompilerError, CancelledError):  # Ctrl-C has ended the compiler: once more
+            return CompiledFunction(to_c(self._symbolic))
 
     def warm_up(self) -> None:
         """Build the function now."""

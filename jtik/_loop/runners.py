@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager
 from functools import cached_property
 from typing import Any
@@ -13,7 +12,7 @@ import numpy as np
 from jtik._loop import native_source
 from jtik._loop.full_turns import FullTurns
 from jtik._loop.runner import Runner
-from jtik._step.fused_step import FusedStep, can_explore, fused_step
+from jtik._step.fused_step import Compiled, FusedStep, can_explore, fused_step
 from jtik._step.inputs import SETTING, InputMemory, Inputs, Settings
 from jtik._step.relaxation import RelaxationTerms
 from jtik._step.symbolic_problem import SymbolicProblem
@@ -22,8 +21,7 @@ from jtik.constraints.step_box import StepBox, box_function
 from jtik.qp import Backend
 from jtik.qp.call import PythonCall
 from jtik.strategy import Strategy
-from jtik.symbolic import Function
-from jtik.symbolic.compile import to_c
+from jtik.symbolic.compilation import Compilation
 from jtik.types import Array
 
 SOLVE, EVALUATED, TIMED = "solve", "evaluated", "timed"
@@ -39,7 +37,7 @@ class Runners:
         backend: what solves the QPs of a strategy that has any.
         bounds: limits of position, velocity and acceleration.
         memory: the inputs of `solve`.
-        compiled: whether the step runs as generated C.
+        compilation: compiles the step as generated C; None for the virtual machine.
         null_space_rate: rate of the motion in the null space in timed steps [1/s].
 
     Attributes:
@@ -59,23 +57,24 @@ class Runners:
         *,
         bounds: Bounds,
         memory: InputMemory,
-        compiled: bool,
+        compilation: Compilation | None,
         null_space_rate: float,
     ) -> None:
         self._made = dict[str, list[Runner]]()
         self._in_c = dict[str, FusedStep]()
         self._problem, self._strategy, self._backend = problem, strategy, backend
-        self._bounds, self._compiled, self._null_space_rate = bounds, compiled, null_space_rate
+        self._bounds, self._compilation, self._null_space_rate = bounds, compilation, null_space_rate
         self.memory = memory
         self.turns = FullTurns(problem, bounds.lower, bounds.upper)
         lower, upper = self.turns.free
         self.search_inputs = memory.inputs._replace(lower=lower, upper=upper)
-        with ThreadPoolExecutor(1) as compiler:
-            box = compiler.submit(self._built_box) if compiled else None  # while the step is compiled
-            self.solve = self._runner(self._fused(), self.search_inputs, SOLVE)
+        box = problem.once("box", lambda: box_function(bounds))
+        if compilation:
+            compilation.begin([box])  # while the step is compiled
+        self.solve = self._runner(self._fused(), self.search_inputs, SOLVE)
         if can_explore(problem, strategy):
             self.solve.explorer = lambda: self.exploring
-        self._box_function = box.result() if box else self._built_box()
+        self._box_function = problem.once("compiled box", lambda: compilation.to_c(box)) if compilation else box
         self.step_is_built = strategy.evaluates_candidate(problem.has_criterion) or bool(problem.clearances)
         self.step_inputs = memory.inputs._replace(settings=np.array(Settings()))
 
@@ -193,8 +192,13 @@ class Runners:
         """Names of the steps that are built and can be compiled."""
         return [name for name, made in self._made.items() if made[0].fused.is_one_function]
 
-    def in_c(self, name: str, using_casadi: AbstractContextManager[Any]) -> FusedStep:
+    def in_c(self, name: str, compiled: Compiled, using_casadi: AbstractContextManager[Any]) -> FusedStep:
         """The step with this name in generated C. It may be called in any thread.
+
+        Args:
+            name: the name.
+            compiled: makes a library.
+            using_casadi: is entered while CasADi is used otherwise.
 
         Raises:
             CompilerError: without a compiler.
@@ -202,7 +206,8 @@ class Runners:
         fused = self._made[name][0].fused
 
         def build() -> FusedStep:
-            return fused.compiled("" if name == TIMED else native_source.source(fused.state), using_casadi)
+            beside = "" if name == TIMED else native_source.source(fused.state)
+            return fused.one_library(compiled, beside, using_casadi)
 
         return self._problem.once(f"{name} in C", build)
 
@@ -216,17 +221,12 @@ class Runners:
         runner.start(self._problem.robot.neutral)
         return runner
 
-    def _built_box(self) -> Function:
-        def build() -> Function:
-            box = box_function(self._bounds)
-            return to_c(box) if self._compiled else box
-
-        return self._problem.once("box", build)
-
     def _fused(self, *, evaluated: bool = False) -> FusedStep:
         def build() -> FusedStep:
             fused = fused_step(self._problem, self._strategy, backend=self._backend, evaluated=evaluated)
-            return fused.compiled(native_source.source(fused.state)) if self._compiled else fused
+            if self._compilation is None:
+                return fused
+            return fused.compiled(self._compilation, native_source.source(fused.state))
 
         return self._problem.once(f"step, {evaluated=}", build, keep=_can_be_shared)
 
@@ -241,7 +241,7 @@ class Runners:
 
         def build() -> FusedStep:
             fused = fused_step(self._problem, self._strategy, backend=self._backend, timed=True)
-            return fused.compiled() if self._compiled else fused
+            return fused.compiled(self._compilation) if self._compilation else fused
 
         return self._problem.once("timed step", build, keep=_can_be_shared)
 

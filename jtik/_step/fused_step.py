@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -45,8 +45,12 @@ from jtik.symbolic import (
     vertcat,
 )
 from jtik.symbolic.archives import Archive
-from jtik.symbolic.compile import Library, bind, library
+from jtik.symbolic.compilation import Compilation
+from jtik.symbolic.compile import Library, bind
 from jtik.types import Array
+
+Compiled: TypeAlias = Callable[[Function, str, Archive | None], Library]
+"""(function, more C, static library or None) -> shared library."""
 
 STRATEGY_PREFIX = "strategy."
 """Prefix of the names of the strategy's own state within the state of the step."""
@@ -93,30 +97,39 @@ class FusedStep:
         """Whether it is one function in generated C."""
         return self.parts is None or self.archive is not None
 
-    def compiled(self, beside: str = "", using_casadi: AbstractContextManager[Any] | None = None) -> FusedStep:
+    def compiled(self, compilation: Compilation, beside: str = "") -> FusedStep:
         """The same in generated C: one function, with the QP solver where its back end has a static library.
 
         A step that calls Python, or another solver, is several functions in C with these calls in between.
 
         Args:
+            compilation: compiles it.
             beside: more C to compile with it, where it is one function.
-            using_casadi: is entered while CasADi is used, not while the compiler runs; for a step that is one function.
 
         Raises:
             CompilerError: without a compiler.
         """
-        if self.parts is None:
-            built = library(self.function, beside, using_casadi=using_casadi)
-            return replace(self, function=built.function, library=built)
-        if self.archive:
-            # in C a step whose QPs need no solver costs no more within the whole: there is no separate fast path
-            whole = replace(self.parts, fast_path=None)
-            with using_casadi or nullcontext():
-                joined = whole.joined()
-            built = library(joined, beside, self.archive, using_casadi)
-            return replace(self, function=built.function, parts=whole, library=built)
-        parts = self.parts.compiled()
+        if self.parts is None or self.is_one_function:
+            return self.one_library(compilation.library, beside)
+        parts = self.parts.compiled(compilation)
         return replace(self, function=parts.joined() if parts.fusible else parts, parts=parts)
+
+    def one_library(
+        self, compiled: Compiled, beside: str = "", using_casadi: AbstractContextManager[Any] | None = None
+    ) -> FusedStep:
+        """The same as one function in generated C, which it can be.
+
+        Args:
+            compiled: makes the library.
+            beside: more C to compile with it.
+            using_casadi: is entered while CasADi is used here.
+        """
+        # in C a step whose QPs need no solver costs no more within the whole: there is no separate fast path
+        whole = replace(self.parts, fast_path=None) if self.parts else None
+        with using_casadi or nullcontext():
+            step = whole.joined() if whole else self.function
+        built = compiled(step, beside, self.archive)
+        return replace(self, function=built.function, parts=whole, library=built)
 
 
 def fused_step(

@@ -9,14 +9,13 @@ import sys
 from collections.abc import Iterable, Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
-from importlib.util import find_spec
 from typing import Any
 
 import jtik
 from jtik.cli import own_criteria
 from jtik.cli.checks import InputError, check_folder, check_suffix
 from jtik.cli.document import DocumentSetup, read_setup
-from jtik.cli.output import PICTURES, json_value, require_pictures, write_all
+from jtik.cli.output import PICTURES, json_value, require_pictures, shows_progress, write_all
 from jtik.cli.problem_options import add_problem_options, problem_document
 from jtik.problems import ProblemSet
 from jtik.problems.collection import named
@@ -109,7 +108,7 @@ def run(arguments: argparse.Namespace) -> int:
             repeats=arguments.repeats,
             executor=executor,
             save=arguments.save,
-            progress=_shows_progress(),
+            progress=shows_progress(),
         )
     _print(found, arguments)
     written = write_all(
@@ -147,11 +146,6 @@ def _contenders(names: list[str]) -> list[str]:
         else:
             strategy_of(name)
     return names
-
-
-def _shows_progress() -> bool:
-    """Whether there is a terminal for a bar, and rich to draw it."""
-    return sys.stderr.isatty() and find_spec("rich") is not None
 
 
 def _setup_and_problems(arguments: argparse.Namespace) -> tuple[DocumentSetup, ProblemSet | dict[str, int]]:

@@ -152,8 +152,12 @@ def _of_a_pose(document: Table) -> Table:
     return document
 
 
-def read(document: Table) -> DocumentProblem:
+def read(document: Table, *, progress: bool = False) -> DocumentProblem:
     """The problem a document describes.
+
+    Args:
+        document: the document.
+        progress: whether there is a bar while a solver is compiled.
 
     Raises:
         JtikError: for an unknown or missing key, a name that is not registered, or an argument that is refused.
@@ -167,6 +171,7 @@ def read(document: Table) -> DocumentProblem:
         if not isinstance(build.get(flag, True), bool):
             raise ArgumentError(flag, build[flag], "true or false")
     strategy = read_strategy(document.get("strategy", "hybrid"))
+    build["progress"] = progress and build.get("compiled", False)
     ik = InverseKinematics(setup.robot, setup.tasks, criteria=setup.criteria, strategy=strategy, **build)
     q0 = start_of(ik.robot, document.get("q0"))
     return DocumentProblem(ik, document["target"], {**options, "q0": q0}, setup.obstacles)

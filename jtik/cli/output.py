@@ -6,6 +6,7 @@ import math
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from enum import Enum
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -43,6 +44,11 @@ def coordinates(robot: Robot) -> list[str]:
     """A name for each entry of q: that of its joint, followed by [0], [1] ... of a ball or free joint."""
     joints = [(joint.name, joint.type.nq) for joint in robot.independent_joints]
     return [name if size == 1 else f"{name}[{i}]" for name, size in joints for i in range(size)]
+
+
+def shows_progress() -> bool:
+    """Whether there is a terminal for a bar, and rich to draw it."""
+    return sys.stderr.isatty() and find_spec("rich") is not None
 
 
 def require_pictures() -> None:

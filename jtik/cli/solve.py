@@ -10,7 +10,15 @@ from typing import Any
 
 from jtik.cli.checks import check_folder, check_suffix
 from jtik.cli.document import DocumentProblem, read
-from jtik.cli.output import PICTURES, coordinates, draw_solution, json_value, require_pictures, write_all
+from jtik.cli.output import (
+    PICTURES,
+    coordinates,
+    draw_solution,
+    json_value,
+    require_pictures,
+    shows_progress,
+    write_all,
+)
 from jtik.cli.problem_options import add_problem_options, override, problem_document
 from jtik.cli.values import read_start, read_values
 from jtik.result.solution import Solution
@@ -79,7 +87,7 @@ def run(arguments: argparse.Namespace) -> int:
     check_suffix("--out", arguments.out, (".json", ".csv"))
     if arguments.plot:
         require_pictures()
-    problem = read(_document(arguments))
+    problem = read(_document(arguments), progress=shows_progress())
     traced = bool(arguments.trace or arguments.plot)
     solution = problem.ik.solve(problem.target, trace=traced, **problem.options)
     document = as_json(problem, solution)

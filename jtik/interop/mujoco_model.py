@@ -119,7 +119,7 @@ class MujocoCorrespondence:
                 extra[dof, own] = joint.mimic.multiplier
                 rows.append(np.eye(model.nv)[dof])
         self.moves = self.leads + extra
-        chosen = np.array(rows).reshape(-1, model.nv)
+        chosen = np.array(rows).reshape(len(rows), model.nv)
         self.follows = chosen - chosen @ extra @ self.leads.T
 
     def qpos(self, q: Array) -> Array:

@@ -15,7 +15,7 @@ from jtik.qp.recorder import Compute
 from jtik.qp.refinement import refinement
 from jtik.qp.solution import QPSolution
 from jtik.symbolic import MX, Expression, Function, either, function, is_finite, symbol
-from jtik.symbolic.compile import bind, to_c
+from jtik.symbolic.compile import bind
 from jtik.types import Array
 
 
@@ -50,7 +50,12 @@ class QPCall:
         check = None if accuracy is None else _check(qp, accuracy)
         return cls(qp.name, qp.size, qp.row_count, qp.expansion, refine, check)
 
-    def compiled(self) -> QPCall:
+    @property
+    def functions(self) -> list[Function]:
+        """Its functions."""
+        return [each for each in (self.refinement, self.check) if each]
+
+    def compiled(self, to_c: Callable[[Function], Function]) -> QPCall:
         """The same with generated C."""
         refine, check = (to_c(each) if each else None for each in (self.refinement, self.check))
         return replace(self, refinement=refine, check=check)

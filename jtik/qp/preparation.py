@@ -11,7 +11,7 @@ from jtik.qp.backend import Backend, FusedBackend
 from jtik.qp.call import QPCall, called, output_memory
 from jtik.qp.recorder import Preparation
 from jtik.symbolic import MX, Expression, Function, either, function
-from jtik.symbolic.compile import bind, to_c
+from jtik.symbolic.compile import bind
 from jtik.types import Array
 
 
@@ -49,7 +49,12 @@ class PreparationCall:
         """Lengths of the results."""
         return [self.finish.numel_out(i) for i in range(self.finish.n_out())]
 
-    def compiled(self) -> PreparationCall:
+    @property
+    def functions(self) -> list[Function]:
+        """Its functions."""
+        return [self.needed, self.data, self.finish]
+
+    def compiled(self, to_c: Callable[[Function], Function]) -> PreparationCall:
         """The same as generated C, all but the solver."""
         return replace(self, needed=to_c(self.needed), data=to_c(self.data), finish=to_c(self.finish))
 

@@ -10,7 +10,6 @@ The data of a QP, and the check of its solution, are evaluated only where the so
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeAlias
@@ -34,7 +33,8 @@ from jtik.qp.partition import partitioned
 from jtik.qp.preparation import PreparationCall
 from jtik.qp.recorder import QPRecorder, RecordedComputation, RecordedFunction, RecordedQP
 from jtik.symbolic import MX, Expression, Function, either, function, logic_and, symbol
-from jtik.symbolic.compile import bind, to_c
+from jtik.symbolic.compilation import Compilation
+from jtik.symbolic.compile import bind
 from jtik.types import Array
 
 StageCall: TypeAlias = QPCall | PythonCall | FunctionCall
@@ -74,20 +74,22 @@ class Staged:
         """Whether the step can be one function: a fused back end, and no computation in Python."""
         return isinstance(self.backend, FusedBackend) and not any(isinstance(call, PythonCall) for call in self.calls)
 
-    def compiled(self) -> Staged:
+    def compiled(self, compilation: Compilation) -> Staged:
         """The same as generated C, all but the solver."""
+        qps = [call for call in self.calls if isinstance(call, QPCall)]
         fast = [self.fast_path] if self.fast_path else []
-        with ThreadPoolExecutor() as compilers:
-            local, *rest = compilers.map(to_c, [self.local, *fast, *self.stages, *self.data])
-        stages = rest[len(fast) :]
+        of_qps = [function for call in qps for function in call.functions]
+        of_preparations = [function for each in self.preparations for function in each.functions]
+        compilation.begin([self.local, *fast, *self.stages, *self.data, *of_qps, *of_preparations])
+        to_c = compilation.to_c
         return replace(
             self,
-            local=local,
-            stages=tuple(stages[: len(self.stages)]),
-            data=tuple(stages[len(self.stages) :]),
-            calls=tuple(call.compiled() if isinstance(call, QPCall) else call for call in self.calls),
-            preparations=tuple(each.compiled() for each in self.preparations),
-            fast_path=rest[0] if fast else None,
+            local=to_c(self.local),
+            stages=tuple(map(to_c, self.stages)),
+            data=tuple(map(to_c, self.data)),
+            calls=tuple(call.compiled(to_c) if isinstance(call, QPCall) else call for call in self.calls),
+            preparations=tuple(each.compiled(to_c) for each in self.preparations),
+            fast_path=to_c(self.fast_path) if self.fast_path else None,
         )
 
     def joined(self) -> Function:

@@ -6,10 +6,14 @@ import importlib.util
 import os
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
+import threading
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from jtik.errors import JtikError
 from jtik.symbolic.archives import Archive
@@ -28,6 +32,9 @@ ZIG_OPTIONS = ("-fno-sanitize=all", "-g0")
 
 SHOWN = 2000
 """Longest part of a compiler's output in an error, in characters: the end, where the reason is."""
+
+PATIENCE = 2.0
+"""How long a compiler that is to end may go on before it is forced to [s]."""
 
 
 class CompilerError(JtikError):
@@ -91,8 +98,76 @@ def options(command: tuple[str, ...]) -> tuple[str, ...]:
     return (*OPTIONS, *ZIG_OPTIONS) if command[-len(ZIG) :] == ZIG else OPTIONS
 
 
-def compile_library(command: tuple[str, ...], code: Path, built: Path, archive: Archive | None = None) -> None:
-    """Compile a file of C to a shared library, linked with a static one if there is any.
+class CompilerRuns:
+    """The compilers that run, in any thread, and their end.
+
+    Each has a process group of its own: Ctrl-C on the terminal does not reach it, and its parts end with it.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._processes: set[subprocess.Popen[bytes]] = set()
+        self._ended = False
+
+    def run(self, call: list[str], environment: dict[str, str] | None) -> subprocess.CompletedProcess[bytes]:
+        """Run a command to its end, in this environment or that of the process.
+
+        Raises:
+            OSError: where it cannot be run, or `end` was called.
+        """
+        pipes: dict[str, Any] = dict.fromkeys(("stdout", "stderr"), subprocess.PIPE)
+        group: dict[str, Any] = {"process_group": 0} if os.name == "posix" else {}
+        with self._lock:
+            if self._ended:
+                raise InterruptedError("the compilation was ended")
+            process = subprocess.Popen(call, stdin=subprocess.DEVNULL, env=environment, **pipes, **group)
+            self._processes.add(process)
+        try:
+            output = process.communicate()
+        except BaseException:  # Ctrl-C, where it runs in the main thread
+            _end(process)
+            raise
+        finally:
+            with self._lock:
+                self._processes.discard(process)
+        return subprocess.CompletedProcess(call, process.returncode, *output)
+
+    def end(self) -> None:
+        """End all that run; what would run later fails."""
+        with self._lock:
+            self._ended, running = True, list(self._processes)
+        for process in running:
+            _end(process)
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End a command with its parts: it is asked to, which lets it delete its files, and then forced to."""
+    for name in ("SIGTERM", "SIGKILL"):
+        if process.poll() is None:
+            if os.name == "posix":
+                with suppress(ProcessLookupError):
+                    os.killpg(process.pid, getattr(signal, name))
+            else:
+                process.terminate()
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(PATIENCE)
+
+
+def compile_library(
+    command: tuple[str, ...],
+    code: Path,
+    built: Path,
+    archive: Archive | None = None,
+    runs: CompilerRuns | None = None,
+) -> None:
+    """Compile a file of C to a shared library.
+
+    Args:
+        command: the command of the compiler.
+        code: the file.
+        built: the library to write.
+        archive: a static library to link it with; None for none.
+        runs: runs the compiler, and can end it.
 
     Raises:
         CompilerError: when the compiler cannot be run or fails, or what it wrote is no complete library.
@@ -103,7 +178,7 @@ def compile_library(command: tuple[str, ...], code: Path, built: Path, archive: 
         files = [f"-I{archive.include}", *files, str(archive.file)]
         if sys.platform == "linux":  # it calls its own copy, not one of another version that the process has loaded
             files.append("-Wl,-Bsymbolic")
-    _run([*said, "-shared", "-fPIC", *files, "-lm"], said=said, scratch=built.parent)
+    _run([*said, "-shared", "-fPIC", *files, "-lm"], said=said, scratch=built.parent, runs=runs)
     try:
         data = built.read_bytes()
     except OSError as error:
@@ -132,7 +207,9 @@ def is_complete(data: bytes) -> bool:
     return sections > 0 and sections + size * count <= len(data)
 
 
-def _run(call: list[str], said: list[str] | None = None, scratch: Path | None = None) -> str:
+def _run(
+    call: list[str], said: list[str] | None = None, scratch: Path | None = None, runs: CompilerRuns | None = None
+) -> str:
     """What a command prints to stdout. Raises CompilerError, with the command as ``said``, when it fails.
 
     Zig's compiler keeps what it compiles: where a folder ``scratch`` is given the object in it, and its own libraries,
@@ -144,7 +221,7 @@ def _run(call: list[str], said: list[str] | None = None, scratch: Path | None = 
         local, shared = scratch / ZIG_CACHE, scratch.parent / ZIG_CACHE
         environment = {"ZIG_GLOBAL_CACHE_DIR": str(shared), **os.environ, "ZIG_LOCAL_CACHE_DIR": str(local)}
     try:
-        run = subprocess.run(call, capture_output=True, check=False, stdin=subprocess.DEVNULL, env=environment)
+        run = (runs or CompilerRuns()).run(call, environment)
     except (OSError, ValueError) as error:
         raise CompilerError(name, str(error)) from error
     if run.returncode:

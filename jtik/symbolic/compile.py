@@ -20,7 +20,7 @@ import numpy as np
 
 from jtik.symbolic import library_cache
 from jtik.symbolic.archives import Archive
-from jtik.symbolic.c_compiler import CompilerError, compile_library, compiler, options, version
+from jtik.symbolic.c_compiler import CompilerError, CompilerRuns, compile_library, compiler, options, version
 from jtik.symbolic.operations import Function, c_source, external
 from jtik.types import Array
 
@@ -98,6 +98,8 @@ def library(
     function: Function,
     beside: str = "",
     archive: Archive | None = None,
+    *,
+    runs: CompilerRuns | None = None,
     using_casadi: AbstractContextManager[Any] | None = None,
 ) -> Library:
     """The function as a shared library of generated C.
@@ -111,6 +113,7 @@ def library(
         function: the function.
         beside: more C source for the same library; it calls the function JTIK_NAME.
         archive: a static library that the C calls; None for none.
+        runs: runs the compiler, and can end it.
         using_casadi: is entered while CasADi is used, not while the compiler runs.
 
     Raises:
@@ -129,7 +132,7 @@ def library(
         code, built = scratch / f"{name}.c", scratch / f"{name}.so"
         # the prefix keeps the symbols of several libraries, and libc's own "step", apart
         code.write_text(source.replace(function.name(), name).replace("JTIK_NAME", name), encoding="utf-8")
-        compile_library(command, code, built, archive)
+        compile_library(command, code, built, archive, runs)
         return built
 
     path = library_cache.find_or_build(name, build)

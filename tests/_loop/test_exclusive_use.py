@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import dis
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
@@ -12,6 +13,10 @@ import numpy as np
 import pytest
 
 import jtik
+from jtik._loop.engine import Engine
+from jtik._loop.jogging import Jogging
+from jtik._loop.solving import Solving
+from jtik._loop.stepping import Stepping
 from jtik_formulations import JointCentering
 
 from ..conftest import planar
@@ -112,36 +117,75 @@ def test_targets_may_be_computed_by_the_solver_itself():
     assert len(batch) == 2
 
 
-@pytest.mark.parametrize("compiled", [False, True])
-def test_of_several_threads_each_gets_the_right_answer_or_an_error(compiled):
-    ik = jtik.InverseKinematics(jtik.Robot.planar(4), jtik.FrameTask(kind="position"), compiled=compiled)
-    targets = np.random.default_rng(0).uniform(-2.0, 2.0, (400, 2))
-    right, refused, wrong = [], [], []
+def in_four_threads(call, items):
+    """Call with each item, in four threads that change as often as they can. Returns results and messages."""
+    done, refused = [], []
 
     def run(own):
-        for target in own:
+        for item in own:
             try:
-                solution = ik.solve(target, q0=np.full(4, 0.3))
+                result = call(item)
             except jtik.JtikError as error:
                 refused.append(str(error))
-                continue
-            reached = np.linalg.norm(ik.robot.position(solution.q)[:2] - target) < 1e-5
-            (right if reached == solution.converged else wrong).append(target)
+            else:
+                done.append((item, result))
 
     before = sys.getswitchinterval()
     sys.setswitchinterval(1e-6)
     try:
-        threads = [threading.Thread(target=run, args=(targets[k::4],)) for k in range(4)]
+        threads = [threading.Thread(target=run, args=(items[k::4],)) for k in range(4)]
         for thread in threads:
             thread.start()
         for thread in threads:
             thread.join(60)
     finally:
         sys.setswitchinterval(before)
-    assert wrong == []
-    assert right
+    assert len(done) + len(refused) == len(items)
+    assert done
     assert set(refused) <= {IN_USE}
-    assert len(right) + len(refused) == len(targets)
+    return done
+
+
+@pytest.mark.parametrize("compiled", [False, True])
+def test_of_several_threads_each_gets_the_right_answer_or_an_error(compiled):
+    ik = jtik.InverseKinematics(jtik.Robot.planar(4), jtik.FrameTask(kind="position"), compiled=compiled)
+    targets = np.random.default_rng(0).uniform(-2.0, 2.0, (400, 2))
+    for target, solution in in_four_threads(lambda target: ik.solve(target, q0=np.full(4, 0.3)), targets):
+        reached = np.linalg.norm(ik.robot.position(solution.q)[:2] - target) < 1e-5
+        assert reached == solution.converged
+
+
+def test_of_several_threads_each_gets_the_right_step_or_an_error():
+    ik = solver(planar(3), strategy="newton")  # a step does not depend on the last one
+    rng = np.random.default_rng(0)
+    starts, targets = rng.uniform(-1.0, 1.0, (2000, 3)), rng.uniform(-2.0, 2.0, (2000, 2))
+    expected = [ik.step(*given).q for given in zip(starts, targets, strict=True)]
+    for i, step in in_four_threads(lambda i: ik.step(starts[i], targets[i]), list(range(2000))):
+        assert np.array_equal(step.q, expected[i])
+
+
+GUARDED = [
+    method
+    for owner in (Engine, Jogging, Solving, Stepping)
+    for method in vars(owner).values()
+    if "in_use" in getattr(getattr(method, "__code__", None), "co_names", ())
+]
+QUIET = {"POP_JUMP_FORWARD_IF_FALSE", "POP_JUMP_IF_FALSE", "TO_BOOL", "NOP", "NOT_TAKEN", "CACHE", "LOAD_CONST"}
+QUIET |= {"LOAD_FAST", "LOAD_FAST_BORROW", "LOAD_ATTR", "LOAD_DEREF"}
+
+
+@pytest.mark.parametrize("method", GUARDED, ids=lambda method: method.__qualname__)
+def test_nothing_at_which_threads_change_is_between_the_test_and_the_mark(method):
+    """The interpreter changes threads and delivers signals in calls, in jumps backwards and on entry."""
+    assert len(GUARDED) == 10
+    code = list(dis.get_instructions(method))
+    tested = next(i for i, each in enumerate(code) if each.argval == "busy")
+    jump = next(i for i in range(tested, len(code)) if "JUMP" in code[i].opname)
+    to = next(i for i, each in enumerate(code) if each.offset == code[jump].argval)
+    marked = next(i for i in range(to, len(code)) if code[i].opname == "STORE_ATTR")
+    assert code[marked].argval == "busy"
+    between = {each.opname for each in (*code[tested : jump + 1], *code[to:marked])}
+    assert between <= QUIET
 
 
 def test_copies_in_several_threads_give_the_numbers_of_one():

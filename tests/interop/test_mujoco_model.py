@@ -102,6 +102,15 @@ def test_numbers_are_converted_both_ways(name, rng):
     )
 
 
+def test_a_model_without_joints_corresponds_to_a_robot_without():
+    model = mujoco.MjModel.from_xml_string(
+        "<mujoco><worldbody><body name='post'><geom size='.1'/></body></worldbody></mujoco>"
+    )
+    correspondence = MujocoCorrespondence(jtik.Robot.from_mujoco(model), model)
+    assert correspondence.qpos(np.zeros(0)).shape == (0,)
+    assert correspondence.moves.shape == correspondence.follows.shape == (0, 0)
+
+
 def test_limits_masses_and_solids_are_kept():
     model = to_mujoco(gripper(), obstacles=[jtik.Sphere([1, 0, 1], 0.2), jtik.Circle([0, 2], 0.1)])
     assert model.joint("turn").range == pytest.approx([-1, 2])

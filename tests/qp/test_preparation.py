@@ -8,7 +8,7 @@ import pytest
 
 from jtik.qp import CalledBackend, Conic, Elastic, QPRecorder, QPSolver, QPSolversBackend, QuadraticProgram, Rows
 from jtik.qp.preparation import PreparationCall
-from jtik.symbolic.compile import CompiledFunction, CompilerError
+from jtik.symbolic.compile import CompiledFunction, CompilerError, to_c
 
 EXACT = 1e-7
 """DAQP's solution of a QP of three variables."""
@@ -100,7 +100,7 @@ def test_a_fused_back_end_makes_one_function_of_it(rng):
 def test_generated_c_gives_the_same_results(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     try:
-        call = preparation().compiled()
+        call = preparation().compiled(to_c)
     except CompilerError as error:
         pytest.skip(str(error))
     a = np.array([0.9, -0.4, 0.7])

@@ -84,6 +84,41 @@ def test_what_is_not_kept_is_in_one_warning_and_listed(parts, told):
             assert other.ignored == (told,)
 
 
+def test_tendons_that_mujoco_refuses_are_told_and_the_rest_is_kept():
+    text = model(fixed("t", a=1, d=1), '<tendon tendon1="t"/><joint joint1="b" joint2="a"/>')
+    with pytest.raises(ValueError, match="must be slide or hinge"):
+        mujoco.MjModel.from_xml_string(text)
+    with pytest.warns(UserWarning, match="its tendons are not kept") as caught:
+        robot = Robot.from_mjcf(text)
+    assert len(caught) == 1
+    (note,) = robot.ignored
+    assert note.startswith("its tendons are not kept: MuJoCo refuses them: Error: joint 'd' in tendon")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        expected = Robot.from_mjcf(model(equality='<joint joint1="b" joint2="a"/>'))
+    q = robot.random_configuration(0)
+    assert np.array_equal(robot.pose(q, "d"), expected.pose(q, "d"))
+    assert {frame: mass.mass for frame, mass in robot.masses.items()} == {
+        frame: mass.mass for frame, mass in expected.masses.items()
+    }
+
+
+@pytest.mark.parametrize(
+    ("extra", "complaint"),
+    [
+        ('<actuator><muscle joint="a"/></actuator>', "Lengthrange computation did not converge"),
+        ('<size memory="100"/>', "out of memory|memory"),
+    ],
+)
+def test_what_only_a_simulation_needs_refuses_no_robot(extra, complaint):
+    text = model(extra=extra)
+    with pytest.raises(ValueError, match=complaint):
+        mujoco.MjModel.from_xml_string(text)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert Robot.from_mjcf(text).joint_names == Robot.from_mjcf(model()).joint_names
+
+
 def test_everything_that_is_dropped_is_in_one_warning():
     loops = "".join(f'<connect name="loop{k}" body1="d" body2="post" anchor="0 0 {k}"/>' for k in range(15))
     with pytest.warns(UserWarning, match="and 6 more: see Robot.ignored") as caught:

@@ -381,8 +381,10 @@ SOLVER: dict[str, Entry] = {
             "weights": CONFIGURATION | "None",
             "compiled": FLAG.without("True"),
             "null_space_rate": POSITIVE_OR_INFINITE,
+            "progress": FLAG.without("True", "class"),
         },
     ),
+    "InverseKinematics.warm_up": Entry(IK.warm_up, nothing, {"progress": FLAG.without("True", "class")}),
     "InverseKinematics.step": Entry(
         IK.step,
         fixed(q=[0.3, 0.2], target=(1.0, 1.0)),

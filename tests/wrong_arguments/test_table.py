@@ -84,7 +84,6 @@ NOT_CALLED: dict[str, str] = {
 METHODS_LEFT_OUT = {
     "InverseKinematics.whole": "a former name",
     "InverseKinematics.reset": "takes no argument",
-    "InverseKinematics.warm_up": "takes no argument",
 }
 
 

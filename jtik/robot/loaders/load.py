@@ -79,6 +79,9 @@ def load_mjcf(path_or_xml: PathOrText) -> RobotDescription:
         points = {frame: Mass(mass.mass, mass.center) for frame, mass in read.masses.items()}
         change = "its masses count as point masses: MuJoCo refuses their inertias"
         read = replace(read, masses=points, changes=(*read.changes, change))
+    if compiled.against_tendons:
+        note = f"its tendons are not kept: MuJoCo refuses them: {compiled.against_tendons}"
+        read = replace(read, notes=(*read.notes, note))
     changes = [
         f"body {name!r} has no mass of a non-negative number: it counts as massless" for name in compiled.without_mass
     ]

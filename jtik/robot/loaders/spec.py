@@ -7,7 +7,7 @@ import re
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element
@@ -32,12 +32,14 @@ class CompiledModel:
         meshes: the meshes by the number of the geom that replaces them.
         has_inertias: whether its inertias are those of the description.
         without_mass: names of the bodies whose mass is negative or no finite number; they count as massless.
+        against_tendons: why MuJoCo refuses the tendons, which are then left out; empty where it does not.
     """
 
     model: Any
     meshes: dict[int, MeshFile]
     has_inertias: bool
     without_mass: tuple[str, ...] = ()
+    against_tendons: str = ""
 
 
 def compile_source(
@@ -45,7 +47,8 @@ def compile_source(
 ) -> CompiledModel:
     """The model of a description, without meshes, textures and other parts that kinematics does not need.
 
-    Inertias that MuJoCo refuses are replaced, and geoms that it refuses are dropped. Masses and their centres are kept.
+    Inertias that MuJoCo refuses are replaced, and geoms and tendons that it refuses are dropped. Masses and their
+    centres are kept.
 
     Args:
         source: the description.
@@ -57,21 +60,37 @@ def compile_source(
     """
     first: ValueError | None = None
     with _no_warnings():
-        for inertias, geoms in ((True, True), (False, True), (False, False)):
+        for inertias, geoms, tendons in _ATTEMPTS:
             try:
-                return _compile(source, text, edit, inertias=inertias, geoms=geoms)
+                compiled = _compile(source, text, edit, inertias=inertias, geoms=geoms, tendons=tendons)
             except ValueError as error:
                 first = first or error
-    reason = " ".join(str(first).split())
+            else:
+                return compiled if tendons else replace(compiled, against_tendons=_reason(first))
+    reason = _reason(first)
     if text is not None:
         reason = re.sub(r",? line \d+", "", reason)  # not a line of the file
     raise RobotFileError(source.label, "", f"MuJoCo refuses it: {reason}") from first
 
 
+_ATTEMPTS = (
+    (True, True, True),
+    (False, True, True),
+    (False, False, True),
+    (True, True, False),
+    (False, False, False),
+)
+"""What is compiled, one attempt after the other: with inertias, with geoms, with tendons."""
+
+
+def _reason(error: ValueError | None) -> str:
+    return " ".join(str(error).split())
+
+
 def _compile(
-    source: Source, text: str | None, edit: Callable[[Any], None] | None, *, inertias: bool, geoms: bool
+    source: Source, text: str | None, edit: Callable[[Any], None] | None, *, inertias: bool, geoms: bool, tendons: bool
 ) -> CompiledModel:
-    """The model with or without its inertias and its geoms."""
+    """The model with or without its inertias, its geoms and its tendons."""
     if text is not None:
         spec = mujoco.MjSpec.from_string(text)
     elif source.path is not None and source.is_utf8:
@@ -89,7 +108,15 @@ def _compile(
     if not geoms:
         for element in (*spec.pairs, *spec.geoms):
             spec.delete(element)
+    if not tendons:
+        of_tendons = [equality for equality in spec.equalities if equality.type == mujoco.mjtEq.mjEQ_TENDON]
+        for element in (*spec.actuators, *of_tendons, *spec.tendons):
+            spec.delete(element)
+    for sensor in spec.sensors:
+        spec.delete(sensor)
+    spec.memory = -1  # a file may state too little
     compiler = spec.compiler
+    compiler.LRopt.mode = mujoco.mjtLRMode.mjLRMODE_NONE  # ranges of actuators are not needed, and may not converge
     compiler.fusestatic = False
     compiler.boundmass = max(compiler.boundmass, MINIMUM_MASS)
     compiler.boundinertia = max(compiler.boundinertia, MINIMUM_MASS)
