@@ -77,8 +77,8 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         compiled: run the step as generated C, three to fifteen times faster. True needs a C compiler and, the first
             time, a second to half a minute; Ctrl-C ends the compiler. "auto" begins on CasADi's virtual machine,
             compiles in a thread once the solver has run for a second, or at `warm_up`, and changes over between two
-            calls; results are the same, and without a compiler it goes on as it was. False stays on the virtual
-            machine.
+            calls; results are the same, and without a compiler it goes on as it was. False, or "auto" with the
+            environment variable JTIK_COMPILED=off, stays on the virtual machine.
         progress: True for a bar on the terminal while it is built and compiled, or a function called with (done,
             total): the number of parts that are done, and of those known so far; each C file is one.
 

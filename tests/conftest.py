@@ -26,6 +26,9 @@ ACCEPTED_RISE = 1e-13
 # the libraries that the package ziglang builds for itself at its first call, once for all tests
 os.environ.setdefault("ZIG_GLOBAL_CACHE_DIR", str(Path.home() / ".cache" / "zig"))
 
+# no compiler of one test runs beside the next
+os.environ.setdefault("JTIK_COMPILED", "off")
+
 LARGE = ("jparse", "lexicographic_qp", "mink", "selectively_damped", "sns", "sns_qp", "weighted_qp")
 """Strategies with a large compiled step: a solver with one of them takes several times as long to build."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import sys
 import warnings
 from concurrent.futures import Executor
@@ -15,6 +16,9 @@ from jtik.errors import ArgumentError
 
 Until = Literal["stationary", "reached"]
 Compiled: TypeAlias = bool | Literal["auto"]
+
+ENVIRONMENT = "JTIK_COMPILED"
+"""Environment variable: "off" keeps what is to be compiled by itself, with "auto", on the virtual machine."""
 
 
 def read_settings(position: float, orientation: float, optimality: float, until: str) -> Settings:
@@ -45,10 +49,13 @@ def read_compiled(compiled: object) -> Compiled:
     """Whether the step runs as generated C: True, False, or "auto" for as soon as it is compiled.
 
     Raises:
-        ArgumentError: for anything else.
+        ArgumentError: for anything else, also of the environment variable.
     """
     if isinstance(compiled, str) and compiled == "auto":
-        return "auto"
+        found = os.environ.get(ENVIRONMENT, "auto")
+        if found not in ("auto", "off"):
+            raise ArgumentError(f"the environment variable {ENVIRONMENT}", repr(found), "'auto' or 'off'")
+        return "auto" if found == "auto" else False
     return flag("compiled", compiled, "whether the step runs as generated C, or 'auto' for as soon as it is compiled")
 
 

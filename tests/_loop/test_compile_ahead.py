@@ -34,7 +34,11 @@ PATIENCE = 60.0
 @pytest.fixture(autouse=True)
 def cache(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    return tmp_path / "jtik"
+    monkeypatch.setenv("JTIK_COMPILED", "auto")
+    yield tmp_path / "jtik"
+    done = []
+    compile_ahead._jobs.put(lambda: done.append(True))  # no compiler of one test runs beside the next
+    when(lambda: done or not compile_ahead._worker)
 
 
 @pytest.fixture
@@ -103,7 +107,7 @@ def test_solves_are_the_same_before_and_after(eager, strategy):
             assert np.abs(one.q - two.q).max() < EXACT
 
 
-@pytest.mark.parametrize("dt", [None, 0.02])
+@pytest.mark.parametrize("dt", [None, *slow(0.02)])
 def test_steps_are_the_same_before_and_after(eager, dt):
     ik, other = solver(), solver(compiled=False)
     goal, q = targets(1)[0], ik.robot.neutral
@@ -126,6 +130,7 @@ def test_steps_are_the_same_before_and_after(eager, dt):
         q = one.q
 
 
+@pytest.mark.slow
 def test_a_batch_changes_over_on_its_way(monkeypatch):
     goals = targets(40) * 50
     expected = solver(compiled=False).solve_batch(goals[:40], q0=np.zeros(7))
@@ -143,6 +148,7 @@ def test_a_batch_changes_over_on_its_way(monkeypatch):
     assert batch.status[:40] == expected.status
 
 
+@pytest.mark.slow
 def test_a_path_changes_over_between_two_paths(eager):
     ik, other = solver(), solver(compiled=False)
     q0, arm = ik.robot.neutral + 0.3, ik.robot
@@ -156,6 +162,7 @@ def test_a_path_changes_over_between_two_paths(eager):
     assert np.abs(second.q - expected.q).max() < EXACT
 
 
+@pytest.mark.slow
 def test_warm_up_begins(cache):
     ik = solver()
     ik.warm_up()
@@ -164,6 +171,7 @@ def test_warm_up_begins(cache):
     assert list(cache.glob("*.so"))
 
 
+@pytest.mark.slow
 def test_a_copy_has_its_own(eager):
     ik = solver()
     goal = targets(1)[0]
@@ -232,6 +240,17 @@ def test_what_only_python_computes_stays_there(eager):
     assert not ik._engine._ahead.waiting
     with pytest.raises(jtik.ArgumentError, match="numeric criterion"):
         jtik.InverseKinematics(planar(3), jtik.FrameTask("tip"), criteria=lean, compiled=True)
+
+
+def test_it_can_be_turned_off_from_outside(eager, cache, monkeypatch):
+    monkeypatch.setenv("JTIK_COMPILED", "off")
+    ik = solver()
+    ik.warm_up()
+    ik.solve(targets(1)[0], q0=ik.robot.neutral)
+    assert not ik._engine._ahead.waiting
+    monkeypatch.setenv("JTIK_COMPILED", "perhaps")
+    with pytest.raises(jtik.ArgumentError, match="JTIK_COMPILED.*'perhaps'.*'auto' or 'off'"):
+        solver()
 
 
 @pytest.mark.parametrize("wrong", ["yes", "Auto", 1, None, 0.5, [True]])
