@@ -52,7 +52,9 @@ def main() -> int:
     parser.add_argument("--port", type=int, default=8000, help="port of --serve (default: 8000)")
     options = parser.parse_args()
     if absent := missing():
-        print(f'the site needs the extra "docs" ({", ".join(absent)}): python -m pip install ".[docs]"', file=sys.stderr)
+        print(
+            f'the site needs the extra "docs" ({", ".join(absent)}): python -m pip install ".[docs]"', file=sys.stderr
+        )
         return 2
     failed = build()
     print("the site has warnings, see above" if failed else f"the site is {SITE / 'html' / 'index.html'}")

@@ -1,1 +1,2 @@
-def theory_pages(pages): pages.add("theory/index.md","# Theory\n\n```{toctree}\n:glob:\n\n*\n```\n")
+def theory_pages(pages):
+    pages.add("theory/index.md", "# Theory\n\n```{toctree}\n:glob:\n\n*\n```\n")
