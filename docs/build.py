@@ -26,6 +26,7 @@ def missing() -> list[str]:
 
 def build() -> int:
     """Write the sources of all pages into one folder, and run Sphinx on it. Returns its exit code."""
+    sys.path[:0] = [str(ROOT), str(ROOT / "formulations")]  # this checkout, whatever is installed
     from site_pages import stage
 
     stage(ROOT, SITE / "source")

@@ -98,7 +98,7 @@ CHECKS = {
         n["solution"].converged
         and n["above"].converged
         and n["too_low"].status is jtik.Status.BLOCKED
-        and "table" in n["too_low"].active_clearances[0]
+        and "panda_hand" in n["too_low"].active_clearances[0]
     ),
     "weights_and_priorities": lambda n: n["solution"].converged,
     "batches": lambda n: n["batch"].converged.all() and len(n["postures"]) == 4,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 from site_pages.gallery import gallery_pages
@@ -23,8 +22,3 @@ def stage(root: Path, target: Path) -> Pages:
     reference_pages(pages)
     pages.write()
     return pages
-
-
-def remove(folder: Path) -> None:
-    """Delete a folder that need not exist."""
-    shutil.rmtree(folder, ignore_errors=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 from site_pages.links import rewrite
@@ -38,6 +39,7 @@ class Pages:
         self._texts: dict[str, str] = {}
         self._copies: dict[str, Path] = {}
         self._origin: dict[str, str] = {}
+        self._later: list[Callable[[], object]] = []
 
     def add_documents(self) -> None:
         """Every Markdown file that is a page: those in docs/, the derivations, and `DOCUMENTS`."""
@@ -61,6 +63,10 @@ class Pages:
         if origin is not None:
             self._origin[place] = origin
 
+    def later(self, action: Callable[[], object]) -> None:
+        """Something that is done when the place of every page is known."""
+        self._later.append(action)
+
     def copy(self, path: Path, place: str) -> None:
         """A file that a page shows, as it is."""
         self._copies[place] = path
@@ -78,6 +84,8 @@ class Pages:
 
     def write(self) -> None:
         """Rewrite all links, and write what has changed."""
+        for action in self._later:
+            action()
         done: dict[str, str] = {}
         while todo := [place for place in self._texts if place not in done]:  # a link may ask for another page
             for place in todo:
