@@ -10,53 +10,43 @@ from pathlib import Path
 from site_pages.links import rewrite
 from site_pages.mathematics import displayed
 from site_pages.pages import Pages
-from site_pages.runs import executed, picture_in, ran
+from site_pages.runs import Run, as_written, executed, picture_in, ran
 
 SECTION = re.compile(r"^\| ([^|\[]+) \| \|$", flags=re.MULTILINE)
 EXAMPLE = re.compile(r"^\| \[(\w+)\.py\]\([^)]*\) \| (.*) \|$")
 NOTEBOOK = re.compile(r"^\| \[(\w+)\]\([^)]*\) \| (.*) \|$", flags=re.MULTILINE)
 
+TABLE = ("| | |", "| --- | --- |")
 
-def gallery_pages(pages: Pages) -> None:
-    """A page for each notebook and each example, and the tables that lead to them."""
-    pages.of |= dict.fromkeys(
-        ("examples", "examples/README.md", "notebooks", "notebooks/README.md"), "gallery/index.md"
-    )
+LEADING_HERE = ("examples", "examples/README.md", "notebooks", "notebooks/README.md")
+"""What a link of the repository names that is the gallery on the site."""
+
+
+def gallery_pages(pages: Pages, *, run: bool = True) -> None:
+    """A page for each notebook and each example, and the tables that lead to them.
+
+    Without ``run`` nothing is executed, and the pages have no output.
+    """
+    pages.of |= dict.fromkeys(LEADING_HERE, "gallery/index.md")
     notebooks = {path.stem: path for path in sorted((pages.root / "notebooks").glob("*.py"))}
     examples = {path.stem: path for path in sorted((pages.root / "examples").glob("*.py"))}
-    for name in notebooks:
-        pages.of[f"notebooks/{name}.py"] = f"gallery/{name}_notebook.ipynb"
-    for name in examples:
-        pages.of[f"examples/{name}.py"] = f"gallery/{name}.md"
-    kept = pages.target.parent / "runs"
-    lines = ["# Gallery", "", "## Notebooks", "", "| | |", "| --- | --- |"]
+    pages.of |= {f"notebooks/{name}.py": f"gallery/{name}_notebook.ipynb" for name in notebooks}
+    pages.of |= {f"examples/{name}.py": f"gallery/{name}.md" for name in examples}
+    kept = pages.target.parent / "runs" if run else None
+    lines = ["# Gallery", "", "## Notebooks", "", *TABLE]
     for name, what in NOTEBOOK.findall((pages.root / "notebooks" / "README.md").read_text(encoding="utf-8")):
-        lines.append(
-            f"| {_notebook(pages, name, notebooks[name], kept)} | [{_title(name)}]({name}_notebook.ipynb): {what} |"
-        )
-    lines += [
-        "",
-        "To run one: `jupytext --to ipynb notebooks/*.py`, then `jupyter lab notebooks`.",
-        "",
-        "## Examples",
-        "",
-    ]
-    lines += ["Scripts to copy, each shorter than 65 lines.", ""]
+        picture = _notebook(pages, name, notebooks[name], kept)
+        lines.append(f"| {picture} | [{_title(name)}]({name}_notebook.ipynb): {what} |")
+    lines += ["", "To run one: `jupytext --to ipynb notebooks/*.py`, then `jupyter lab notebooks`.", ""]
+    lines += ["## Examples", "", "Scripts to copy, each shorter than 65 lines.", ""]
     for line in (pages.root / "examples" / "README.md").read_text(encoding="utf-8").splitlines():
         if section := SECTION.match(line):
-            lines += ["", f"### {section[1].capitalize()}", "", "| | |", "| --- | --- |"]
+            lines += ["", f"### {section[1].capitalize()}", "", *TABLE]
         elif example := EXAMPLE.match(line):
             name, what = example.groups()
             lines.append(f"| {_example(pages, name, examples[name], kept)} | [{_title(name)}]({name}.md): {what} |")
-    lines += [
-        "",
-        "```{toctree}",
-        ":hidden:",
-        ":maxdepth: 1",
-        "",
-        *(f"{name}_notebook" for name in notebooks),
-        *examples,
-    ]
+    lines += ["", "```{toctree}", ":hidden:", ":maxdepth: 1", ""]
+    lines += [*(f"{name}_notebook" for name in notebooks), *examples]
     pages.add("gallery/index.md", "\n".join([*lines, "```", ""]))
 
 
@@ -64,9 +54,9 @@ def _title(name: str) -> str:
     return name.replace("_", " ").capitalize()
 
 
-def _notebook(pages: Pages, name: str, path: Path, kept: Path) -> str:
+def _notebook(pages: Pages, name: str, path: Path, kept: Path | None) -> str:
     """Add the page of a notebook. Returns its picture in the table."""
-    notebook, origin = executed(path, kept), f"notebooks/{name}.py"
+    notebook, origin = executed(path, kept) if kept else as_written(path), f"notebooks/{name}.py"
     place = pages.of[origin]
 
     def write() -> None:
@@ -76,7 +66,7 @@ def _notebook(pages: Pages, name: str, path: Path, kept: Path) -> str:
         pages.add(place, json.dumps(notebook, indent=1, sort_keys=True))
 
     pages.later(write)
-    return _picture(pages, name, picture_in(notebook, kept / f"{name}.png"))
+    return _picture(pages, name, picture_in(notebook, kept / f"{name}.png") if kept else None)
 
 
 def _picture(pages: Pages, name: str, path: Path | None) -> str:
@@ -86,9 +76,9 @@ def _picture(pages: Pages, name: str, path: Path | None) -> str:
     return f"![{_title(name)}](pictures/{name}{path.suffix})"
 
 
-def _example(pages: Pages, name: str, path: Path, kept: Path) -> str:
+def _example(pages: Pages, name: str, path: Path, kept: Path | None) -> str:
     """Add the page of an example. Returns its picture in the table, or the first line that it prints."""
-    run, code = ran(path, kept), path.read_text(encoding="utf-8")
+    run, code = ran(path, kept) if kept else Run("", None), path.read_text(encoding="utf-8")
     doc, _, rest = code.removeprefix('"""').partition('"""')
     picture = _picture(pages, name, run.picture)
     lines = [f"# {_title(name)}", "", doc.strip().split("\n\n")[0], ""]

@@ -6,10 +6,13 @@ import ast
 import importlib
 import inspect
 import pkgutil
+import re
+import sys
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from types import ModuleType
-from typing import Any
+from typing import Any, TypeVar
 
 from site_pages.pages import Pages
 
@@ -81,7 +84,8 @@ def public_names(module: ModuleType) -> list[str]:
     if hasattr(module, "__all__"):
         return [name for name in module.__all__ if not inspect.ismodule(getattr(module, name))]
     own = [name for name, value in vars(module).items() if getattr(value, "__module__", None) == module.__name__]
-    return [name for name in [*own, *_documented(module)] if not name.startswith("_")]
+    named = dict.fromkeys(name for name in [*own, *_documented(module)] if not name.startswith("_"))
+    return [name for name in named if not isinstance(getattr(module, name), TypeVar)]
 
 
 def parts(module: ModuleType) -> list[ModuleType]:
@@ -95,25 +99,19 @@ def parts(module: ModuleType) -> list[ModuleType]:
 @lru_cache
 def entries() -> tuple[Entry, ...]:
     """Every public name once: as ``jtik.Name`` where it has that name, on the page of the module that it belongs to."""
-    found: dict[int | str, Entry] = {}
     top = importlib.import_module("jtik")
     at_the_top = {id(getattr(top, name)): name for name in public_names(top)}
-    for name in [*(name for name in MODULES if name != "jtik"), "jtik"]:
-        package = importlib.import_module(name)
+    found: dict[int | str, Entry] = {}
+    for page in [*(name for name in MODULES if name != "jtik"), "jtik"]:
+        package = importlib.import_module(page)
         for module in [package, *parts(package)]:
             for short in dict.fromkeys(public_names(module)):
                 value = getattr(module, short)
-                key = id(value) if inspect.isclass(value) or inspect.isroutine(value) else f"{name}.{short}"
-                if key in found or (
-                    module.__name__ != "jtik"
-                    and getattr(top, short, None) is value
-                    and short in top.__all__
-                    and not callable(value)
-                ):
-                    continue
-                public = f"jtik.{at_the_top[id(value)]}" if id(value) in at_the_top else f"{module.__name__}.{short}"
-                found[key] = Entry(public, value, _doc(module, short, value), name)
-    return tuple(found.values())
+                own = inspect.isclass(value) or inspect.isroutine(value) or id(value) in at_the_top
+                key = id(value) if own else f"{page}.{short}"
+                name = f"jtik.{at_the_top[id(value)]}" if id(value) in at_the_top else f"{module.__name__}.{short}"
+                found.setdefault(key, Entry(name, value, _doc(module, short, value), page))
+    return tuple(sorted(found.values(), key=lambda entry: (entry.name.count("."), entry.kind, entry.name.lower())))
 
 
 def _doc(module: ModuleType, name: str, value: Any) -> str:
@@ -130,8 +128,6 @@ def _doc(module: ModuleType, name: str, value: Any) -> str:
 
 
 def _modules_below(package: str) -> list[ModuleType]:
-    import sys
-
     return [module for name, module in sorted(sys.modules.items()) if name.startswith(f"{package}.")]
 
 
@@ -143,11 +139,11 @@ def _documented(module: ModuleType) -> dict[str, str]:
     except (OSError, TypeError):
         return {}
     found = {}
-    for statement, after in zip(body, body[1:], strict=False):
+    for statement, after in pairwise(body):
         target = statement.targets[0] if isinstance(statement, ast.Assign) else getattr(statement, "target", None)
-        if isinstance(target, ast.Name) and isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant):
-            if isinstance(after.value.value, str):
-                found[target.id] = inspect.cleandoc(after.value.value)
+        below = after.value if isinstance(after, ast.Expr) else None
+        if isinstance(target, ast.Name) and isinstance(below, ast.Constant) and isinstance(below.value, str):
+            found[target.id] = inspect.cleandoc(below.value)
     return found
 
 
@@ -158,44 +154,29 @@ def place(module: str) -> str:
 
 def reference_pages(pages: Pages) -> None:
     """The page of each public module, and the list of them."""
-    every = entries()
     for name in MODULES:
-        pages.add(
-            place(name), _page(importlib.import_module(name), [each for each in every if each.page == name], every)
-        )
-    rows = "".join(f"| [`{name}`]({name}.rst) | {what} |\n" for name, what in MODULES.items())
-    text = (
-        "# Reference\n\nEvery public module, with every public class and function. What is in `jtik` itself is imported as"
-        " `jtik.Name`.\n\n| module | for |\n| --- | --- |\n" + rows + "\n```{toctree}\n:hidden:\n:maxdepth: 1\n\n"
-    )
-    pages.add("reference/index.md", text + "\n".join(MODULES) + "\n```\n")
+        pages.add(place(name), _page(importlib.import_module(name)))
+    lines = ["# Reference", "", "Every public module, with every public class and function.", ""]
+    lines += ["| module | for |", "| --- | --- |"]
+    lines += [f"| [`{name}`]({name}.rst) | {what} |" for name, what in MODULES.items()]
+    lines += ["", "```{toctree}", ":hidden:", ":maxdepth: 1", "", *MODULES, "```", ""]
+    pages.add("reference/index.md", "\n".join(lines))
     pages.of["docs/reference/index.md"] = "reference/index.md"
 
 
-def _page(module: ModuleType, own: list[Entry], every: tuple[Entry, ...]) -> str:
+def _page(module: ModuleType) -> str:
+    """A table of the names, what the module says of itself, and the entries."""
     title = module.__name__
+    own = [entry for entry in entries() if entry.page == title]
+    listed = own if title != "jtik" else [entry for entry in entries() if re.fullmatch(r"jtik\.\w+", entry.name)]
     lines = [title, "=" * len(title), "", f".. py:module:: {title}", *NO_INDEX.get(title, []), ""]
-    lines += (
-        [
-            ".. list-table::",
-            "   :widths: 30 70",
-            "",
-        ]
-        if own
-        else []
-    )
-    listed = (
-        own
-        if title != "jtik"
-        else [each for each in every if each.name.count(".") == 1 and each.name.startswith("jtik.")]
-    )
-    if listed and not own:
+    if listed:
         lines += [".. list-table::", "   :widths: 30 70", ""]
-    for each in sorted(listed, key=lambda each: each.name.lower()):
-        lines += [f"   * - :py:obj:`~{each.name}`", f"     - {in_rst(each.summary)}"]
+    for entry in listed:
+        lines += [f"   * - :py:obj:`~{entry.name}`", f"     - {in_rst(entry.summary)}"]
     lines += ["", *in_rst(inspect.getdoc(module) or "").splitlines(), ""]
-    for each in own:
-        lines += [*_entry(each), ""]
+    for entry in own:
+        lines += [*_entry(entry), ""]
     return "\n".join(lines) + "\n"
 
 
@@ -206,10 +187,11 @@ def _entry(entry: Entry) -> list[str]:
         return [f".. py:data:: {name}", f"   :module: {module}", "", *body]
     lines = [f".. {entry.kind}:: {entry.name}"]
     if inspect.isclass(entry.value) and entry.page == "jtik_formulations":
-        lines.append("   :show-inheritance:")  # its methods are those of its base
+        lines.append("   :show-inheritance:")  # its methods are those of the base
     elif inspect.isclass(entry.value):
         known = {each.__name__ for each in entry.value.__mro__[1:] if not _is_mixin(each)}
-        lines += ["   :members:", f"   :inherited-members: {', '.join(sorted(known))}", "   :show-inheritance:"]
+        lines += ["   :members:", f"   :inherited-members: {', '.join(sorted(known))}"]
+        lines += ["   :show-inheritance:"] if entry.value.__bases__ != (object,) else []
     return lines
 
 

@@ -30,9 +30,9 @@ class Run:
 
 
 def environment(root: Path) -> dict[str, str]:
-    """The variables under which a script finds this checkout, draws without a display and uses one core."""
+    """The variables under which a script finds this checkout and uses one core."""
     roots = [str(root), str(root / "formulations"), os.environ.get("PYTHONPATH", "")]
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(roots), "MPLBACKEND": "agg", "OMP_NUM_THREADS": "1"}
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(roots), "OMP_NUM_THREADS": "1"}
 
 
 def ran(path: Path, kept: Path) -> Run:
@@ -44,7 +44,7 @@ def ran(path: Path, kept: Path) -> Run:
         ended = subprocess.run(
             command,
             cwd=folder,
-            env=environment(path.parents[1]),
+            env={**environment(path.parents[1]), "MPLBACKEND": "agg"},
             capture_output=True,
             text=True,
             timeout=LONGEST,
@@ -73,9 +73,9 @@ def executed(path: Path, kept: Path) -> dict[str, Any]:
         import nbformat
         from nbclient import NotebookClient
 
-        os.environ.update(environment(path.parents[1]))
         kept.mkdir(parents=True, exist_ok=True)
-        NotebookClient(source, timeout=LONGEST, resources={"metadata": {"path": str(kept)}}).execute()
+        client = NotebookClient(source, timeout=LONGEST, resources={"metadata": {"path": str(kept)}})
+        client.execute(env=environment(path.parents[1]), stderr=subprocess.DEVNULL)
         nbformat.write(source, stored)
     return _joined(json.loads(stored.read_text(encoding="utf-8")))
 
@@ -92,6 +92,14 @@ def picture_in(notebook: dict[str, Any], path: Path) -> Path | None:
         return None
     path.write_bytes(base64.b64decode("".join(pictures[-1])))
     return path
+
+
+def as_written(path: Path) -> dict[str, Any]:
+    """A notebook without outputs."""
+    import jupytext
+
+    notebook: dict[str, Any] = jupytext.read(path)
+    return notebook
 
 
 def _digest(path: Path) -> str:

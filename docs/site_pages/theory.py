@@ -19,11 +19,12 @@ KINDS = {
 
 HEAD = """# Theory
 
-From each law to its class, the module that computes it, its derivation, and where it is from. A derivation has a table of
-symbols with units, labelled equations, constants with their reasons, what is guaranteed and what is not. For an introduction
-read [transpose](transpose.md), [newton](newton.md), [hybrid](hybrid.md) and [merit](merit.md) in this order.
+From each law to its derivation, the module that computes it, and where it is from. A derivation has a table of symbols
+with units, labelled equations, constants with their reasons, what is guaranteed and what is not.
 
-- [All formulations](formulations.md): the equation of each and when to prefer it, and what the engine does for all of them.
+- For an introduction read [transpose](transpose.md), [newton](newton.md), [hybrid](hybrid.md) and [merit](merit.md) in
+  this order.
+- [All formulations](formulations.md): the equation of each and when to prefer it, and what the engine does for all.
 - [The paper's claims](das1988.md): what Das, Slotine and Sheridan (1988) say, and what was measured.
 """
 
@@ -33,25 +34,19 @@ def theory_pages(pages: Pages) -> None:
     derivations = derivation_of(pages.root)
     lines = [HEAD]
     for title, (registry, use) in KINDS.items():
-        lines += [
-            f"## {title}",
-            "",
-            f"| {use} | law | source | derivation | module |",
-            "| --- | --- | --- | --- | --- |",
-        ]
+        lines += [f"## {title}", "", f"| {use} | law | derivation, module | source |", "| --- | --- | --- | --- |"]
         for name, plugin in getattr(jtik, registry).loaded().items():
             if not plugin.__module__.startswith("jtik_formulations"):
                 continue  # of another package
             path = Path(inspect.getfile(plugin)).resolve().relative_to(pages.root.resolve()).as_posix()
             module = posixpath.relpath(pages.source(path), "theory")
-            derivation = derivations[path]
-            row = (f"`{name}`", plugin.summary, plugin.source, f"[{derivation}]({derivation})")
-            lines.append(f"| {' | '.join(row)} | [{Path(path).name}]({module}) |")
+            derived = derivations[path]
+            links = f"[{derived.removesuffix('.md')}]({derived}), [{Path(path).name}]({module})"
+            lines.append(f"| `{name}` | {plugin.summary} | {links} | {plugin.source} |")
         lines.append("")
     lines += ["```{toctree}", ":hidden:", "", "formulations", "das1988"]
     lines += [path.stem for path in sorted((pages.root / "formulations").glob("*.md")) if path.stem != "README"]
     pages.add("theory/index.md", "\n".join([*lines, "```", ""]))
-    pages.of["docs/theory/index.md"] = "theory/index.md"
 
 
 def derivation_of(root: Path) -> dict[str, str]:

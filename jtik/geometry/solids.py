@@ -82,6 +82,10 @@ class Circle(Ball):
 
     Raises:
         ArgumentError: when a number is not finite, the radius is negative, or the centre has another shape.
+
+    Example:
+        >>> ObstacleAvoidance([jtik.Circle(center=(4.0, 2.0), radius=0.6)], bodies="links").name
+        'obstacle_avoidance'
     """
 
     dimensions = (2,)
@@ -181,6 +185,9 @@ class Box(Solid):
     Raises:
         ArgumentError: when a number is not finite, a length is not positive, the pose has no rotation, or an argument
             has another shape.
+
+    Example:
+        >>> table = jtik.Box.at([0.6, 0.0, -0.05], [0.4, 0.8, 0.05])  # centre, half sizes [m]
     """
 
     pose: Array
