@@ -1,4 +1,4 @@
-"""Docstrings of public names: the names that users meet first have an example that runs, and arguments are described."""
+"""Docstrings of public names: those that users meet first have an example that runs, and arguments are described."""
 
 from __future__ import annotations
 
