@@ -1,4 +1,4 @@
-"""Every example runs, says which package it lacks, and is listed in examples/README.md, with the picture that it draws."""
+"""Every example runs, names a package that is missing, and is listed in examples/README.md, with the picture it draws."""
 
 from __future__ import annotations
 
