@@ -1,4 +1,4 @@
-"""Every example runs, names a package that is missing, and is listed in examples/README.md, with the picture it draws."""
+"""Every example runs, names a package that is missing, and is listed in examples/README.md with its picture."""
 
 from __future__ import annotations
 
