@@ -56,3 +56,9 @@ def test_the_description_has_no_relative_link_or_picture() -> None:
         text = re.sub(substitution["pattern"], substitution["replacement"], text)
     assert not re.search(r"\]\((?!https?:)", text)
     assert "A ten-link arm" in text  # of the picture, in place of it
+
+
+def test_contributing_lists_every_extra() -> None:
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    table = text[text.index("| extra | for |") :].split("\n\n")[0]
+    assert set(re.findall(r"`([a-z]+)`", table.replace("`jtik plan`", "").replace("`jtik view`", ""))) >= EXTRAS.keys()

@@ -176,7 +176,7 @@ class Cylinder(_Rounded):
 class Box(Solid):
     """A box in space, or a rectangle in the plane, in any orientation.
 
-    `Box.at` makes one from its centre, its size and its rotation.
+    `Box.at` makes one from its centre, half the lengths of its edges, and its rotation.
 
     Attributes:
         pose: pose of its centre, with axes along its edges, (4, 4) in space or (3, 3) in the plane [m].
@@ -212,7 +212,7 @@ class Box(Solid):
 
     @classmethod
     def at(cls, center: ArrayLike, half: ArrayLike, rotation: ArrayLike | None = None) -> Box:
-        """The box of a centre, a size and a rotation.
+        """The box of a centre, half the lengths of its edges, and a rotation.
 
         Args:
             center: its centre, (3,) or (2,) [m].
