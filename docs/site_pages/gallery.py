@@ -80,7 +80,8 @@ def _example(pages: Pages, name: str, path: Path, kept: Path | None) -> str:
     """Add the page of an example. Returns its picture in the table, or the first line that it prints."""
     run, code = ran(path, kept) if kept else Run("", None), path.read_text(encoding="utf-8")
     doc, _, rest = code.removeprefix('"""').partition('"""')
-    picture = _picture(pages, name, run.picture)
+    drawn = path.parent / "pictures" / f"{name}.png"
+    picture = _picture(pages, name, drawn if drawn.is_file() else run.picture)
     lines = [f"# {_title(name)}", "", doc.strip().split("\n\n")[0], ""]
     if picture:
         lines += [picture, ""]

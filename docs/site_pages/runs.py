@@ -44,6 +44,7 @@ def ran(path: Path, kept: Path) -> Run:
         ended = subprocess.run(
             command,
             cwd=folder,
+            stdin=subprocess.DEVNULL,
             env={**environment(path.parents[1]), "MPLBACKEND": "agg"},
             capture_output=True,
             text=True,
