@@ -39,6 +39,8 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 autodoc_preserve_defaults = True
+SHOWN = ("Array", "ArrayLike", "Criteria", "Expression", "NonNegative", "Positive", "Share", "StepLimit", "Weights")
+autodoc_type_aliases = dict(zip(SHOWN, SHOWN, strict=True))  # as they are written, not what they stand for
 python_use_unqualified_type_names = True
 python_maximum_signature_line_length = 100
 napoleon_numpy_docstring = False

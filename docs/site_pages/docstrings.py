@@ -59,6 +59,13 @@ def process(_app: Any, _what: str, _name: str, _object: Any, _options: Any, line
     lines[:] = escaped(lines)
 
 
+def plain_defaults(
+    _app: Any, _what: str, _name: str, _object: Any, _options: Any, signature: str | None, returned: str | None
+) -> tuple[str | None, str | None]:
+    """A signature without defaults that are no Python, such as ``<factory>``, which Sphinx could not read."""
+    return re.sub(r"= <[^<>]*>", "= ...", signature) if signature else signature, returned
+
+
 def check_entries(app: Any, failure: Exception | None) -> None:
     """Fail where a public name has no entry on the site."""
     from site_pages.reference import entries
@@ -71,6 +78,12 @@ def check_entries(app: Any, failure: Exception | None) -> None:
 
 def setup(app: Any) -> dict[str, bool]:
     """Register with Sphinx."""
+    from sphinx.domains.python import PyObject
+
     app.connect("autodoc-process-docstring", process, priority=100)
+    app.connect("autodoc-process-signature", plain_defaults)
+    for kind in PyObject.doc_field_types:
+        if kind.name == "variable":
+            kind.label = "Attributes"
     app.connect("build-finished", check_entries)
     return {"parallel_read_safe": True}
