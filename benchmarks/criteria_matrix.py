@@ -3,7 +3,7 @@
 A cell is a criterion, a strategy and a robot: ten links with limits, a Panda, and a Panda on a vehicle. From a random
 posture on its target, ``solve(until="stationary")`` should keep the task within its tolerance, not raise H, and end
 stationary. No time is measured. Cells are kept in a file while they are computed, so that a run can be continued, and
-several can run side by side; the page docs/criteria_matrix.md is written from these files.
+several can run side by side; the page docs/guides/criteria_matrix.md is written from these files.
 
     python benchmarks/criteria_matrix.py [--robots panda] [--criteria look_at] [--strategies hybrid] [--starts 1]
     python benchmarks/criteria_matrix.py --page
@@ -25,7 +25,7 @@ from jtik.robot import Mass
 from jtik.testing import example_criterion
 
 FILE = Path("criteria_matrix.json")
-PAGE = Path(__file__).parents[1] / "docs" / "criteria_matrix.md"
+PAGE = Path(__file__).parents[1] / "docs" / "guides" / "criteria_matrix.md"
 
 TOLERANCE = 1e-6
 """Default tolerance of the solver [m] and [rad]."""
@@ -132,7 +132,7 @@ def page(cells: dict[str, dict[str, Any]]) -> str:
     lines = [
         "# Every criterion with every strategy",
         "",
-        "Written by [criteria_matrix.py](../benchmarks/criteria_matrix.py). From a random posture on its target,",
+        "Written by [criteria_matrix.py](../../benchmarks/criteria_matrix.py). From a random posture on its target,",
         '`solve(until="stationary")` should keep the task within its tolerance, not raise H, and end stationary.',
         "For self-collision bodies are near each other at the start, and none touch: where a joint lies on the",
         "axis of another link H has a kink at its minimum, and first-order strategies end beside it.",

@@ -1,7 +1,11 @@
 """Follow a path, and write the joint motion as a table that pandas and spreadsheets read."""
 
+try:
+    import pandas as pd
+except ImportError:
+    raise SystemExit("This example needs pandas: python -m pip install 'jtik[study]'") from None
+
 import numpy as np
-import pandas as pd
 
 import jtik
 

@@ -1,6 +1,10 @@
 """Manipulability along a path, without and with the criterion, as a figure."""
 
-import matplotlib.pyplot as plt
+try:
+    import matplotlib.pyplot as plt
+except ImportError:
+    raise SystemExit("This example needs matplotlib: python -m pip install 'jtik[plot]'") from None
+
 import numpy as np
 
 import jtik

@@ -1,5 +1,10 @@
 """A batch on several processes: any executor of concurrent.futures, such as that of a Dask cluster."""
 
+try:
+    from distributed import Client, LocalCluster
+except ImportError:
+    raise SystemExit("This example needs distributed: python -m pip install distributed") from None
+
 import warnings
 
 import numpy as np
@@ -7,8 +12,6 @@ import numpy as np
 import jtik
 
 if __name__ == "__main__":  # each worker imports this file
-    from distributed import Client, LocalCluster
-
     ur5e = jtik.Robot.builtin("ur5e")
     ik = jtik.InverseKinematics(ur5e, jtik.FrameTask("tip", kind="pose"))
     goals = [ur5e.pose(ur5e.random_configuration(seed)) for seed in range(200)]

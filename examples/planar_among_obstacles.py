@@ -1,5 +1,10 @@
 """A ten-link arm among obstacles: a posture for each of three targets, as a figure."""
 
+try:
+    import matplotlib  # noqa: F401
+except ImportError:
+    raise SystemExit("This example needs matplotlib: python -m pip install 'jtik[plot]'") from None
+
 import jtik
 from jtik.plotting import posture_figure
 from jtik_formulations import JointCentering, ObstacleAvoidance

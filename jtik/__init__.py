@@ -62,7 +62,7 @@ if TYPE_CHECKING:
     from jtik.study.comparison import Comparison
     from jtik.viewer import view
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__ = [
     "ArgumentError",

@@ -94,6 +94,12 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         ArgumentError: for an argument that cannot be used, naming it.
         UnknownNameError: for a joint, frame, strategy or solver that does not exist.
         MissingExtraError: for a bar without rich.
+
+    Example:
+        >>> arm = jtik.Robot.planar(3)
+        >>> ik = jtik.InverseKinematics(arm, jtik.FrameTask("tip", kind="position"), criteria=JointCentering())
+        >>> ik.solve([2.0, 1.0], q0=[0.1, 0.2, 0.3]).status.name
+        'CONVERGED'
     """
 
     def __init__(

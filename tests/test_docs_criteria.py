@@ -1,4 +1,4 @@
-"""docs/criteria.md shows every criterion, with its live parameters, its picture and its derivation."""
+"""docs/guides/criteria.md shows every criterion, with its live parameters, its picture and its derivation."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 import jtik
 from jtik.testing import example_criterion
 
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[1] / "docs" / "guides"
 TEXT = (DOCS / "criteria.md").read_text(encoding="utf-8")
 SECTIONS = dict(re.findall(r"^### (\w+)\n(.*?)(?=^##|\Z)", TEXT, flags=re.DOTALL | re.MULTILINE))
 

@@ -1,4 +1,4 @@
-"""docs/statuses.md: every status is in its table, and every example ends with the status that is its title."""
+"""docs/start/statuses.md: every status is in its table, and every example ends with the status that is its title."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 import jtik
 
-TEXT = (Path(__file__).parents[1] / "docs" / "statuses.md").read_text(encoding="utf-8")
+TEXT = (Path(__file__).parents[1] / "docs" / "start" / "statuses.md").read_text(encoding="utf-8")
 EXAMPLES = dict(re.findall(r"### `(\w+)`\n.*?```python\n(.*?)```", TEXT, flags=re.DOTALL))
 NAMES = [status.name for status in jtik.Status]
 
@@ -25,7 +25,7 @@ def test_every_status_has_an_example():
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_an_example_ends_so(name):
     namespace = {"__name__": "example"}
-    exec(compile(EXAMPLES[name], f"docs/statuses.md: {name}", "exec"), namespace)
+    exec(compile(EXAMPLES[name], f"docs/start/statuses.md: {name}", "exec"), namespace)
     solution = namespace["solution"]
     assert solution.status.name == name
     assert bool(solution) == (name in ("CONVERGED", "REACHED", "SADDLE"))

@@ -1,4 +1,4 @@
-"""The examples of docs/view.md run."""
+"""The examples of docs/guides/view.md run."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ pytest.importorskip("viser")
 pytest.importorskip("matplotlib")
 image = pytest.importorskip("PIL.Image")
 
-PAGE = Path(__file__).parents[1] / "docs" / "view.md"
+PAGE = Path(__file__).parents[1] / "docs" / "guides" / "view.md"
 LARGEST = 200_000
 """Size of a picture of the docs [bytes]."""
 

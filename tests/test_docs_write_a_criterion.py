@@ -1,4 +1,4 @@
-"""The examples of docs/write_a_criterion.md run, and their criteria fulfil the contract."""
+"""The examples of docs/guides/write_a_criterion.md run, and their criteria fulfil the contract."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 import jtik
 from jtik.testing import check_criterion
 
-TEXT = (Path(__file__).parents[1] / "docs" / "write_a_criterion.md").read_text(encoding="utf-8")
+TEXT = (Path(__file__).parents[1] / "docs" / "guides" / "write_a_criterion.md").read_text(encoding="utf-8")
 
 
 def test_the_examples() -> None:

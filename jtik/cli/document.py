@@ -1,6 +1,6 @@
 """A problem as a document: the keys of a TOML or JSON file, which the options of ``jtik solve`` can override.
 
-docs/command_line.md describes the format.
+docs/guides/command_line.md describes the format.
 """
 
 from __future__ import annotations

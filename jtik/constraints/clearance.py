@@ -71,6 +71,12 @@ class Clearance:
         ArgumentError: for a value outside its range.
 
     Source: Faverjon and Tournassoud (1987); Ames et al. (2017) for the barrier form.
+
+    Example:
+        >>> ball = jtik.Circle((1.5, 1.2), 0.3)
+        >>> apart = jtik.Clearance(ObstacleAvoidance([ball], bodies="links"), safe=0.05)
+        >>> arm, task = jtik.Robot.planar(3), jtik.FrameTask("tip")
+        >>> ik = jtik.InverseKinematics(arm, task, strategy="hybrid+qp", clearances=apart)
     """
 
     def __init__(

@@ -47,6 +47,11 @@ class Limits:
 
     Raises:
         ArgumentError: for a value that is not a limit, such as a negative number or NaN.
+
+    Example:
+        >>> limits = jtik.Limits(velocity=1.5, acceleration=10.0)  # of all joints, [rad/s] and [rad/s^2]
+        >>> ik = jtik.InverseKinematics(jtik.Robot.planar(3), jtik.FrameTask("tip"), limits=limits)
+        >>> q = ik.step([0.3, 0.2, 0.1], [2.5, 1.0], dt=0.01).q
     """
 
     position: bool = True

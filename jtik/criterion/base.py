@@ -79,6 +79,11 @@ class Criterion(_Algebra, ABC):
         joint_parameters: names of the live parameters with one number for each entry of q, as `Robot.joint_values`
             returns them; they can also be assigned as numbers of the full robot, or as a dict by joint name.
         non_negative_parameters: names of the live parameters that no negative number can be assigned to.
+
+    Example:
+        >>> both = 1.0 * JointCentering() + 0.3 * Manipulability(kind="position")
+        >>> round(both([0.1, 0.2, 0.3], jtik.Robot.planar(3)), 3)
+        0.049
     """
 
     name: str

@@ -59,6 +59,13 @@ def criterion(
 
     Raises:
         ArgumentError: when the signature is another, a parameter has no first value, or options exclude each other.
+
+    Example:
+        >>> @jtik.criterion
+        ... def elbow_height(q, robot, *, height=1.0):
+        ...     return (robot.position(q, "link2")[1] - height) ** 2
+        >>> ik = jtik.InverseKinematics(jtik.Robot.planar(3), jtik.FrameTask("tip"), criteria=elbow_height)
+        >>> ik.parameters["elbow_height.height"] = 0.5
     """
     flag("residual", residual, "whether the function returns r of H = 1/2 |r|^2")
     flag("numeric", numeric, "whether the function takes and returns numbers")

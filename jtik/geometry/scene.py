@@ -46,6 +46,13 @@ class Scene:
     Raises:
         ArgumentError: when one is no obstacle, they are not all in the plane or all in space, or a gain is negative.
         UnknownNameError: when a gain names no obstacle.
+
+    Example:
+        >>> table = jtik.Box.at([0.6, 0.0, -0.05], [0.4, 0.8, 0.05])
+        >>> scene = jtik.Scene({"table": table, "post": jtik.Sphere((0.4, 0.3, 0.5), 0.1)})
+        >>> scene.save("scene.toml")
+        >>> jtik.Scene.load("scene.toml") == scene
+        True
     """
 
     def __init__(

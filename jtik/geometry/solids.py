@@ -82,6 +82,10 @@ class Circle(Ball):
 
     Raises:
         ArgumentError: when a number is not finite, the radius is negative, or the centre has another shape.
+
+    Example:
+        >>> ObstacleAvoidance([jtik.Circle(center=(4.0, 2.0), radius=0.6)], bodies="links").name
+        'obstacle_avoidance'
     """
 
     dimensions = (2,)
@@ -172,7 +176,7 @@ class Cylinder(_Rounded):
 class Box(Solid):
     """A box in space, or a rectangle in the plane, in any orientation.
 
-    `Box.at` makes one from its centre, its size and its rotation.
+    `Box.at` makes one from its centre, half the lengths of its edges, and its rotation.
 
     Attributes:
         pose: pose of its centre, with axes along its edges, (4, 4) in space or (3, 3) in the plane [m].
@@ -181,6 +185,9 @@ class Box(Solid):
     Raises:
         ArgumentError: when a number is not finite, a length is not positive, the pose has no rotation, or an argument
             has another shape.
+
+    Example:
+        >>> table = jtik.Box.at([0.6, 0.0, -0.05], [0.4, 0.8, 0.05])  # centre, half sizes [m]
     """
 
     pose: Array
@@ -205,7 +212,7 @@ class Box(Solid):
 
     @classmethod
     def at(cls, center: ArrayLike, half: ArrayLike, rotation: ArrayLike | None = None) -> Box:
-        """The box of a centre, a size and a rotation.
+        """The box of a centre, half the lengths of its edges, and a rotation.
 
         Args:
             center: its centre, (3,) or (2,) [m].

@@ -37,6 +37,10 @@ def citations(of: Any) -> Citations:
     Raises:
         ArgumentError: for anything else.
         UnknownNameError: when nothing is registered under the name.
+
+    Example:
+        >>> print(jtik.citations("hybrid").splitlines()[0])
+        @inproceedings{das1988,
     """
     return Citations("\n\n".join(_entries(_used(of))))
 

@@ -38,6 +38,12 @@ class SolutionBatch:
         indices: the number of each row's target among those given, (k,); 0, 1, 2 ... of a complete batch.
         complete: whether all targets are included; False after Ctrl-C.
         inspect: function that computes the report of a row.
+
+    Example:
+        >>> ik = jtik.InverseKinematics(jtik.Robot.planar(3), jtik.FrameTask("tip"))
+        >>> batch = ik.solve_batch([[2.0, 1.0], [1.0, 2.0], [9.0, 0.0]])
+        >>> batch.converged.tolist(), batch.q.shape
+        ([True, True, False], (3, 3))
     """
 
     q: Array

@@ -45,6 +45,12 @@ class Solution:
         alternatives: with ``best_of``, the other Solutions that were found, the best first.
         evaluations: how often functions of numeric criteria and their gradients were called, for differences and the
             status, too; not counted in a batch.
+
+    Example:
+        >>> ik = jtik.InverseKinematics(jtik.Robot.planar(2), jtik.FrameTask("tip"))
+        >>> solution = ik.solve([3.0, 0.0], q0=[0.3, 0.4])
+        >>> bool(solution), solution.status.name, round(solution.position_error, 3)
+        (False, 'LOCAL_MINIMUM', 1.0)
     """
 
     q: Array

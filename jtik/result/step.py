@@ -18,6 +18,12 @@ class Step(NamedTuple):
             False where `done` is True: there is no step to take.
         done: whether nothing is left to do at the default tolerances.
         escaped: whether the step was an escape from a saddle point, of the error or of the criterion.
+
+    Example:
+        >>> ik = jtik.InverseKinematics(jtik.Robot.planar(3), jtik.FrameTask("tip"))
+        >>> step = ik.step([0.3, 0.2, 0.1], [2.5, 1.0])
+        >>> step.accepted
+        True
     """
 
     q: Array

@@ -35,6 +35,11 @@ class Trajectory:
             that does not have it, of a robot with such joints.
         complete: whether the path was followed to its end. False when Ctrl-C ended `InverseKinematics.track`. A
             ``.csv`` does not have it.
+
+    Example:
+        >>> ik = jtik.InverseKinematics(jtik.Robot.planar(3), jtik.FrameTask("tip"))
+        >>> motion = ik.track([[2.5, 0.01 * k] for k in range(50)], q0=[0.5, -0.5, -0.5], dt=0.02)
+        >>> motion.save("motion.csv")
     """
 
     times: Array

@@ -56,6 +56,11 @@ class Robot(Variants, Builders, Drawable, MassProperties, Collisions):
         ArgumentError: when the joints do not form a tree, or leave the plane of a planar robot.
         UnknownNameError: when a parent frame, a mimicked joint, the tip or the frame of a mass, shape or mesh does not
             exist.
+
+    Example:
+        >>> panda = jtik.Robot.builtin("panda")
+        >>> panda.position(panda.home, "tip").round(3)  # [m]
+        array([0.307, 0.   , 0.487])
     """
 
     _sealed = False

@@ -116,6 +116,13 @@ def compare(
         UnknownNameError: for an unknown kind of problems, frame or joint.
         CriterionError: for an invalid criterion.
         MissingExtraError: for a progress bar without rich.
+
+    Example:
+        >>> study = jtik.compare(
+        ...     jtik.Robot.planar(4), jtik.FrameTask("tip"), strategies=["hybrid", "newton"], problems={"reachable": 3}
+        ... )
+        >>> list(study.summary()["contender"])
+        ['hybrid', 'newton']
     """
     read_search_options(restarts, seed, max_iterations)
     read_settings(position_tolerance, orientation_tolerance, optimality_tolerance, until)

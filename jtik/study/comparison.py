@@ -182,44 +182,43 @@ class Comparison:
         Path(path).write_text(page(self), encoding="utf-8")
 
     def plot_convergence(self, **options: Any) -> Figure:
-        """`jtik.study.figures.convergence`: error by iteration. Options: contenders, criteria, kind."""
+        """Draw the task error by iteration. Options: ``contenders``, ``criteria``, ``kind`` of the cases."""
         from jtik.study.figures.convergence import convergence
 
         return convergence(self, **options)
 
     def plot_profile(self, **options: Any) -> Figure:
-        """`jtik.study.figures.profile`: Dolan-More profiles. Options: measure ("seconds", "iterations"), contenders,
-        criteria."""
+        """Draw Dolan-More profiles. Options: ``measure``, "seconds" or "iterations", ``contenders``, ``criteria``."""
         from jtik.study.figures.profile import profile
 
         return profile(self, **options)
 
     def plot_lyapunov(self, **options: Any) -> Figure:
-        """`jtik.study.figures.lyapunov`: V of one case. Options: case, contenders, criteria."""
+        """Draw V by iteration for one case. Options: ``case``, ``contenders``, ``criteria``."""
         from jtik.study.figures.lyapunov import lyapunov
 
         return lyapunov(self, **options)
 
     def plot_criteria(self, **options: Any) -> Figure:
-        """`jtik.study.figures.criteria`: H of one case, regret of all cases. Options: case, contenders, criteria."""
+        """Draw H by iteration for one case and the regret of all. Options: ``case``, ``contenders``, ``criteria``."""
         from jtik.study.figures.criteria import criteria
 
         return criteria(self, **options)
 
     def plot_postures(self, **options: Any) -> Figure:
-        """`jtik.study.figures.postures`: the arm of one case. Options: case, contenders, criteria."""
+        """Draw the robot from start to answer for one case. Options: ``case``, ``contenders``, ``criteria``."""
         from jtik.study.figures.postures import posture_panels
 
         return posture_panels(self, **options)
 
     def plot_joints(self, **options: Any) -> Figure:
-        """`jtik.study.figures.joints`: q of one case. Options: case, contenders, criteria."""
+        """Draw the joint positions by iteration for one case. Options: ``case``, ``contenders``, ``criteria``."""
         from jtik.study.figures.joints import joint_panels
 
         return joint_panels(self, **options)
 
     def animate(self, path: str | Path, **options: Any) -> None:
-        """`jtik.study.figures.animation`: one contender on one case as a GIF. Options: contender, case, criteria."""
+        """Write a GIF of one contender on one case. Options: ``contender``, ``case``, ``criteria``, by name."""
         from jtik.study.figures.animation import animation
 
         animation(self, path, **options)

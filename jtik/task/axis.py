@@ -34,6 +34,12 @@ class AxisTask(PointingTask):
 
     Raises:
         ArgumentError: when the axis is zero or not a direction, or the priority or the stiffness cannot be used.
+
+    Example:
+        >>> panda = jtik.Robot.builtin("panda")
+        >>> tasks = [jtik.FrameTask("tip", kind="position", name="where"), jtik.AxisTask("tip", name="down")]
+        >>> ik = jtik.InverseKinematics(panda, tasks)
+        >>> solution = ik.solve({"where": [0.4, 0.1, 0.4], "down": [0.0, 0.0, -1.0]}, restarts=5)
     """
 
     def read_target(self, robot: Robot, target: Any) -> Array:

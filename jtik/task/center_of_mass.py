@@ -34,6 +34,11 @@ class CenterOfMassTask(WeightedTask):
 
     Raises:
         ArgumentError: when the priority or the stiffness cannot be used; later, for a robot without masses.
+
+    Example:
+        >>> arm = jtik.Robot.planar(3).with_masses({"link2": 1.0, "tip": 0.5})  # [kg]
+        >>> ik = jtik.InverseKinematics(arm, jtik.CenterOfMassTask())
+        >>> solution = ik.solve([1.0, 0.8])
     """
 
     def __init__(

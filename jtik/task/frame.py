@@ -51,6 +51,10 @@ class FrameTask(PlacementTask):
 
     Raises:
         ArgumentError: when the kind, the priority, the stiffness or ``error`` cannot be used.
+
+    Example:
+        >>> hand = jtik.FrameTask("tip", kind="pose")
+        >>> nearly = jtik.FrameTask("tip", kind="pose", axes=["x", "y", "z", "rx", "ry"])  # free about the tool's axis
     """
 
     def __init__(

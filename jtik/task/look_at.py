@@ -32,6 +32,11 @@ class LookAtTask(PointingTask):
 
     Raises:
         ArgumentError: when the axis is zero or not a direction, or the priority or the stiffness cannot be used.
+
+    Example:
+        >>> ik = jtik.InverseKinematics(jtik.Robot.builtin("panda"), jtik.LookAtTask("tip"))
+        >>> ik.solve([0.6, 0.2, 0.0]).status.name  # the z axis of the tip points at it
+        'CONVERGED'
     """
 
     def target_is_vector(self, robot: Robot) -> bool:

@@ -36,6 +36,11 @@ class RelativeFrameTask(PlacementTask):
     Raises:
         ArgumentError: when both frames are the same, or the kind, the priority, the stiffness or ``error`` cannot be
             used.
+
+    Example:
+        >>> fore = jtik.RelativeFrameTask("tip", "link2", kind="position", name="fore")
+        >>> ik = jtik.InverseKinematics(jtik.Robot.planar(4), [jtik.FrameTask("tip"), fore])
+        >>> solution = ik.solve({"tip": [2.0, 1.5], "fore": [1.0, 1.8]}, restarts=5)
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Every command in the README, the guide and docs/command_line.md runs, with the files that the page shows."""
+"""Every command in the README, the guides and docs/guides/command_line.md runs, with the files that the page shows."""
 
 from __future__ import annotations
 
@@ -22,12 +22,14 @@ ROOT = Path(__file__).parents[2]
 PAGES = (
     "README.md",
     "CONTRIBUTING.md",
-    "docs/command_line.md",
-    "docs/guide.md",
-    "docs/statuses.md",
     "formulations/README.md",
+    *(
+        path.relative_to(ROOT).as_posix()
+        for folder in ("start", "guides")
+        for path in sorted((ROOT / "docs" / folder).glob("*.md"))
+    ),
 )
-PAGE = (ROOT / "docs" / "command_line.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "guides" / "command_line.md").read_text(encoding="utf-8")
 FILES = dict(re.findall(r"<!-- file: (\S+) -->\n```\w+\n(.*?)```", PAGE, flags=re.DOTALL))
 
 SHORTER = [(r"reachable:\d+", "reachable:2"), (r"boundary:\d+", "boundary:1"), (r" --jobs \d+", " --repeats 1")]
@@ -82,7 +84,7 @@ def test_a_command_runs(command: str, folder: Path, capsys: Capture, monkeypatch
 
 
 def test_every_command_has_an_example() -> None:
-    assert {command.split()[1] for command in commands("docs/command_line.md")} >= {
+    assert {command.split()[1] for command in commands("docs/guides/command_line.md")} >= {
         "list",
         "robot",
         "solve",

@@ -1,8 +1,8 @@
-"""Draw what each criterion does to an arm: the pictures of docs/criteria.md.
+"""Draw what each criterion does to an arm: the pictures of docs/guides/criteria.md.
 
 Every picture shows an arm whose end effector is at one target: light where the solve began, dark where it ended.
 
-    python docs/criteria_pictures.py [NAME ...]
+    python docs/guides/criteria_pictures.py [NAME ...]
 """
 
 from __future__ import annotations
