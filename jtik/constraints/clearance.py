@@ -21,6 +21,7 @@ from jtik.constraints.motion_bound import MotionBound
 from jtik.errors import ArgumentError
 from jtik.robot import UNWEIGHTED, Robot, WeightedCoordinates
 from jtik.symbolic import Expression, fmax, fmin, if_else, mmin, once_for_each, reshape, sum1, vertcat
+from jtik.types import Array
 
 SAMPLES = 4
 """Points along a step, its end included, where distances are evaluated; between them they are bounded."""
@@ -113,6 +114,11 @@ class Clearance:
     def non_negative_parameters(self) -> tuple[str, ...]:
         """Names of the live parameters that no negative number can be assigned to."""
         return ("safe", "influence", *getattr(self.measure, "non_negative_parameters", ()))
+
+    def accepted_instead(self, parameter: str, value: Array) -> str | None:
+        """What would be accepted instead of a value of a live parameter; None where the value is accepted."""
+        judge = getattr(self.measure, "accepted_instead", None)
+        return judge(parameter, value) if callable(judge) and parameter not in ("safe", "influence") else None
 
     def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
         """Its own, and those of the measure but for `OWN`, which there belong to H."""

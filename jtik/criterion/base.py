@@ -22,6 +22,7 @@ from jtik.criterion.tracing import CriterionError
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, is_symbolic
+from jtik.types import Array
 
 __all__ = ["Criteria", "Criterion", "CriterionError", "CriterionSum"]
 
@@ -101,6 +102,14 @@ class Criterion(_Algebra, ABC):
     def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
         """Names and first values of the live parameters on this robot; scalars, vectors or matrices."""
         return {}
+
+    def accepted_instead(self, parameter: str, value: Array) -> str | None:
+        """Judge a value that is assigned to a live parameter: finite numbers of its shape.
+
+        Returns:
+            None where it is accepted, else what would be accepted instead, for the error.
+        """
+        return None
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}(name={self.name!r})"

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from jtik.criterion.parameters import Parameters, Parametric, first_values
+from jtik.criterion.parameters import Parameters, Parametric, checks_of, first_values
 from jtik.criterion.tracing import traced
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.robot import Kinematics, Robot
@@ -117,7 +117,8 @@ def _forget(entries: dict[int, _Entry], key: int, reference: weakref.ref[Evaluab
 def _column(criterion: Evaluable, robot: Robot, given: Mapping[str, Any]) -> tuple[Parameters, Any]:
     """The parameters with their shapes, and all values in one column."""
     first = first_values(criterion, robot)
-    parameters = Parameters(first, robot, criterion.joint_parameters, criterion.non_negative_parameters)
+    checks = checks_of(criterion, first)
+    parameters = Parameters(first, robot, criterion.joint_parameters, criterion.non_negative_parameters, checks)
     symbolic = {name: each for name, each in given.items() if is_symbolic(each)}
     for name, each in given.items():
         if name not in parameters:

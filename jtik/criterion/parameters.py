@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, MutableMapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, MutableMapping
+from functools import partial
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
@@ -34,6 +35,16 @@ class JointParametric(Parametric, Protocol):
 
     joint_parameters: ClassVar[tuple[str, ...]]
     non_negative_parameters: ClassVar[tuple[str, ...]]
+
+
+Check = Callable[[Array], str | None]
+"""Of a value of a live parameter: None, or what would be accepted instead."""
+
+
+def checks_of(criterion: Any, names: Iterable[str], prefix: str = "") -> dict[str, Check]:
+    """The check of each live parameter of a criterion or a clearance, by its name after a prefix."""
+    judge = getattr(criterion, "accepted_instead", None)
+    return {f"{prefix}{name}": partial(judge, name) for name in names} if callable(judge) else {}
 
 
 def first_values(criterion: JointParametric, robot: Robot) -> Mapping[str, ArrayLike]:
@@ -73,6 +84,8 @@ class Parameters(MutableMapping[str, Array]):
         robot: the robot whose joints the parameters of the joints belong to.
         of_joints: names of the parameters with one number for each entry of q.
         non_negative: names of the parameters that no negative number can be assigned to.
+        checks: for some parameters, by name, a function of an assigned value that returns None, or what would be
+            accepted instead.
 
     Attributes:
         memory: all values in one vector, matrices columns first; the compiled functions read it.
@@ -83,7 +96,8 @@ class Parameters(MutableMapping[str, Array]):
         UnknownNameError: when a name is read or assigned that does not exist.
     """
 
-    __slots__ = ("_non_negative", "_of_joints", "_robot", "_shapes", "_slices", "memory")  # others are misspelt names
+    __slots__ = ("_checks", "_non_negative", "_of_joints", "_robot", "_shapes", "_slices", "memory")
+    # an attribute with another name is a misspelt name of a parameter
 
     def __init__(
         self,
@@ -91,7 +105,9 @@ class Parameters(MutableMapping[str, Array]):
         robot: Robot,
         of_joints: Collection[str] = (),
         non_negative: Collection[str] = (),
+        checks: Mapping[str, Check] | None = None,
     ) -> None:
+        self._checks = dict(checks or {})
         self._robot, self._of_joints, self._non_negative = robot, frozenset(of_joints), frozenset(non_negative)
         self._shapes: dict[str, tuple[int, ...]] = {}
         self._slices: dict[str, slice] = {}
@@ -127,6 +143,9 @@ class Parameters(MutableMapping[str, Array]):
             raise ArgumentError(name, value, accepted or "one finite number, shape ()")
         if name in self._non_negative and (array < 0).any():
             raise ArgumentError(name, value, "non-negative numbers")
+        instead = self._checks[name](np.broadcast_to(array, shape)) if name in self._checks else None
+        if instead is not None:
+            raise ArgumentError(name, value, instead)
         self.memory[self._slices[name]] = array.ravel(order="F")
 
     def __delitem__(self, name: str) -> None:

@@ -13,7 +13,7 @@ from jtik.criterion.base import Criteria, Criterion, CriterionSum
 from jtik.criterion.least_squares import LeastSquares, ResidualCriterion
 from jtik.criterion.numeric import NumericCriterion
 from jtik.criterion.numeric_function import NumericFunction
-from jtik.criterion.parameters import Parameters, Parametric, first_values
+from jtik.criterion.parameters import Check, Parameters, Parametric, checks_of, first_values
 from jtik.criterion.tracing import traced
 from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
@@ -45,7 +45,7 @@ class CriterionTerms:
         """Reads the first value of every parameter, of the criteria and of ``others`` that share the mapping."""
         named = CriterionSum.of(criteria).named()
         values: dict[str, ArrayLike] = {}
-        of_joints, non_negative = set[str](), set[str]()
+        of_joints, non_negative, checks = set[str](), set[str](), dict[str, Check]()
         for name, weight, criterion in named:
             values[f"{name}.weight"] = weight
             own = first_values(criterion, robot)
@@ -54,6 +54,7 @@ class CriterionTerms:
                 raise ArgumentError(f"criterion {name!r}", given, "another name: it is that of the criterion's weight")
             of_joints |= {f"{name}.{parameter}" for parameter in criterion.joint_parameters}
             non_negative |= {f"{name}.{parameter}" for parameter in criterion.non_negative_parameters}
+            checks |= checks_of(criterion, own, f"{name}.")
             for parameter, value in own.items():
                 values[f"{name}.{parameter}"] = value
         for other in others:
@@ -62,7 +63,8 @@ class CriterionTerms:
                     raise ArgumentError("name", other.name, "a name that no criterion has")
                 values[f"{other.name}.{parameter}"] = value
             non_negative |= {f"{other.name}.{each}" for each in getattr(other, "non_negative_parameters", ())}
-        return cls(robot, tuple(named), Parameters(values, robot, of_joints, non_negative))
+            checks |= checks_of(other, other.parameters(robot), f"{other.name}.")
+        return cls(robot, tuple(named), Parameters(values, robot, of_joints, non_negative, checks))
 
     def own(self, of: Parametric, column: Expression) -> dict[str, Expression]:
         """The parameters of one of ``others`` within the column of all, in their own shapes."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from jtik.geometry.centers import CENTER, beside
 from jtik.symbolic import (
     TINY,
     Expression,
@@ -10,7 +11,6 @@ from jtik.symbolic import (
     fmax,
     fmin,
     if_else,
-    norm,
     sqrt,
     sumsqr,
     without_derivative,
@@ -38,7 +38,7 @@ def point_to_box(point: Expression, half: Expression) -> Expression:
         half: half of the length of each edge (d, 1) [m].
     """
     beyond = fabs(point) - half
-    return norm(fmax(beyond, 0)) + fmin(_largest(beyond), 0)
+    return _length(fmax(beyond, 0)) + fmin(_largest(beyond), 0)
 
 
 def segment_to_box(start: Expression, end: Expression, half: Expression) -> Expression:
@@ -54,7 +54,7 @@ def segment_to_box(start: Expression, end: Expression, half: Expression) -> Expr
     along = end - start
     share = _closest_share(start, along, half)
     closest = start + share * along
-    outside = norm(closest - _within(closest, half))
+    outside = _length(closest - _within(closest, half))
     return outside + fmin(_separation(start, along, half), 0)
 
 
@@ -104,8 +104,13 @@ def _separation(start: Expression, along: Expression, half: Expression) -> Expre
 
 
 def in_axes(point: Expression, center: Expression, rotation: Expression) -> Expression:
-    """The point (d, 1) [m] in the axes of a rotation matrix (d, d), from a centre."""
-    return rotation.T @ (point - center)
+    """The point (d, 1) [m] in the axes of a rotation matrix (d, d), from a centre, but for 2e-14 m; see `beside`."""
+    return rotation.T @ (point - beside(center))
+
+
+def _length(vector: Expression) -> Expression:
+    """The length of a vector; zero is rounded up, and the Hessian there is of moderate size."""
+    return sqrt(sumsqr(vector) + CENTER**2)
 
 
 def _within(point: Expression, half: Expression) -> Expression:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from jtik.geometry.centers import CENTER, beside
 from jtik.symbolic import TINY, Expression, dot, fabs, fmax, fmin, if_else, sqrt, sumsqr, without_derivative
 
 HALVINGS = 22
@@ -11,12 +12,6 @@ HALVINGS = 22
 
 FLAT = 1e-14
 """Weight that keeps the Newton step finite where all points of a segment are equally close."""
-
-ON_AXIS = 1e-80
-"""Square of the distance [m^2] from the axis where a point counts as on it.
-
-Quotients by this distance, and their second derivatives, then stay below the largest number, and zero times them is 0.
-"""
 
 
 @dataclass(frozen=True)
@@ -40,7 +35,7 @@ class Axis:
         """The cylinder around a segment (3, 1) [m]."""
         along = end - start
         length = sqrt(sumsqr(along) + TINY)
-        return cls((start + end) / 2, along / length, length / 2, radius)
+        return cls(beside((start + end) / 2), along / length, length / 2, radius)
 
     def split(self, vector: Expression) -> tuple[Expression, Expression]:
         """The component of a vector along the axis, and the rest."""
@@ -51,7 +46,7 @@ class Axis:
 def point_to_cylinder(point: Expression, axis: Axis) -> Expression:
     """Signed distance [m] from a point (3, 1) to a cylinder; negative inside."""
     height, across = axis.split(point - axis.center)
-    return _depth(sqrt(sumsqr(across) + ON_AXIS) - axis.radius, fabs(height) - axis.half)
+    return _depth(sqrt(sumsqr(across) + CENTER**2) - axis.radius, fabs(height) - axis.half)
 
 
 def segment_to_cylinder(start: Expression, end: Expression, axis: Axis) -> Expression:
@@ -72,7 +67,7 @@ def segment_to_cylinder(start: Expression, end: Expression, axis: Axis) -> Expre
 
     def at(share: Expression) -> tuple[Expression, ...]:
         """Distance from the axis, its derivative, height from the nearer end's side, and its derivative."""
-        reach = sqrt(fmax(square + share * (2 * slope + share * drift_squared), 0) + ON_AXIS)
+        reach = sqrt(fmax(square + share * (2 * slope + share * drift_squared), 0) + CENTER**2)
         upright = height + share * rise
         return (
             reach - axis.radius,
@@ -101,5 +96,5 @@ def segment_to_cylinder(start: Expression, end: Expression, axis: Axis) -> Expre
 
 def _depth(beside: Expression, above: Expression) -> Expression:
     """Signed distance of what is so far beyond the side and beyond the ends."""
-    outside = sqrt(fmax(beside, 0) ** 2 + fmax(above, 0) ** 2 + TINY)
+    outside = sqrt(fmax(beside, 0) ** 2 + fmax(above, 0) ** 2 + CENTER**2)
     return outside + fmin(fmax(beside, above), 0)

@@ -5,13 +5,14 @@ The derivations of these and of the other shapes are in formulations/distances.m
 
 from __future__ import annotations
 
+from jtik.geometry.centers import CENTER, beside
 from jtik.geometry.segments import segment_to_segment
-from jtik.symbolic import TINY, Expression, dot, fabs, fmax, fmin, norm, sqrt, sumsqr
+from jtik.symbolic import TINY, Expression, dot, fabs, fmax, fmin, sqrt, sumsqr
 
 
 def point_to_ball(point: Expression, center: Expression, radius: Expression) -> Expression:
-    """Signed distance [m] from a point to the surface of a ball; negative inside."""
-    return norm(point - center) - radius
+    """Signed distance [m] from a point to the surface of a ball; negative inside, with a gradient at the centre too."""
+    return sqrt(sumsqr(point - beside(center)) + CENTER**2) - radius
 
 
 def segment_to_ball(start: Expression, end: Expression, center: Expression, radius: Expression) -> Expression:

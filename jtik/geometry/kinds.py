@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from jtik.errors import ArgumentError
 from jtik.geometry.boxes import in_axes, point_to_box, segment_to_box
 from jtik.geometry.cylinders import Axis, point_to_cylinder, segment_to_cylinder
 from jtik.geometry.distances import (
@@ -55,6 +56,7 @@ class Kind(ABC):
         solid: the class of its solids.
         parameters: names of its parameters, each with one row, or one number, for each obstacle.
         sizes: those of them that are not negative.
+        judged: those of them whose rows `accepted_instead` judges.
         dimensions: 2 for the plane, 3 for space.
     """
 
@@ -62,6 +64,7 @@ class Kind(ABC):
     solid: ClassVar[type[Solid]]
     parameters: ClassVar[tuple[str, ...]]
     sizes: ClassVar[tuple[str, ...]] = ()
+    judged: ClassVar[tuple[str, ...]] = ()
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
 
     @abstractmethod
@@ -82,6 +85,10 @@ class Kind(ABC):
         return {
             name: np.array(column)[:-1] for name, column in zip(self.parameters, zip(*rows, strict=True), strict=True)
         }
+
+    def accepted_instead(self, row: Array) -> str | None:
+        """What would be accepted instead of a row of a judged parameter; None where the row is accepted."""
+        return None
 
     def at(self, parameters: Mapping[str, Expression], i: int) -> Distances:
         """The distances to the obstacle i of these parameters."""
@@ -139,7 +146,7 @@ class BoxKind(Kind):
     """Boxes: a centre, halves of the edges, and a quaternion (w, x, y, z) or in the plane an angle [rad]."""
 
     name, solid, parameters = "box", Box, ("box_centers", "box_halves", "box_rotations")
-    sizes = ("box_halves",)
+    sizes, judged = ("box_halves",), ("box_rotations",)
 
     def absent(self, dimension: int) -> Solid:
         """A box of edges of 2 m."""
@@ -148,6 +155,10 @@ class BoxKind(Kind):
     def numbers(self, obstacle: Box) -> tuple[Any, ...]:
         """Centre, half edges, rotation."""
         return obstacle.center, obstacle.half, obstacle.rotation
+
+    def accepted_instead(self, row: Array) -> str | None:
+        """A quaternion is not zero."""
+        return "quaternions (w, x, y, z) that are not zero" if row.size == 4 and not row.any() else None
 
     def distances(self, *numbers: Expression) -> Distances:
         """Of a box."""
@@ -167,6 +178,7 @@ class HalfSpaceKind(Kind):
     """Half-spaces; the live normals need not be of length 1."""
 
     name, solid, parameters = "half_space", HalfSpace, ("half_space_points", "half_space_normals")
+    judged = ("half_space_normals",)
 
     def absent(self, dimension: int) -> Solid:
         """A half-space below the origin."""
@@ -175,6 +187,10 @@ class HalfSpaceKind(Kind):
     def numbers(self, obstacle: HalfSpace) -> tuple[Any, ...]:
         """Point and normal."""
         return obstacle.point, obstacle.normal
+
+    def accepted_instead(self, row: Array) -> str | None:
+        """A normal is not zero."""
+        return None if row.any() else "normals that are not zero"
 
     def distances(self, *numbers: Expression) -> Distances:
         """Of a half-space."""
@@ -191,6 +207,7 @@ class PolygonKind(Kind):
     """Convex polygons: a row of coordinates x0, y0, x1, y1, ... each; the last corner is repeated."""
 
     name, solid, parameters, dimensions = "polygon", Polygon, ("polygon_vertices",), (2,)
+    judged = parameters
 
     def absent(self, dimension: int) -> Solid:
         """A triangle."""
@@ -207,6 +224,16 @@ class PolygonKind(Kind):
             vertices = np.asarray(self.numbers(each)[0]).reshape(-1, 2)
             rows.append(np.pad(vertices, ((0, corner_count - len(vertices)), (0, 0)), mode="edge").ravel())
         return {"polygon_vertices": np.array(rows).reshape(-1, 2 * corner_count)}
+
+    def accepted_instead(self, row: Array) -> str | None:
+        """The corners are those of a convex polygon, counterclockwise."""
+        vertices = row.reshape(-1, 2)
+        repeated = (vertices == np.roll(vertices, -1, axis=0)).all(axis=1)
+        try:
+            polygon = Polygon(vertices[~repeated])
+        except ArgumentError:
+            return COUNTERCLOCKWISE
+        return None if np.array_equal(polygon.vertices, vertices[~repeated]) else COUNTERCLOCKWISE
 
     def distances(self, *numbers: Expression) -> Distances:
         """Of a convex polygon."""
@@ -240,6 +267,10 @@ class CylinderKind(Kind):
 
 KINDS: tuple[Kind, ...] = (BallKind(), CapsuleKind(), BoxKind(), HalfSpaceKind(), PolygonKind(), CylinderKind())
 """The kinds of obstacles, in the order of the slots."""
+
+
+COUNTERCLOCKWISE = "in each row the corners x0, y0, x1, y1, ... of a convex polygon with an area, counterclockwise"
+"""Corners of live polygons, for errors."""
 
 
 def _rotation(turned: Expression) -> Expression:

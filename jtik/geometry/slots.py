@@ -194,6 +194,17 @@ class Slots:
         """Names of the parameters that no negative number can be assigned to."""
         return (*(name for kind in self.kinds for name in kind.sizes), *(["gains"] if self.gains else []))
 
+    @staticmethod
+    def accepted_instead(parameter: str, value: Array) -> str | None:
+        """What would be accepted instead of a value of a parameter; None where the value is accepted.
+
+        Corners are those of a convex polygon, counterclockwise; normals and quaternions are not zero.
+        """
+        for kind in KINDS:
+            if parameter in kind.judged:
+                return next(filter(None, map(kind.accepted_instead, np.asarray(value))), None)
+        return None
+
     def at(self, parameters: Mapping[str, Expression]) -> list[Slot]:
         """Every slot as expressions of the parameters, which have the shapes of `parameters`."""
         distances = [kind.at(parameters, i) for kind in self.kinds for i in range(self.counts[kind.name])]

@@ -25,6 +25,12 @@ th, td { padding: 0.3em 0.6em; } .wide { overflow-x: auto; } img { max-width: 10
 .muted { color: #6b7078; }
 """
 
+SURFACE = 200
+"""Number of polygons above which they are a picture of dots: a body in space has thousands."""
+
+RESOLUTION = 200
+"""Dots per inch of these."""
+
 
 def page(comparison: Comparison) -> str:
     """The report as HTML.
@@ -91,6 +97,8 @@ def _figures(comparison: Comparison) -> Iterator[tuple[str, Figure]]:
 
 def _picture(figure: Figure, heading: str) -> str:
     file = BytesIO()
-    figure.savefig(file, format="svg")
+    for collection in (each for axes in figure.axes for each in axes.collections):
+        collection.set_rasterized(len(collection.get_paths()) > SURFACE)
+    figure.savefig(file, format="svg", dpi=RESOLUTION)
     data = b64encode(file.getvalue()).decode("ascii")
     return f'<img alt="{html.escape(heading)}" src="data:image/svg+xml;base64,{data}">'

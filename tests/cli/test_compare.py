@@ -83,9 +83,18 @@ def test_invalid_options_are_explained_before_the_first_solve(
     assert message in refusal(capsys, "compare", *words)
 
 
-STUDY = "compare --robot panda --kind pose --problems reachable:2 --criterion joint_centering --repeats 1 --strategies"
+STUDY = (
+    "compare --robot planar:4 --kind pose --problems reachable:2 --criterion joint_centering --repeats 1 --strategies"
+)
 
 
+@pytest.fixture
+def short_report(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The report is a file of one word, where a test is not about its pictures."""
+    monkeypatch.setattr(Comparison, "to_html", lambda comparison, path: Path(path).write_text("report"))
+
+
+@pytest.mark.usefixtures("short_report")
 @pytest.mark.parametrize("columns", ["80", "100", "60"])
 def test_the_table_fits_and_names_what_it_leaves_out(tmp_path, capsys, monkeypatch, columns: str) -> None:
     monkeypatch.setenv("COLUMNS", columns)
@@ -117,6 +126,7 @@ def test_a_pipe_has_80_columns(tmp_path) -> None:
     assert run.stderr == ""
 
 
+@pytest.mark.usefixtures("short_report")
 def test_json_has_all_columns_and_nothing_else_is_on_stdout(tmp_path, capsys) -> None:
     words = [*STUDY.split(), "hybrid", "damped", "--json", "--out", str(tmp_path / "r.html")]
     assert main([*words, "--save", str(tmp_path / "study.npz")]) == 0
@@ -132,12 +142,14 @@ def test_json_has_all_columns_and_nothing_else_is_on_stdout(tmp_path, capsys) ->
     assert err.startswith("written: ")
 
 
+@pytest.mark.usefixtures("short_report")
 def test_a_picture_of_profiles(tmp_path, capsys) -> None:
     words = [*STUDY.split(), "hybrid", "damped", "--out", str(tmp_path / "r.html")]
     assert main([*words, "--plot", str(tmp_path / "profile.png")]) == 0
     assert (tmp_path / "profile.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.usefixtures("short_report")
 def test_a_file_that_cannot_be_written_costs_no_study(tmp_path, capsys) -> None:
     (tmp_path / "rows.csv").mkdir()
     words = [*STUDY.split(), "hybrid", "--csv", str(tmp_path / "rows.csv"), "--out", str(tmp_path / "r.html")]
@@ -148,6 +160,7 @@ def test_a_file_that_cannot_be_written_costs_no_study(tmp_path, capsys) -> None:
     assert (tmp_path / "r.html").exists()
 
 
+@pytest.mark.usefixtures("short_report")
 def test_what_was_done_before_an_interrupt_is_shown_and_written(tmp_path, capsys, monkeypatch) -> None:
     def interrupted(units, progress, label):
         yield next(iter(units))

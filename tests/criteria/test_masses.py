@@ -309,3 +309,5 @@ class TestWrongArguments:
             SupportPolygon(SQUARE, margin=0.0)
         with pytest.raises(jtik.UnknownNameError, match="hand"):
             SupportPolygon(SQUARE, frame="hand")([0.1, 0.2], weighted(planar(2)))
+        with pytest.raises(jtik.ArgumentError, match=r"^vertices: given .*; accepted: at least three corners"):
+            SupportPolygon(SQUARE)([0.1, 0.2], weighted(planar(2)), vertices=[SQUARE[i] for i in (0, 2, 1, 3)])

@@ -53,18 +53,30 @@ def compiled(kind, dimension, points, sizes):
     ends = [casadi.SX.sym(f"p{i}", dimension) for i in range(points)]
     numbers = [casadi.SX.sym(f"n{i}", size) for i, size in enumerate(sizes)]
     d = KIND[kind].distances(*numbers).of(*ends)
-    return casadi.Function("distance", [*ends, *numbers], [d, casadi.gradient(d, casadi.vertcat(*ends))])
+    first = casadi.gradient(d, casadi.vertcat(*ends))
+    return casadi.Function("distance", [*ends, *numbers], [d, first]), casadi.Function(
+        "hessian", [*ends, *numbers], [casadi.jacobian(first, casadi.vertcat(*ends))]
+    )
 
 
 def distance(obstacle, *points):
     """Signed distance of a point, or of a segment, and its gradient with respect to the points."""
+    d, gradient = evaluated(0, obstacle, *points)
+    return float(d), gradient.full()[:, 0]
+
+
+def hessian(obstacle, *points):
+    """The Hessian of that distance with respect to the points."""
+    return evaluated(1, obstacle, *points).full()
+
+
+def evaluated(which, obstacle, *points):
     kind = next(kind for kind in KINDS if isinstance(obstacle, kind.solid))
     numbers = [np.asarray(each, dtype=float).ravel() for each in kind.numbers(obstacle)]
     if kind.name == "polygon":  # corners that are repeated, as in a slot
         numbers = [np.pad(numbers[0].reshape(-1, 2), ((0, 8 - len(numbers[0]) // 2), (0, 0)), mode="edge").ravel()]
-    function = compiled(kind.name, len(points[0]), len(points), tuple(each.size for each in numbers))
-    d, gradient = function(*points, *numbers)
-    return float(d), gradient.full()[:, 0]
+    functions = compiled(kind.name, len(points[0]), len(points), tuple(each.size for each in numbers))
+    return functions[which](*points, *numbers)
 
 
 def random_bodies(obstacle, count, rng, reach=1.5):

@@ -11,7 +11,7 @@ import jtik
 from jtik.geometry import Axis, segment_to_cylinder
 
 from ..conftest import EXACT
-from .shapes import PLANAR, SPATIAL, distance, random_bodies, random_obstacle
+from .shapes import PLANAR, SPATIAL, distance, hessian, random_bodies, random_obstacle
 
 EVERY = [*((kind, 2) for kind in PLANAR), *((kind, 3) for kind in SPATIAL)]
 
@@ -177,3 +177,23 @@ def test_derivatives_of_a_segment_whose_middle_is_on_the_axis_of_a_cylinder_are_
     H, g = casadi.hessian(d, casadi.vertcat(*ends))
     found = casadi.Function("derivatives", ends, [d, g, H])(middle - across, middle + across)
     assert all(np.isfinite(each.full()).all() for each in found)
+
+
+@pytest.mark.parametrize(("kind", "dimension"), [each for each in EVERY if each[0] not in ("half_space", "polygon")])
+@pytest.mark.parametrize("size", [1, 2])
+def test_at_its_very_centre_an_obstacle_can_be_left(kind, dimension, size, rng):
+    """A point at the centre, or a segment through it: a gradient that leads out, and a Hessian of moderate size."""
+    for _ in range(20):
+        obstacle = random_obstacle(kind, dimension, rng)
+        ends = (obstacle.start, obstacle.end) if hasattr(obstacle, "start") else (obstacle.center, obstacle.center)
+        middle = (ends[0] + ends[1]) / 2
+        along = rng.normal(size=dimension)
+        body = [middle] if size == 1 else [middle - along, middle + along]
+        d, gradient = distance(obstacle, *body)
+        assert np.isfinite(d)
+        assert np.isfinite(gradient).all()
+        if size == 1 or kind != "capsule":  # in space segments cross at single configurations
+            assert np.linalg.norm(gradient) > 1e-3
+        h = hessian(obstacle, *body)
+        assert np.isfinite(h).all()
+        assert np.abs(h).max() < 1e15

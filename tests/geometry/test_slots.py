@@ -122,14 +122,60 @@ def test_what_does_not_fit_is_refused(build, error, says):
 
 
 def test_degenerate_live_values_stay_finite():
-    """A quaternion or normal of zeros, a box without extent, a polygon at one point."""
+    """A box without extent, a capsule at one point, a cylinder without an axis."""
     robot = dh_arm(4, 1)
     criterion = ObstacleAvoidance([], capacity={"box": 1, "half_space": 1, "cylinder": 1, "capsule": 1}, bodies="links")
     zero = {name: np.zeros_like(value) for name, value in criterion.slots(robot).parameters([]).items()}
+    zero = {name: value for name, value in zero.items() if name not in ("box_rotations", "half_space_normals")}
     zero["gains"] = np.ones(4)
     q = robot.random_configuration(np.random.default_rng(0))
     assert np.isfinite(criterion(q, robot, **zero))
     assert np.isfinite(criterion.gradient(q, robot, **zero)).all()
+
+
+SQUARE = [0, 0, 1, 0, 1, 1, 0, 1]
+TRIANGLE = [0, 0, 1, 0, 0, 1, 0, 1]
+
+
+@pytest.mark.parametrize(
+    ("dimension", "parameter", "wrong", "right"),
+    [
+        (3, "half_space_normals", [0, 0, 0], [0, 0, -3]),
+        (2, "half_space_normals", [0, 0], [1e-3, 0]),
+        (3, "box_rotations", [0, 0, 0, 0], [0, 0, 2, 0]),
+        (2, "polygon_vertices", [0, 0, 1, 0, 0.2, 0.2, 0, 1], SQUARE),  # not convex
+        (2, "polygon_vertices", [0, 0, 1, 0, 2, 0, 3, 0], TRIANGLE),  # no area
+        (2, "polygon_vertices", [1] * 8, TRIANGLE),  # one point
+        (2, "polygon_vertices", [0, 0, 0, 1, 1, 1, 1, 0], SQUARE),  # clockwise
+        (2, "polygon_vertices", [0, 0, 1, 1, 1, 0, 0, 1], SQUARE),  # it crosses itself
+    ],
+)
+@pytest.mark.parametrize("place", ["criterion", "clearance", "call"])
+def test_a_live_value_that_is_no_obstacle_is_refused(dimension, parameter, wrong, right, place):
+    """Of two slots the second one is wrong; what was there before stays."""
+    obstacle = {"polygon_vertices": jtik.Polygon([(5, 5), (6, 5), (6, 6), (5, 6)])} if dimension == 2 else {}
+    obstacle["half_space_normals"] = jtik.HalfSpace([5.0] * dimension, [1.0] * dimension)
+    if dimension == 3:
+        obstacle["box_rotations"] = jtik.Box.at([5.0] * 3, [1.0] * 3)
+    robot = arm_of(dimension)
+    field = ObstacleAvoidance([obstacle[parameter]] * 2, name="field")
+    rows = [right, wrong]
+    if place == "call":
+        with pytest.raises(jtik.ArgumentError, match=f"^{parameter}: given .*; accepted: "):
+            field(robot.neutral, robot, **{parameter: rows})
+        assert np.isfinite(field(robot.neutral, robot, **{parameter: [right, right]}))
+        return
+    if place == "criterion":
+        options, name = {"criteria": field}, f"field.{parameter}"
+    else:
+        options, name = {"clearances": jtik.Clearance(field, name="row"), "strategy": "weighted_qp"}, f"row.{parameter}"
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask(kind="position"), **options)
+    before = ik.parameters[name]
+    with pytest.raises(jtik.ArgumentError, match=f"^{name}: given .*; accepted: "):
+        ik.parameters[name] = rows
+    assert np.array_equal(ik.parameters[name], before)
+    ik.parameters[name] = [right, right]
+    assert ik.parameters[name][1].tolist() == right
 
 
 def test_a_live_rotation_turns_the_box():

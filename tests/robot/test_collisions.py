@@ -214,6 +214,15 @@ class TestNames:
         with pytest.raises(jtik.ArgumentError, match="exclude: given .*; accepted: pairs of names"):
             panda().collision_pairs(exclude=wrong)
 
+    @pytest.mark.parametrize("argument", ["exclude", "include"])
+    def test_a_body_and_itself_are_no_pair(self, argument):
+        with pytest.raises(
+            jtik.ArgumentError, match=rf"{argument}: given .*; accepted: two different .*\['panda_hand'\]"
+        ):
+            panda().collision_pairs(**{argument: [("panda_hand", "panda_hand")]})
+        with pytest.raises(jtik.ArgumentError, match=f"{argument}: given .*; accepted: .* two bodies on different"):
+            planar(4).collision_pairs(bodies="links", **{argument: [("link1-link2", "link1")]})
+
     def test_solids_of_a_robot_that_has_none(self):
         with pytest.raises(jtik.ArgumentError, match="bodies: given 'shapes' on Robot.*; accepted: 'links'"):
             planar(3).collision_pairs(bodies="shapes")

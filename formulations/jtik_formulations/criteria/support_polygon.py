@@ -90,6 +90,15 @@ class SupportPolygon(Criterion):
             robot.frame(self._frame)
         return {"vertices": self._vertices, "margin": self._margin}
 
+    def accepted_instead(self, parameter: str, value: Array) -> str | None:
+        """The corners are those of a convex polygon; one that is repeated counts once."""
+        try:
+            if parameter == "vertices":
+                _convex(parameter, value[(value != np.roll(value, -1, axis=0)).any(axis=1)])
+        except ArgumentError as error:
+            return error.accepted
+        return None
+
     def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
         """The sum of phi(1 - d_i / margin)."""
         margin, corners = fmax(parameters["margin"], SMALLEST_MARGIN), parameters["vertices"]

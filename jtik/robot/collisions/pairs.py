@@ -27,6 +27,8 @@ def pair_names(argument: str, given: object) -> tuple[tuple[str, ...], ...]:
             raise ArgumentError(argument, entry, ACCEPTED)
         if not all(isinstance(name, str) for name in names):
             raise ArgumentError(argument, entry, ACCEPTED)
+        if len(names) == 2 and names[0] == names[1]:
+            raise ArgumentError(argument, entry, f"two different bodies in a pair; [{names[0]!r}] is all its pairs")
         found.append(tuple(names))
     return tuple(found)
 
@@ -130,12 +132,16 @@ class CollisionPairs(Sequence[CollisionPair]):
         chosen: set[int] = set()
         for names in pair_names(argument, given):
             sides = [self._bodies(name) for name in names]
+            meant = set[int]()
             for i, pair in enumerate(self._all):
                 ends = (pair.first, pair.second)
                 if any(a in sides[0] and b in sides[-1] for a, b in (ends, ends[::-1])) or (
                     len(sides) == 1 and any(end in sides[0] for end in ends)
                 ):
-                    chosen.add(i)
+                    meant.add(i)
+            if len(sides) == 2 and not meant:
+                raise ArgumentError(argument, names, "the names of two bodies on different frames")
+            chosen |= meant
         return chosen
 
     def _bodies(self, name: str) -> set[str]:

@@ -17,6 +17,7 @@ from jtik.geometry import ABSENT, Obstacle, Scene, Slots
 from jtik.geometry.slots import read_counts
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, if_else
+from jtik.types import Array
 from jtik_formulations.criteria._parts.bodies import (
     CHOICES,
     BodyChoice,
@@ -78,6 +79,10 @@ class ObstacleCriterion(Criterion):
     def options(self) -> Mapping[str, object]:
         """The options besides obstacles, bodies and name, for the repr."""
         return {}
+
+    def accepted_instead(self, parameter: str, value: Array) -> str | None:
+        """Corners are those of a convex polygon; normals and quaternions are not zero."""
+        return Slots.accepted_instead(parameter, value)
 
     def own_parameters(self) -> Mapping[str, ArrayLike]:
         """Names and first values of the live parameters besides those of the obstacles."""
