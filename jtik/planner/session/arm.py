@@ -108,7 +108,18 @@ class Arm:
             "links": links,
             "reach": self.reach,
             "home": robot.home,
+            "no_meshes": _no_meshes(robot),
         }
+
+
+def _no_meshes(robot: Robot) -> str:
+    """Why there are no meshes to draw, as a sentence; empty where there are files of some."""
+    files = [mesh.file for own in robot.meshes.values() for mesh in own]
+    if not files:
+        return f"The description of {robot.name} names no mesh files that could be found."
+    if any(file.is_file() for file in files):
+        return ""
+    return f"None of the {len(files)} mesh files of {robot.name} is found, such as {files[0]}."
 
 
 def _body(frame: str, start: Array, end: Array, radius: float) -> dict[str, Any]:
