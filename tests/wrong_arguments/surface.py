@@ -409,6 +409,7 @@ SOLVER: dict[str, Entry] = {
             "criteria": Kind(frozenset({"None", "[]"})),
             "q0": OPTIONAL_Q,
             "limits": FLAG,
+            "weights": Kind(frozenset({"None", "{}"})),
             "safe": NON_NEGATIVE,
             "target_speed": Kind(frozenset({"None"})),
             "dt": POSITIVE,

@@ -90,7 +90,7 @@ class Arm:
         joints = []
         for joint in robot.independent_joints:
             entry: dict[str, Any] = {"name": joint.name, "type": joint.type.value, "scalar": joint.type in SLIDER}
-            entry["frame"] = joint.child
+            entry["frame"], entry["velocity"] = joint.child, robot.v_slice(joint.name).start
             if joint.type in SLIDER:
                 lower, upper = _range(joint.lower, joint.upper, SLIDER[joint.type])
                 limited = math.isfinite(joint.lower) or math.isfinite(joint.upper)
