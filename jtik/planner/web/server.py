@@ -11,8 +11,9 @@ import os
 import socket
 import threading
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 from urllib.parse import unquote
 
 from jtik.arguments import integer
@@ -27,6 +28,8 @@ from jtik.planner.web.planning import Planning
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
     from websockets.http11 import Request, Response
+
+T = TypeVar("T")
 
 PORT = 8731
 """Port when none is given."""
@@ -45,6 +48,9 @@ OPENING = 600
 
 MAX_MESSAGE = 64 * 2**20
 """Largest message of a page [bytes]: a whole plan."""
+
+WORKERS = 4
+"""Number of threads that answer requests."""
 
 STEERING = ("move_target", "hold_target", "jog")
 """Edits that keep the arm in motion after they were sent."""
@@ -111,6 +117,8 @@ class Server:
         self._rows: tuple[Row, ...] = ()
         self._thread: threading.Thread | None = None
         self._ends: Callable[[], None] = lambda: None
+        # of its own: the end of an event loop waits for the threads of its executor, and a film takes a minute
+        self._workers = ThreadPoolExecutor(WORKERS, "jtik planner page")
 
     @property
     def url(self) -> str:
@@ -138,10 +146,13 @@ class Server:
             )
         except OSError as error:
             raise _in_use(self.port) from error
-        async with server:
-            self.port = next(iter(server.sockets)).getsockname()[1]
-            ready()
-            await self._tabulate()
+        try:
+            async with server:
+                self.port = next(iter(server.sockets)).getsockname()[1]
+                ready()
+                await self._tabulate()
+        finally:
+            self._workers.shutdown(wait=False, cancel_futures=True)
 
     def start(self) -> Server:
         """Serve in a thread of its own, until `close`."""
@@ -186,6 +197,9 @@ class Server:
     ) -> None:
         self.close()
 
+    def _in_thread(self, work: Callable[..., T], *arguments: Any) -> asyncio.Future[T]:
+        return asyncio.get_running_loop().run_in_executor(self._workers, work, *arguments)
+
     async def _tabulate(self) -> None:
         """Keep the table of attempts up to date, measured in another thread."""
         seen = None
@@ -193,7 +207,7 @@ class Server:
             history = self._planner.loop.history
             if history is not seen:
                 seen, tables = history, self._table.of(history)
-                while (rows := await asyncio.to_thread(next, tables, None)) is not None:
+                while (rows := await self._in_thread(next, tables, None)) is not None:
                     self._rows = rows
                     if self._planner.loop.history is not history:
                         break
@@ -207,7 +221,7 @@ class Server:
             return response(http.HTTPStatus.FORBIDDEN, b"This page may not open the planner.\n", "text/plain")
         if path == "/socket":
             return None
-        return await asyncio.to_thread(document, path, self._planner)
+        return await self._in_thread(document, path, self._planner)
 
     async def _talk(self, connection: ServerConnection) -> None:
         """Serve one page: send what is new, submit its edits, and stop what it steered when it is gone."""
@@ -235,9 +249,8 @@ class Server:
             if given.get("type") == "hello":
                 return
             if given.get("type") == "load_plan":
-                await asyncio.to_thread(
-                    self._planner.load_text, str(given.get("text", "")), str(given.get("name", "plan.json"))
-                )
+                text, name = str(given.get("text", "")), str(given.get("name", "plan.json"))
+                await self._in_thread(self._planner.load_text, text, name)
                 return
             if given.get("edit") in ("save_plan", "load_plan"):
                 raise ArgumentError("message", given["edit"], "edits that name no file: a page saves by a download")
