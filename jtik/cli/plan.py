@@ -81,7 +81,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _work_goes_on(others: set[threading.Thread]) -> bool:
-    """Whether threads are still at work, apart from some others; the interpreter waits for daemons of executors, too."""
+    """Whether threads are still at work, apart from some others; the interpreter waits for daemons, too."""
     own = [each for each in threading.enumerate() if each not in others]
     end = time.monotonic() + PATIENCE
     for thread in own:
