@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -12,6 +13,7 @@ from jtik.result.jog import Jog
 from jtik.result.report import Report
 
 Direction = str | int | ArrayLike | None
+Velocity = Mapping[str, ArrayLike] | ArrayLike | None
 
 
 class ControlLoop:
@@ -38,10 +40,23 @@ class ControlLoop:
         """
         self._engine.warm_up(progress)
 
-    def reset(self) -> None:
-        """Forget the state that `step` keeps, as after a jump of the target; the robot is then at rest."""
+    def reset(self, *, velocity: Velocity = None) -> None:
+        """Forget the state that `step` and `jog` keep, as after a jump of the target, or before this solver takes over.
+
+        Args:
+            velocity: velocities of the joints from which limits of acceleration count in the next step with a ``dt``
+                [rad/s] or [m/s]: numbers (n,), or a dict from joint name to velocity, 0 for the others. None for rest.
+
+        Raises:
+            ArgumentError: for a velocity of another shape, or one that is not finite.
+            UnknownNameError: when a dict names a joint that does not exist.
+        """
+        read = self._engine.problem.robot.velocity_values
+        given = None if velocity is None else read(velocity, default=0.0, argument="velocity")
         self._engine.stepping.reset()
         self._engine.jogging.reset()
+        if given is not None:
+            self._engine.stepping.moves(given)
 
     def jog(self, q: ArrayLike, rate: float, *, direction: Direction = None, dt: float = 0.02) -> Jog:
         """One displacement along the self-motion: the arm moves, and what its tasks measure stays as it is at ``q``.

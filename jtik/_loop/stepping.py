@@ -23,6 +23,7 @@ from jtik.criterion import CriterionTerms
 from jtik.result.step import Step
 from jtik.robot import Robot
 from jtik.task import TaskStack
+from jtik.types import Array
 
 _FLOAT = np.dtype(np.float64)
 _new_tuple = tuple.__new__
@@ -159,6 +160,10 @@ class Stepping:
                 box.rest()
         finally:
             exclusive.busy = False
+
+    def moves(self, velocity: Array) -> None:
+        """Take a velocity (n,) [rad/s] as that of the last step with a time."""
+        self._runners.timed_box[1].moves(velocity)
 
     def _first(self) -> Runner:
         self._untimed = self._runners.step

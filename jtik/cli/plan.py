@@ -5,13 +5,19 @@ from __future__ import annotations
 import argparse
 import asyncio
 import contextlib
+import os
 import signal
 import sys
+import threading
+import time
 import webbrowser
 from pathlib import Path
 from typing import Any
 
 from jtik.cli.robots import read_robot
+
+PATIENCE = 0.3
+"""Time for threads without work to end [s]."""
 
 EPILOG = "Without options: a ten-link arm in a field of discs. Ctrl-C ends it; what was recorded is kept. Exit code: 0."
 
@@ -33,12 +39,17 @@ def add_arguments(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Serve the page until Ctrl-C, and return 0."""
+    """Serve the page until Ctrl-C, and return 0.
+
+    A solver that is being built, or a file that is being drawn, is given up: where such work goes on in a thread, the
+    process ends here.
+    """
     from jtik.geometry import Scene
     from jtik.planner import Planner
     from jtik.planner.web.desk import Desk
     from jtik.planner.web.server import PORT, Server, check_port
 
+    others = set(threading.enumerate())
     port = check_port(PORT if arguments.port is None else arguments.port)
     robot = None if arguments.robot is None else read_robot(arguments.robot)
     scene = None if arguments.scene is None else Scene.load(Path(arguments.scene))
@@ -62,7 +73,20 @@ def run(arguments: argparse.Namespace) -> int:
     with planner, contextlib.suppress(KeyboardInterrupt, asyncio.CancelledError):
         asyncio.run(_serve(server, ready))
     print("the planner is closed", file=sys.stderr)
+    if _work_goes_on(others):
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(0)  # the interpreter would wait for the threads
     return 0
+
+
+def _work_goes_on(others: set[threading.Thread]) -> bool:
+    """Whether threads are still at work, apart from some others; the interpreter waits for daemons, too."""
+    own = [each for each in threading.enumerate() if each not in others]
+    end = time.monotonic() + PATIENCE
+    for thread in own:
+        thread.join(max(0.0, end - time.monotonic()))
+    return any(thread.is_alive() for thread in own)
 
 
 async def _serve(server: Any, ready: Any) -> None:

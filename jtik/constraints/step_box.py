@@ -169,6 +169,10 @@ class StepBox:
         """Forget the last step: the robot is at rest."""
         self._last[:] = 0
 
+    def moves(self, velocity: Array) -> None:
+        """Take a velocity (n,) [rad/s] as that of the last step."""
+        self._last[:], self._clock[1], self._before = velocity, 1.0, 1.0
+
     def slowed(self, q: Array) -> Array:
         """``q`` (nq,), or the configuration before it at which no ball or free joint exceeds its limits (M7)."""
         if not self._unboxed.size:

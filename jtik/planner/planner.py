@@ -26,11 +26,12 @@ from jtik.planner.files.journal import Journal
 from jtik.planner.files.plan_file import Plan
 from jtik.planner.session import catalogue
 from jtik.planner.session.loop import DT, Loop
-from jtik.planner.session.settings import Problem, Structure, Values
+from jtik.planner.session.settings import Problem, Structure, Values, joint_weights
 from jtik.planner.session.solving import GIVEN, Solver
 from jtik.planner.session.state import Messages, State
 from jtik.registry import strategy_of
 from jtik.robot import JointType, Robot
+from jtik.robot.joint_weights import Weights
 from jtik.strategy import Strategy
 from jtik.task import FrameTask
 from jtik.task.reduction import reduced
@@ -78,6 +79,7 @@ class Planner:
         q0: where the arm begins, (nq,); `Robot.home` by default.
         limits: True for the robot's own limits, with 2 rad/s and 0.5 m/s for joints that have no limit of speed; False
             without limits of position; or a `jtik.Limits`.
+        weights: weights of the joints, as in `jtik.InverseKinematics`: heavy joints move less for the task.
         safe: smallest distance to obstacles that the clearance allows, once it is switched on [m].
         target_speed: largest speed [m/s] and angular speed [rad/s] of the target; by default a sixth of the robot's
             reach, and 1 rad/s.
@@ -108,6 +110,7 @@ class Planner:
         criteria: Criteria = CRITERIA,
         q0: ArrayLike | None = None,
         limits: bool | Limits = True,
+        weights: Weights = None,
         safe: float = SAFE,
         target_speed: tuple[float, float] | None = None,
         dt: float = DT,
@@ -133,12 +136,12 @@ class Planner:
             instance("executor", executor, Executor, "a concurrent.futures.Executor, or None")
         messages = Messages(clock)
         journal, former = _journal(folder, moving, messages)
-        names, weights, given = _criteria(criteria)
+        names, terms, given = _criteria(criteria)
         problem = Problem(
             robot=moving,
             task=wanted,
             criteria=catalogue.Criteria(given),
-            weights=weights,
+            weights=terms,
             bodies="shapes" if any(_moves(moving, frame) for frame in moving.shapes) else "both",
             limits=_limits(limits, moving),
             strategy=None if isinstance(strategy, str) else strategy_of(strategy),
@@ -151,6 +154,7 @@ class Planner:
             limits=problem.limits.position,
             clearance=False,
             slots=Slots.of(obstacles, None, moving.dimension),
+            joint_weights=joint_weights(moving, weights),
         )
         solver = Solver(problem, structure)
         preferred = np.clip(moving.neutral, moving.lower, moving.upper)

@@ -94,3 +94,28 @@ def test_warm_up_changes_no_result():
         assert one.q.tolist() == other.q.tolist()
         q = one.q
     assert cold.solve(target, q0=q).q.tolist() == warm.solve(target, q0=q).q.tolist()
+
+
+@pytest.mark.parametrize("velocity", [[0.4, -0.8, 0.0, 0.2], {"joint1": 0.4, "joint2": -0.8, "joint4": 0.2}])
+@pytest.mark.parametrize("warm", [True, False])
+def test_another_solver_goes_on_with_the_velocity_that_it_is_given(velocity, warm):
+    robot, dt = planar(4, lower=-2.0, upper=2.0), 0.01
+    limits = jtik.Limits(velocity=1.0, acceleration=5.0)
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind="position"), limits=limits)
+    q, speed = np.array([0.4, 0.3, 0.2, 0.1]), np.array([0.4, -0.8, 0.0, 0.2])
+    if warm:
+        ik.step(q, [1.0, 2.5], dt=dt)
+    ik.reset(velocity=velocity)
+    found = (ik.step(q, [-1.0, 0.5], dt=dt).q - q) / dt
+    assert np.abs(found - speed).max() <= 5.0 * dt * (1 + 1e-9)
+    assert np.abs(found - speed).max() > 1e-3
+    ik.reset()
+    assert np.abs(ik.step(q, [-1.0, 0.5], dt=dt).q - q).max() <= 5.0 * dt**2 * (1 + 1e-9)
+
+
+def test_without_limits_of_acceleration_a_velocity_changes_nothing():
+    ik = solver(planar(4, lower=-2.0, upper=2.0), strategy="hybrid", criteria=None)
+    q = np.array([0.4, 0.3, 0.2, 0.1])
+    first = ik.step(q, [1.0, 2.5], dt=0.01).q
+    ik.reset(velocity=[1.0, 1.0, 1.0, 1.0])
+    assert ik.step(q, [1.0, 2.5], dt=0.01).q.tolist() == first.tolist()

@@ -17,6 +17,7 @@ import pytest
 from websockets.sync.client import connect
 
 from jtik.cli import main
+from jtik.planner.files.sessions import recoverable
 from jtik.planner.web.server import PORT
 
 PATIENCE = 120.0
@@ -67,10 +68,10 @@ def test_a_port_in_use_is_one_line_and_told_at_once(capsys):
 class Running:
     """The command as a process of its own, and a page that talks to it."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, *program):
         words = ["plan", "--no-browser", "--port", "0", "--robot", "planar:3", "--folder", str(folder)]
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "jtik", *words],
+            [sys.executable, *(program or ("-m", "jtik")), *words],
             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # which a background process may ignore
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -121,6 +122,36 @@ def test_it_ends_cleanly(tmp_path, number):
     code, error = running.end(number)
     assert code == 0
     assert error.strip() == "the planner is closed"
+
+
+ENDLESS = """
+import sys, threading
+import jtik
+from jtik.cli import main
+from jtik_formulations import Newton
+
+@jtik.register_strategy("endless")
+class Endless(Newton):
+    def update(self, model, state):
+        threading.Event().wait()
+
+sys.exit(main(sys.argv[1:]))
+"""
+"""The command, with a strategy whose solver is never built."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_it_ends_while_a_solver_is_built(tmp_path, number):
+    running = Running(tmp_path, "-c", ENDLESS)
+    running.ask(edit="record")
+    running.ask(edit="set_strategy", name="endless")
+    running.wait("status", lambda found: found["rebuilding"])
+    code, error = running.end(number)
+    assert code == 0
+    assert error.strip() == "the planner is closed"
+    (session,) = recoverable(tmp_path)
+    assert session.closed
 
 
 @pytest.mark.slow

@@ -64,7 +64,7 @@ def problem(task: str = "position", speed: float = 2.0) -> Problem:
 @cache
 def first_solver(task: str = "position") -> Solver:
     slots = jtik.geometry.Slots(SLOTS, 2)
-    return Solver(problem(task), Structure("newton", {}, ("joint_centering",), True, False, slots))
+    return Solver(problem(task), Structure("newton", {}, ("joint_centering",), True, False, slots, (1.0,) * ROBOT.n))
 
 
 class Operator:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import count
+
 import numpy as np
 import pytest
 
+import jtik
+from jtik.planner import Planner
 from jtik.planner.edits.messages import (
     AddObstacle,
     ChangeObstacle,
@@ -20,7 +24,9 @@ from jtik.planner.edits.messages import (
     SetTargetSpeed,
     TakePosture,
 )
-from tests.planner.operator import ROBOT, Operator
+from jtik.planner.edits.of_attempts import Branch, Record, StopRecording, Undo
+from jtik.planner.session.loop import DT
+from tests.planner.operator import ROBOT, START, Later, Operator
 
 CIRCLE = {"shape": "circle", "center": [1.5, -2.0], "radius": 0.3}
 AVOIDING = SetCriteria(("joint_centering", "obstacle_avoidance"))
@@ -215,3 +221,58 @@ def test_a_message_is_told_once_in_a_while(operator: Operator) -> None:
     operator.go(5)
     operator.does(DeleteObstacle("pots"))
     assert len(operator.told) == 2
+
+
+ACCELERATION = 3.0
+PERIODS = count(1)
+
+
+def accelerations(q: np.ndarray) -> np.ndarray:
+    """Of samples one period apart [rad/s^2]."""
+    return np.abs(np.diff(q, n=2, axis=0)) / DT**2
+
+
+@pytest.fixture
+def slow_starter() -> Planner:
+    limits = jtik.Limits(velocity=2.0, acceleration=ACCELERATION)
+    return Planner(ROBOT, criteria=(), q0=START, limits=limits, folder=False, executor=Later(), clock=lambda: 0.0)
+
+
+def run(planner: Planner, seconds: float) -> np.ndarray:
+    """Some periods: configurations (k, nq)."""
+    found = []
+    for _ in range(round(seconds / DT)):
+        planner.loop.tick(next(PERIODS) * DT)
+        found.append(planner.loop.frame.q)
+    return np.array(found)
+
+
+def test_another_solver_goes_on_as_fast_as_the_arm_moves(slow_starter: Planner) -> None:
+    slow_starter.loop.submit(MoveTarget(tuple(np.add(slow_starter.loop.frame.position, (1.0, -0.6)))))
+    before = run(slow_starter, 0.5)
+    assert np.abs(np.diff(before, axis=0)[-1]).max() > 3 * ACCELERATION * DT**2  # no limit would allow that from rest
+    slow_starter.loop.submit(SetStrategy("damped"))
+    slow_starter.loop.submit(SetCriteria(("joint_centering",)))
+    q = np.concatenate([before, run(slow_starter, 0.4)])
+    assert slow_starter.loop.settings.strategy["name"] == "damped"
+    assert not slow_starter.loop.settings.rebuilding
+    assert accelerations(q).max() < ACCELERATION * (1 + 1e-6)
+
+
+def test_a_branch_goes_on_as_fast_as_the_attempt_and_undo_is_at_rest(slow_starter: Planner) -> None:
+    loop = slow_starter.loop
+    loop.submit(Record())
+    loop.submit(MoveTarget(tuple(np.add(loop.frame.position, (1.0, -0.6)))))
+    run(slow_starter, 1.2)
+    loop.submit(Branch("attempt 1", 0.5))
+    run(slow_starter, 0.6)
+    loop.submit(StopRecording())
+    run(slow_starter, 0.1)
+    branch = loop.history["attempt 1.1"]
+    assert accelerations(branch.configurations).max() < ACCELERATION * (1 + 1e-6)
+    fastest = np.abs(np.diff(branch.configurations, axis=0)).max() / DT
+    assert fastest > 3 * ACCELERATION * DT
+    loop.submit(Undo("attempt 1", 0.5))
+    first, attempt = run(slow_starter, DT)[0], loop.history["attempt 1"]
+    from_rest = np.abs(first - attempt.configurations[attempt.index(0.5)])
+    assert from_rest.max() < ACCELERATION * DT**2 * (1 + 1e-6)

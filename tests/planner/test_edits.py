@@ -20,6 +20,7 @@ EXAMPLES = [
     {"edit": "set_obstacle_gain", "name": "disc", "gain": 0.0},
     {"edit": "set_preferred", "joint": "joint1", "value": 0.5},
     {"edit": "take_posture"},
+    {"edit": "set_joint_weights", "weights": {"joint1": 20.0, "joint2": 0.5}},
     {"edit": "set_gain", "parameter": "joint_centering.stiffness", "value": [1.0, 2.0]},
     {"edit": "set_strategy", "name": "hybrid+qp", "options": {"q_limit": None}},
     {"edit": "set_criteria", "names": ["joint_centering"]},

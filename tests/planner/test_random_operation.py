@@ -33,6 +33,7 @@ def random_edits(generator: np.random.Generator, operator: Operator) -> Iterator
             edits.DeleteObstacle(name),
             edits.SetObstacleGain(name, float(generator.uniform(0, 2))),
             edits.SetPreferred(f"joint{generator.integers(1, 6)}", float(generator.uniform(-2, 2))),
+            edits.SetJointWeights({f"joint{generator.integers(1, 6)}": float(generator.choice([0.1, 1.0]))}),
             edits.TakePosture(),
             edits.SetGain("joint_centering.stiffness", float(generator.uniform(0, 3))),
             edits.SetGain("joint_centering.weight", float(generator.uniform(-0.1, 3))),

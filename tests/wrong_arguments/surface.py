@@ -395,6 +395,11 @@ SOLVER: dict[str, Entry] = {
         fixed(q=[0.3, 0.2], rate=0.5),
         {"q": CONFIGURATION, "rate": NUMBER, "direction": Kind(frozenset({"0", "None"})), "dt": POSITIVE},
     ),
+    "InverseKinematics.reset": Entry(
+        IK.reset,
+        fixed(velocity=[0.3, 0.2]),
+        {"velocity": CONFIGURATION | "None"},
+    ),
     "InverseKinematics.report": Entry(
         IK.report,
         fixed(q=[0.3, 0.2], target=(1.0, 1.0)),
@@ -411,6 +416,7 @@ SOLVER: dict[str, Entry] = {
             "criteria": Kind(frozenset({"None", "[]"})),
             "q0": OPTIONAL_Q,
             "limits": FLAG,
+            "weights": Kind(frozenset({"None", "{}"})),
             "safe": NON_NEGATIVE,
             "target_speed": Kind(frozenset({"None"})),
             "dt": POSITIVE,

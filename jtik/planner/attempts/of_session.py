@@ -20,7 +20,7 @@ from jtik.planner.files.journal import Journal
 from jtik.planner.files.plan_file import Plan
 from jtik.planner.files.plan_settings import to_plain
 from jtik.planner.session.frames import Mode
-from jtik.planner.session.state import State
+from jtik.planner.session.state import Motion, State
 from jtik.types import Array
 
 
@@ -235,14 +235,22 @@ class Attempts:
     def _live(self) -> None:
         self._shown, self.mode = None, "live"
 
-    def _undo(self, edit: edits.Undo | edits.Branch) -> None:
+    def _undo(self, edit: edits.Undo) -> None:
+        self._go_back(edit, moving=False)
+
+    def _go_back(self, edit: edits.Undo | edits.Branch, *, moving: bool) -> None:
+        """Put the arm and the obstacles where they were in an attempt, at rest or as fast as the arm was."""
         self.stop()
         attempt = self.history.branch(edit.attempt, edit.time)
         self._show(edit.attempt, edit.time, "scrubbing")
         q, position, orientation = self.sample()
         scene = attempt.scene_at(edit.time)
         self._live()
-        self._state.put(q, position, orientation)
+        i = attempt.index(edit.time)
+        motion = None
+        if moving and i > 0:
+            motion = Motion(attempt.configurations[i - 1], q, float(attempt.times[i] - attempt.times[i - 1]))
+        self._state.put(q, position, orientation, motion=motion)
         if scene is not None:
             self._editor.change_scene(Scene.from_dict(scene))
 
@@ -251,7 +259,7 @@ class Attempts:
         beginning = self.history.branch(edit.attempt, edit.time, new_name=edit.name)
         if beginning.name in self.history:
             raise ArgumentError("name", beginning.name, "a name that no other attempt has")
-        self._undo(edit)
+        self._go_back(edit, moving=True)  # so that the branch goes on without a jump of its velocities
         state = self._state
         wanted, settings = state.wanted, to_plain(state)
         self._begin(replace(beginning, strategy=wanted.strategy, criteria=wanted.criteria, settings=settings))

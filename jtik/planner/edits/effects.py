@@ -15,7 +15,7 @@ from jtik.geometry.slots import read_obstacles
 from jtik.planner.edits import messages as edits
 from jtik.planner.files.plan_settings import Restored
 from jtik.planner.session import catalogue, slots
-from jtik.planner.session.settings import Structure
+from jtik.planner.session.settings import Structure, joint_weights
 from jtik.planner.session.solving import GIVEN, Solver, Workshop
 from jtik.planner.session.state import State
 from jtik.robot import JointType
@@ -43,6 +43,7 @@ class Editor:
             edits.SetObstacleGain: self._set_obstacle_gain,
             edits.SetPreferred: self._set_preferred,
             edits.TakePosture: self._take_posture,
+            edits.SetJointWeights: self._set_joint_weights,
             edits.SetGain: self._set_gain,
             edits.SetStrategy: self._set_strategy,
             edits.SetCriteria: self._set_criteria,
@@ -89,8 +90,10 @@ class Editor:
         """The structure that was asked for last, with changes. What is wrong with them is found at once.
 
         Raises:
-            JtikError: for a strategy, an option or a criterion that does not exist.
+            JtikError: for a strategy, an option or a criterion that does not exist, or weights that cannot be used.
         """
+        if "joint_weights" in changes:
+            changes["joint_weights"] = joint_weights(self._state.problem.robot, changes["joint_weights"])
         wanted: Structure = replace(self._state.wanted, **changes)
         if wanted.strategy != GIVEN or self._state.problem.strategy is None:
             catalogue.strategy(wanted.strategy, wanted.options)
@@ -113,6 +116,8 @@ class Editor:
             changes |= {"strategy": settings.strategy.name, "options": dict(settings.strategy.options)}
         if settings.criteria is not None:
             changes["criteria"] = settings.criteria.names
+        if settings.joint_weights is not None:
+            changes["joint_weights"] = settings.joint_weights
         self.checked(**changes)
         read_obstacles(scene, state.arm.robot.dimension)
         values = {"preferred": settings.preferred, "gains": settings.gains, "safe": settings.safe}
@@ -178,6 +183,10 @@ class Editor:
 
     def _take_posture(self, edit: edits.TakePosture) -> None:
         self._state.set_values(preferred=self._state.q.copy())
+
+    def _set_joint_weights(self, edit: edits.SetJointWeights) -> None:
+        robot, weights = self._state.arm.robot, self._state.wanted.joint_weights
+        self._request(joint_weights=robot.velocity_values(dict(edit.weights), default=weights, argument="weights"))
 
     def _set_gain(self, edit: edits.SetGain) -> None:
         self._state.solver.set_gain(edit.parameter, np.array(edit.value))

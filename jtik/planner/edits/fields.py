@@ -8,7 +8,7 @@ from typing import Annotated, Any, TypeAlias
 import numpy as np
 
 from jtik import arguments
-from jtik.arguments import array_of, mapping
+from jtik.arguments import array_of, mapping, positive_number
 from jtik.errors import ArgumentError
 from jtik.planner.files.plain import label
 
@@ -69,6 +69,11 @@ def _direction(argument: str, value: object) -> str | int | tuple[float, ...]:
     return tuple(array_of(argument, value, [(None,)], accepted).tolist())
 
 
+def _weights(argument: str, value: object) -> Mapping[str, float]:
+    found = mapping(argument, value, "a mapping from the names of joints to their weights")
+    return {label(argument, key): positive_number(f"{argument}[{key!r}]", each) for key, each in found.items()}
+
+
 def _obstacle(argument: str, value: object) -> Mapping[str, Any]:
     return dict(mapping(argument, value, 'an obstacle, such as {"shape": "circle", "center": [4, 1], "radius": 0.5}'))
 
@@ -92,4 +97,5 @@ Coordinate: TypeAlias = Annotated[float, _coordinate]
 Direction: TypeAlias = Annotated[str | int | tuple[float, ...], _direction]
 ObstacleData: TypeAlias = Annotated[Mapping[str, Any], _obstacle]
 Options: TypeAlias = Annotated[Mapping[str, Any], _options]
+JointWeights: TypeAlias = Annotated[Mapping[str, float], _weights]
 Names: TypeAlias = Annotated[tuple[str, ...], _names]

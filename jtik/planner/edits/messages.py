@@ -17,6 +17,7 @@ from jtik.errors import ArgumentError, UnknownNameError
 from jtik.planner.edits.fields import (
     Coordinate,
     Direction,
+    JointWeights,
     Name,
     Names,
     ObstacleData,
@@ -200,6 +201,17 @@ class SetPreferred(Edit):
 @dataclass(frozen=True)
 class TakePosture(Edit):
     """Take the present posture as the preferred one."""
+
+
+@dataclass(frozen=True)
+class SetJointWeights(Edit):
+    """Set weights of joints: a step minimises the weighted sum of squares of its joint motions.
+
+    Attributes:
+        weights: positive numbers by name of the joint; joints that are not named keep theirs.
+    """
+
+    weights: JointWeights
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from jtik.arguments import array_of, flag, mapping, non_negative_number
 from jtik.errors import ArgumentError
 from jtik.planner.edits.messages import SetCriteria, SetGain, SetStrategy, SetTargetSpeed
 from jtik.planner.session.frames import plain
+from jtik.planner.session.settings import joint_weights
 from jtik.planner.session.state import State
 from jtik.robot import Robot
 from jtik.types import Array
@@ -24,6 +25,7 @@ def to_plain(state: State) -> dict[str, Any]:
         {
             "strategy": {"name": wanted.strategy, "options": wanted.options},
             "criteria": wanted.criteria,
+            "joint_weights": wanted.joint_weights,
             "limits": wanted.limits,
             "clearance": wanted.clearance,
             "safe": values.safe,
@@ -42,6 +44,7 @@ class Restored:
     Attributes:
         strategy: the strategy.
         criteria: the criteria.
+        joint_weights: weights of the velocity entries (n,).
         limits: whether the position limits hold.
         clearance: whether the clearance holds.
         safe: its smallest distance [m].
@@ -52,6 +55,7 @@ class Restored:
 
     strategy: SetStrategy | None
     criteria: SetCriteria | None
+    joint_weights: tuple[float, ...] | None
     limits: bool | None
     clearance: bool | None
     safe: float | None
@@ -63,7 +67,7 @@ class Restored:
 def from_plain(data: object, robot: Robot) -> Restored:
     """The settings of `to_plain`. Raises ArgumentError for other data, naming the key."""
     given = mapping("settings", data, "the settings of a plan")
-    known = ("strategy", "criteria", "limits", "clearance", "safe", "preferred", "gains", "target_speed")
+    known = tuple(each.name for each in fields(Restored))
     for key in given:
         if key not in known:
             raise ArgumentError(f"settings.{key}", given[key], f"one of {', '.join(known)}")
@@ -71,12 +75,17 @@ def from_plain(data: object, robot: Robot) -> Restored:
     if preferred is not None:
         accepted = f"{robot.nq} finite numbers"
         preferred = array_of("settings.preferred", preferred, [(robot.nq,)], accepted)
+    weights = given.get("joint_weights")
+    if weights is not None:
+        weights = array_of("settings.joint_weights", weights, [(robot.n,)], f"{robot.n} positive numbers")
+        weights = joint_weights(robot, weights)
     gains = given.get("gains")
     if gains is not None:
         gains = {name: _gain(name, value) for name, value in mapping("settings.gains", gains, "a mapping").items()}
     return Restored(
         strategy=_edit(SetStrategy, "strategy", given),
         criteria=SetCriteria(given["criteria"]) if "criteria" in given else None,
+        joint_weights=weights,
         limits=_flag("limits", given),
         clearance=_flag("clearance", given),
         safe=non_negative_number("settings.safe", given["safe"]) if "safe" in given else None,
@@ -97,8 +106,8 @@ def _gain(name: str, value: object) -> Any:
 def _edit(kind: Any, key: str, given: Mapping[str, Any]) -> Any:
     if key not in given:
         return None
-    fields = mapping(f"settings.{key}", given[key], "a mapping")
+    found = mapping(f"settings.{key}", given[key], "a mapping")
     try:
-        return kind(**fields)
+        return kind(**found)
     except TypeError:
-        raise ArgumentError(f"settings.{key}", fields, f"the fields of {kind.__name__}") from None
+        raise ArgumentError(f"settings.{key}", found, f"the fields of {kind.__name__}") from None

@@ -90,7 +90,7 @@ class Arm:
         joints = []
         for joint in robot.independent_joints:
             entry: dict[str, Any] = {"name": joint.name, "type": joint.type.value, "scalar": joint.type in SLIDER}
-            entry["frame"] = joint.child
+            entry["frame"], entry["velocity"] = joint.child, robot.v_slice(joint.name).start
             if joint.type in SLIDER:
                 lower, upper = _range(joint.lower, joint.upper, SLIDER[joint.type])
                 limited = math.isfinite(joint.lower) or math.isfinite(joint.upper)
@@ -108,7 +108,18 @@ class Arm:
             "links": links,
             "reach": self.reach,
             "home": robot.home,
+            "no_meshes": _no_meshes(robot),
         }
+
+
+def _no_meshes(robot: Robot) -> str:
+    """Why there are no meshes to draw, as a sentence; empty where there are files of some."""
+    files = [mesh.file for own in robot.meshes.values() for mesh in own]
+    if not files:
+        return f"The description of {robot.name} names no mesh files that could be found."
+    if any(file.is_file() for file in files):
+        return ""
+    return f"None of the {len(files)} mesh files of {robot.name} is found, such as {files[0]}."
 
 
 def _body(frame: str, start: Array, end: Array, radius: float) -> dict[str, Any]:

@@ -135,6 +135,7 @@ class Settings:
         version: grows with every change.
         strategy: name and options of the strategy.
         criteria: names of the criteria.
+        joint_weights: weights of the velocity entries (n,).
         scene: the obstacles by name, as plain data with the gain of each.
         preferred: preferred posture (nq,) [rad] and [m].
         gains: values of the live parameters by name.
@@ -149,6 +150,7 @@ class Settings:
     version: int
     strategy: Mapping[str, Any]
     criteria: tuple[str, ...]
+    joint_weights: tuple[float, ...]
     scene: Mapping[str, Any]
     preferred: tuple[float, ...]
     gains: Mapping[str, Any]

@@ -11,6 +11,7 @@ from jtik.planner.edits.messages import (
     Jog,
     MoveTarget,
     SetGain,
+    SetJointWeights,
     SetObstacleGain,
     SetPreferred,
     SetTargetSpeed,
@@ -66,4 +67,6 @@ def _replaced(edit: Edit) -> object:
         return edit.kind, edit.name
     if isinstance(edit, SetPreferred):
         return edit.kind, edit.joint
+    if isinstance(edit, SetJointWeights):
+        return edit.kind, *edit.weights
     return (edit.kind, edit.parameter) if isinstance(edit, SetGain) else None

@@ -47,6 +47,7 @@ def settings_of(state: State, shown: Mapping[str, Any] | None, *, rebuilding: bo
         version=state.changes,
         strategy={"name": wanted.strategy, "options": dict(wanted.options)},
         criteria=wanted.criteria,
+        joint_weights=wanted.joint_weights,
         scene=scene["obstacles"],
         preferred=tuple(values.preferred.tolist()),
         gains={name: value.tolist() for name, value in state.solver.gains.items()},

@@ -12,6 +12,7 @@ from jtik.geometry import Scene, Slots
 from jtik.planner.session.catalogue import Criteria
 from jtik.planner.session.frames import plain
 from jtik.robot import Robot
+from jtik.robot.joint_weights import Weights, read_weights
 from jtik.strategy import Strategy
 from jtik.task import FrameTask
 from jtik.types import Array
@@ -53,6 +54,7 @@ class Structure:
         limits: whether the position limits hold.
         clearance: whether the clearance holds.
         slots: the places for obstacles.
+        joint_weights: weights of the velocity entries (n,), as `jtik.InverseKinematics` takes them.
     """
 
     strategy: str
@@ -61,6 +63,7 @@ class Structure:
     limits: bool
     clearance: bool
     slots: Slots
+    joint_weights: tuple[float, ...]
 
     @property
     def key(self) -> str:
@@ -74,8 +77,20 @@ class Structure:
             self.clearance,
             dict(self.slots.counts),
             self.slots.corners,
+            self.joint_weights,
         ]
         return json.dumps(parts)
+
+
+def joint_weights(robot: Robot, given: Weights) -> tuple[float, ...]:
+    """The weights of the velocity entries (n,); 1 each where none are given.
+
+    Raises:
+        ArgumentError: for weights that cannot be used.
+        UnknownNameError: for a joint that does not exist.
+    """
+    found = read_weights(robot, given)
+    return (1.0,) * robot.n if found is None else tuple(found.tolist())
 
 
 @dataclass(frozen=True, eq=False)

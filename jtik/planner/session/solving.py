@@ -64,6 +64,7 @@ class Solver:
             strategy=_strategy(problem, structure),
             limits=_limits(problem.limits, structure.limits),
             clearances=clearance,
+            weights=structure.joint_weights,
             compiled=problem.compiled,
         )
         self.ik.warm_up()

@@ -6,7 +6,7 @@ import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -56,6 +56,20 @@ class Messages:
         self._count += 1
 
 
+class Motion(NamedTuple):
+    """The last motion of the arm.
+
+    Attributes:
+        before: where it began (nq,).
+        after: where it ended (nq,).
+        dt: its time [s].
+    """
+
+    before: Array
+    after: Array
+    dt: float
+
+
 class State:
     """Where the arm and its target are, what is set, and the solver.
 
@@ -87,6 +101,7 @@ class State:
         self.jog = Jog(0.0)
         self.jogged = ""
         self.changes = 0
+        self._motion: Motion | None = None
         solver.fill(values)
 
     def set_target_speed(self, speed: float, rotation: float) -> None:
@@ -106,6 +121,7 @@ class State:
             guided: whether the target moves, which comes before a motion along the self-motion.
         """
         self.jogged = ""
+        self._motion = None
         try:
             q = self._jog(dt) if self.jog.rate and not guided else self._follow(dt)
         except JtikError as error:
@@ -115,6 +131,7 @@ class State:
             self.messages.tell("error", f"the step failed: {type(error).__name__}: {error}")
             return
         if np.isfinite(q).all():
+            self._motion = Motion(self.q, q, dt)
             self.q = q
             return
         self.messages.tell("error", "the step led to no finite configuration; the arm stays where it is")
@@ -131,9 +148,9 @@ class State:
         return found.q
 
     def take(self, solver: Solver) -> None:
-        """Go on with another solver, from where the arm is."""
+        """Go on with another solver, from where the arm is and as fast as it moves."""
         self.solver = solver
-        solver.ik.reset()
+        solver.ik.reset(velocity=self._velocity())
         solver.fill(self.values)
         self.touch()
 
@@ -153,12 +170,27 @@ class State:
         self.solver.fill_scene(self.values)
         self.touch()
 
-    def put(self, q: Array, position: Array, orientation: Array | None) -> None:
-        """Put the arm and the target somewhere at once, at rest."""
+    def _velocity(self) -> Array | None:
+        """Velocity of the joints in the last step (n,) [rad/s] or [m/s]; None for rest."""
+        if self._motion is None:
+            return None
+        velocity: Array = self.arm.robot.difference(self._motion.before, self._motion.after) / self._motion.dt
+        return velocity
+
+    def put(self, q: Array, position: Array, orientation: Array | None, *, motion: Motion | None = None) -> None:
+        """Put the arm and the target somewhere at once; the target is at rest.
+
+        Args:
+            q: where the arm is then (nq,).
+            position: position of the target [m].
+            orientation: orientation of the target, a unit quaternion; None leaves it as it is.
+            motion: its last motion, which it goes on from; None for an arm at rest.
+        """
+        self._motion = motion
         self.q = np.array(q, dtype=float)
         self.target.put(position, self.target.orientation if orientation is None else orientation)
         self.jog = Jog(0.0)
-        self.solver.ik.reset()
+        self.solver.ik.reset(velocity=self._velocity())
 
 
 def target_of(problem: Problem, position: Array, orientation: Array | None) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,7 @@ from jtik.planner.commit.committing import check, commit
 from jtik.planner.edits import of_attempts as edits
 from jtik.planner.files.plain import LONGEST_NAME
 from jtik.planner.files.plan_file import Plan
+from jtik.planner.web.meshes import Meshes, encoded
 
 if TYPE_CHECKING:
     from jtik.planner.session.loop import Loop
@@ -61,6 +63,8 @@ class Desk:
     def __init__(self, loop: Loop) -> None:
         self.loop, self.arm = loop, loop.arm
         self._robot: Any = self.arm.robot
+        self._meshes: Meshes | None = None
+        self._reading = threading.Lock()
 
     def measures(self, attempt: Attempt) -> Mapping[str, Any]:
         """The measures of an attempt by name."""
@@ -69,6 +73,13 @@ class Desk:
     def findings(self, attempt: Attempt) -> list[str]:
         """What a check of an attempt finds, in words: limits, speeds, accelerations, clearance between samples."""
         return [finding.text for finding in check(attempt, self._robot, safe=self._safe())]
+
+    def meshes(self) -> Meshes:
+        """The meshes of the robot, whose files are read once."""
+        with self._reading:
+            if self._meshes is None:
+                self._meshes = encoded(self._robot)
+            return self._meshes
 
     def _safe(self) -> float:
         """Smallest distance to obstacles that is asked for [m]: 0, which is contact, while the clearance is off."""

@@ -10,26 +10,26 @@ import logging
 import os
 import socket
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Protocol
-from urllib.parse import quote, unquote
+from typing import TYPE_CHECKING, Any, TypeVar
+from urllib.parse import unquote
 
 from jtik.arguments import integer
 from jtik.errors import ArgumentError, JtikError, MissingExtraError
 from jtik.planner.attempts.rows import AttemptRows, Row
 from jtik.planner.edits import messages as edits
-from jtik.planner.web.http import FILES, KINDS, file, is_foreign, response
-from jtik.planner.web.outgoing import Outgoing, Published
+from jtik.planner.web.documents import document
+from jtik.planner.web.http import is_foreign, response
+from jtik.planner.web.outgoing import Outgoing
+from jtik.planner.web.planning import Planning
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
     from websockets.http11 import Request, Response
 
-    from jtik.planner.attempts.attempt import Attempt
-    from jtik.planner.attempts.history import History
-    from jtik.planner.session.arm import Arm
-    from jtik.planner.web.desk import Exported
+T = TypeVar("T")
 
 PORT = 8731
 """Port when none is given."""
@@ -49,52 +49,11 @@ OPENING = 600
 MAX_MESSAGE = 64 * 2**20
 """Largest message of a page [bytes]: a whole plan."""
 
-ABOUT = "Jtik-Export"
-"""Header of an exported file: how its motion was timed, and what a check of it finds, as JSON in percent encoding."""
-
-MOST_FINDINGS = 50
-"""Largest number of findings in that header."""
+WORKERS = 4
+"""Number of threads that answer requests."""
 
 STEERING = ("move_target", "hold_target", "jog")
 """Edits that keep the arm in motion after they were sent."""
-
-
-class Planning(Protocol):
-    """What the server needs of a planner; all of it may be called from any thread."""
-
-    @property
-    def loop(self) -> Running:
-        """The loop, which publishes frames and takes edits."""
-
-    @property
-    def arm(self) -> Arm:
-        """The robot."""
-
-    def measures(self, attempt: Attempt) -> Mapping[str, Any]:
-        """The measures of an attempt by name."""
-
-    def findings(self, attempt: Attempt) -> Sequence[str]:
-        """What a check of an attempt finds, in words."""
-
-    def exported(self, attempt: Attempt, kind: str) -> Exported:
-        """An attempt as a file of a kind."""
-
-    def plan_text(self) -> str:
-        """The whole plan as a file."""
-
-    def load_text(self, text: str, name: str) -> None:
-        """Go on from the text of a plan."""
-
-
-class Running(Published, Protocol):
-    """What the server needs of a loop."""
-
-    @property
-    def history(self) -> History:
-        """The attempts."""
-
-    def submit(self, edit: edits.Edit) -> bool:
-        """Hand an edit to the loop; False where too many wait."""
 
 
 class PortInUseError(JtikError):
@@ -158,6 +117,8 @@ class Server:
         self._rows: tuple[Row, ...] = ()
         self._thread: threading.Thread | None = None
         self._ends: Callable[[], None] = lambda: None
+        # of its own: the end of an event loop waits for the threads of its executor, and a film takes a minute
+        self._workers = ThreadPoolExecutor(WORKERS, "jtik planner page")
 
     @property
     def url(self) -> str:
@@ -185,10 +146,13 @@ class Server:
             )
         except OSError as error:
             raise _in_use(self.port) from error
-        async with server:
-            self.port = next(iter(server.sockets)).getsockname()[1]
-            ready()
-            await self._tabulate()
+        try:
+            async with server:
+                self.port = next(iter(server.sockets)).getsockname()[1]
+                ready()
+                await self._tabulate()
+        finally:
+            self._workers.shutdown(wait=False, cancel_futures=True)
 
     def start(self) -> Server:
         """Serve in a thread of its own, until `close`."""
@@ -233,6 +197,9 @@ class Server:
     ) -> None:
         self.close()
 
+    def _in_thread(self, work: Callable[..., T], *arguments: Any) -> asyncio.Future[T]:
+        return asyncio.get_running_loop().run_in_executor(self._workers, work, *arguments)
+
     async def _tabulate(self) -> None:
         """Keep the table of attempts up to date, measured in another thread."""
         seen = None
@@ -240,7 +207,7 @@ class Server:
             history = self._planner.loop.history
             if history is not seen:
                 seen, tables = history, self._table.of(history)
-                while (rows := await asyncio.to_thread(next, tables, None)) is not None:
+                while (rows := await self._in_thread(next, tables, None)) is not None:
                     self._rows = rows
                     if self._planner.loop.history is not history:
                         break
@@ -254,27 +221,7 @@ class Server:
             return response(http.HTTPStatus.FORBIDDEN, b"This page may not open the planner.\n", "text/plain")
         if path == "/socket":
             return None
-        return await asyncio.to_thread(self._document, path)
-
-    def _document(self, path: str) -> Response:
-        """A file of the page, or what is made on demand: a check, an export, the plan."""
-        place = FILES.get(path)
-        if place is not None:
-            return response(http.HTTPStatus.OK, place.read_bytes(), KINDS[place.suffix])
-        try:
-            if path == "/plan.json":
-                return file(self._planner.plan_text().encode(), "plan.json")
-            if path.startswith("/check/"):
-                found = self._planner.findings(self._planner.loop.history[path.removeprefix("/check/")])
-                return response(http.HTTPStatus.OK, json.dumps(list(found)).encode(), "application/json")
-            if path.startswith("/export/"):
-                kind, _, name = path.removeprefix("/export/").partition("/")
-                made = self._planner.exported(self._planner.loop.history[name], kind)
-                about = json.dumps({"about": made.about, "findings": made.findings[:MOST_FINDINGS]})
-                return file(made.body, f"{name}.{kind}", **{ABOUT: quote(about)})
-        except (JtikError, OSError) as error:
-            return response(http.HTTPStatus.BAD_REQUEST, f"{error}\n".encode(), "text/plain")
-        return response(http.HTTPStatus.NOT_FOUND, b"There is nothing at this address.\n", "text/plain")
+        return await self._in_thread(document, path, self._planner)
 
     async def _talk(self, connection: ServerConnection) -> None:
         """Serve one page: send what is new, submit its edits, and stop what it steered when it is gone."""
@@ -302,9 +249,8 @@ class Server:
             if given.get("type") == "hello":
                 return
             if given.get("type") == "load_plan":
-                await asyncio.to_thread(
-                    self._planner.load_text, str(given.get("text", "")), str(given.get("name", "plan.json"))
-                )
+                text, name = str(given.get("text", "")), str(given.get("name", "plan.json"))
+                await self._in_thread(self._planner.load_text, text, name)
                 return
             if given.get("edit") in ("save_plan", "load_plan"):
                 raise ArgumentError("message", given["edit"], "edits that name no file: a page saves by a download")

@@ -25,6 +25,7 @@ def record(page, planner, places):
     before = names(planner)
     page.find("#record").click()
     wait_for(lambda: planner.loop.frame.recording)
+    wait_for(lambda: page.text(".clock").startswith("recording "))
     for place in places:
         page.drag(planner.loop.frame.position, place)
         wait_for(lambda: is_still(planner))
@@ -55,6 +56,12 @@ def cell(page, name, column):
     if k is None:  # the table is not there yet
         return ""
     return page.find(f'tr[data-attempt="{name}"] td').nth(k).inner_text().replace("−", "-")
+
+
+def test_the_transport_stands_at_the_end_of_what_was_recorded(page, planner, first):
+    duration = planner.loop.history[first].duration
+    wait_for(lambda: abs(float(page.find("#scrub").input_value()) - duration) < 1e-2)
+    assert page.text(".clock") == f"{duration:.2f} / {duration:.2f} s"
 
 
 def test_what_was_recorded_is_in_the_table_with_its_measures(page, planner, first):

@@ -260,6 +260,25 @@ def test_the_preferred_posture_is_set_and_taken(page, planner):
     wait_for(lambda: np.allclose(planner.loop.settings.preferred, planner.loop.frame.q, atol=0.05))
 
 
+def test_weights_of_joints_are_set_by_number_and_by_slider_and_made_equal(page, planner):
+    def weights():
+        return planner.loop.settings.joint_weights
+
+    page.click_text("Joint weights")
+    page.find('input[type=number][aria-label="weight of joint2"]').fill("30")
+    page.keyboard.press("Enter")
+    wait_for(lambda: weights()[1] == 30)
+    slider = page.find('input[type=range][aria-label="weight of joint4"]')
+    slider.scroll_into_view_if_needed()
+    slider.press("End")
+    wait_for(lambda: weights() == (1, 30, 1, 1000, 1, 1, 1, 1, 1, 1))
+    page.find("#theme").focus()
+    wait_for(lambda: page.find('input[type=number][aria-label="weight of joint4"]').input_value() == "1000")
+    page.click_text("Equal weights")
+    wait_for(lambda: weights() == (1,) * 10)
+    wait_for(lambda: float(slider.input_value()) == 0)
+
+
 def test_gains_strategy_criteria_limits_and_clearance_are_changed(page, planner):
     gain = page.find('[data-gain="obstacle_avoidance.gain"] input[type=number]')
     gain.fill("3.5")

@@ -111,3 +111,9 @@ def test_dragging_the_ground_orbits_the_camera(page, planner):
     page.mouse.move(box["x"] + 130, box["y"] + box["height"] - 30, steps=4)
     page.mouse.up()
     assert page.js("() => planner.view.yaw") < yaw - 0.5
+
+
+def test_a_robot_without_mesh_files_says_so(page):
+    switch = page.get_by_label("Meshes")
+    assert switch.is_disabled()
+    assert "names no mesh files" in page.find(".tools .switch").get_attribute("title")

@@ -62,9 +62,11 @@ export function showDock(host) {
     send("scrub", at());
   });
   bar.addEventListener("change", () => (scrubbing = false));
+  let since = null; // when the recording began [ms]
   const fill = () => {
     bar.style.setProperty("--share", `${(100 * bar.value) / Math.max(1e-9, bar.max)}%`);
-    clock.textContent = `${Number(bar.value).toFixed(2)} / ${Number(bar.max).toFixed(2)} s`;
+    if (since !== null) clock.textContent = `recording ${((performance.now() - since) / 1000).toFixed(1)} s`;
+    else clock.textContent = `${Number(bar.value).toFixed(2)} / ${Number(bar.max).toFixed(2)} s`;
   };
 
   function refresh() {
@@ -77,10 +79,15 @@ export function showDock(host) {
     named.textContent = attempt?.name ?? "no attempt";
     choose.disabled ||= Boolean(attempt?.chosen);
     live.hidden = mode() === "live";
+    since = recording ? since ?? performance.now() : null;
     bar.max = attempt?.duration ?? 0;
+    if (attempt?.name !== shown && mode() === "live") bar.value = bar.max; // the arm is where it ends, or was last
+    shown = attempt?.name;
     fill();
   }
+  let shown = null;
   on("mode attempts", refresh);
+  on("status", () => since !== null && fill());
   on("frame", () => {
     if (!scrubbing && state.frame.shown >= 0) bar.value = state.frame.shown;
     if (mode() !== "live") fill();

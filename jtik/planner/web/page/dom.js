@@ -101,6 +101,31 @@ export function slider(label, { min, max, step = (max - min) / 400, unit = "", c
   return { node, input, set, mark };
 }
 
+// A labelled slider over decades, 10^low to 10^high, with a number field that takes more; with `zero` its left end is 0.
+// With `live` a change is told while the slider moves, else when it is let go.
+export function logField(label, { name, low, high, zero = false, live = true, change }) {
+  const toValue = (share) => (zero && share <= low ? 0 : Number((10 ** share).toPrecision(2)));
+  const input = el("input", { type: "range", min: low, max: high, step: 0.05, "aria-label": name });
+  const field = numberField(name, { min: zero ? 0 : 1e-4, change });
+  const fill = () => input.style.setProperty("--share", `${(100 * (input.value - low)) / (high - low)}%`);
+  const tell = () => change(toValue(input.valueAsNumber));
+  input.addEventListener("input", () => {
+    field.input.value = toValue(input.valueAsNumber);
+    fill();
+    if (live) tell();
+  });
+  if (!live) input.addEventListener("change", tell);
+  field.node.firstChild.remove();
+  const node = el("div", { class: "gain" }, el("span", { title: label }, label), el("span", { class: "track" }, input), field.node);
+  const show = (value) => {
+    if (typeof value !== "number" || document.activeElement === input) return;
+    field.set(value);
+    input.value = value > 0 ? Math.log10(value) : low;
+    fill();
+  };
+  return { node, input, show };
+}
+
 export function toggle(label, change) {
   const input = el("input", { type: "checkbox", role: "switch", onchange: () => change(input.checked) });
   const node = el("label", { class: "switch" }, input, el("span", {}, label));

@@ -44,6 +44,7 @@ export class Renderer {
     const gl = canvas.getContext("webgl", { antialias: true, premultipliedAlpha: true });
     if (gl === null) throw new Error("this browser has no WebGL, which the spatial view needs");
     this.gl = gl;
+    this.large = gl.getExtension("OES_element_index_uint") !== null; // meshes of any size
     const program = gl.createProgram();
     for (const [type, text] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
       const shader = gl.createShader(type);
@@ -72,6 +73,18 @@ export class Renderer {
     return { buffer, count: vertices.length / 7 };
   }
 
+  // A mesh of corners, position and normal (6 numbers each), and the corners of its triangles.
+  indexed(corners, triangles) {
+    const { gl } = this;
+    const buffer = gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.bufferData(gl.ARRAY_BUFFER, corners, gl.STATIC_DRAW);
+    const index = gl.createBuffer();
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, index);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, triangles, gl.STATIC_DRAW);
+    return { buffer, index, count: triangles.length };
+  }
+
   begin(width, height, background, view, eye) {
     const { gl } = this;
     gl.viewport(0, 0, width, height);
@@ -90,12 +103,13 @@ export class Renderer {
 
   draw(mesh, pose, size, colour, { stretch = 0, alpha = 1, lit = 1, fade = 0 } = {}) {
     const { gl, at } = this;
-    const { buffer, count } = typeof mesh === "string" ? this.meshes[mesh] : mesh;
+    const { buffer, index, count } = typeof mesh === "string" ? this.meshes[mesh] : mesh;
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     [[3, 0], [3, 12], [1, 24]].forEach(([width, offset], k) => {
       if (this.attributes[k] < 0) return;
+      if (index && offset === 24) return gl.disableVertexAttribArray(this.attributes[k]); // its value is then 0
       gl.enableVertexAttribArray(this.attributes[k]);
-      gl.vertexAttribPointer(this.attributes[k], width, gl.FLOAT, false, 28, offset);
+      gl.vertexAttribPointer(this.attributes[k], width, gl.FLOAT, false, index ? 24 : 28, offset);
     });
     gl.uniformMatrix4fv(at.pose, false, pose);
     gl.uniform3fv(at.size, size);
@@ -104,7 +118,9 @@ export class Renderer {
     gl.uniform1f(at.lit, lit);
     gl.uniform1f(at.fade, fade);
     gl.depthMask(alpha === 1);
-    gl.drawArrays(gl.TRIANGLES, 0, count);
+    if (!index) return gl.drawArrays(gl.TRIANGLES, 0, count);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, index);
+    gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
   }
 
   // Line segments as pairs of points, facing the eye, `width` pixels wide.

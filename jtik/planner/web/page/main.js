@@ -4,6 +4,7 @@ import { actions, commitDialog, showDock } from "./attempts.js";
 import { byId, download, el } from "./dom.js";
 import { listen, pollGamepad } from "./input.js";
 import { removeSelected } from "./obstacles.js";
+import { meshSwitch } from "./meshes.js";
 import { readColours } from "./palette.js";
 import { showPanels } from "./panels.js";
 import { PlanarView } from "./planar.js";
@@ -51,6 +52,7 @@ on("robot", () => {
   (planar() ? steerPlanar : steerSpatial)(view, redraw);
   window.planner.view = view;
   byId("tools").replaceChildren(
+    ...(planar() ? [] : [meshSwitch(view, redraw)]),
     el("button", { onclick: fit, title: "Show everything" }, "Fit"),
     ...(planar() ? [] : [["Top", -Math.PI / 2, 1.54], ["Front", 0, 0.05], ["Side", -Math.PI / 2, 0.05]].map(([name, yaw, pitch]) => el("button", { onclick: () => { Object.assign(view, { yaw, pitch }); redraw(); } }, name))),
     el("button", { onclick: clearPath, title: "Forget the path walked" }, "Clear path"),

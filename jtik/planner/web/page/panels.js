@@ -1,6 +1,6 @@
 // The panel to edit: target, obstacles, posture, strategy, criteria, limits. Each part sends edits and shows the setup.
 
-import { choice, el, numberField, part, shortNames, slider, toggle, words } from "./dom.js";
+import { choice, el, logField, numberField, part, shortNames, slider, toggle, words } from "./dom.js";
 import { jog } from "./input.js";
 import { obstaclePart } from "./obstacles.js";
 import { optionFields, readOptions } from "./options.js";
@@ -8,7 +8,7 @@ import { send } from "./socket.js";
 import { on, state } from "./state.js";
 
 export function showPanels(host) {
-  const parts = [targetPart, obstaclePart, posturePart, strategyPart, criteriaPart, limitsPart];
+  const parts = [targetPart, obstaclePart, posturePart, weightsPart, strategyPart, criteriaPart, limitsPart];
   on("robot", () => host.replaceChildren(...parts.map((make) => make())));
 }
 
@@ -55,6 +55,22 @@ function posturePart() {
     el("div", { class: "sliders" }, rows.map((row) => row.node)),
     el("div", { class: "row" }, el("button", { onclick: () => send("take_posture") }, "Take the present posture")),
   ]);
+}
+
+// Weights are built into a solver, so they are sent when a slider is let go.
+function weightsPart() {
+  const { joints } = state.setup;
+  const labels = shortNames(joints.map(({ name }) => name));
+  const rows = joints.map(({ name }, k) =>
+    logField(words(labels[k]), { name: `weight of ${name}`, low: -2, high: 3, live: false, change: (weight) => send("set_joint_weights", { weights: { [name]: weight } }) }),
+  );
+  on("settings", () => rows.forEach((row, k) => row.show(state.settings.joint_weights[joints[k].velocity])));
+  const equal = () => send("set_joint_weights", { weights: Object.fromEntries(joints.map(({ name }) => [name, 1])) });
+  return part("Joint weights", [
+    el("p", { class: "note" }, "A heavy joint moves less for the task."),
+    el("div", { class: "weights" }, rows.map((row) => row.node)),
+    el("div", { class: "row" }, el("button", { onclick: equal }, "Equal weights")),
+  ], false);
 }
 
 function strategyPart() {
@@ -109,30 +125,14 @@ function criterionRow({ name, summary }) {
   return el("div", { class: "criterion" }, box.node, chosen ? gains.map((parameter) => gainField(parameter, name)) : null);
 }
 
-// A gain over six decades: the left end of the slider is zero.
+// A gain over seven decades: the left end of the slider is zero.
 function gainField(parameter, criterion) {
   const label = words(parameter.slice(criterion.length + 1));
-  const [LOW, HIGH] = [-4, 3];
-  const toGain = (share) => (share <= LOW ? 0 : Number((10 ** share).toPrecision(2)));
-  const input = el("input", { type: "range", min: LOW, max: HIGH, step: 0.05, "aria-label": `${criterion}: ${label}` });
-  const field = numberField(`${criterion}: ${label}`, { min: 0, change: (value) => send("set_gain", { parameter, value }) });
-  input.addEventListener("input", () => {
-    const value = toGain(input.valueAsNumber);
-    field.input.value = value;
-    fill();
-    send("set_gain", { parameter, value });
-  });
-  const fill = () => input.style.setProperty("--share", `${(100 * (input.value - LOW)) / (HIGH - LOW)}%`);
-  field.node.firstChild.remove();
-  const node = el("div", { class: "gain", data: { gain: parameter }, title: parameter }, el("span", {}, label), el("span", { class: "track" }, input), field.node);
-  node.show = (value) => {
-    if (typeof value !== "number" || document.activeElement === input) return;
-    field.set(value);
-    input.value = value > 0 ? Math.log10(value) : LOW;
-    fill();
-  };
-  node.show(state.settings.gains[parameter]);
-  return node;
+  const field = logField(label, { name: `${criterion}: ${label}`, low: -4, high: 3, zero: true, change: (value) => send("set_gain", { parameter, value }) });
+  Object.assign(field.node, { title: parameter, show: field.show });
+  field.node.dataset.gain = parameter;
+  field.show(state.settings.gains[parameter]);
+  return field.node;
 }
 
 function limitsPart() {

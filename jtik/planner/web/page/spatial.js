@@ -3,6 +3,7 @@
 import { drawAxes, drawGizmo } from "./gizmo.js";
 import { FIELD, project, Renderer } from "./gl.js";
 import { add, cross, dot, lookAt, multiply, norm, perspective, rigid, rotate, scale, sub, transposed, unit } from "./math.js";
+import { drawMeshes } from "./meshes.js";
 import { attemptRgb, rgb, shade } from "./palette.js";
 import { centre, rotationOf, turns, upTo } from "./shapes.js";
 import { limited, obstacles, placed, state, touches } from "./state.js";
@@ -20,6 +21,7 @@ export class SpatialView {
     this.middle = [0, 0, 0.3];
     this.size = [1, 1];
     this.hot = null;
+    this.meshes = null; // what `showMeshes` has loaded, while it is shown
   }
 
   resize(width, height) {
@@ -115,7 +117,9 @@ export class SpatialView {
   }
 
   arm(poses) {
+    if (this.meshes) drawMeshes(this.renderer, this.meshes, poses);
     for (const { start, end, body } of placed(poses)) {
+      if (this.meshes?.hides(body)) continue;
       const touched = touches(body);
       this.capsule(start, end, touched ? 1.01 * body.radius : body.radius, rgb(touched ? "alarm" : "arm"));
     }
