@@ -30,8 +30,14 @@ from jtik.types import Array
 FALLS = 1e-2
 """|J' r| / (|J| |r|) above which the error would fall without the criterion: no minimum of the error is near."""
 
-FLAT_OUT_OF_REACH = 1e-3
-"""|J' r| / (|J| |r|) below which a distant target counts as approached as far as it can be."""
+NEARLY_FLAT = 1e-3
+"""|J' r| / (|J| |r|) below which a distant target counts as approached as far as it can be, and others may."""
+
+APPROACH = 1e-5
+"""Possible decrease of V relative to |J| |r| [rad] below which it is no approach: a motion of so many rad makes it."""
+
+SHARE = 1e-3
+"""Possible decrease of V relative to V below which it may be none: more of an error as small as `APPROACH`."""
 
 LARGER = 3.0
 """How much larger the gradient has to be with the joints at limits than without them to be that of the limits."""
@@ -47,7 +53,7 @@ class Inspector:
         self, problem: SymbolicProblem, escape: SaddleEscape, certificate: MinimumCertificate, runners: Runners
     ) -> None:
         self._problem, self._runners = problem, runners
-        self._lowest_curvature, self._certificate = escape.lowest_curvature, certificate
+        self._escape, self._certificate = escape, certificate
         self._evaluate = CompiledFunction(problem.once("report", problem.report))
         self._error = CompiledFunction(problem.error)
         self._task_alone = TaskAlone(problem, self._error_for)
@@ -205,18 +211,25 @@ class Inspector:
         # of task and criterion, but that is not what keeps the task from its target
         if code is Code.COMPROMISE and self._task_alone.reaches(found, q, inputs.target) is not None:
             return Status.LIMITS
-        distant = is_distant(self._problem, found.residual)
-        flat = FLAT_OUT_OF_REACH if distant else FLAT
+        nearly = is_distant(self._problem, found.residual) or (of_free > FLAT and self._is_as_near(found, q, inputs))
+        flat = NEARLY_FLAT if nearly else FLAT
         if code is not Code.COMPROMISE:
             if of_free > flat:
                 return Status.ITERATION_LIMIT if at_limit else Status.STALLED
-            if of_all > (max(FLAT, LARGER * of_free) if distant else FLAT):
+            if of_all > (max(FLAT, LARGER * of_free) if nearly else FLAT):
                 return Status.LIMITS
-        lowest = self._lowest_curvature(q, inputs, flat)[0]
+        lowest = self._escape.lowest_curvature(q, inputs, flat)[0]
         # close to a minimum, an eigenvalue that is zero at the minimum can be as negative as the relative gradient
-        if lowest > -max(NEGATIVE, of_all, flat if distant else 0):
+        if lowest > -max(NEGATIVE, of_all, flat if nearly else 0):
             return Status.LOCAL_MINIMUM
         return Status.ITERATION_LIMIT if at_limit else Status.SINGULAR
+
+    def _is_as_near(self, found: Report, q: Array, inputs: Inputs[Array]) -> bool:
+        """Whether q is as near as it can be but for what is no approach, where the gradient nearly vanishes."""
+        if found.levels or found.relative_gradient[1] > NEARLY_FLAT:
+            return False
+        r, J = length(found.residual), length(found.weighted)
+        return self._escape.possible_decrease(q, inputs) <= min(APPROACH * J * r, SHARE * r**2 / 2)
 
     def _task_alone_reaches(self, found: Report, q: Array, inputs: Inputs[Array]) -> bool:
         """Whether a step of the task alone that keeps limits and clearances removes most of the error at q."""

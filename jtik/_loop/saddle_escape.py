@@ -7,6 +7,7 @@ noise is added. It keeps limits and clearances, as any step does. See formulatio
 
 from __future__ import annotations
 
+import math
 import threading
 from functools import cached_property
 
@@ -127,6 +128,29 @@ class SaddleEscape:
                 if v @ hessian @ v < lowest:
                     lowest, best = float(v @ hessian @ v), v
         return lowest, best, criterion[:, 0]
+
+    def possible_decrease(self, q: Array, inputs: Inputs[Array]) -> float:
+        """How much V can fall within 1 rad along each direction, by its gradient and its Hessian.
+
+        Joints at a limit that V pushes outward stay where they are.
+
+        Args:
+            q: configuration, (nq,).
+            inputs: target, parameters and limits.
+        """
+        with self._lock:
+            _, gradient, hessian, _ = self._curvature(q, inputs.target, inputs.parameters)
+        free = np.ones(self._problem.robot.n, dtype=bool)
+        for i, j in self._problem.scalar:
+            at_upper, at_lower = q[i] >= inputs.upper[i] - AT_LIMIT, q[i] <= inputs.lower[i] + AT_LIMIT
+            free[j] = not ((at_upper and gradient[j, 0] < 0) or (at_lower and gradient[j, 0] > 0))
+        if not np.isfinite(hessian).all():
+            return math.inf
+        values, vectors = np.linalg.eigh(hessian[np.ix_(free, free)])
+        slopes = np.abs(vectors.T @ gradient[free, 0])
+        lengths = np.ones(len(values))
+        np.divide(slopes, values, out=lengths, where=values > slopes)
+        return float(lengths @ slopes - lengths**2 @ values / 2)
 
     def escape(self, q: Array, inputs: Inputs[Array]) -> bool:
         """Move q away from a saddle point of V.

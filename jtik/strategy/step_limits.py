@@ -9,9 +9,15 @@ from jtik.strategy.model import LocalModel
 from jtik.symbolic import Expression, fmax, fmin, logic_and, logic_not, logic_or, ratio, vertcat
 
 
-def limited_box(model: LocalModel, limit: float) -> tuple[Expression, Expression]:
-    """The box of the joint limits, (n, 1) each, in which no rotation is longer than ``limit`` [rad]."""
-    low, high = model.box
+def limited_box(model: LocalModel, limit: float, share: Expression = 1) -> tuple[Expression, Expression]:
+    """The box of the joint limits, (n, 1) each, in which no rotation is longer than ``limit`` [rad].
+
+    Args:
+        model: the local model.
+        limit: largest rotation [rad].
+        share: share of the displacement that is taken; the joint limits are those of this share.
+    """
+    low, high = (bound / share for bound in model.box)
     if not math.isfinite(limit):
         return low, high
     largest = [model.coordinates.entry(j, limit) if turns else math.inf for j, turns in enumerate(model.rotational)]

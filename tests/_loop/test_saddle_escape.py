@@ -253,3 +253,28 @@ class TestAnErrorThatNoMotionChanges:
         if not visible:
             assert solution.status is jtik.Status.SINGULAR
             assert solution.q.tolist() == STRAIGHT.tolist()
+
+
+class TestHowFarTheErrorCanStillFall:
+    """One link of 1 m and a target at (d, 0): V = (1 + d^2 - 2 d cos q) / 2, V' = d sin q, V'' = d cos q."""
+
+    @pytest.mark.parametrize("d", [2.0, 1e3])
+    @pytest.mark.parametrize("q", [1e-3, -0.1, 1.2, 2.0, -2.0])
+    def test_in_closed_form(self, d, q):
+        ik = jtik.InverseKinematics(planar(1), jtik.FrameTask())
+        slope, curvature = d * abs(np.sin(q)), d * np.cos(q)
+        falls = slope**2 / (2 * curvature) if curvature > slope else slope - curvature / 2
+        assert decrease(ik, q, d) == pytest.approx(falls, rel=1e-9)
+
+    def test_a_joint_at_a_limit_that_the_error_pushes_outward_stays(self):
+        ik = jtik.InverseKinematics(planar(1, lower=-0.5, upper=0.5), jtik.FrameTask())
+        assert decrease(ik, 0.5, -2.0) == 0.0  # V falls beyond the limit
+        assert decrease(ik, 0.5, 2.0) > 0.1  # V falls on the way back
+
+
+def decrease(ik, q, d):
+    """The possible decrease of V at q for a target at (d, 0)."""
+    engine = ik._engine
+    inputs = engine.solving._memory.inputs
+    inputs.target[:] = d, 0.0
+    return engine._escape.possible_decrease(np.array([q]), inputs)

@@ -37,6 +37,7 @@ def closest(robot, target, q):
         lambda q: robot.position(q) - nearer,
         inside,
         bounds=(robot.lower, robot.upper),
+        jac=lambda q: robot.jacobian(q)[: len(target)],
         xtol=1e-15,
         ftol=1e-15,
         gtol=1e-13,
@@ -125,6 +126,54 @@ def test_a_pose_is_said_to_be_out_of_reach_while_its_orientation_converges(strat
         missed = np.linalg.norm(robot.position(solution.q) - closest(robot, target[:3, 3], solution.q))
         if factor >= 1e4:  # nearer, the orientation has a weight in where the position ends
             assert missed < 1e-3 * 0.95
+
+
+SLOW = ("selectively_damped", "transpose")
+"""Strategies whose docs say that they approach it linearly: up to 100 times the reach not in 1000 iterations."""
+
+
+@pytest.mark.parametrize("kind", ["position", "pose"])
+@pytest.mark.parametrize("strategy", large_ones_slow(POSES))
+def test_an_arm_within_its_limits(strategy, kind):
+    """Joints stop at their limits on the way; the others go on to the closest posture."""
+    robot = jtik.Robot.builtin("panda")
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask(kind=kind), strategy=strategy)
+    for factor in [1e3, 1e6, 1e9] if strategy in SLOW else [1.5, 10.0, 100.0, 1e3, 1e6, 1e9]:
+        rng = np.random.default_rng(2)
+        for _ in range(5):
+            q0, direction = robot.random_configuration(rng), rng.normal(size=3)
+            target = robot.pose(robot.random_configuration(rng))
+            target[:3, 3] = factor * direction / np.linalg.norm(direction)
+            solution = ik.solve(target[:3, 3] if kind == "position" else target, q0=q0)
+            assert solution.status in (jtik.Status.LOCAL_MINIMUM, jtik.Status.LIMITS), factor
+            if kind == "position" or factor >= 1e6:  # there the position alone decides
+                missed = np.linalg.norm(robot.position(solution.q) - closest(robot, target[:3, 3], solution.q))
+                assert missed < 1e-3, factor  # [m], of a reach of about 1.2 m
+
+
+def test_the_docs_say_which_strategies_are_slow():
+    for name in SLOW:
+        assert "out of reach" in jtik.strategies[name].__doc__
+
+
+@pytest.mark.parametrize("strategy", ["hybrid", "selectively_damped", "transpose"])
+def test_a_solve_that_ends_close_to_the_closest_posture_says_so(strategy):
+    """Also at the iteration limit: the closest distance is 2 m, of a reach of 4 m."""
+    ik = solver_of(strategy)
+    said, not_said = 0, 0
+    for q0, angle in starts():
+        for limit in (1, 3, 10, 20, 40, 80, 160):
+            target = 6 * np.array([math.cos(angle), math.sin(angle)])
+            solution = ik.solve(target, q0=q0, max_iterations=limit)
+            missed = solution.position_error - 2.0
+            if solution.status is jtik.Status.LOCAL_MINIMUM:
+                said += 1
+                assert missed < 4e-4
+            else:
+                not_said += 1
+                assert missed > 4e-6
+    assert said
+    assert not_said
 
 
 def test_early_ends_and_folded_arms_are_not_called_out_of_reach():

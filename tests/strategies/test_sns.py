@@ -20,7 +20,7 @@ from jtik_formulations.strategies._parts.saturation import Saturation
 from jtik_formulations.strategies.sns import sns
 from jtik_formulations.strategies.sns_qp import QPScaling
 
-from ..conftest import EXACT, dh_arm, planar, planar_jacobian, planar_points
+from ..conftest import EXACT, dh_arm, planar, planar_jacobian, planar_points, slow
 
 AGREE = 1e-8
 """Between an answer in closed form and one of a solver whose tolerances are 1e-8 to 1e-10."""
@@ -415,6 +415,17 @@ class TestSolving:
         )
         assert (np.abs(np.abs(oracle.x) - 0.5) < 1e-9).sum() >= 2
         assert solution.q == pytest.approx(oracle.x, abs=1e-5)
+
+    @pytest.mark.parametrize("strategy", ["sns", *slow("sns_qp")])
+    def test_a_shortened_step_reaches_a_limit(self, strategy):
+        """A joint that only halved its distance to the limit would never become active, and end every task there."""
+        arm = planar(4, lower=-1.0, upper=1.0)
+        ik = jtik.InverseKinematics(arm, jtik.FrameTask(), strategy=strategy)
+        rng = np.random.default_rng(0)
+        for factor in [1.5] * 12 + [10.0] * 12:
+            q0, angle = rng.uniform(-1, 1, 4), rng.uniform(-math.pi, math.pi)
+            solution = ik.solve(4 * factor * np.array([math.cos(angle), math.sin(angle)]), q0=q0)
+            assert solution.status in (jtik.Status.LOCAL_MINIMUM, jtik.Status.LIMITS)
 
     @pytest.mark.slow
     def test_the_basic_rule_keeps_the_contract(self):

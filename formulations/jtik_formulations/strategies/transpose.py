@@ -64,6 +64,7 @@ class Transpose(Composition):
 
     Prefer it to study the paper, or where a bounded step without any factorisation matters more than the number of
     steps: it is steepest descent on V, exact for one task coordinate and slow for ill-conditioned J.
+    For a target out of reach it may need more than 1000 steps to the closest posture, within joint limits above all.
 
     Attributes:
         rule: ``"optimal"`` (alpha from S = I, then S, then the smaller alpha) or ``"paper"`` (as printed).

@@ -118,7 +118,7 @@ class TaskScaling(Programmed):
     def propose(self, model: LocalModel, state: State) -> Proposal:
         """All levels, the highest first, then the criterion."""
         fraction = BACKTRACKING.fraction(state) if self.backtracking else 1
-        here, unlimited, shares = self._tasks(model, self.initial(model, *limited_box(model, self.q_limit)))
+        here, unlimited, shares = self._tasks(model, self.initial(model, *limited_box(model, self.q_limit, fraction)))
         task, null, proposed = fraction * here.x, None, None
         if model.has_criterion:
             proposed, wanted_null = self._null_space(model, state, here)
