@@ -188,7 +188,7 @@ class Composition(Strategy):
         secondary = self._checked_secondary_term() if model.has_criterion or model.clearance else None
         proposing = CheckedCall(self, task_step, "propose")
         task = proposing(TaskDisplacement, model, state).checked(proposing, model).completed(model)
-        task_dq = model.fitted(task.dq)
+        task_dq = model.fitted(task.dq - model.weak_motion)
         proposed = NullSpaceDisplacement.none(n)
         if secondary:
             proposing = CheckedCall(self, secondary, "propose")
@@ -298,7 +298,7 @@ class _Step:
     @property
     def as_proposed(self) -> bool:
         """Whether neither limits nor clearances can have changed the task displacement."""
-        return not (self.model.bounded or self.model.clearance)
+        return not (self.model.bounded or self.model.clearance or self.model.accelerated)
 
     @cached_property
     def predicted(self) -> Expression:
