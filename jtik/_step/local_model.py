@@ -11,6 +11,7 @@ from jtik._step.clearances import clearance_model
 from jtik._step.distant_target import NearerTarget
 from jtik._step.inputs import Inputs, Settings
 from jtik._step.symbolic_problem import SymbolicProblem
+from jtik.constraints.limits import AT_LIMIT
 from jtik.qp.recorder import QPRecorder
 from jtik.strategy import Evaluation, LocalModel
 from jtik.symbolic import (
@@ -107,6 +108,7 @@ def linearized(
             problem,
             state,
             J,
+            {j: (q[i] <= limits[0][i] + AT_LIMIT, q[i] >= limits[1][i] - AT_LIMIT) for i, j in problem.bounded},
             curvature=curvature,
             singular=SINGULAR * squared,
             acceleration=acceleration,

@@ -49,6 +49,7 @@ class MinkStep:
         solver: str,
         has_criterion: bool,
         weights: Array | None = None,
+        own_error: bool = True,
     ) -> None:
         if solver not in qpsolvers.available_solvers:
             names = ", ".join(qpsolvers.available_solvers)
@@ -75,7 +76,16 @@ class MinkStep:
             last, stop = first + task.row_count(robot), start + task.target_size(robot)
             rows, numbers = slice(first, last), slice(start, stop)
             self._parts.append(
-                _TaskPart.of(task, robot, strategy, rows, numbers, self._places, strict=first in strict_rows)
+                _TaskPart.of(
+                    task,
+                    robot,
+                    strategy,
+                    rows,
+                    numbers,
+                    self._places,
+                    strict=first in strict_rows,
+                    own_error=own_error,
+                )
             )
             first, start = last, stop
 
@@ -165,12 +175,16 @@ class _TaskPart:
         places: MujocoCorrespondence,
         *,
         strict: bool,
+        own_error: bool,
     ) -> _TaskPart:
-        """mink's FrameTask for a pose with one stiffness of lengths and one of angles; else residual and Jacobian."""
+        """mink's FrameTask for a pose with one stiffness of lengths and one of angles; else residual and Jacobian.
+
+        Without ``own_error`` it is the latter for every task.
+        """
         planar = robot.dimension == 2
         weight = np.sqrt(np.diag(task.weight(rows.stop - rows.start)))
         made: mink.FrameTask | _Rows = _Rows(np.zeros((rows.stop - rows.start, len(places.leads))))
-        if type(task) is FrameTask and task.kind == "pose" and task.axes is None and not planar:
+        if own_error and type(task) is FrameTask and task.kind == "pose" and task.axes is None and not planar:
             Kp = task.weight(6)
             if np.array_equal(Kp, np.diag([Kp[0, 0]] * 3 + [Kp[3, 3]] * 3)):
                 costs = {"position_cost": weight[0], "orientation_cost": weight[3]}
