@@ -149,6 +149,19 @@ def test_with_limits_of_acceleration_no_arm_comes_back_on_the_other_side(strateg
     assert acceleration(path, dt) <= 5.0
 
 
+@pytest.mark.parametrize("strategy", ["hybrid", *slow("weighted_qp", "lexicographic_qp", "sns", "task_priority")])
+@pytest.mark.parametrize("dt", [0.01, *slow(0.002)])
+def test_a_target_that_jumps_is_not_overshot(strategy, dt):
+    """It used to be, by 76 to 115 mm."""
+    ik = panda(strategy, limits=jtik.Limits(velocity=2.0, acceleration=10.0))
+    home = ik.robot.keyframes["home"]
+    start = ik.robot.position(home)
+    targets = moved(ik.robot.pose(home), np.tile([0, 0.15, 0], (round(0.7 / dt), 1)))
+    path = stepped(ik, home, targets, dt)[1:]
+    assert max(ik.robot.position(q)[1] - start[1] for q in path) <= 0.15 + 1e-4
+    assert errors(ik, path, targets)[round(0.45 / dt) :].max() <= 1e-3
+
+
 QUICK = [pytest.param(0.002, limit, marks=pytest.mark.slow) for limit in (10.0, 50.0)]
 
 
