@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jtik._step.symbolic_problem import SymbolicProblem
-from jtik.symbolic import Expression, fabs, fmax, horzcat, logic_and, logic_not, logic_or, sqrt
+from jtik.symbolic import Expression, fabs, fmax, sqrt
 from jtik.symbolic.factorization import damped_multipliers
 from jtik.types import Array
 
@@ -50,7 +50,6 @@ class Braking:
         problem: SymbolicProblem,
         state: Mapping[str, Expression],
         J: Expression,
-        at_limit: Mapping[int, tuple[Expression, Expression]],
         *,
         curvature: Expression,
         singular: Expression,
@@ -62,15 +61,13 @@ class Braking:
         Args:
             problem: the problem.
             state: the state of the step.
-            J: the Jacobian of the residual (m, n).
-            at_limit: whether a joint is at its lower and at its upper limit, by velocity entry.
+            J: the Jacobian of the residual without the joints whose limit is active (m, n).
             curvature: the damping of the step.
             singular: the smallest damping.
             acceleration: limits of acceleration (n,), infinite where there is none.
             time: duration of the step [s]; infinite for one that does not brake.
         """
         coordinates, left = problem.coordinates, state["left"]
-        J = _without_blocked(J, J.T @ left, at_limit)
         way = J.T @ damped_multipliers(J, curvature, left)
         steps: Expression = 0  # way of the slowest joint, in those in which it can stop
         for j in map(int, np.flatnonzero(acceleration < math.inf)):
@@ -79,14 +76,3 @@ class Braking:
         image = J @ coordinates.from_joints(state["momentum"])
         independent, damped = (damped_multipliers(J, mu, image) for mu in (singular, curvature))
         return cls((root - 1) / (root + 1) * left, LOST * (J.T @ (independent - damped)))
-
-
-def _without_blocked(
-    J: Expression, gradient: Expression, at_limit: Mapping[int, tuple[Expression, Expression]]
-) -> Expression:
-    """J with zeros in the columns of the joints that the descent of V would move beyond a limit."""
-    columns = [J[:, j] for j in range(J.shape[1])]
-    for j, (lower, upper) in at_limit.items():
-        blocked = logic_or(logic_and(upper, gradient[j] < 0), logic_and(lower, gradient[j] > 0))
-        columns[j] = logic_not(blocked) * columns[j]
-    return horzcat(*columns)

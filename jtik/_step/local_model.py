@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from jtik._step.active_set import ActiveSet, clamped
 from jtik._step.braking import Braking
@@ -11,7 +11,6 @@ from jtik._step.clearances import clearance_model
 from jtik._step.distant_target import NearerTarget
 from jtik._step.inputs import Inputs, Settings
 from jtik._step.symbolic_problem import SymbolicProblem
-from jtik.constraints.limits import AT_LIMIT
 from jtik.qp.recorder import QPRecorder
 from jtik.strategy import Evaluation, LocalModel
 from jtik.symbolic import (
@@ -100,21 +99,6 @@ def linearized(
     if nearer:
         residual, J = nearer.residual, nearer.weighted(J)
         unshifted = None if unshifted is None else nearer.weighted(unshifted)
-    squared = squared_length(J)
-    curvature = _curvature(squared, J.shape[1], state["remaining"], whole) if timed else 0
-    braking = None
-    if acceleration is not None:
-        braking = Braking.of(
-            problem,
-            state,
-            J,
-            {j: (q[i] <= limits[0][i] + AT_LIMIT, q[i] >= limits[1][i] - AT_LIMIT) for i, j in problem.bounded},
-            curvature=curvature,
-            singular=SINGULAR * squared,
-            acceleration=acceleration,
-            time=settings.braking_time,
-        )
-        residual = whole - braking.shift
     here = Evaluation(q, residual, H, unshifted=unshifted, whole=whole)
     neighbourhood = near_target = 0
     has_slope: Expression = 1
@@ -127,12 +111,27 @@ def linearized(
     active = None
     if problem.bounded:
         active = ActiveSet(problem, state, here, near_target, J, gradient, limits, uses_qp=uses_qp)
+    J_free = active.masked(J) if active else J
+    squared = squared_length(J)
+    curvature = _curvature(squared, J.shape[1], state["remaining"], whole) if timed else 0
+    braking = None
+    if acceleration is not None:
+        braking = Braking.of(
+            problem,
+            state,
+            J_free,
+            curvature=curvature,
+            singular=SINGULAR * squared,
+            acceleration=acceleration,
+            time=settings.braking_time,
+        )
+        here = replace(here, residual=whole - braking.shift)
     model = LocalModel(
         robot=problem.robot,
         here=here,
         J=J,
         gradient=gradient,
-        J_free=active.masked(J) if active else J,
+        J_free=J_free,
         gradient_free=active.masked(gradient.T).T if active else gradient,
         has_criterion=problem.has_criterion,
         near_target=near_target,

@@ -13,6 +13,7 @@ from jtik.symbolic import (
     fmax,
     fmin,
     function,
+    gram,
     identity,
     if_else,
     is_finite,
@@ -55,7 +56,7 @@ def least_error_fitting(m: int, n: int) -> Function:
     """
     J, t, lower, upper = given = _symbols(m, n)
     size = norm(t)
-    P = identity(n) + OF_ERROR * ratio(1, sumsqr(J)) * (J.T @ J)
+    P = identity(n) + OF_ERROR * ratio(1, sumsqr(J)) * gram(J)
     rows = [zeros(0, n), zeros(0), zeros(0)]
     data = function("data", given, [P, -(P @ t) / size, *rows, lower / size, upper / size])
     z = symbol("z", n)

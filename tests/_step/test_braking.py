@@ -20,14 +20,13 @@ ACCELERATION = np.array([3.0, math.inf, 8.0])
 TIME, CURVATURE = 0.01, 0.3
 
 
-def braking(q=Q, left=LEFT, time=TIME, curvature=CURVATURE, at_limit=None):
+def braking(q=Q, left=LEFT, time=TIME, curvature=CURVATURE):
     J = planar_jacobian(q)
     state = {"left": casadi.SX(left), "momentum": casadi.SX(MOMENTUM)}
     return J, Braking.of(
         problem_of(planar(3)),
         state,
         casadi.SX(J),
-        {j: tuple(map(casadi.SX, ends)) for j, ends in (at_limit or {}).items()},
         curvature=casadi.SX(curvature),
         singular=casadi.SX(1e-12 * np.sum(J**2)),
         acceleration=ACCELERATION,
@@ -44,18 +43,6 @@ def test_the_slowest_joint_can_stop_and_uses_its_share_of_the_acceleration():
     rest = share * way + (share * way) ** 2 / (2 * change) - way  # of the way of each joint, beyond its braking
     assert rest.max() == pytest.approx(0, abs=1e-12)
     assert np.argmax(rest) in (0, 2)
-
-
-@pytest.mark.parametrize("blocked", [True, False])
-def test_a_joint_that_is_pressed_against_its_limit_has_no_way_to_go(blocked):
-    J = planar_jacobian(Q)
-    upward = (J.T @ LEFT)[0] < 0
-    at_limit = {0: (upward != blocked, upward == blocked)}
-    free = np.array([not blocked, True, True])
-    expected = np.linalg.solve((J * free) @ J.T + CURVATURE * np.eye(2), LEFT) @ J * free
-    change = IN_TIME * ACCELERATION * TIME**2
-    root = np.sqrt(1 + 2 * np.max(np.abs(expected) / change))
-    assert numbers(braking(at_limit=at_limit)[1].shift) == pytest.approx((root - 1) / (root + 1) * LEFT)
 
 
 @pytest.mark.parametrize(("left", "time"), [(np.zeros(2), TIME), (LEFT, math.inf)])
