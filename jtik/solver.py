@@ -241,7 +241,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         With ``dt``, limits of velocity and acceleration hold as well, from ``q`` to the result and from the last step
         with a ``dt`` to this one, and no joint is so fast that it could not stop before its position limits. A moving
         joint cannot stop at once: a refused step then slows the joints down as fast as they can. With limited
-        acceleration, a target that jumps, starts or stops at once is overshot, with a short ``dt`` several times.
+        acceleration a target that starts or stops at once is left behind or overshot; it brakes before one that jumps.
         Steps with and without a ``dt`` have separate states.
 
         Args:

@@ -89,6 +89,11 @@ class Runners:
         return self._bounds.acceleration
 
     @property
+    def _braking(self) -> Array | None:
+        """The same; None where there is no such limit."""
+        return self.acceleration if (self.acceleration < math.inf).any() else None
+
+    @property
     def relaxation(self) -> RelaxationTerms:
         """What a step may relax."""
         return self.solve.fused.relaxation
@@ -108,7 +113,7 @@ class Runners:
     def timed_box(self) -> tuple[Inputs[Array], StepBox]:
         """The inputs of ``step(dt=)``, with limits of their own, and the box that is written there."""
         inputs = self.step_inputs._replace(lower=self._bounds.lower.copy(), upper=self._bounds.upper.copy())
-        return inputs, self._box(inputs, self._null_space_rate)
+        return inputs, self._box(inputs, self._null_space_rate, brakes=True)
 
     @cached_property
     def track(self) -> Runner:
@@ -148,14 +153,15 @@ class Runners:
         """
         return self._box(self.memory.inputs, math.inf if stationary else self._null_space_rate)
 
-    def _box(self, inputs: Inputs[Array], null_space_rate: float) -> StepBox:
-        share = inputs.settings[SETTING.null_space_share :][:1]
+    def _box(self, inputs: Inputs[Array], null_space_rate: float, *, brakes: bool = False) -> StepBox:
+        share, time = (inputs.settings[at:][:1] for at in (SETTING.null_space_share, SETTING.braking_time))
         return StepBox(
             self._bounds,
             self._box_function,
             inputs.lower,
             inputs.upper,
             share=share,
+            time=time if brakes else None,
             null_space_rate=null_space_rate,
             ahead=not self._problem.clearances,
         )
@@ -240,7 +246,9 @@ class Runners:
         """The fused step of a duration."""
 
         def build() -> FusedStep:
-            fused = fused_step(self._problem, self._strategy, backend=self._backend, timed=True)
+            fused = fused_step(
+                self._problem, self._strategy, backend=self._backend, timed=True, acceleration=self._braking
+            )
             return fused.compiled(self._compilation) if self._compilation else fused
 
         return self._problem.once("timed step", build, keep=_can_be_shared)

@@ -62,6 +62,7 @@ class Stepping:
         self._targets = targets  # vectors are copied without a check; they are checked after a step that is not finite
         self._untimed: Runner | None = None
         self._timed: tuple[Runner, StepBox] | None = None
+        self._momentum: list[Array] = []  # with limits of acceleration, in the two memories of the state
         if runners.step_is_built:
             self._first()
 
@@ -104,7 +105,8 @@ class Stepping:
             if box is not None and dt is not None:
                 box.narrow(memory, dt)
                 if box.ahead:
-                    memory[:] = box.start()
+                    memory[:] = start = box.start()
+                    self._momentum[at][:] = box.displacement(start)
             if runner.violation is not None:  # obstacles, or the robot itself, may have moved between the calls
                 runner.state[at][runner.violation] = UNKNOWN
             runner.calls[at]()
@@ -170,5 +172,7 @@ class Stepping:
         return self._untimed
 
     def _first_timed(self) -> tuple[Runner, StepBox]:
-        self._timed = self._runners.timed_step
+        runner, box = self._timed = self._runners.timed_step
+        if box.ahead:
+            self._momentum = [state[runner.fused.state.slices["momentum"]] for state in runner.state]
         return self._timed

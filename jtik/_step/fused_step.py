@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from jtik._step.braking import initial_braking
 from jtik._step.checked_update import CheckedUpdate, check_symbols, checked_update, first_state
 from jtik._step.exploration import Exploration, initial_exploration, start_of_step
 from jtik._step.inputs import Inputs, Settings
@@ -141,6 +142,7 @@ def fused_step(
     evaluated: bool = False,
     timed: bool = False,
     explores: bool = False,
+    acceleration: Array | None = None,
 ) -> FusedStep:
     """Join problem and strategy into one function, or into those between which quadratic programs are solved.
 
@@ -154,6 +156,8 @@ def fused_step(
         timed: whether the step has a duration: it is then fitted into its box, damped where the last step has left an
             error, and takes a share of the null-space displacement.
         explores: whether it explores where V has stopped falling, for a strategy that does; see `can_explore`.
+        acceleration: limits of acceleration of a timed step (n,), which then brakes towards its target; None without
+            any.
 
     Raises:
         StrategyError: when a method of the strategy raises or returns what cannot be used.
@@ -162,6 +166,8 @@ def fused_step(
     evaluated = evaluated or evaluates or bool(problem.clearances) or timed
     evaluated = evaluated or explores
     first = _first_state(problem, strategy, evaluated=evaluated, timed=timed, explores=explores)
+    if acceleration is not None:
+        first |= initial_braking(problem)
     layout = VectorLayout.of({name: value.size for name, value in first.items()})
     inputs, q, memory = _input_symbols(problem), symbol("q", problem.robot.nq), symbol("state", layout.size)
     state, settings = layout.split(memory), Settings.of(inputs.settings)
@@ -172,7 +178,17 @@ def fused_step(
 
     by_level = CheckedCall(strategy, strategy, "respects_priority").flag()
     start = start_of_step(state, q)
-    at = linearized(problem, start, inputs, state, qps, uses_qp=uses_qp, timed=timed, by_level=by_level)
+    at = linearized(
+        problem,
+        start,
+        inputs,
+        state,
+        qps,
+        uses_qp=uses_qp,
+        timed=timed,
+        by_level=by_level,
+        acceleration=acceleration,
+    )
     model, active = at.model, at.active_set
     exploration = Exploration.of(model, state, q) if explores else None
     if exploration:
@@ -216,6 +232,9 @@ def fused_step(
     after["neighbourhood"] = model.neighbourhood
     if timed:
         after["remaining"] = if_else(accepted, update.candidate.length, model.here.length)
+        if acceleration is not None:
+            after["left"] = if_else(accepted, update.candidate.to_target, model.here.to_target)
+            after["momentum"] = state["momentum"]
         if problem.has_criterion:
             after["null_space_left"] = if_else(accepted, settings.null_space_again, state["null_space_left"])
     if restoration:

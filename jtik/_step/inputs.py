@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
@@ -23,6 +24,7 @@ class Settings(NamedTuple):
         until_stationary: 1 to continue until the criterion is stationary, 0 to stop at the target.
         null_space_share: share of a null-space displacement that a timed step takes, (0, 1].
         null_space_again: 0 if only the first step from a start takes it, else 1.
+        braking_time: duration of a step that brakes towards its target [s]; infinite for one that does not.
     """
 
     position_tolerance: Any = 1e-6
@@ -31,6 +33,7 @@ class Settings(NamedTuple):
     until_stationary: Any = 1.0
     null_space_share: Any = 1.0
     null_space_again: Any = 1.0
+    braking_time: Any = math.inf
 
     @classmethod
     def of(cls, column: Expression) -> Settings:

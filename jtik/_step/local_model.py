@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from jtik._step.active_set import ActiveSet, clamped
+from jtik._step.braking import Braking
 from jtik._step.clearances import clearance_model
 from jtik._step.distant_target import NearerTarget
 from jtik._step.inputs import Inputs, Settings
@@ -27,6 +28,7 @@ from jtik.symbolic import (
     zeros,
 )
 from jtik.symbolic.factorization import squared_length
+from jtik.types import Array
 
 NEIGHBOURHOOD = 0.02
 """Radius of the neighbourhood of the target relative to |J|: the error that a motion of this many rad (or m) makes."""
@@ -73,6 +75,7 @@ def linearized(
     uses_qp: bool = False,
     timed: bool = False,
     by_level: bool = False,
+    acceleration: Array | None = None,
 ) -> Linearized:
     """The problem at ``start`` (nq, 1), clamped to the limits.
 
@@ -85,6 +88,7 @@ def linearized(
         uses_qp: whether the strategy's own quadratic programs find the active limits.
         timed: whether the step has a duration.
         by_level: whether the strategy respects levels of priority.
+        acceleration: limits of acceleration of a timed step (n,); None without any.
     """
     limits, settings = (inputs.lower, inputs.upper), Settings.of(inputs.settings)
     parts = _parts(problem, clamped(start, *limits, problem.bounded), inputs.target, inputs.parameters)
@@ -107,12 +111,27 @@ def linearized(
     active = None
     if problem.bounded:
         active = ActiveSet(problem, state, here, near_target, J, gradient, limits, uses_qp=uses_qp)
+    J_free = active.masked(J) if active else J
+    squared = squared_length(J)
+    curvature = _curvature(squared, J.shape[1], state["remaining"], whole) if timed else 0
+    braking = None
+    if acceleration is not None:
+        braking = Braking.of(
+            problem,
+            state,
+            J_free,
+            curvature=curvature,
+            singular=SINGULAR * squared,
+            acceleration=acceleration,
+            time=settings.braking_time,
+        )
+        here = replace(here, residual=whole - braking.shift)
     model = LocalModel(
         robot=problem.robot,
         here=here,
         J=J,
         gradient=gradient,
-        J_free=active.masked(J) if active else J,
+        J_free=J_free,
         gradient_free=active.masked(gradient.T).T if active else gradient,
         has_criterion=problem.has_criterion,
         near_target=near_target,
@@ -129,14 +148,16 @@ def linearized(
         qps=qps,
         coordinates=problem.coordinates,
         unshifted_function=problem.unshifted,
-        weights=nearer.weights if nearer else None,
-        shift=nearer.shift if nearer else None,
+        weights=nearer.weights if nearer else 1 if braking else None,
+        shift=nearer.shift if nearer else braking.shift if braking else None,
         clearance=clearance_model(problem, q, at[-3:], inputs.parameters, limits, state)
         if problem.clearances
         else None,
         tasks=problem.tasks,
         timed=timed,
-        curvature=_curvature(J, state["remaining"], residual) if timed else 0,
+        accelerated=acceleration is not None,
+        weak_motion=braking.weak_motion if braking else 0,
+        curvature=curvature,
         null_space_share=_null_space_share(settings, state, neighbourhood),
     )
     return Linearized(parts, at, model, active, has_slope)
@@ -150,14 +171,13 @@ def _null_space_share(settings: Settings, state: Mapping[str, Expression], neigh
     return settings.null_space_share * state["null_space_left"] * reached
 
 
-def _curvature(J: Expression, remaining: Expression, residual: Expression) -> Expression:
+def _curvature(squared: Expression, n: int, remaining: Expression, residual: Expression) -> Expression:
     """Size of the curvature of V that J' J leaves out, for an error that remains after the step.
 
     The second derivative of a point's position by two joints is at most as long as a column of J. A share of V bounds
     the first step after the target has come back into reach, and one of |J|^2 keeps a step in the row space.
     """
-    squared = squared_length(J)
-    return LEFT_OUT * remaining * sqrt(squared / J.shape[1]) + RETURN * sumsqr(residual) / 2 + SINGULAR * squared
+    return LEFT_OUT * remaining * sqrt(squared / n) + RETURN * sumsqr(residual) / 2 + SINGULAR * squared
 
 
 def _parts(problem: SymbolicProblem, q: Expression, target: Expression, parameters: Expression) -> list[Expression]:

@@ -96,6 +96,7 @@ class StepBox:
         lower: memory of the lower bounds of q (nq,).
         upper: memory of the upper bounds of q (nq,).
         share: memory of the share of a null-space displacement that a step takes, (1,).
+        time: memory of the duration of a step that brakes towards its target (1,); None for one that does not.
         null_space_rate: rate of the motion in the null space [1/s].
         ahead: whether a step starts where the last motion leads, rather than where the joints stop.
 
@@ -114,6 +115,7 @@ class StepBox:
         *,
         share: Array,
         null_space_rate: float,
+        time: Array | None = None,
         ahead: bool = True,
     ) -> None:
         self._bounds, self._robot = bounds, bounds.robot
@@ -124,6 +126,7 @@ class StepBox:
         self._q, self._last, self._clock = np.zeros(self._robot.nq), np.zeros(self._robot.n), np.ones(2)
         self._dt, self._before = math.nan, 1.0
         self._share, self._rate, self._decay = share, null_space_rate, 0.0
+        self._time = np.zeros(1) if time is None else time
         self.lower, self.upper = lower, upper
         self._evaluate = bind(box, [self._q, self._last, self._clock], [lower, upper])
 
@@ -134,7 +137,7 @@ class StepBox:
             ArgumentError: when dt is not a positive number.
         """
         if type(dt) is not float or dt != self._dt:
-            self._clock[0] = self._dt = positive_number("dt", dt)
+            self._clock[0] = self._time[0] = self._dt = positive_number("dt", dt)
             self._decay = math.exp(-BRAKING_RATE * self._dt) if self.ahead else 0.0
             self._share[0] = 1.0 if math.isinf(self._rate) else -math.expm1(-self._rate * self._dt) * (1 - self._decay)
         self._q[:] = q
@@ -149,6 +152,10 @@ class StepBox:
             start: Array = np.clip(self._q + ahead, self.lower, self.upper)
             return start
         return self._inside(self._robot.integrate(self._q, ahead))
+
+    def displacement(self, q: Array) -> Array:
+        """The displacement from where the step begins to ``q`` (nq,), (n,)."""
+        return q - self._q if self._vector else self._robot.difference(self._q, q)
 
     def braked(self) -> Array:
         """The configuration of the box closest to q, (nq,): the strongest braking."""

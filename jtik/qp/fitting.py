@@ -13,11 +13,13 @@ from jtik.symbolic import (
     fmax,
     fmin,
     function,
+    gram,
     identity,
     if_else,
     is_finite,
     logic_and,
     norm,
+    ratio,
     sumsqr,
     symbol,
     vertcat,
@@ -27,6 +29,9 @@ from jtik.symbolic.factorization import RowSpace
 
 PENALTY = 1e4
 """Weight of motion along the task in units of the displacement's length: larger than the multipliers of the box."""
+
+OF_ERROR = 1e6
+"""Weight of the error that a displacement leaves against its distance from the wanted one, relative to 1 / |J|^2."""
 
 BLOCKED = 0.01
 """Where the direction allows less than this share of the progress of clipping each joint, the joints are clipped."""
@@ -42,6 +47,24 @@ def fitting(m: int, n: int) -> Function:
     given = [MX.sym(f"a{i}", *data.size_in(i)) for i in range(data.n_in())]
     z, _, _ = called(Conic().function(n, m), called(data, given))
     return function("fitting", given, called(finish, [*given, z]))
+
+
+def least_error_fitting(m: int, n: int) -> Function:
+    """(J (m, n), t (n, 1), lower (n, 1), upper (n, 1)) -> x (n, 1), the displacement t fitted into the box.
+
+    |J x - J t| is the smallest, and of these x the one closest to t, to the weight `OF_ERROR`.
+    """
+    J, t, lower, upper = given = _symbols(m, n)
+    size = norm(t)
+    P = identity(n) + OF_ERROR * ratio(1, sumsqr(J)) * gram(J)
+    rows = [zeros(0, n), zeros(0), zeros(0)]
+    data = function("data", given, [P, -(P @ t) / size, *rows, lower / size, upper / size])
+    z = symbol("z", n)
+    x, clipped = (fmin(fmax(dq, lower), upper) for dq in (size * z, t))
+    finish = function("finish", [*given, z], [if_else(is_finite(z), x, clipped)])
+    inputs = [MX.sym(f"a{i}", *data.size_in(i)) for i in range(data.n_in())]
+    z, _, _ = called(Conic().function(n, 0), called(data, inputs))
+    return function("fitting", inputs, called(finish, [*inputs, z]))
 
 
 def _symbols(m: int, n: int) -> list[Expression]:

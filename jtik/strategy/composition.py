@@ -98,7 +98,8 @@ class SecondaryTerm(Part, ABC):
         Args:
             model: the local model at q.
             state: this part's state.
-            task_dq: the task displacement (n, 1), to which it is added.
+            task_dq: the task displacement (n, 1), to which it is added; within the limits but in a timed step with
+                clearances, where the term fits it into both.
         """
 
     def uses_qp(self) -> bool:
@@ -188,7 +189,9 @@ class Composition(Strategy):
         secondary = self._checked_secondary_term() if model.has_criterion or model.clearance else None
         proposing = CheckedCall(self, task_step, "propose")
         task = proposing(TaskDisplacement, model, state).checked(proposing, model).completed(model)
-        task_dq = model.fitted(task.dq)
+        task_dq = task.dq - model.weak_motion
+        if not (model.timed and model.clearance):  # there the limits are in the QP of the clearances
+            task_dq = model.fitted(task_dq)
         proposed = NullSpaceDisplacement.none(n)
         if secondary:
             proposing = CheckedCall(self, secondary, "propose")
@@ -298,7 +301,7 @@ class _Step:
     @property
     def as_proposed(self) -> bool:
         """Whether neither limits nor clearances can have changed the task displacement."""
-        return not (self.model.bounded or self.model.clearance)
+        return not (self.model.bounded or self.model.clearance or self.model.accelerated)
 
     @cached_property
     def predicted(self) -> Expression:

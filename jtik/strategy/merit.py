@@ -105,7 +105,7 @@ def penalty_weight(
 
 def residual_reduction(model: LocalModel, predicted: Expression) -> Expression:
     """Decrease of |r| when V falls by ``predicted``, near the target."""
-    return model.here.length - sqrt(fmax(2 * (model.here.V_to_target - predicted), 0))
+    return _length(model, model.here) - sqrt(fmax(2 * (_V(model) - predicted), 0))
 
 
 def penalty_falls(
@@ -128,7 +128,7 @@ def penalty_falls(
     """
     here = model.here
     predicted = mu * reduction + decrease
-    merit, after = here.H + mu * here.length, candidate.H + mu * candidate.length
+    merit, after = (point.H + mu * _length(model, point) for point in (here, candidate))
     noise = ROUNDING * (fabs(here.H) + fabs(merit) + mu * model.jacobian_norm)
     better = logic_and(predicted > -noise, merit + allowance - after >= SUFFICIENT * predicted - noise)
     return logic_and(candidate.length <= model.neighbourhood, better)
@@ -137,6 +137,15 @@ def penalty_falls(
 def next_allowance(model: LocalModel, allowance: Expression, candidate: Evaluation, mu: Expression) -> Expression:
     """What H + mu |r| may rise by in the step after an accepted one (M7); nothing outside the neighbourhood."""
     decrease = model.here.H - candidate.H
-    decrease = fmin(decrease, decrease + mu * (model.here.length - candidate.length))
+    decrease = fmin(decrease, decrease + mu * (_length(model, model.here) - _length(model, candidate)))
     left = MEMORY * fmax(allowance + decrease, 0)
     return if_else(model.near_target, left, 0)
+
+
+def _length(model: LocalModel, point: Evaluation) -> Expression:
+    """|r| of the residual that the step is made for; near the target of an untimed step the error itself."""
+    return norm(point.residual) if model.timed else point.length
+
+
+def _V(model: LocalModel) -> Expression:
+    return model.here.V if model.timed else model.here.V_to_target

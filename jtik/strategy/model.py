@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from jtik.constraints.clearance import ClearanceModel
 from jtik.criterion.least_squares import LeastSquares
 from jtik.errors import ArgumentError, JtikError
-from jtik.qp.fitting import fitting
+from jtik.qp.fitting import fitting, least_error_fitting
 from jtik.qp.quadratic_program import QPSolution, QuadraticProgram
 from jtik.qp.recorder import Compute, QPRecorder
 from jtik.robot import UNWEIGHTED, Robot, WeightedCoordinates
@@ -62,6 +62,10 @@ class LocalModel:
         clearance: distances that may not fall below their safe values; None without any.
         tasks: the tasks themselves, for strategies that hand them to another library.
         timed: whether the step has a duration, and so limits of velocity and acceleration in its box.
+        accelerated: whether a timed step has limits of acceleration: from its start its box is one of changes of the
+            motion, and ``here.residual`` is the part of the error for which the joints can stop in time.
+        weak_motion: displacement along weak directions (n, 1) that a step with limits of acceleration subtracts from
+            its own; 0 otherwise. It damps the motion that the task cannot stop.
         curvature: size of the curvature of V that J' J leaves out, from the error that the last step left, in a timed
             step; 0 otherwise. As damping it keeps a step along a weak direction from overshooting.
         null_space_share: share of a null-space displacement to take in this step, (0, 1]; 1 in a step without a time.
@@ -94,6 +98,8 @@ class LocalModel:
     clearance: ClearanceModel | None = None
     tasks: TaskStack | None = None
     timed: bool = False
+    accelerated: bool = False
+    weak_motion: Expression = 0
     curvature: Expression = 0
     null_space_share: Expression = 1
     coordinates: WeightedCoordinates = UNWEIGHTED
@@ -312,14 +318,15 @@ class LocalModel:
         """The task displacement ``dq`` (n, 1) fitted into the limits.
 
         In a timed step the end effector keeps its direction and moves as far as the limits allow: the unsaturated
-        joints compensate for the saturated ones (formulations/limits.md). Otherwise it is shortened joint by joint.
+        joints compensate for the saturated ones. With limits of acceleration the error is the smallest that the limits
+        allow (formulations/motion.md). Otherwise it is shortened joint by joint.
         """
         clipped = self.within_limits(dq)
         if self.qps is None or not (self.timed and self.bounded):
             return clipped
         low, high = self.box
         inside = norm_inf(clipped - dq) <= 0
-        function = fitting(*self.J.shape)
+        function = (least_error_fitting if self.accelerated else fitting)(*self.J.shape)
         return self.qps.evaluate("fitting", function, [self.J, dq, low, high], (dq, inside))
 
     def candidate(self, dq: Expression) -> Evaluation:

@@ -61,7 +61,7 @@ def test_every_strategy_keeps_all_three_limits_step_by_step(strategy, arm):
         path.append(q)
         assert step.position_error == pytest.approx(np.linalg.norm(arm.position(q) - restless(k)), rel=1e-6, abs=1e-9)
     speeds = checked_speeds(arm, q0, path, np.array([3, 6, 9, 12]))
-    assert (np.abs(speeds).max(axis=0) > 0.3).all()  # it moved, all of it
+    assert (np.abs(speeds).max(axis=0) > 0.2).all()  # it moved, all of it
     assert (np.abs(np.diff(speeds, axis=0)) / DT > 0.99 * np.array([3, 6, 9, 12])).any()  # and the limits did bind
 
 

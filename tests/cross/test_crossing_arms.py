@@ -90,12 +90,9 @@ def crossing(strategy):
     return np.mean(errors), smallest
 
 
-@pytest.mark.parametrize(
-    ("strategy", "largest"),
-    [("hybrid+qp", 0.1), ("damped+qp", 0.1), ("lexicographic_qp", 0.015), ("weighted_qp", 0.015)],
-)
-def test_the_arms_avoid_each_other_and_no_distance_falls_below_safe(strategy, largest):
-    """The mean error [m] of a pair that locks is above 0.14; the weighted and the lexicographic QP pass closely."""
+@pytest.mark.parametrize("strategy", ["hybrid+qp", "damped+qp", "newton+qp", "lexicographic_qp", "weighted_qp"])
+def test_the_arms_avoid_each_other_and_no_distance_falls_below_safe(strategy):
+    """The mean error [m] of a pair that locks is above 0.14, and 0.087 of one that passes on the wrong side."""
     error, smallest = crossing(strategy)
     assert smallest >= SAFE - 1e-9
-    assert error <= largest
+    assert error <= 1.5 * 0.009

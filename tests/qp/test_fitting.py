@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.optimize import linprog
+from scipy.optimize import linprog, lsq_linear
 
-from jtik.qp.fitting import fitting
+from jtik.qp.fitting import OF_ERROR, fitting, least_error_fitting
 from jtik.symbolic.compile import CompiledFunction
 
 TOLERANCE = 1e-6
@@ -92,3 +92,25 @@ def test_at_a_singular_pose():
 def test_a_blocked_direction_is_left_and_the_joints_are_clipped():
     J, t = np.array([[1.0, 0.0], [0.0, 1.0]]), np.array([1.0, 1.0])
     assert fitted(J, t, np.array([-1.0, -1.0]), np.array([0.0, 0.5])).tolist() == [0.0, 0.5]
+
+
+@pytest.mark.parametrize(("m", "n"), [(1, 3), (2, 4), (3, 7), (6, 7), (6, 6)])
+def test_the_error_is_the_smallest_in_the_box(m, n, rng):
+    for _ in range(60):
+        J, limit = rng.normal(size=(m, n)), rng.uniform(0.2, 2, n)
+        lower, upper = -limit * rng.uniform(0.1, 1, n), limit
+        t = np.linalg.pinv(J) @ rng.normal(size=m) * rng.uniform(0.1, 4)
+        x = CompiledFunction(least_error_fitting(m, n))(J, t, lower, upper)[0][:, 0]
+        assert (x >= lower).all()
+        assert (x <= upper).all()
+        weighted = np.vstack([np.sqrt(OF_ERROR) / np.linalg.norm(J) * J, np.eye(n)])
+        oracle = lsq_linear(weighted, weighted @ t, (lower, upper), tol=1e-14).x
+        assert np.linalg.norm(J @ (x - t)) == pytest.approx(np.linalg.norm(J @ (oracle - t)), rel=1e-5, abs=1e-6)
+        smallest = np.sqrt(2 * lsq_linear(J, J @ t, (lower, upper), tol=1e-14).cost)
+        assert np.linalg.norm(J @ (x - t)) <= 1.01 * smallest + 1e-5 * np.linalg.norm(t) * np.linalg.norm(J)
+
+
+def test_of_all_displacements_with_the_smallest_error_it_is_the_closest():
+    J, t, limit = np.array([[1.0, 1.0, 0.0]]), np.array([1.0, 1.0, 0.5]), np.array([0.6, 3.0, 3.0])
+    x = CompiledFunction(least_error_fitting(1, 3))(J, t, -limit, limit)[0][:, 0]
+    assert x == pytest.approx([0.6, 1.4, 0.5], abs=1e-3)

@@ -74,6 +74,7 @@ class LexicographicQP(Programmed):
             added_damping=state[DAMPING.name] + model.curvature,
             rows=restoration.rows if restoration else None,
             start=restoration.dq if restoration else None,
+            weak_motion=model.weak_motion,
         )
         task, null = found.dq, None
         if model.has_criterion:  # the levels keep limits and clearances

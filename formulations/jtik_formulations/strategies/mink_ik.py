@@ -105,11 +105,16 @@ class Mink(Programmed):
             solver=model.qps.solver,
             has_criterion=model.has_criterion,
             weights=joints.weights,
+            own_error=not model.accelerated,
         )
         # mink's displacement is that of the joints themselves
         box = (joints.to_joints(bound) for bound in limited_box(model, self.step_limit))
         J, gradient = joints.jacobian_by_joints(model.J), joints.gradient_by_joints(null.beta * model.gradient)
-        inputs = [model.here.q, model.target, model.here.residual, J, gradient, *box, zeros(1) + model.curvature]
+        residual, weak = model.here.residual, zeros(n) + model.weak_motion
+        if model.accelerated:
+            residual = residual + model.J @ weak
+        back = joints.gradient_by_joints(model.curvature * weak)
+        inputs = [model.here.q, model.target, residual, J, gradient, *box, zeros(1) + model.curvature, back]
         dq, strict = model.compute("mink", step, inputs, [(n, 1), (1, 1)])
         dq = model.within_limits(joints.from_joints(dq))
         residual = model.joint_gradient_norm(dq, norm(dq))

@@ -132,7 +132,8 @@ class WeightedQP(Programmed):
             P = P + model.curvature * damped
         box = limited_box(model, self.q_limit)
         rows = [model.restoration.within(*box).rows] if model.clearance else []
-        solution = model.solve(QuadraticProgram(P, gradient, *box, rows, "step"))
+        linear = gradient + P @ model.weak_motion if model.accelerated else gradient
+        solution = model.solve(QuadraticProgram(P, linear, *box, rows, "step"))
         dq = solution.x
         return Proposal(
             dq=_corrected(model, dq, box) if learns else dq,

@@ -71,6 +71,7 @@ def descend(
     added_damping: Expression = 0,
     rows: Rows | None = None,
     start: Expression | None = None,
+    weak_motion: Expression = 0,
 ) -> Descent:
     """The displacement that lexicographically minimises |r_k + J_k dq| over the levels k, within the box and the rows.
 
@@ -84,6 +85,7 @@ def descend(
         added_damping: damping of all levels' steps.
         rows: inequalities that hold at every level; ``start`` must satisfy them.
         start: displacement to which the first level adds its own, within the box; 0 by default.
+        weak_motion: displacement that the first level subtracts from its own (n, 1), ``model.weak_motion``.
     """
     n = J.shape[1]
     x = zeros(n) if start is None else start
@@ -97,7 +99,8 @@ def descend(
             bounds = [space.dependent_bounds(side)[: len(above)] for side in (-1, 1)]
             kept = [Rows("levels above", space.unit_basis[: len(above), :], *bounds)]
         own = space.unit_basis[len(above) :, :]  # directions that move this level and none above it
-        step = _Level(J[level, :], r[level], own, box, kept, damping, added_damping, rows, f"level {k}")
+        back = 0 if above else weak_motion
+        step = _Level(J[level, :], r[level], own, box, kept, damping, added_damping, rows, f"level {k}", back)
         x, active, remaining = step.solved(x, solve)
         free = vertcat(*[logic_and(free[j], logic_not(active[j])) for j in range(n)])
         above = above + level
@@ -119,6 +122,7 @@ class _Level:
         added_damping: damping that is added to it.
         rows: inequalities that hold at every level.
         name: name of its quadratic program.
+        weak_motion: displacement that it subtracts from its own (n, 1).
     """
 
     J: Expression
@@ -130,6 +134,7 @@ class _Level:
     added_damping: Expression
     rows: Rows | None
     name: str
+    weak_motion: Expression = 0
 
     def solved(self, x: Expression, solve: Solve) -> tuple[Expression, list[Expression], Expression]:
         """Add this level's displacement to the displacement x of the levels above.
@@ -140,7 +145,7 @@ class _Level:
         J, (low, high), (_, n) = self.J, self.box, self.J.shape
         error = self.r + J @ x
         mu = self.damping * sumsqr(error) / 2 + self.added_damping
-        y = self._without_limits(error, mu)
+        y = self._without_limits(error, mu) - self.weak_motion
         inside = fmin(fmax(x + y, low), high) - x
         part = fmin(1, ratio(norm(inside), norm(y)))  # far outside the box a shorter start is better scaled
         start = x + part * y

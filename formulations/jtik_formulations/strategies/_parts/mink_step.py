@@ -49,18 +49,20 @@ class MinkStep:
         solver: str,
         has_criterion: bool,
         weights: Array | None = None,
+        own_error: bool = True,
     ) -> None:
         if solver not in qpsolvers.available_solvers:
             names = ", ".join(qpsolvers.available_solvers)
             more = "more come with: pip install 'qpsolvers[open-source-solvers]'"
             raise ArgumentError("solver", solver, f"one that mink can use: {names}; {more}")
-        self._curvature = 0.0
+        self._curvature, self._own_error = 0.0, own_error
         mujoco_model = to_mujoco(robot)
         mujoco_model.jnt_limited[:] = 0  # the box contains the limits
         self._strategy, self._solver, self._robot = strategy, solver, robot
         self._places = MujocoCorrespondence(robot, mujoco_model)
         self._configuration = mink.Configuration(mujoco_model)
         metric = np.eye(mujoco_model.nv)
+        self._back = _Quadratic(0 * metric)  # of motion along weak directions, with limits of acceleration
         self._excess: Array | None = None  # of the metric of the joint weights over mink's
         if weights is not None:
             self._excess = self._places.leads @ np.diag(weights - 1) @ self._places.leads.T
@@ -75,13 +77,22 @@ class MinkStep:
             last, stop = first + task.row_count(robot), start + task.target_size(robot)
             rows, numbers = slice(first, last), slice(start, stop)
             self._parts.append(
-                _TaskPart.of(task, robot, strategy, rows, numbers, self._places, strict=first in strict_rows)
+                _TaskPart.of(
+                    task,
+                    robot,
+                    strategy,
+                    rows,
+                    numbers,
+                    self._places,
+                    strict=first in strict_rows,
+                    own_error=own_error,
+                )
             )
             first, start = last, stop
 
     def __call__(self, numbers: Sequence[Array]) -> Sequence[Any] | None:
         """Displacement (n,), and 1 if the strict form was solved, else 0; None where mink solves neither form."""
-        q, target, residual, columns, gradient, low, high, curvature = numbers
+        q, target, residual, columns, gradient, low, high, curvature, back = numbers
         self._configuration.update(self._places.qpos(q))
         J = columns.reshape(self._robot.n, -1).T
         for part in self._parts:
@@ -90,6 +101,7 @@ class MinkStep:
             self._criterion.gradient = self._places.leads @ gradient
         self._box.low, self._box.high = low, high
         self._curvature = float(curvature[0])
+        self._back.gradient = self._places.leads @ back
         reached = self._curvature <= LEFT * float((columns**2).sum()) / self._robot.n
         strict = self._solved(strict=True) if self._strategy.strict and reached else None
         if strict is not None:
@@ -104,6 +116,8 @@ class MinkStep:
         weight = strategy.weight if soft else 1.0
         tasks: list[BaseTask] = [*soft, *[_WeightedTask(task, weight) for task in self._lower_tasks]]
         damping = strategy.damping + self._curvature if tasks else 1.0
+        if soft and not self._own_error:
+            tasks.append(self._back)
         if self._excess is not None:
             size = damping + sum(_error_damping(task, self._configuration) for task in soft)
             tasks.append(_Quadratic(size * self._excess))
@@ -165,12 +179,16 @@ class _TaskPart:
         places: MujocoCorrespondence,
         *,
         strict: bool,
+        own_error: bool,
     ) -> _TaskPart:
-        """mink's FrameTask for a pose with one stiffness of lengths and one of angles; else residual and Jacobian."""
+        """mink's FrameTask for a pose with one stiffness of lengths and one of angles; else residual and Jacobian.
+
+        Without ``own_error`` it is the latter for every task.
+        """
         planar = robot.dimension == 2
         weight = np.sqrt(np.diag(task.weight(rows.stop - rows.start)))
         made: mink.FrameTask | _Rows = _Rows(np.zeros((rows.stop - rows.start, len(places.leads))))
-        if type(task) is FrameTask and task.kind == "pose" and task.axes is None and not planar:
+        if own_error and type(task) is FrameTask and task.kind == "pose" and task.axes is None and not planar:
             Kp = task.weight(6)
             if np.array_equal(Kp, np.diag([Kp[0, 0]] * 3 + [Kp[3, 3]] * 3)):
                 costs = {"position_cost": weight[0], "orientation_cost": weight[3]}

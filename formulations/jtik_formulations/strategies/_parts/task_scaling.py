@@ -150,6 +150,8 @@ class TaskScaling(Programmed):
                 own = own - (own @ basis.T) @ basis
             damping = self.damping * sumsqr(r) / 2 + model.curvature
             part = -(own.T @ damped_multipliers(own, damping, error))
+            if not above:
+                part = part - model.weak_motion
             here = here.with_task(J, own @ part)
             unlimited = unlimited + part
             shares.append(here.scale)

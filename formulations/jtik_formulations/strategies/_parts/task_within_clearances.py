@@ -62,7 +62,7 @@ def within_clearances(model: LocalModel, t: Expression, weight: Array) -> ClearD
 
     Args:
         model: the local model, with clearances.
-        t: proposed task displacement (n, 1), within the limits.
+        t: proposed task displacement (n, 1).
         weight: cost of the motion of each velocity entry, (n,), positive.
     """
     n, (low, high) = model.robot.n, model.box
@@ -111,8 +111,11 @@ class _Metric:
     def _gauss_newton(self) -> tuple[Expression, Expression]:
         """A (m, n), and (W + A'A) t (n, 1)."""
         size = self.model.row_space.squared_length
-        curvature = fmax(DAMPING * sumsqr(self.model.here.residual), SMALLEST_CURVATURE * size)
-        A = self.model.J / sqrt(fmin(curvature, LARGEST_CURVATURE * size) + TINY)
+        if self.model.timed:
+            curvature = self.model.curvature
+        else:
+            curvature = fmin(DAMPING * sumsqr(self.model.here.residual), LARGEST_CURVATURE * size)
+        A = self.model.J / sqrt(fmax(curvature, SMALLEST_CURVATURE * size) + TINY)
         return A, vertcat(*self.weight.tolist()) * self.t + A.T @ (A @ self.t)
 
     @cached_property
