@@ -18,6 +18,9 @@ NOTEBOOK = re.compile(r"^\| \[(\w+)\]\([^)]*\) \| (.*) \|$", flags=re.MULTILINE)
 
 TABLE = ("| | |", "| --- | --- |")
 
+WORDS = {"urdf": "URDF", "mujoco": "MuJoCo", "dask": "Dask"}
+"""Words of file names that are written in another way."""
+
 LEADING_HERE = ("examples", "examples/README.md", "notebooks", "notebooks/README.md")
 """What a link of the repository names that is the gallery on the site."""
 
@@ -51,7 +54,7 @@ def gallery_pages(pages: Pages, *, run: bool = True) -> None:
 
 
 def _title(name: str) -> str:
-    return name.replace("_", " ").capitalize()
+    return " ".join(WORDS.get(word, word) for word in name.capitalize().split("_"))
 
 
 def _notebook(pages: Pages, name: str, path: Path, kept: Path | None) -> str:
