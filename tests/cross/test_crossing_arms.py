@@ -92,7 +92,12 @@ def crossing(strategy):
 
 @pytest.mark.parametrize(
     ("strategy", "largest"),
-    [("hybrid+qp", 0.1), ("damped+qp", 0.1), ("lexicographic_qp", 0.015), ("weighted_qp", 0.015)],
+    [
+        ("hybrid+qp", 0.1),
+        pytest.param("damped+qp", 0.1, marks=pytest.mark.slow),
+        ("lexicographic_qp", 0.015),
+        pytest.param("weighted_qp", 0.015, marks=pytest.mark.slow),
+    ],
 )
 def test_the_arms_avoid_each_other_and_no_distance_falls_below_safe(strategy, largest):
     """The mean error [m] of a pair that locks is above 0.14; the weighted and the lexicographic QP pass closely."""

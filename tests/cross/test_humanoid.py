@@ -162,8 +162,8 @@ def oracle_of(humanoid):
     ("humanoid", "feet", "strategy", "criteria"),
     [
         (TALOS, True, "hybrid", None),
-        (TALOS, True, "damped", None),
-        (TALOS, True, "newton", None),
+        pytest.param(TALOS, True, "damped", None, marks=pytest.mark.slow),
+        pytest.param(TALOS, True, "newton", None, marks=pytest.mark.slow),
         (TALOS, False, "hybrid", JointCentering()),
         (G1, True, "damped", JointCentering()),
         (G1, False, "hybrid", None),
