@@ -33,6 +33,11 @@ LARGE = ("jparse", "lexicographic_qp", "mink", "selectively_damped", "sns", "sns
 """Strategies with a large compiled step: a solver with one of them takes several times as long to build."""
 
 
+FAMILIES = ("damped", "hybrid", "jparse", "newton", "sns_qp", "task_priority", "transpose", "weighted_qp")
+"""One strategy of each family: adaptive damping, a dogleg, singular values, the pseudoinverse, saturation in the null
+space by QPs, levels, the gradient, one QP. A quick test of what every strategy does alike runs with these."""
+
+
 def slow(*values):
     """Values of a parameter whose tests are marked slow."""
     return [pytest.param(value, marks=pytest.mark.slow) for value in values]
@@ -41,6 +46,18 @@ def slow(*values):
 def large_ones_slow(strategies):
     """The strategies as values of a parameter; the tests of those with a large compiled step are marked slow."""
     return [pytest.param(name, marks=pytest.mark.slow) if name in LARGE else name for name in strategies]
+
+
+def families_first(strategies, *, large=True):
+    """The strategies as values of a parameter; the tests of those that are not in `FAMILIES` are marked slow.
+
+    Without ``large`` those with a large compiled step are marked slow as well.
+    """
+    quick = set(FAMILIES) if large else set(FAMILIES) - set(LARGE)
+    return [
+        pytest.param(name, marks=pytest.mark.slow) if name in jtik.strategies and name not in quick else name
+        for name in strategies
+    ]
 
 
 @functools.cache

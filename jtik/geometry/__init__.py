@@ -6,6 +6,7 @@
 - named obstacles and their file: `Scene`
 - distances of points and segments: `point_to_ball`, `segment_to_ball`, and those to a capsule, a half-space, a box, a
   polygon and a cylinder, for which `Axis`, `Sides` and `in_axes` prepare the arguments
+- closest points of a body and an obstacle, and the normal: `witness`, `Witness`
 - the distance of two segments: `segment_to_segment`, `closest_points`, and for arrays `segment_distances`
 - bodies and coordinate bounds: `enclosing_segment`, `enclosing_balls`, `bounds`
 """
@@ -29,6 +30,7 @@ from jtik.geometry.scene import Scene
 from jtik.geometry.segments import closest_points, segment_distances, segment_to_segment
 from jtik.geometry.slots import ABSENT, Slot, Slots
 from jtik.geometry.solids import Ball, Box, Capsule, Circle, Cylinder, Point, Solid, Sphere
+from jtik.geometry.witness import Witness, witness
 
 __all__ = [
     "ABSENT",
@@ -49,6 +51,7 @@ __all__ = [
     "Slots",
     "Solid",
     "Sphere",
+    "Witness",
     "bounds",
     "centers_and_radii",
     "closest_points",
@@ -69,4 +72,5 @@ __all__ = [
     "segment_to_half_space",
     "segment_to_polygon",
     "segment_to_segment",
+    "witness",
 ]

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import jtik
 
+from ..conftest import families_first
+
 STRATEGIES = sorted(jtik.strategies)
+EVERY_STRATEGY = families_first(STRATEGIES)
 
 FIELD = [jtik.Circle((4.0, 2.0), 0.6), jtik.Circle((6.5, -1.0), 0.8)]
 """Two obstacles for a planar arm of ten links."""

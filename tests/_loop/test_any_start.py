@@ -13,12 +13,12 @@ import jtik
 from jtik import Status
 from jtik_formulations import Damped
 
-from ..conftest import slow, under_limits
+from ..conftest import families_first, slow, under_limits
 
 UNCHECKED = Damped(backtracking=False)
 """A strategy that takes every step, wherever it leads."""
 
-ALL_STRATEGIES = [*sorted(jtik.strategies), UNCHECKED]
+ALL_STRATEGIES = families_first([*sorted(jtik.strategies), UNCHECKED])
 DESCENDING = ["damped", "hybrid"]
 """Strategies that promise the closest posture where the target is out of reach."""
 

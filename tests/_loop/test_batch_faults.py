@@ -22,6 +22,8 @@ from jtik._loop.batch_pool import solve_block
 from jtik._loop.native_search import NativeSearch
 from jtik_formulations import JointCentering
 
+from ..conftest import slow
+
 TARGETS = np.random.default_rng(3).uniform(-2.4, 2.4, (60, 2))
 Q0 = np.full(4, 0.3)
 COLUMNS = ("q", "converged", "position_error", "orientation_error", "iterations", "escapes", "restarts", "targets")
@@ -77,7 +79,7 @@ class TestInterrupt:
             return search(*arguments)
 
         monkeypatch.setattr(NativeSearch, "batch", first_batch)
-        many = np.tile([[5.0, 0.0]], (50_000, 1))  # out of reach
+        many = np.tile([[5.0, 0.0]], (20_000, 1))  # out of reach
         batch = ik.solve_batch(many, q0=Q0)
         assert not batch.complete
         assert 0 < len(batch) < len(many)
@@ -95,7 +97,7 @@ class TestInterrupt:
 
 
 class TestExecutor:
-    @pytest.mark.parametrize("criteria", [None, "joint_centering"])
+    @pytest.mark.parametrize("criteria", ["joint_centering", *slow(None)])
     def test_gives_the_same_numbers(self, criteria):
         ik = solver(criteria=criteria)
         if criteria:

@@ -9,7 +9,7 @@ import pytest
 import jtik
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
-from ..conftest import large_ones_slow, planar
+from ..conftest import families_first, planar
 from .conftest import STRATEGIES, solver
 
 STRAIGHT = np.zeros(4)
@@ -37,7 +37,7 @@ def refuse_to_build(monkeypatch):
     return now
 
 
-@pytest.mark.parametrize("strategy", large_ones_slow([*STRATEGIES, "hybrid+qp"]))
+@pytest.mark.parametrize("strategy", families_first([*STRATEGIES, "hybrid+qp"], large=False))
 @pytest.mark.parametrize("criteria", [None, JointCentering()])
 def test_the_first_step_builds_nothing(strategy, criteria, refuse_to_build):
     ik = solver(planar(4, lower=-2.0, upper=2.0), strategy=strategy, criteria=criteria)
@@ -46,7 +46,7 @@ def test_the_first_step_builds_nothing(strategy, criteria, refuse_to_build):
     assert ik.step(q, [1.0, 2.5]).accepted
 
 
-@pytest.mark.parametrize("strategy", large_ones_slow([*STRATEGIES, "hybrid+qp"]))
+@pytest.mark.parametrize("strategy", families_first([*STRATEGIES, "hybrid+qp"], large=False))
 @pytest.mark.parametrize("criteria", [None, JointCentering()])
 def test_after_warm_up_a_timed_step_and_a_path_build_nothing(strategy, criteria, refuse_to_build):
     ik = solver(planar(4, lower=-2.0, upper=2.0), strategy=strategy, criteria=criteria)

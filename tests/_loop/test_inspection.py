@@ -13,7 +13,7 @@ from jtik.strategy import Update
 from jtik_formulations import JointCentering
 
 from ..conftest import planar, planar_points
-from .conftest import STRATEGIES, solver
+from .conftest import EVERY_STRATEGY, solver
 
 
 class Stubborn(jtik.Strategy):
@@ -47,7 +47,7 @@ class TestStatuses:
         status = solver(planar(3)).solve([1.0, 1.5], q0=[0.3] * 3, max_iterations=1).status
         assert status is jtik.Status.ITERATION_LIMIT
 
-    @pytest.mark.parametrize("strategy", STRATEGIES)
+    @pytest.mark.parametrize("strategy", EVERY_STRATEGY)
     def test_not_finite_where_the_criterion_is_not(self, strategy):
         @jtik.criterion
         def rooted(q, robot, *, edge=0.0):
@@ -65,7 +65,7 @@ class TestStatuses:
         assert not step.accepted
         assert step.q.tolist() == q0
 
-    @pytest.mark.parametrize("strategy", STRATEGIES)
+    @pytest.mark.parametrize("strategy", EVERY_STRATEGY)
     def test_a_step_into_where_it_is_not_finite_is_not_taken(self, strategy):
         @jtik.criterion
         def walled(q, robot):
@@ -77,7 +77,7 @@ class TestStatuses:
         assert np.isfinite(solution.trace.H).all()
         assert (solution.trace.q[:, 0] <= 0.5).all()
 
-    @pytest.mark.parametrize("strategy", [*STRATEGIES, "hybrid+qp", "newton+second_order"])
+    @pytest.mark.parametrize("strategy", [*EVERY_STRATEGY, "hybrid+qp", "newton+second_order"])
     def test_where_only_the_slope_is_not_finite_the_task_goes_on(self, strategy):
         """norm(q) has no slope at zero, and the straight arm starts there."""
 

@@ -11,8 +11,8 @@ import jtik
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from ..conftest import dh_arm, planar, planar_points
+from .conftest import EVERY_STRATEGY
 
-STRATEGIES = sorted(jtik.strategies)
 STRAIGHT = np.zeros(4)
 FOLDED = np.array([0.0, np.pi, 0.0, 0.0])
 """One link out, three back: the tip is at (-2, 0)."""
@@ -34,7 +34,7 @@ def solve(q0, target, strategy="hybrid", **options):
     return ik.solve(target, q0=q0, max_iterations=5000, position_tolerance=1e-4, **options)
 
 
-@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("strategy", EVERY_STRATEGY)
 @pytest.mark.parametrize("r", [0.5, 2.0, 3.5, 3.999, -1.5])
 @pytest.mark.parametrize("turn", [0.0, 0.7])
 def test_a_straight_arm_reaches_a_target_on_its_own_line(strategy, r, turn):
@@ -47,7 +47,7 @@ def test_a_straight_arm_reaches_a_target_on_its_own_line(strategy, r, turn):
         assert solution.escapes >= 1
 
 
-@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("strategy", EVERY_STRATEGY)
 @pytest.mark.parametrize("x", [-3.5, -1.0, 1.0])
 def test_a_folded_arm_reaches_a_target_on_its_own_line(strategy, x):
     solution = solve(FOLDED, (x, 0.0), strategy)
@@ -55,7 +55,7 @@ def test_a_folded_arm_reaches_a_target_on_its_own_line(strategy, x):
     assert planar_points(solution.q)[-1] == pytest.approx((x, 0), abs=1e-4)
 
 
-@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("strategy", EVERY_STRATEGY)
 def test_an_escape_is_deterministic(strategy):
     first, again = (solve(STRAIGHT, (2.0, 0.0), strategy, trace=True, fresh=fresh) for fresh in (False, True))
     assert first.q.tolist() == again.q.tolist()
@@ -70,13 +70,13 @@ def test_the_trace_and_the_text_show_it():
     assert len(solution.trace) == solution.iterations
 
 
-@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("strategy", EVERY_STRATEGY)
 def test_V_falls_in_an_escape_too(strategy):
     V = solve(STRAIGHT, (2.0, 0.0), strategy, trace=True).trace.V
     assert (np.diff(V) <= 0).all()
 
 
-@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("strategy", EVERY_STRATEGY)
 def test_a_criterion_without_gradient_at_the_saddle_does_not_prevent_the_escape(strategy):
     """Springs to zero angles and obstacles on the line of the arm have no gradient across it."""
     solution = solve(STRAIGHT, (2.0, 0.0), strategy, criteria=COLLINEAR, until="reached")
@@ -102,7 +102,7 @@ def test_a_step_escapes_too():
     assert planar_points(q)[-1] == pytest.approx((2, 0), abs=1e-6)
 
 
-@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("strategy", EVERY_STRATEGY)
 def test_limits_are_kept_in_an_escape(strategy):
     robot = planar(4, lower=(-0.1, -2, 0, -2), upper=(2, 2, 2, 0))
     solution = solve(STRAIGHT, (2.0, 0.0), strategy, robot=robot, trace=True)
@@ -111,7 +111,7 @@ def test_limits_are_kept_in_an_escape(strategy):
     assert (solution.trace.q <= robot.upper).all()
 
 
-@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("strategy", EVERY_STRATEGY)
 def test_a_joint_at_one_limit_can_move_away_from_it(strategy):
     """Every joint is at a limit, but can move away from it: the arm is only straight."""
     robot = planar(3, lower=(-2.0, 0.0, 0.0), upper=(2.0, 2.0, 2.0))
@@ -140,14 +140,14 @@ class TestOutOfReach:
             assert not solution.converged
             assert "out of reach, or a local minimum" in repr(solution)
 
-    @pytest.mark.parametrize("strategy", STRATEGIES)
+    @pytest.mark.parametrize("strategy", EVERY_STRATEGY)
     def test_a_straight_arm_with_its_target_beyond_stays(self, strategy):
         solution = solve(np.zeros(3), (3.5, 0.0), strategy)
         assert solution.status is jtik.Status.LOCAL_MINIMUM
         assert solution.escapes == 0
         assert solution.q.tolist() == [0, 0, 0]
 
-    @pytest.mark.parametrize("strategy", STRATEGIES)
+    @pytest.mark.parametrize("strategy", EVERY_STRATEGY)
     def test_a_single_link_turns_to_where_its_target_is(self, strategy):
         solution = solve(np.zeros(1), (-2.0, 0.0), strategy)
         # with little damping at the closest posture every step is many times too long, and halving it creeps there

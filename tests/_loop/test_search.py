@@ -12,8 +12,7 @@ import jtik
 from jtik_formulations import Damped, JointCentering
 
 from ..conftest import dh_arm, planar
-
-STRATEGIES = sorted(jtik.strategies)
+from .conftest import EVERY_STRATEGY
 
 
 @pytest.fixture(scope="module")
@@ -104,7 +103,7 @@ def test_a_trace_has_the_rows_of_all_attempts(arm, targets):
     assert "restarts" in repr(plain)
 
 
-@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("strategy", EVERY_STRATEGY)
 def test_patience_changes_nothing_for_one_start(strategy):
     ik, q0 = solver(planar(5), strategy, "position"), np.full(5, 0.3)
     before = ik.solve([3.0, 1.0], q0=q0)

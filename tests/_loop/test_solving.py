@@ -11,8 +11,8 @@ import pytest
 import jtik
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
-from ..conftest import EXACT, ball_arm, floating_arm, large_ones_slow, planar, planar_points, slow
-from .conftest import FIELD, STRATEGIES, solver
+from ..conftest import EXACT, ball_arm, families_first, floating_arm, planar, planar_points, slow
+from .conftest import EVERY_STRATEGY, FIELD, STRATEGIES, solver
 
 
 class TestSolve:
@@ -27,7 +27,7 @@ class TestSolve:
         assert solution.status is jtik.Status.CONVERGED
         assert planar_points(solution.q)[-1] == pytest.approx([6, 3], abs=1e-6)
 
-    @pytest.mark.parametrize("strategy", STRATEGIES)
+    @pytest.mark.parametrize("strategy", EVERY_STRATEGY)
     @pytest.mark.parametrize("n", [1, 3, *slow(2, 7, 15)])
     def test_any_number_of_joints(self, strategy, n):
         robot = planar(n)
@@ -101,7 +101,7 @@ class TestSolve:
         assert solution.iterations == 0
         assert solution.q.tolist() == q0.tolist()
 
-    @pytest.mark.parametrize("strategy", large_ones_slow(STRATEGIES))
+    @pytest.mark.parametrize("strategy", families_first(STRATEGIES, large=False))
     def test_the_same_question_has_the_same_answer(self, strategy):
         options = {"criteria": JointCentering() + ObstacleAvoidance(FIELD), "strategy": strategy}
         ik, q0 = solver(planar(10), **options), np.full(10, 0.1)
@@ -137,7 +137,7 @@ class TestManifolds:
     """Ball and free joints: nq is not n, and quaternions stay unit quaternions."""
 
     @pytest.mark.parametrize("name", ["ball", *slow("floating")])
-    @pytest.mark.parametrize("strategy", large_ones_slow(STRATEGIES))
+    @pytest.mark.parametrize("strategy", families_first(STRATEGIES, large=False))
     def test_pose_tasks_with_criteria(self, name, strategy, rng):
         robot = {"ball": ball_arm, "floating": floating_arm}[name]()
         criteria = JointCentering() + 0.1 * ObstacleAvoidance(jtik.Sphere((0.6, 0.6, 0.2), 0.1))

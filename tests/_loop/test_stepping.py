@@ -8,12 +8,12 @@ import pytest
 import jtik
 from jtik_formulations import JointCentering
 
-from ..conftest import EXACT, dh_arm, large_ones_slow, planar, planar_points
+from ..conftest import EXACT, dh_arm, families_first, planar, planar_points
 from .conftest import STRATEGIES, solver
 
 
 class TestStep:
-    @pytest.mark.parametrize("strategy", large_ones_slow(STRATEGIES))
+    @pytest.mark.parametrize("strategy", families_first(STRATEGIES, large=False))
     @pytest.mark.parametrize("criteria", [None, JointCentering()])
     def test_a_sequence_is_a_solve(self, strategy, criteria):
         ik = solver(planar(6), strategy=strategy, criteria=criteria)

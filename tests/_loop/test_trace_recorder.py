@@ -8,7 +8,7 @@ import pytest
 from jtik_formulations import JointCentering
 
 from ..conftest import EXACT, planar, planar_points
-from .conftest import STRATEGIES, solver
+from .conftest import EVERY_STRATEGY, solver
 
 
 class TestTrace:
@@ -34,7 +34,7 @@ class TestTrace:
     def test_there_is_none_by_default(self):
         assert solver(planar(2)).solve([1.0, 1.0], q0=[0.1, 0.2]).trace is None
 
-    @pytest.mark.parametrize("strategy", STRATEGIES)
+    @pytest.mark.parametrize("strategy", EVERY_STRATEGY)
     @pytest.mark.parametrize("criteria", [None, JointCentering()])
     def test_has_every_figure_it_promises_once_an_iteration(self, strategy, criteria):
         solution = self.solution(strategy, criteria, max_iterations=30)

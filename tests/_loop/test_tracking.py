@@ -9,7 +9,7 @@ import jtik
 from jtik_formulations import JointCentering
 
 from ..conftest import EXACT, planar, planar_points
-from .conftest import STRATEGIES, solver
+from .conftest import EVERY_STRATEGY, solver
 
 
 class TestTrack:
@@ -17,7 +17,7 @@ class TestTrack:
         angle = np.linspace(0, 2 * np.pi, count)
         return np.stack([2.0 + 0.5 * np.cos(angle), 1.5 + 0.5 * np.sin(angle)], axis=1)
 
-    @pytest.mark.parametrize("strategy", STRATEGIES)
+    @pytest.mark.parametrize("strategy", EVERY_STRATEGY)
     def test_a_circle_is_followed(self, strategy):
         ik = solver(planar(4), strategy=strategy)
         q0 = ik.solve(self.circle()[0], q0=[0.5, 0.4, 0.3, 0.2], max_iterations=5000).q
@@ -30,7 +30,7 @@ class TestTrack:
         assert path.error_norm.max() <= 1e-6
         assert np.abs(np.diff(path.q, axis=0)).max() < 0.5  # no jumps
 
-    @pytest.mark.parametrize("strategy", STRATEGIES)
+    @pytest.mark.parametrize("strategy", EVERY_STRATEGY)
     @pytest.mark.parametrize("criteria", [None, JointCentering()])
     def test_velocity_limits_hold_from_target_to_target(self, strategy, criteria, rng):
         speed, dt = np.array([0.5, 1.0, 0.3, 2.0]), 0.05

@@ -11,9 +11,10 @@ from scipy.optimize import minimize
 import jtik
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
-from ..conftest import ACCEPTED_RISE, planar, planar_points, rises, slow, under_limits
+from ..conftest import ACCEPTED_RISE, families_first, planar, planar_points, rises, slow, under_limits
 
-STRATEGIES = sorted(jtik.strategies)
+NAMES = sorted(jtik.strategies)
+STRATEGIES = families_first(NAMES)
 
 
 def solver(robot, strategy="hybrid", kind="position", **options):
@@ -136,7 +137,7 @@ def check_V_falls(seed, strategy):
         assert rises(trace).max(initial=-1) <= ACCEPTED_RISE
 
 
-MONOTONE = [name for name in STRATEGIES if name != "mink"]
+MONOTONE = [name for name in NAMES if name != "mink"]
 
 
 @settings(deadline=None, max_examples=8)

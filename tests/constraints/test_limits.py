@@ -13,9 +13,9 @@ import pytest
 import jtik
 from jtik_formulations import JointCentering, Newton
 
-from ..conftest import EXACT, ball_arm, floating_arm, planar
+from ..conftest import EXACT, ball_arm, families_first, floating_arm, planar
 
-STRATEGIES = [*sorted(jtik.strategies), "newton+qp", "hybrid+qp", "transpose+qp", "newton+second_order"]
+STRATEGIES = families_first([*sorted(jtik.strategies), "newton+qp", "hybrid+qp", "transpose+qp", "newton+second_order"])
 DT = 0.02
 RELATIVE = 1e-9
 """Rounding of positions of order one, divided by dt twice, relative to the smallest acceleration limit here."""

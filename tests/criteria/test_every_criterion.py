@@ -7,7 +7,7 @@ import pytest
 import jtik
 from jtik.testing import check_criterion, example_criterion
 
-from ..conftest import ball_arm, dh_arm, floating_arm, planar, weighted
+from ..conftest import ball_arm, dh_arm, floating_arm, planar, slow, weighted
 
 ROBOTS = {
     "planar": lambda: planar(5),
@@ -20,7 +20,7 @@ ROBOTS = {
 
 
 @pytest.mark.parametrize("name", sorted(jtik.criteria))
-@pytest.mark.parametrize("robot", ROBOTS)
+@pytest.mark.parametrize("robot", ["planar", "spatial", "ball", *slow("limited", "vehicle", "floating")])
 def test_contract(name, robot):
     body = weighted(ROBOTS[robot]())
     check_criterion(example_criterion(jtik.criteria[name], body), body)

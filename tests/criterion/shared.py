@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import jtik
 
-from ..conftest import report_at
+from ..conftest import families_first, report_at
 
-STRATEGIES = sorted(jtik.strategies)
+STRATEGIES = families_first(sorted(jtik.strategies))
 
 
 @jtik.criterion

@@ -36,8 +36,9 @@ def test_a_scene_in_slots_is_the_scene_itself(dimension, bodies, rng):
     for count in (2, 1, 3, 0):
         obstacles = scene_of(dimension, rng, count)
         parameters = slots.parameters(obstacles)
+        alone = ObstacleAvoidance(obstacles, bodies=bodies)
         for q in (robot.random_configuration(rng) for _ in range(3)):
-            wanted = ObstacleAvoidance(obstacles, bodies=bodies)(q, robot) if obstacles else 0.0
+            wanted = alone(q, robot) if obstacles else 0.0
             assert criterion(q, robot, **parameters) == pytest.approx(wanted, rel=1e-9, abs=1e-9)
 
 

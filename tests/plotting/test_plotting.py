@@ -15,6 +15,8 @@ import pytest
 import jtik
 from jtik import plotting
 
+from ..geometry.shapes import distance
+
 pytest.importorskip("matplotlib")
 image = pytest.importorskip("PIL.Image")
 
@@ -248,15 +250,6 @@ def test_every_planar_obstacle_is_drawn_where_it_is() -> None:
     for x in np.linspace(left, right, 30):
         for y in np.linspace(bottom, top, 30):
             inside = any(outline.contains_point((x, y)) for outline in outlines)
-            depth = min(_signed(each, (x, y)) for each in obstacles)
+            depth = min(distance(each, (x, y))[0] for each in obstacles)
             if abs(depth) > 0.01:
                 assert inside == (depth < 0)
-
-
-def _signed(obstacle: jtik.geometry.Solid, point: tuple[float, float]) -> float:
-    from jtik.geometry import Slots
-    from jtik.symbolic import SX
-
-    slots = Slots.exactly([obstacle], 2)
-    parameters = {name: SX(value) for name, value in slots.parameters([obstacle]).items()}
-    return float(slots.at(parameters)[0].distances.of(SX(list(point))))

@@ -59,3 +59,12 @@ def test_the_name_of_a_mesh_that_names_no_file(name, tmp_path):
     robot = jtik.Robot.from_urdf(path)
     assert robot.joint_names == ("j",)
     assert len(robot.shapes) == 0
+
+
+@pytest.mark.parametrize("load", LOADERS.values(), ids=LOADERS)
+@pytest.mark.parametrize("part", ["<!-- ", "<!--", "<!-- - ", "<!-- a -- b "])
+def test_comments_that_do_not_end_are_read_once(load, part):
+    """In a time that grows with the square of its length a text of this size would take hours."""
+    for text in (part * (2_000_000 // len(part)), f"<robot name='r'>{part * (2_000_000 // len(part))}</robot>"):
+        with pytest.raises(jtik.RobotFileError, match="not XML"):
+            load(text)

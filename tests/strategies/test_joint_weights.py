@@ -25,7 +25,7 @@ from jtik_formulations import (
     WeightedQP,
 )
 
-from ..conftest import EXACT, ball_arm, dh_arm, floating_arm, large_ones_slow, planar, planar_points, slow
+from ..conftest import EXACT, ball_arm, dh_arm, families_first, floating_arm, planar, planar_points, slow
 
 ROBOTS = {
     "planar": (lambda: planar(5), "position"),
@@ -133,7 +133,7 @@ class TestTaskStep:
         wanted = weighted_inverse(J, W)[:, 0] * 0.1
         assert moved(ik, np.zeros(4), [4.0, 0.1]) == pytest.approx(wanted, abs=EXACT)
 
-    @pytest.mark.parametrize("name", large_ones_slow(sorted(jtik.strategies)))
+    @pytest.mark.parametrize("name", families_first(sorted(jtik.strategies), large=False))
     def test_a_heavy_joint_moves_less(self, name):
         q, target = np.array([0.4, 0.5, -0.6, 0.7, 0.3]), None
         target = planar_points(q)[-1] + np.array([-0.02, 0.03])
@@ -231,7 +231,7 @@ class TestWithinLimits:
             assert (rest[down] >= -1e-6 * scale).all()
         assert active >= 4
 
-    @pytest.mark.parametrize("name", large_ones_slow([*sorted(jtik.strategies), *OTHERS]))
+    @pytest.mark.parametrize("name", families_first([*sorted(jtik.strategies), *OTHERS], large=False))
     def test_velocities_and_positions_hold(self, name, rng):
         robot, dt = planar(4, lower=-1.0, upper=1.0), 0.02
         W, limits = {"joint1": 40.0, "joint3": 0.2}, jtik.Limits(velocity=1.0, acceleration=20.0)
@@ -312,7 +312,7 @@ class TestNullSpace:
 
 
 class TestSolves:
-    @pytest.mark.parametrize("name", large_ones_slow([*sorted(jtik.strategies), *OTHERS]))
+    @pytest.mark.parametrize("name", families_first([*sorted(jtik.strategies), *OTHERS], large=False))
     def test_converged_solves_are_on_their_target(self, name, rng):
         arm = jtik.Robot.builtin("panda")
         for criteria in (None, JointCentering()):

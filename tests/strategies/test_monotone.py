@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import jtik
 
-from ..conftest import ACCEPTED_RISE, dh_arm, planar, planar_points, rises
+from ..conftest import ACCEPTED_RISE, dh_arm, families_first, planar, planar_points, rises
 
 MONOTONE = [
     name
@@ -88,7 +88,7 @@ def check_spatial_arm(strategy, n, seed, kind):
 SPATIAL = {"kind": st.sampled_from(["position", "pose"])}
 
 
-@pytest.mark.parametrize("strategy", MONOTONE)
+@pytest.mark.parametrize("strategy", families_first(MONOTONE))
 @settings(deadline=None, max_examples=10)
 @given(seed=st.integers(0, 2**13).map(lambda k: 5 * k), **SPATIAL)
 def test_a_spatial_arm(strategy, seed, kind):
