@@ -97,7 +97,13 @@ def parts(module: ModuleType) -> list[ModuleType]:
     if hasattr(module, "__all__") and module.__name__ != "jtik.symbolic":
         return []
     found = pkgutil.iter_modules(getattr(module, "__path__", []), f"{module.__name__}.")
-    return [importlib.import_module(info.name) for info in found if not info.name.rpartition(".")[2].startswith("_")]
+    return [importlib.import_module(info.name) for info in found if not is_internal(info.name)]
+
+
+def is_internal(module: str) -> bool:
+    """Whether a module is private, or only has the former names of others."""
+    last = module.rpartition(".")[2]
+    return last.startswith("_") or last == "renamed"
 
 
 @lru_cache
