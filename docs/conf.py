@@ -11,6 +11,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "formulations"), str(ROOT / "docs")]
 import jtik  # noqa: E402
 
 project, author, version = "jtik", "The jtik developers", jtik.__version__
+project_copyright = "the jtik developers, Apache-2.0"
 extensions = [
     "myst_nb",
     "sphinx.ext.autodoc",
@@ -39,7 +40,18 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 autodoc_preserve_defaults = True
-SHOWN = ("Array", "ArrayLike", "Criteria", "Expression", "NonNegative", "Positive", "Share", "StepLimit", "Weights")
+SHOWN = (
+    "Array",
+    "ArrayLike",
+    "Criteria",
+    "Expression",
+    "NonNegative",
+    "Positive",
+    "Share",
+    "Speeds",
+    "StepLimit",
+    "Weights",
+)
 autodoc_type_aliases = dict(zip(SHOWN, SHOWN, strict=True))  # as they are written, not what they stand for
 python_use_unqualified_type_names = True
 python_maximum_signature_line_length = 100

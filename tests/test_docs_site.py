@@ -124,3 +124,37 @@ def test_without_the_extra_one_line_says_what_to_install(
     assert error.count("\n") == 1
     assert "no_such_package" in error
     assert 'pip install ".[docs]"' in error
+
+
+def test_a_notebook_that_is_executed_beside_its_script_is_used(staged: Any, tmp_path: Path) -> None:
+    jupytext = importlib.import_module("jupytext")
+    runs = importlib.import_module("site_pages.runs")
+    script = tmp_path / "notebooks" / "two.py"
+    script.parent.mkdir()
+    script.write_text("# %% [markdown]\n# # Two\n#\n# lines\n\n# %%\n1 + 1\n\n# %%\nx = 3\nx\n", encoding="utf-8")
+    notebook = jupytext.read(script)
+    output = importlib.import_module("nbformat.v4").new_output("stream", name="stdout", text="2, from before")
+    notebook["cells"][1]["outputs"] = [output]
+    script.with_suffix(".ipynb").write_text(jupytext.writes(notebook, fmt="ipynb"), encoding="utf-8")
+    used = runs.executed(script, tmp_path / "kept")
+    assert "".join(used["cells"][1]["outputs"][0]["text"]) == "2, from before"
+    assert used["cells"][0]["source"] == "# Two\n\nlines"
+    assert not (tmp_path / "kept").exists()
+
+
+def test_an_example_is_run_once_and_says_why_it_could_not(staged: Any, tmp_path: Path) -> None:
+    runs = importlib.import_module("site_pages.runs")
+    script = tmp_path / "examples" / "one.py"
+    script.parent.mkdir()
+    script.write_text("import os\nprint(len(os.listdir()))\nopen('seen', 'w').close()\n", encoding="utf-8")
+    assert [runs.ran(script, tmp_path / "kept").printed for _ in range(2)] == ["0\n", "0\n"]
+    script.write_text("raise SystemExit('install no_such_package')\n", encoding="utf-8")
+    assert runs.ran(script, tmp_path / "kept").printed == "not run here: install no_such_package\n"
+
+
+def test_a_link_to_nothing_is_an_error(staged: Any, tmp_path: Path) -> None:
+    page = importlib.import_module("site_pages.pages").Pages(ROOT, tmp_path)
+    page.of["docs/guides/robots.md"] = "guides/robots.md"
+    page.add("guides/x.md", "[there](robots.md), [gone](no_such_page.md)", origin="docs/guides/x.md")
+    with pytest.raises(FileNotFoundError, match=r"docs/guides/x\.md: the link to docs/guides/no_such_page\.md"):
+        page.write()

@@ -11,6 +11,8 @@ PIECES = re.compile(r"(``.+?``|`[^`]+`|\*\*[^*\s](?:[^*]*[^*\s])?\*\*|:\w+:`[^`]
 
 NAME = re.compile(r"`([A-Za-z_]\w*(?:\.\w+)*)(\(\))?`")
 
+DERIVATION = re.compile(r"\bformulations/(\w+)\.md\b")
+
 _known: dict[str, str] = {}
 
 
@@ -40,7 +42,8 @@ def _escape(line: str) -> str:
     pieces = PIECES.split(line)
     for index, piece in enumerate(pieces):
         if index % 2 == 0:
-            pieces[index] = re.sub(r"([*|\\])|(?<=\w)_(?!\w)", lambda match: "\\" + match[0], piece)
+            plain = re.sub(r"([*|\\])|(?<=\w)_(?!\w)", lambda match: "\\" + match[0], piece)
+            pieces[index] = DERIVATION.sub(r":doc:`\1.md </theory/\1>`", plain)
         elif name := NAME.fullmatch(piece):
             pieces[index] = _reference(name[1], name[2] or "")
     return "".join(pieces)
@@ -59,11 +62,20 @@ def process(_app: Any, _what: str, _name: str, _object: Any, _options: Any, line
     lines[:] = escaped(lines)
 
 
-def plain_defaults(
+def plain_signature(
     _app: Any, _what: str, _name: str, _object: Any, _options: Any, signature: str | None, returned: str | None
 ) -> tuple[str | None, str | None]:
-    """A signature without defaults that are no Python, such as ``<factory>``, which Sphinx could not read."""
-    return re.sub(r"= <[^<>]*>", "= ...", signature) if signature else signature, returned
+    """A signature without what is no Python, such as a default ``<factory>``, and with types as they are written."""
+    return _readable(signature), _readable(returned)
+
+
+def _readable(text: str | None) -> str | None:
+    return text and re.sub(r"TypeAliasForwardRef\('(\w+)'\)", r"\1", re.sub(r"= <[^<>]*>", "= ...", text))
+
+
+def without_fields(_app: Any, _what: str, _name: str, value: Any, _skip: bool, _options: Any) -> bool | None:
+    """Leave out what only repeats the fields of a named tuple."""
+    return True if (getattr(value, "__doc__", None) or "").startswith("Alias for field number") else None
 
 
 def check_entries(app: Any, failure: Exception | None) -> None:
@@ -81,7 +93,8 @@ def setup(app: Any) -> dict[str, bool]:
     from sphinx.domains.python import PyObject
 
     app.connect("autodoc-process-docstring", process, priority=100)
-    app.connect("autodoc-process-signature", plain_defaults)
+    app.connect("autodoc-process-signature", plain_signature)
+    app.connect("autodoc-skip-member", without_fields)
     for kind in PyObject.doc_field_types:
         if kind.name == "variable":
             kind.label = "Attributes"

@@ -9,6 +9,7 @@ import pkgutil
 import re
 import sys
 from dataclasses import dataclass
+from enum import Enum
 from functools import lru_cache
 from itertools import pairwise
 from types import ModuleType
@@ -34,6 +35,9 @@ MODULES = {
     "jtik.plotting": "pictures",
     "jtik.viewer": "robots in the browser",
     "jtik.planner": "the planner",
+    "jtik.planner.edits.messages": "what a session of the planner can be asked for",
+    "jtik.planner.edits.of_attempts": "the same of recorded attempts",
+    "jtik.planner.session.frames": "what a session publishes",
     "jtik.interop": "mink, pink, MuJoCo, Pinocchio, URDF",
     "jtik.symbolic": "the mathematics of criteria and strategies",
     "jtik.testing": "the contract of criteria and strategies",
@@ -93,7 +97,13 @@ def parts(module: ModuleType) -> list[ModuleType]:
     if hasattr(module, "__all__") and module.__name__ != "jtik.symbolic":
         return []
     found = pkgutil.iter_modules(getattr(module, "__path__", []), f"{module.__name__}.")
-    return [importlib.import_module(info.name) for info in found if not info.name.rpartition(".")[2].startswith("_")]
+    return [importlib.import_module(info.name) for info in found if not is_internal(info.name)]
+
+
+def is_internal(module: str) -> bool:
+    """Whether a module is private, or only has the former names of others."""
+    last = module.rpartition(".")[2]
+    return last.startswith("_") or last == "renamed"
 
 
 @lru_cache
@@ -161,7 +171,7 @@ def reference_pages(pages: Pages) -> None:
     lines += [f"| [`{name}`]({name}.rst) | {what} |" for name, what in MODULES.items()]
     lines += ["", "```{toctree}", ":hidden:", ":maxdepth: 1", "", *MODULES, "```", ""]
     pages.add("reference/index.md", "\n".join(lines))
-    pages.of["docs/reference/index.md"] = "reference/index.md"
+    pages.of["jtik/__init__.py"] = "reference/index.md"  # which says what is public
 
 
 def _page(module: ModuleType) -> str:
@@ -169,7 +179,10 @@ def _page(module: ModuleType) -> str:
     title = module.__name__
     own = [entry for entry in entries() if entry.page == title]
     listed = own if title != "jtik" else [entry for entry in entries() if re.fullmatch(r"jtik\.\w+", entry.name)]
-    lines = [title, "=" * len(title), "", f".. py:module:: {title}", *NO_INDEX.get(title, []), ""]
+    lines = [title, "=" * len(title), ""]
+    for part in [each.__name__ for each in parts(module)]:
+        lines += [] if part in MODULES else [f".. py:module:: {part}", ""]
+    lines += [f".. py:module:: {title}", *NO_INDEX.get(title, []), ""]
     if listed:
         lines += [".. list-table::", "   :widths: 30 70", ""]
     for entry in listed:
@@ -187,11 +200,12 @@ def _entry(entry: Entry) -> list[str]:
         return [f".. py:data:: {name}", f"   :module: {module}", "", *body]
     lines = [f".. {entry.kind}:: {entry.name}"]
     if inspect.isclass(entry.value) and entry.page == "jtik_formulations":
-        lines.append("   :show-inheritance:")  # its methods are those of the base
-    elif inspect.isclass(entry.value):
+        return lines  # its methods are those of its base
+    if inspect.isclass(entry.value):
         known = {each.__name__ for each in entry.value.__mro__[1:] if not _is_mixin(each)}
         lines += ["   :members:", f"   :inherited-members: {', '.join(sorted(known))}"]
-        lines += ["   :show-inheritance:"] if entry.value.__bases__ != (object,) else []
+        lines += ["   :show-inheritance:"] if set(entry.value.__bases__) <= PUBLIC_CLASSES else []
+        lines += ["   :undoc-members:"] if issubclass(entry.value, Enum) else []
     return lines
 
 
