@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jtik.arguments import array_of, flag, instance, non_negative_number, positive_number
+from jtik.arguments import array_of, flag, instance, non_negative_number, positive_number, several
 from jtik.arguments import path as read_path
 from jtik.constraints import Limits
 from jtik.constraints.limits import limits_of
@@ -70,7 +70,8 @@ class Planner:
 
     Args:
         robot: the robot; a planar arm of ten links by default.
-        task: what its end effector does; a position in the plane, a pose in space by default.
+        task: what its end effector does; a position in the plane, a pose in space by default. Of several tasks the
+            operator guides one at a time, the first one at first; the others are held where their targets are.
         scene: the obstacles: a `jtik.Scene`, or obstacles; none by default, with the default robot a field of discs.
         strategy: name of a registered strategy, perhaps with a secondary term, or a Strategy object.
         criteria: names of criteria, criteria, or a weighted sum; "joint_centering" and "obstacle_avoidance" by default.
@@ -103,7 +104,7 @@ class Planner:
     def __init__(
         self,
         robot: Robot | None = None,
-        task: FrameTask | None = None,
+        task: FrameTask | Iterable[FrameTask] | None = None,
         *,
         scene: Scene | Iterable[Solid] | Solid | None = None,
         strategy: str | Strategy = "hybrid",
@@ -121,9 +122,7 @@ class Planner:
     ) -> None:
         demo = Demo() if robot is None else None
         full = demo.robot if demo else instance("robot", robot, Robot, "a jtik.Robot, or None for a ten-link arm")
-        accepted = "a jtik.FrameTask, or None"
-        kind = "position" if full.dimension == 2 else "pose"
-        wanted = FrameTask(full.tip, kind=kind) if task is None else instance("task", task, FrameTask, accepted)  # type: ignore[arg-type]
+        wanted = _tasks(task, full)
         moving, _ = reduced(full, wanted, None, full.neutral)
         field = {f"disc {i}": each for i, each in enumerate(demo.obstacles, 1)} if demo and scene is None else scene
         obstacles = _scene(field, full.dimension)
@@ -139,7 +138,7 @@ class Planner:
         names, terms, given = _criteria(criteria)
         problem = Problem(
             robot=moving,
-            task=wanted,
+            tasks=wanted,
             criteria=catalogue.Criteria(given),
             weights=terms,
             bodies="shapes" if any(_moves(moving, frame) for frame in moving.shapes) else "both",
@@ -216,6 +215,19 @@ class Planner:
         self.loop.close()
         if self._own_executor:
             self._executor.shutdown(wait=False, cancel_futures=True)
+
+
+def _tasks(given: Any, robot: Robot) -> tuple[FrameTask, ...]:
+    """The tasks. Raises ArgumentError for anything else."""
+    if given is None:
+        return (FrameTask(robot.tip, kind="position" if robot.dimension == 2 else "pose"),)
+    accepted = "a jtik.FrameTask, several of them, or None"
+    tasks = several("task", given if isinstance(given, Iterable) else [given], accepted)
+    for task in tasks:
+        instance("task", task, FrameTask, accepted)
+    if not tasks:
+        raise ArgumentError("task", given, accepted)
+    return tuple(tasks)
 
 
 def _scene(given: Any, dimension: int) -> Scene:

@@ -55,7 +55,7 @@ class Later(Executor):
 def problem(task: str = "position", speed: float = 2.0) -> Problem:
     return Problem(
         robot=ROBOT,
-        task=jtik.FrameTask("tip", kind=task),
+        tasks=(jtik.FrameTask("tip", kind=task),),
         criteria=Criteria(),
         limits=jtik.Limits(velocity=speed),
     )

@@ -13,6 +13,7 @@ from jtik.planner.edits.messages import EDITS, HoldTarget, MoveTarget, SetGain, 
 EXAMPLES = [
     {"edit": "move_target", "position": [6.0, 1.5], "orientation": [1.0, 0.0, 0.0, 0.0]},
     {"edit": "hold_target", "velocity": [0.0, 0.0, 0.1], "rotation": [0.0, 0.0, 1.0]},
+    {"edit": "guide", "task": "left hand"},
     {"edit": "set_target_speed", "speed": 0.5, "rotation": None},
     {"edit": "add_obstacle", "name": "disc", "obstacle": {"shape": "circle"}, "gain": 0.5},
     {"edit": "change_obstacle", "name": "disc", "obstacle": {"shape": "circle"}},

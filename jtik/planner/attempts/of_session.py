@@ -15,12 +15,13 @@ from jtik.planner.attempts.history import History
 from jtik.planner.attempts.recording import Recording
 from jtik.planner.edits import of_attempts as edits
 from jtik.planner.edits.effects import Editor
-from jtik.planner.edits.messages import Edit, Jog
+from jtik.planner.edits.messages import Edit, Guide, Jog
 from jtik.planner.files.journal import Journal
 from jtik.planner.files.plan_file import Plan
 from jtik.planner.files.plan_settings import to_plain
 from jtik.planner.session.frames import Mode
 from jtik.planner.session.state import Motion, State
+from jtik.planner.session.targets import Targets, of_settings
 from jtik.types import Array
 
 
@@ -45,10 +46,12 @@ class Attempts:
         self.mode: Mode = "live"
         self.version = 0
         self._shown: tuple[Attempt, float] | None = None
+        self._shown_targets = state.targets
         self._speed, self._time = 1.0, 0.0
         self._recording: Recording | None = None
         self._recorded_scene: Scene | None = None
         self._handlers: Mapping[type[Edit], Callable[[Any], None]] = {
+            Guide: self._guide,
             edits.Record: self._record,
             edits.StopRecording: self._stop_recording,
             edits.Play: self._play,
@@ -90,6 +93,11 @@ class Attempts:
         q, target = attempt.configurations[i], attempt.targets[i]
         dimension = self._state.arm.robot.dimension
         return q, target[:dimension], target[3:] if len(target) == 7 else None
+
+    @property
+    def targets(self) -> Targets:
+        """The targets of what is shown; the present ones where nothing is shown."""
+        return self._state.targets if self._shown is None else self._shown_targets
 
     def scene(self) -> dict[str, Any] | None:
         """The obstacles of what is shown, a dict of `jtik.Scene.to_dict`; None where nothing is shown."""
@@ -171,6 +179,20 @@ class Attempts:
             raise ArgumentError("attempt", "none that is shown", "play or scrub one first")
         return self._shown
 
+    def _guide(self, edit: Guide) -> None:
+        if self._recording is not None:
+            raise ArgumentError("guide", "while an attempt is recorded", "stop that recording first")
+        self._state.guide(edit.task)
+
+    def _settings(self) -> dict[str, Any]:
+        """The settings of an attempt that begins; with several tasks also their targets."""
+        state = self._state
+        targets = {"targets": state.targets.to_plain(state.problem)} if len(state.problem.tasks) > 1 else {}
+        return {**to_plain(state), **targets}
+
+    def _targets_of(self, attempt: Attempt) -> Targets:
+        return of_settings(attempt.settings, self._state.problem, self._state.targets)
+
     def _record(self, edit: edits.Record) -> None:
         if self._recording is not None:
             raise ArgumentError("record", "while an attempt is recorded", "stop that recording first")
@@ -188,7 +210,7 @@ class Attempts:
             scenes=((0.0, state.values.scene.to_dict()),),
             strategy=state.wanted.strategy,
             criteria=state.wanted.criteria,
-            settings=to_plain(state),
+            settings=self._settings(),
         )
         self._begin(beginning)
 
@@ -212,6 +234,7 @@ class Attempts:
 
     def _show(self, name: str, time: float, mode: Mode) -> None:
         attempt = self.history[name]
+        self._shown_targets = self._targets_of(attempt)
         self.stop()
         self._state.target.stop()
         self._state.jog = Jog(0.0)
@@ -250,6 +273,7 @@ class Attempts:
         motion = None
         if moving and i > 0:
             motion = Motion(attempt.configurations[i - 1], q, float(attempt.times[i] - attempt.times[i - 1]))
+        self._state.take_targets(self._targets_of(attempt))
         self._state.put(q, position, orientation, motion=motion)
         if scene is not None:
             self._editor.change_scene(Scene.from_dict(scene))
@@ -261,7 +285,7 @@ class Attempts:
             raise ArgumentError("name", beginning.name, "a name that no other attempt has")
         self._go_back(edit, moving=True)  # so that the branch goes on without a jump of its velocities
         state = self._state
-        wanted, settings = state.wanted, to_plain(state)
+        wanted, settings = state.wanted, self._settings()
         self._begin(replace(beginning, strategy=wanted.strategy, criteria=wanted.criteria, settings=settings))
 
     def _change(self, history: History) -> None:

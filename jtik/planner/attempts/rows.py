@@ -12,6 +12,7 @@ from jtik.planner.attempts.attempt import Attempt
 from jtik.planner.attempts.history import History
 from jtik.planner.session.arm import Arm
 from jtik.planner.session.frames import plain
+from jtik.planner.session.targets import guided_frame
 from jtik.types import Array
 
 POINTS, POSTURES = 240, 7
@@ -69,7 +70,7 @@ class AttemptRows:
             measures: dict[str, Any] = plain(dict(self._measure(attempt)))
         except JtikError as error:  # an attempt of another robot, from a plan that was loaded
             measures = {"error": str(error)}
-        tip = self._arm.robot.frame_names.index(self._arm.tip)
+        tip = self._arm.robot.frame_names.index(guided_frame(attempt.settings, self._arm))
         path = [self._arm.poses(q)[tip, :3] for q in _spread(attempt.configurations, POINTS)]
         postures = [self._links(q) for q in _spread(attempt.configurations, POSTURES)]
         return {"measures": measures, "path": np.round(path, 5).tolist(), "postures": postures}

@@ -121,6 +121,17 @@ class HoldTarget(Edit):
 
 
 @dataclass(frozen=True)
+class Guide(Edit):
+    """Guide another task from now on; the one before is held where its target is.
+
+    Attributes:
+        task: name of the task.
+    """
+
+    task: Name
+
+
+@dataclass(frozen=True)
 class SetTargetSpeed(Edit):
     """Set the largest speed of the target.
 

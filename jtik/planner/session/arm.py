@@ -36,7 +36,6 @@ class Arm:
 
     def __init__(self, robot: Robot, tip: str) -> None:
         self.robot, self.tip = robot, tip
-        self._tip = robot.frame_names.index(tip)
         q = symbol("q", robot.nq)
         kinematics = robot.at(q)
         poses = [kinematics.pose(frame)[:3, :] for frame in robot.frame_names]
@@ -53,9 +52,9 @@ class Arm:
         found.flags.writeable = False
         return found
 
-    def end_effector(self, q: Array) -> tuple[Array, Array]:
-        """Position (2,) or (3,) [m] and unit quaternion (w, x, y, z) of the end effector."""
-        pose = self.poses(q)[self._tip]
+    def pose(self, q: Array, frame: str) -> tuple[Array, Array]:
+        """Position (2,) or (3,) [m] and unit quaternion (w, x, y, z) of a frame."""
+        pose = self.poses(q)[self.robot.frame_names.index(frame)]
         return pose[: self.robot.dimension].copy(), pose[3:].copy()
 
     @cached_property

@@ -22,6 +22,7 @@ from jtik.planner.files.plan_settings import from_plain, to_plain
 from jtik.planner.files.recovery import Recovered, recover
 from jtik.planner.files.sessions import Session
 from jtik.planner.session.state import State
+from jtik.planner.session.targets import of_settings
 from jtik.robot import Robot
 
 
@@ -96,7 +97,10 @@ class Background:
             self._attempts.add(replace(found, name=name))
             state.messages.tell("info", f"{edit.attempt!r} is solved again as {name!r}")
 
-        what = (state.problem, structure, state.values, attempt, settings)
+        targets = of_settings(attempt.settings, state.problem, state.targets)
+        if "targets" in attempt.settings:
+            settings["targets"] = attempt.settings["targets"]
+        what = (state.problem, structure, state.values, attempt, settings, targets)
         self._begin(f"resolve {edit.attempt!r}", done, resolved, *what)
 
     def _save(self, edit: edits.SavePlan) -> None:

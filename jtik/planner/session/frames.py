@@ -110,7 +110,7 @@ class Setup:
         frames: names of the frames, in the order of `Frame.poses`.
         strategies: name, summary and options of each strategy that can be chosen.
         criteria: name and summary of each criterion that can be chosen.
-        task: kind of the task and frame of the end effector.
+        task: kind of the first task and frame of the end effector.
         dt: period [s].
     """
 
@@ -133,6 +133,7 @@ class Settings:
 
     Attributes:
         version: grows with every change.
+        tasks: name, kind and frame of each task, with the position of its target [m] where it is held.
         strategy: name and options of the strategy.
         criteria: names of the criteria.
         joint_weights: weights of the velocity entries (n,).
@@ -148,6 +149,7 @@ class Settings:
     """
 
     version: int
+    tasks: tuple[Mapping[str, Any], ...]
     strategy: Mapping[str, Any]
     criteria: tuple[str, ...]
     joint_weights: tuple[float, ...]

@@ -27,6 +27,7 @@ from jtik.planner.session.publishing import settings_of, setup_of
 from jtik.planner.session.schedule import Schedule
 from jtik.planner.session.solving import Workshop
 from jtik.planner.session.state import State
+from jtik.planner.session.targets import target_of
 
 DT = 1 / 60
 """Period of the loop [s]."""
@@ -46,6 +47,7 @@ STILL = 1e-9
 LIVE_ONLY = (
     edits.MoveTarget,
     edits.HoldTarget,
+    edits.Guide,
     edits.Jog,
     edits.AddObstacle,
     edits.ChangeObstacle,
@@ -221,7 +223,9 @@ class Loop:
     def _line(self, heartbeat: int) -> StatusLine:
         state, frame = self._state, self.frame
         solver, q = state.solver, frame.q
-        report = solver.ik.report(q, state.target_of(frame.position, frame.orientation))
+        report = solver.ik.report(
+            q, target_of(state.problem, self._attempts.targets, frame.position, frame.orientation)
+        )
         distances = solver.gauge.distances(q)
         safe = state.values.safe if solver.structure.clearance else 0.0
         said = state.jogged and f"along the self-motion: {state.jogged}"

@@ -28,7 +28,7 @@ def setup_of(state: State, dt: float) -> Setup:
         frames=problem.robot.frame_names,
         strategies=strategies,
         criteria=problem.criteria.entries(),
-        task={"kind": problem.task.kind, "frame": state.arm.tip},
+        task={"kind": problem.tasks[0].kind, "frame": state.arm.tip},
         dt=dt,
     )
 
@@ -45,6 +45,15 @@ def settings_of(state: State, shown: Mapping[str, Any] | None, *, rebuilding: bo
     scene = values.scene.to_dict() if shown is None else shown
     return Settings(
         version=state.changes,
+        tasks=tuple(
+            {
+                "name": task.name,
+                "kind": task.kind,
+                "frame": state.problem.guided_frame(task.name),
+                "held": None if task.name not in state.targets.held else state.targets.held[task.name].position,
+            }
+            for task in state.problem.tasks
+        ),
         strategy={"name": wanted.strategy, "options": dict(wanted.options)},
         criteria=wanted.criteria,
         joint_weights=wanted.joint_weights,

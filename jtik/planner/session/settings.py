@@ -24,7 +24,7 @@ class Problem:
 
     Attributes:
         robot: the robot.
-        task: what its end effector does.
+        tasks: what its end effector does, or what several frames do: the first is guided at first.
         criteria: the criteria that can be chosen.
         weights: first weight of each criterion by name, 1 where there is none.
         bodies: what keeps away from obstacles, as of obstacle criteria: "both" or "shapes".
@@ -34,13 +34,22 @@ class Problem:
     """
 
     robot: Robot
-    task: FrameTask
+    tasks: tuple[FrameTask, ...]
     criteria: Criteria
     weights: Mapping[str, float] = field(default_factory=dict)
     bodies: str = "both"
     limits: Limits = field(default_factory=Limits)
     strategy: Strategy | None = None
     compiled: bool = False
+
+    @property
+    def task_by_name(self) -> dict[str, FrameTask]:
+        """The tasks by their names."""
+        return {task.name: task for task in self.tasks}
+
+    def guided_frame(self, name: str) -> str:
+        """The frame of a task."""
+        return self.robot.frame(self.task_by_name[name].frame)
 
 
 @dataclass(frozen=True, eq=False)

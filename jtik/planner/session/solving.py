@@ -59,7 +59,7 @@ class Solver:
         clearance = Clearance(_measure(problem, common, links)) if structure.clearance else None
         self.ik = InverseKinematics(
             problem.robot,
-            problem.task,
+            problem.tasks,
             criteria=criteria,
             strategy=_strategy(problem, structure),
             limits=_limits(problem.limits, structure.limits),

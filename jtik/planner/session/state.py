@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,15 +9,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from jtik.errors import JtikError
+from jtik.errors import JtikError, UnknownNameError
 from jtik.geometry import Scene
 from jtik.planner.edits.messages import Jog
-from jtik.planner.session import rotations
 from jtik.planner.session.arm import Arm
 from jtik.planner.session.frames import Level, Message
 from jtik.planner.session.settings import Problem, Structure, Values
 from jtik.planner.session.solving import Solver
 from jtik.planner.session.target import GuidedTarget
+from jtik.planner.session.targets import Pose, Targets, target_of
+from jtik.task import FrameTask
 from jtik.types import Array
 
 MESSAGES = 200
@@ -82,7 +82,8 @@ class State:
 
     Attributes:
         q: where the arm is (nq,).
-        target: the target.
+        target: the target that the operator guides.
+        targets: which task that is, and the targets of the others.
         solver: the solver that steps.
         wanted: the structure that was asked for last.
         values: what changes in a built solver.
@@ -94,10 +95,12 @@ class State:
     def __init__(self, problem: Problem, solver: Solver, values: Values, q: Array, *, messages: Messages) -> None:
         self.problem, self.solver, self.values, self.messages = problem, solver, values, messages
         self.wanted: Structure = solver.structure
-        self.arm = Arm(problem.robot, problem.robot.frame(problem.task.frame))
+        first = problem.tasks[0]
+        self.arm = Arm(problem.robot, problem.robot.frame(first.frame))
         self.q = np.array(q, dtype=float)
-        turns = problem.task.target_kind != "position"
-        self.target = GuidedTarget(*self.arm.end_effector(self.q), speed=1.0, rotation_speed=1.0, turns=turns)
+        here = {task.name: Pose(*self.arm.pose(self.q, problem.robot.frame(task.frame))) for task in problem.tasks}
+        self.target = GuidedTarget(*here.pop(first.name), speed=1.0, rotation_speed=1.0, turns=_turns(first))
+        self.targets = Targets(first.name, here)
         self.jog = Jog(0.0)
         self.jogged = ""
         self.changes = 0
@@ -109,9 +112,20 @@ class State:
         self.target.speed, self.target.rotation_speed = speed, rotation
         self.touch()
 
-    def target_of(self, position: Array, orientation: Array) -> Any:
-        """A target as the task reads it, see `target_of`."""
-        return target_of(self.problem, position, orientation)
+    def guide(self, name: str) -> None:
+        """Guide another task; the one before is held where its target is. Raises UnknownNameError for another name."""
+        if name not in self.problem.task_by_name:
+            raise UnknownNameError("task", name, self.problem.task_by_name)
+        if name != self.targets.guided:
+            there = self.targets.held[name]
+            self.take_targets(self.targets.with_guided(name, Pose(self.target.position, self.target.orientation)))
+            self.target.put(*there)
+
+    def take_targets(self, targets: Targets) -> None:
+        """Take other held targets, and another task as the guided one."""
+        self.targets = targets
+        self.target.turns = _turns(self.problem.task_by_name[targets.guided])
+        self.touch()
 
     def step(self, dt: float, *, guided: bool) -> None:
         """One step of the arm. A step that fails leaves the arm where it is, and is reported.
@@ -139,7 +153,8 @@ class State:
 
     def _follow(self, dt: float) -> Array:
         """The configuration after one step to the target."""
-        return self.solver.step(self.q, self.target_of(self.target.position, self.target.orientation), dt).q
+        target = target_of(self.problem, self.targets, self.target.position, self.target.orientation)
+        return self.solver.step(self.q, target, dt).q
 
     def _jog(self, dt: float) -> Array:
         """The configuration after one displacement along the self-motion."""
@@ -193,22 +208,6 @@ class State:
         self.solver.ik.reset(velocity=self._velocity())
 
 
-def target_of(problem: Problem, position: Array, orientation: Array | None) -> Any:
-    """A target as the task reads it.
-
-    Args:
-        problem: what stays as it is.
-        position: its position, (2,) or (3,) [m].
-        orientation: its orientation, a unit quaternion (w, x, y, z); None where the task uses none.
-    """
-    kind = problem.task.target_kind
-    if kind == "position" or orientation is None:
-        return position
-    if problem.robot.dimension == 2:
-        angle = 2 * math.atan2(orientation[3], orientation[0])
-        return np.array([angle] if kind == "orientation" else [*position, angle])
-    if kind == "orientation":
-        return rotations.matrix(orientation)
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = rotations.matrix(orientation), position
-    return pose
+def _turns(task: FrameTask) -> bool:
+    """Whether the orientation of its target counts."""
+    return task.target_kind != "position"

@@ -16,6 +16,7 @@ from jtik.planner.commit.committing import check, commit
 from jtik.planner.edits import of_attempts as edits
 from jtik.planner.files.plain import LONGEST_NAME
 from jtik.planner.files.plan_file import Plan
+from jtik.planner.session.targets import guided_frame
 from jtik.planner.web.meshes import Meshes, encoded
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ class Desk:
 
     def measures(self, attempt: Attempt) -> Mapping[str, Any]:
         """The measures of an attempt by name."""
-        return measure(attempt, self._robot, frame=self.arm.tip).to_json()
+        return measure(attempt, self._robot, frame=guided_frame(attempt.settings, self.arm)).to_json()
 
     def findings(self, attempt: Attempt) -> list[str]:
         """What a check of an attempt finds, in words: limits, speeds, accelerations, clearance between samples."""

@@ -5,7 +5,7 @@ import { jog } from "./input.js";
 import { obstaclePart } from "./obstacles.js";
 import { optionFields, readOptions } from "./options.js";
 import { send } from "./socket.js";
-import { on, state } from "./state.js";
+import { guided, on, state } from "./state.js";
 
 export function showPanels(host) {
   const parts = [targetPart, obstaclePart, posturePart, weightsPart, strategyPart, criteriaPart, limitsPart];
@@ -33,7 +33,12 @@ function targetPart() {
   const show = () => fields.forEach((field, k) => state.frame && field.set(state.frame.position[k]));
   on("frame", show);
   on("settings", () => speed.set(state.settings.target_speed[0]));
+  const { tasks } = state.settings;
+  const chosen = choice(tasks.map(({ name }) => [name, words(name)]), (task) => send("guide", { task }), { "aria-label": "task to guide" });
+  on("settings", () => (chosen.value = guided().name));
+  const several = el("div", { class: "row", title: "The others are held where their targets are" }, el("span", { class: "note" }, "guide"), chosen);
   return part("Target", [
+    ...(tasks.length > 1 ? [several] : []),
     el("div", { class: "row" }, fields.map((field) => field.node)),
     speed.node,
     jogs.node,

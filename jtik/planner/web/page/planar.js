@@ -2,7 +2,7 @@
 
 import { attemptColour, colours, css, shade } from "./palette.js";
 import { centre, handles, rotationOf } from "./shapes.js";
-import { limited, obstacles, placed, state, touches } from "./state.js";
+import { heldTargets, limited, obstacles, oriented, placed, state, touches } from "./state.js";
 
 export class PlanarView {
   constructor(host) {
@@ -212,7 +212,12 @@ export class PlanarView {
       }
       pen.stroke();
     }
-    if (!state.setup.oriented) return;
+    for (const [x, y] of heldTargets()) {
+      pen.beginPath();
+      pen.arc(...this.toScreen([x, y]), 6, 0, 7);
+      pen.stroke();
+    }
+    if (!oriented()) return;
     const angle = 2 * Math.atan2(orientation[3], orientation[0]);
     this.polyline([[position[0], position[1]], this.turnHandle(angle)], colours.target, 2);
     pen.beginPath();

@@ -4,7 +4,7 @@ import { add, norm, sub } from "./math.js";
 import { changeObstacle } from "./obstacles.js";
 import { distance, handles, moved } from "./shapes.js";
 import { send } from "./socket.js";
-import { obstacles, select, state } from "./state.js";
+import { obstacles, oriented, select, state } from "./state.js";
 
 const NEAR = 16; // [pixel]
 
@@ -20,7 +20,7 @@ export function steerPlanar(view, redraw) {
     const here = view.toWorld(at);
     const { position, orientation } = state.frame;
     const target = [position[0], position[1]];
-    if (state.setup.oriented && near(view.turnHandle(2 * Math.atan2(orientation[3], orientation[0])), at)) {
+    if (oriented() && near(view.turnHandle(2 * Math.atan2(orientation[3], orientation[0])), at)) {
       return { cursor: "grab", chosen: { kind: "target" }, to: (p) => turnTarget(target, p) };
     }
     if (near(target, at)) {

@@ -11,7 +11,7 @@ const ERROR_UNITS = { position: "m", orientation: "rad" }; // of a pose, metres 
 
 // key, label, unit, read from a status, whether the scale is logarithmic, what it means
 const figures = () => [
-  ["error", "error", ERROR_UNITS[state.setup.task.kind] ?? "", (s) => s.error, true, "norm of the task error; of a pose, metres and radians together"],
+  ["error", "error", (state.settings.tasks.length > 1 ? "" : ERROR_UNITS[state.setup.task.kind]) ?? "", (s) => s.error, true, "norm of the task error; of a pose, metres and radians together"],
   ["V", "V, task", "", (s) => s.V, true, "Lyapunov function of the task: half the sum of squares of the weighted error"],
   ["H", "H, criteria", "", (s) => s.H, false, "weighted sum of the criteria, which the self-motion makes small"],
   ["joints", "clearance of joints", "m", (s) => s.clearance?.joints, false, "smallest distance of a joint to an obstacle"],

@@ -6,7 +6,7 @@ import { add, cross, dot, lookAt, multiply, norm, perspective, rigid, rotate, sc
 import { drawMeshes } from "./meshes.js";
 import { attemptRgb, rgb, shade } from "./palette.js";
 import { centre, rotationOf, turns, upTo } from "./shapes.js";
-import { limited, obstacles, placed, state, touches } from "./state.js";
+import { heldTargets, limited, obstacles, oriented, placed, state, touches } from "./state.js";
 
 const GIZMO = 74; // length of an arrow [pixel]
 
@@ -79,7 +79,7 @@ export class SpatialView {
       const chosen = obstacles().find(({ name }) => name === state.selected.name);
       if (chosen) return { at: centre(chosen.obstacle), turning: turns(chosen.obstacle), chosen };
     }
-    return { at: [...state.frame.position], turning: state.setup.oriented, chosen: null };
+    return { at: [...state.frame.position], turning: oriented(), chosen: null };
   }
 
   draw() {
@@ -95,7 +95,8 @@ export class SpatialView {
     const R = transposed([[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((e) => rotate(state.frame.orientation, e)));
     const position = [...state.frame.position];
     if (state.selected.kind !== "target") renderer.draw("capsule", rigid(R, position), Array(3).fill(0.1 * this.gizmoSize(position)), rgb("target"), { lit: 0.5 });
-    if (state.setup.oriented) drawAxes(renderer, R, position, 0.62 * this.gizmoSize(position));
+    if (oriented()) drawAxes(renderer, R, position, 0.62 * this.gizmoSize(position));
+    for (const held of heldTargets()) renderer.draw("capsule", rigid([[1, 0, 0], [0, 1, 0], [0, 0, 1]], held), Array(3).fill(0.1 * this.gizmoSize(held)), rgb("target"), { lit: 0.5, alpha: 0.6 });
     const { at, turning } = this.gizmo();
     drawGizmo(renderer, at, this.gizmoSize(at), { turning, hot: this.hot });
   }

@@ -38,7 +38,6 @@ export function read(setup) {
     index,
     joints: joints.map((joint) => ({ ...joint, at: index.get(joint.frame) ?? -1 })),
     bodies: bodies.map((body) => ({ ...body, at: index.get(body.frame), towards: body.to === undefined ? -1 : index.get(body.to) })),
-    oriented: setup.task?.kind === "pose",
   };
 }
 
@@ -71,7 +70,12 @@ export function select(selected) {
   emit("selected");
 }
 
-export const tip = () => state.setup.index.get(state.setup.robot.tip) ?? 0;
+// The task that is guided, and the others, whose targets are held.
+export const guided = () => state.settings.tasks.find(({ held }) => held === null);
+export const heldTargets = () => state.settings.tasks.flatMap(({ held }) => (held === null ? [] : [held]));
+export const oriented = () => guided().kind !== "position";
+
+export const tip = () => state.setup.index.get(guided().frame) ?? 0;
 
 const MAX_POINTS = 3000;
 const MAX_POSTURES = 18;
