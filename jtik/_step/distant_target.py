@@ -12,7 +12,22 @@ from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.result.length import length
 from jtik.robot import Robot
 from jtik.robot.stroke import stroke
-from jtik.symbolic import Expression, diag, if_else, is_symbolic, ratio, sqrt, sumsqr, vertcat
+from jtik.symbolic import (
+    TINY,
+    Expression,
+    diag,
+    fmin,
+    if_else,
+    is_symbolic,
+    logic_and,
+    mmax,
+    norm,
+    ratio,
+    sqrt,
+    sumsqr,
+    vertcat,
+)
+from jtik.symbolic.factorization import squared_length
 from jtik.types import Array
 
 REACH = 2.0
@@ -20,6 +35,9 @@ REACH = 2.0
 
 NEARER = 0.5
 """Distance of the point that a step towards a distant target is made for, relative to the size of the robot."""
+
+LARGEST_WEIGHT = 1e12
+"""Largest weight of a joint: beyond it the orientation is lost in the rounding of V, and squares may overflow."""
 
 
 @dataclass(frozen=True)
@@ -33,12 +51,16 @@ class NearerTarget:
         shift: what is then subtracted from it (m, 1).
         residual: the residual of the step (m, 1).
         weights_differ: whether any weight can differ from 1.
+        share: share of the rows in [m] that the step is made for; of the lowest level where each has its own.
+        linear: the rows in [m].
     """
 
     weights: Expression
     shift: Expression
     residual: Expression
     weights_differ: bool
+    share: Expression
+    linear: list[int]
 
     @classmethod
     def of(cls, problem: SymbolicProblem, residual: Expression, *, by_level: bool) -> NearerTarget | None:
@@ -54,7 +76,7 @@ class NearerTarget:
         bounds = [_largest(problem, rows, size) for rows in groups]
         if not any(map(math.isfinite, bounds)):
             return None
-        weights, shift = [1] * problem.m, [0] * problem.m
+        weights, shift, share = [1] * problem.m, [0] * problem.m, 1
         of_step = [residual[row] for row in range(problem.m)]
         for rows, bound in zip(groups, bounds, strict=True):
             if math.isinf(bound):
@@ -68,7 +90,24 @@ class NearerTarget:
                 else:
                     weights[row] = sqrt(share)
                     of_step[row] = weights[row] * residual[row]
-        return cls(vertcat(*weights), vertcat(*shift), vertcat(*of_step), any(map(is_symbolic, weights)))
+        linear = [row for row in range(problem.m) if problem.linear[row]]
+        differ = any(map(is_symbolic, weights))
+        return cls(vertcat(*weights), vertcat(*shift), vertcat(*of_step), differ, share, linear)
+
+    def joint_scale(self, J: Expression, where: Expression) -> list[Expression]:
+        """Displacements of the joints per coordinate of a step in which a joint weighs as much as its curvature of V.
+
+        Args:
+            J: the Jacobian of the residual to the target (m, n).
+            where: 1 where a distant target is approached in these coordinates; else all are 1.
+        """
+        n, angular = J.shape[1], [row for row in range(J.shape[0]) if row not in self.linear]
+        distance = ratio(norm(self.residual[self.linear]), self.share)
+        of_angles = squared_length(J[angular, :]) / n + TINY
+        weights = [1 + fmin(distance * norm(J[self.linear, j]) / of_angles, LARGEST_WEIGHT) for j in range(n)]
+        largest = mmax(vertcat(*weights))
+        where = logic_and(where, self.share < 1)
+        return [if_else(where, sqrt(largest / weight), 1) for weight in weights]
 
     def weighted(self, rows: Expression) -> Expression:
         """A matrix (m, k) with its rows multiplied by the weights."""

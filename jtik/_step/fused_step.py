@@ -178,17 +178,8 @@ def fused_step(
 
     by_level = CheckedCall(strategy, strategy, "respects_priority").flag()
     start = start_of_step(state, q)
-    at = linearized(
-        problem,
-        start,
-        inputs,
-        state,
-        qps,
-        uses_qp=uses_qp,
-        timed=timed,
-        by_level=by_level,
-        acceleration=acceleration,
-    )
+    flags = {"uses_qp": uses_qp, "timed": timed, "by_level": by_level, "explores": explores}
+    at = linearized(problem, start, inputs, state, qps, acceleration=acceleration, **flags)
     model, active = at.model, at.active_set
     exploration = Exploration.of(model, state, q) if explores else None
     if exploration:

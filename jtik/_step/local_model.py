@@ -12,6 +12,7 @@ from jtik._step.distant_target import NearerTarget
 from jtik._step.inputs import Inputs, Settings
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.qp.recorder import QPRecorder
+from jtik.robot import WeightedCoordinates
 from jtik.strategy import Evaluation, LocalModel
 from jtik.symbolic import (
     TINY,
@@ -76,6 +77,7 @@ def linearized(
     timed: bool = False,
     by_level: bool = False,
     acceleration: Array | None = None,
+    explores: bool = False,
 ) -> Linearized:
     """The problem at ``start`` (nq, 1), clamped to the limits.
 
@@ -89,13 +91,18 @@ def linearized(
         timed: whether the step has a duration.
         by_level: whether the strategy respects levels of priority.
         acceleration: limits of acceleration of a timed step (n,); None without any.
+        explores: whether it is the step that takes over where V has stopped falling.
     """
     limits, settings = (inputs.lower, inputs.upper), Settings.of(inputs.settings)
     parts = _parts(problem, clamped(start, *limits, problem.bounded), inputs.target, inputs.parameters)
     at = [symbol(f"at{i}", *part.shape) for i, part in enumerate(parts)] if qps else parts
     q, whole, J, H, gradient = at[:5]
     residual, unshifted = whole, at[5] if problem.unshifted else None
-    nearer = None if timed else NearerTarget.of(problem, whole, by_level=by_level)
+    nearer, coordinates = None if timed else NearerTarget.of(problem, whole, by_level=by_level), problem.coordinates
+    if nearer and nearer.weights_differ and explores and not by_level:
+        scale = nearer.joint_scale(J, state["explored"] > 0)
+        coordinates, change = coordinates.scaled(scale), WeightedCoordinates(scale)
+        J, gradient = change.jacobian(J), change.gradient(gradient)
     if nearer:
         residual, J = nearer.residual, nearer.weighted(J)
         unshifted = None if unshifted is None else nearer.weighted(unshifted)
@@ -146,7 +153,7 @@ def linearized(
         target=inputs.target,
         parameters=inputs.parameters,
         qps=qps,
-        coordinates=problem.coordinates,
+        coordinates=coordinates,
         unshifted_function=problem.unshifted,
         weights=nearer.weights if nearer else 1 if braking else None,
         shift=nearer.shift if nearer else braking.shift if braking else None,

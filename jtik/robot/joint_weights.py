@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from operator import mul
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -30,10 +31,12 @@ class WeightedCoordinates:
     """Coordinates z = W^(1/2) dq of a displacement, W diagonal: |z|^2 = dq' W dq.
 
     Attributes:
-        scale: dq_i / z_i, in (0, 1], (n,); None without weights, where z = dq.
+        scale: dq_i / z_i, (n,), numbers in (0, 1] or expressions; None without weights, where z = dq.
+        bounds_steps: whether a trust radius bounds |z| rather than the rotational part of dq.
     """
 
-    scale: Array | None = None
+    scale: Sequence[Expression] | Array | None = None
+    bounds_steps: bool = False
 
     @classmethod
     def of(cls, weights: Array | None) -> WeightedCoordinates:
@@ -45,7 +48,7 @@ class WeightedCoordinates:
     @property
     def weights(self) -> Array | None:
         """The diagonal of W, the smallest 1, (n,); None without weights."""
-        return None if self.scale is None else 1 / self.scale**2
+        return None if self.scale is None else 1 / np.asarray(self.scale) ** 2
 
     def to_joints(self, z: Expression) -> Expression:
         """The displacement dq [rad] or [m] with the coordinates z, (n, 1) each."""
@@ -77,11 +80,21 @@ class WeightedCoordinates:
 
     def entry(self, j: int, displacement: Expression) -> Expression:
         """The coordinate z_j of a displacement [rad] or [m] of velocity entry j."""
-        return displacement if self.scale is None else displacement / float(self.scale[j])
+        return displacement if self.scale is None else displacement / self._entries[j]
+
+    def scaled(self, scale: Sequence[Expression]) -> WeightedCoordinates:
+        """Coordinates z' of z with z_i / z'_i = scale_i, (n,)."""
+        if self.scale is None:
+            return WeightedCoordinates(scale, bounds_steps=True)
+        return WeightedCoordinates([*map(mul, self._entries, scale)])
+
+    @property
+    def _entries(self) -> list[Expression]:
+        assert self.scale is not None
+        return self.scale.tolist() if isinstance(self.scale, np.ndarray) else list(self.scale)
 
     def _column(self) -> Expression:
-        assert self.scale is not None
-        return vertcat(*self.scale.tolist())
+        return vertcat(*self._entries)
 
 
 UNWEIGHTED = WeightedCoordinates()

@@ -276,7 +276,8 @@ class LocalModel:
     @property
     def all_rotational(self) -> bool:
         """Whether every velocity entry is a rotation and weighs the same: Q is then the norm of the displacement."""
-        return len(self.rotational_entries) == self.robot.n and self.coordinates.scale is None
+        joints = self.coordinates
+        return len(self.rotational_entries) == self.robot.n and (joints.scale is None or joints.bounds_steps)
 
     def rotation_norm(self, dq: Expression, squared_length: Expression | None = None) -> Expression:
         """The paper's Q: the norm of the rotational part of a displacement [rad].

@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
 
 import jtik
 from jtik_formulations import JParse
@@ -126,6 +127,41 @@ def test_a_pose_is_said_to_be_out_of_reach_while_its_orientation_converges(strat
         missed = np.linalg.norm(robot.position(solution.q) - closest(robot, target[:3, 3], solution.q))
         if factor >= 1e4:  # nearer, the orientation has a weight in where the position ends
             assert missed < 1e-3 * 0.95
+
+
+def turned(robot, q, angle):
+    """The configuration with the last joint turned."""
+    turn = np.zeros(robot.n)
+    turn[-1] = angle
+    return robot.integrate(q, turn)
+
+
+@pytest.mark.parametrize("strategy", ["hybrid", "damped"])
+@pytest.mark.parametrize("name", ["ur5", "panda"])
+def test_the_orientation_of_a_distant_pose_is_the_nearest(name, strategy):
+    """The last joint turns the end effector about its own axis. No other angle of it is nearer, at any distance."""
+    robot = jtik.Robot.builtin(name)
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask(kind="pose"), strategy=strategy)
+    iterations = []
+    for factor in [1e3, 1e5, 1e7, 1e9]:
+        rng = np.random.default_rng(2)
+        for _ in range(3):
+            q0, direction = robot.random_configuration(rng), rng.normal(size=3)
+            target = robot.pose(robot.random_configuration(rng))
+            target[:3, 3] = factor * direction / np.linalg.norm(direction)
+            solution = ik.solve(target, q0=q0)
+            iterations.append(solution.iterations)
+            assert robot.position(turned(robot, solution.q, 0.5)) == pytest.approx(robot.position(solution.q), abs=1e-9)
+            for angle in (-0.5, -0.02, 0.02, 0.5):
+                q = turned(robot, solution.q, angle)
+                if robot.lower[-1] <= q[-1] <= robot.upper[-1]:
+                    assert angle_between(robot.pose(q), target) > angle_between(robot.pose(solution.q), target)
+    assert np.median(iterations) < (600 if strategy == "hybrid" else 900)
+
+
+def angle_between(one, other):
+    """Angle of the rotation from one pose to the other [rad]."""
+    return np.linalg.norm(Rotation.from_matrix(one[:3, :3].T @ other[:3, :3]).as_rotvec())
 
 
 SLOW = ("selectively_damped", "transpose")
