@@ -28,7 +28,7 @@ from jtik.strategy.evaluation import Evaluation
 from jtik.strategy.merit import SUFFICIENT, next_allowance, penalty_falls, penalty_weight, residual_reduction
 from jtik.strategy.model import LocalModel
 from jtik.strategy.options import Part, read_options
-from jtik.symbolic import Expression, dot, fabs, fmax, if_else, is_symbolic, logic_and, logic_or, ratio, sumsqr
+from jtik.symbolic import Expression, dot, fmax, if_else, is_symbolic, logic_and, logic_or, ratio, sumsqr
 from jtik.symbolic.factorization import RowVector
 from jtik.types import Array
 
@@ -197,7 +197,7 @@ class Composition(Strategy):
             proposing = CheckedCall(self, secondary, "propose")
             proposed = proposing(NullSpaceDisplacement, model, state, task_dq).checked(proposing, n).completed(model)
         task_dq = proposed.task_scale * task_dq if proposed.task_dq is None else proposed.task_dq
-        null = proposed if proposed.within_limits else _shortened(model, task_dq, proposed)
+        null = proposed if proposed.within_limits else proposed.beside(model, task_dq)
         path = path_backtracking(self._checked_acceptance(), bool(model.clearance))
         if path.active:
             task_dq, null = path.fraction(state) * task_dq, null.scaled(path.fraction(state))
@@ -328,18 +328,3 @@ class _Step:
         if self._row_vector:  # the two parts are orthogonal
             return self.task.length**2, self.task.length**2 + self.null.length**2
         return sumsqr(self.task_dq), sumsqr(self.dq)
-
-
-def _shortened(model: LocalModel, task_dq: Expression, null: NullSpaceDisplacement) -> NullSpaceDisplacement:
-    """The null-space displacement, all entries scaled alike so that the sum ends inside the limits."""
-    if not (model.bounded and model.has_criterion):
-        return null
-    scale: Expression = 1
-    for i, j in model.bounded:
-        step = null.dq[j]
-        down, up = (room - task_dq[j] for room in model.room(i, j))
-        moves = fabs(step) > 0
-        fraction = if_else(step > 0, up, down) / if_else(moves, step, 1)
-        blocked = logic_and(moves, fraction < scale)
-        scale = if_else(blocked, fmax(fraction, 0), scale)
-    return NullSpaceDisplacement(scale * null.dq, scale * null.length, scale * null.decrease, scale * null.beta)

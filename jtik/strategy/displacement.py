@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from jtik.symbolic import Expression, dot, norm, sqrt, zeros
+from jtik.symbolic import Expression, dot, fabs, fmax, if_else, logic_and, norm, sqrt, zeros
 from jtik.symbolic.factorization import RowVector
 
 if TYPE_CHECKING:
@@ -125,6 +125,20 @@ class NullSpaceDisplacement:
             decrease=share * self.decrease,
             beta=share * self.beta,
         )
+
+    def beside(self, model: LocalModel, task_dq: Expression) -> NullSpaceDisplacement:
+        """The displacement scaled as a whole so that its sum with ``task_dq`` (n, 1) ends within the limits."""
+        if not (model.bounded and model.has_criterion):
+            return self
+        scale: Expression = 1
+        for i, j in model.bounded:
+            step = self.dq[j]
+            down, up = (room - task_dq[j] for room in model.room(i, j))
+            moves = fabs(step) > 0
+            fraction = if_else(step > 0, up, down) / if_else(moves, step, 1)
+            blocked = logic_and(moves, fraction < scale)
+            scale = if_else(blocked, fmax(fraction, 0), scale)
+        return self.scaled(scale)
 
 
 @dataclass(frozen=True)

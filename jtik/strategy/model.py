@@ -319,15 +319,15 @@ class LocalModel:
         """The task displacement ``dq`` (n, 1) fitted into the limits.
 
         In a timed step the end effector keeps its direction and moves as far as the limits allow: the unsaturated
-        joints compensate for the saturated ones. With limits of acceleration the error is the smallest that the limits
-        allow (formulations/motion.md). Otherwise it is shortened joint by joint.
+        joints compensate for the saturated ones. With limits of acceleration, and one level of priority, the error is
+        the smallest that they allow (formulations/motion.md). Otherwise it is shortened joint by joint.
         """
         clipped = self.within_limits(dq)
         if self.qps is None or not (self.timed and self.bounded):
             return clipped
         low, high = self.box
         inside = norm_inf(clipped - dq) <= 0
-        function = (least_error_fitting if self.accelerated else fitting)(*self.J.shape)
+        function = (least_error_fitting if self.accelerated and len(self.levels) == 1 else fitting)(*self.J.shape)
         return self.qps.evaluate("fitting", function, [self.J, dq, low, high], (dq, inside))
 
     def candidate(self, dq: Expression) -> Evaluation:

@@ -151,8 +151,10 @@ class TaskPriority(Programmed):
     def propose(self, model: LocalModel, state: State) -> Proposal:
         """All levels, the highest first, then the criterion."""
         unlimited, lengths = self._levels(model, state["fractions"])
-        task = model.fitted(unlimited)
+        task = model.fitted(unlimited - model.weak_motion)
         null = self.secondary.propose(model, state, task).completed(model) if model.has_criterion else None
+        if null and model.accelerated:
+            null = null.beside(model, task)
         longest = reduce(fmax, lengths)
         return Proposal(
             dq=model.within_limits(task + null.dq if null else task),
