@@ -106,8 +106,10 @@ def test_the_error_is_the_smallest_in_the_box(m, n, rng):
         weighted = np.vstack([np.sqrt(OF_ERROR) / np.linalg.norm(J) * J, np.eye(n)])
         oracle = lsq_linear(weighted, weighted @ t, (lower, upper), tol=1e-14).x
         assert np.linalg.norm(J @ (x - t)) == pytest.approx(np.linalg.norm(J @ (oracle - t)), rel=1e-5, abs=1e-6)
-        smallest = np.sqrt(2 * lsq_linear(J, J @ t, (lower, upper), tol=1e-14).cost)
-        assert np.linalg.norm(J @ (x - t)) <= 1.01 * smallest + 1e-5 * np.linalg.norm(t) * np.linalg.norm(J)
+        best = lsq_linear(J, J @ t, (lower, upper), tol=1e-14)
+        distance = np.linalg.norm(J) * np.linalg.norm(best.x - t)
+        bound = np.hypot(np.sqrt(2 * best.cost), distance / np.sqrt(OF_ERROR))
+        assert np.linalg.norm(J @ (x - t)) <= 1.001 * bound + TOLERANCE * np.linalg.norm(J) * np.linalg.norm(t)
 
 
 def test_of_all_displacements_with_the_smallest_error_it_is_the_closest():
