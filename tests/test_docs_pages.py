@@ -102,7 +102,11 @@ CHECKS = {
     ),
     "weights_and_priorities": lambda n: n["solution"].converged,
     "batches": lambda n: n["batch"].converged.all() and len(n["postures"]) == 4,
-    "studies": lambda n: isinstance(n["comparison"], jtik.Comparison) and Path("profile.png").is_file(),
+    "studies": lambda n: (
+        isinstance(n["comparison"], jtik.Comparison)
+        and Path("profile.png").is_file()
+        and len(n["own"].summary()["contender"]) == 6
+    ),
     "compiled_code": lambda n: isinstance(n["ik"], jtik.InverseKinematics),
     "write_a_strategy": lambda n: n["ik"].solve([3.0, 1.5], q0=[0.3, 0.2, -0.1, 0.2]).converged,
 }

@@ -140,6 +140,9 @@ def test_a_notebook_that_is_executed_beside_its_script_is_used(staged: Any, tmp_
     assert "".join(used["cells"][1]["outputs"][0]["text"]) == "2, from before"
     assert used["cells"][0]["source"] == "# Two\n\nlines"
     assert not (tmp_path / "kept").exists()
+    used["cells"][1]["outputs"] = [{"data": {"image/png": "QUJD"}}]
+    picture = runs.picture_in(used, tmp_path / "kept" / "two.png")
+    assert picture.read_bytes() == b"ABC"
 
 
 def test_an_example_is_run_once_and_says_why_it_could_not(staged: Any, tmp_path: Path) -> None:

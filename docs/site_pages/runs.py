@@ -91,6 +91,7 @@ def picture_in(notebook: dict[str, Any], path: Path) -> Path | None:
     ]
     if not pictures:
         return None
+    path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(base64.b64decode("".join(pictures[-1])))
     return path
 
