@@ -13,8 +13,8 @@ from jtik.errors import ArgumentError
 from jtik.planner.commit.commands import FORMATS, JointCommands, export, file_name, load
 from jtik.planner.commit.committing import as_recorded, timed
 
-from ..conftest import ball_arm
-from .conftest import make_attempt
+from ...conftest import ball_arm
+from ..conftest import make_attempt
 
 NAMES = ("shoulder", 'x: [1, 2] # "é"', "lift")
 

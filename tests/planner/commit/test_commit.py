@@ -13,8 +13,8 @@ from jtik.errors import ArgumentError
 from jtik.planner.commit.commands import FORMATS, load
 from jtik.planner.commit.committing import ACCELERATION, PICTURES, SPEED, check, commit, timed
 
-from ..conftest import ball_arm, floating_arm
-from .conftest import SCENE, make_attempt
+from ...conftest import ball_arm, floating_arm
+from ..conftest import SCENE, make_attempt
 from .test_timing import METHODS
 
 DT = 0.1

@@ -1,6 +1,6 @@
 """Two operators at the same planner, each in a browser of its own: one guides the target, the other one changes things.
 
-By hand, with the figures as JSON: ``python -m tests.planner.page.operation --seconds 600 [--robot panda]``. The planner
+By hand, with the figures as JSON: ``python -m tests.planner.web.operation --seconds 600 [--robot panda]``. The planner
 is a process of its own, so that its memory and its periods are those of a planner.
 """
 
@@ -250,7 +250,7 @@ def change(browser: Browser, generator: np.random.Generator, end: float) -> dict
 
 def operate(seconds: float, *, robot: str = "planar", seed: int = 0) -> dict[str, Any]:
     """Operate a planner from two browsers, and give what was measured."""
-    command = [sys.executable, "-m", "tests.planner.page.operation", "--serve", "--robot", robot]
+    command = [sys.executable, "-m", "tests.planner.web.operation", "--serve", "--robot", robot]
     path = os.pathsep.join([str(ROOT), str(ROOT / "formulations"), *filter(None, sys.path)])
     pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     environment = {**os.environ, "PYTHONPATH": path}

@@ -25,7 +25,7 @@ from jtik.planner.files.plan_file import Plan
 from jtik.planner.files.recovery import recover
 from jtik.planner.files.sessions import new_folder, recoverable
 
-from .conftest import SCENE, make_attempt, same
+from ..conftest import SCENE, make_attempt, same
 
 ROBOT = {"name": "arm", "joint_names": ["a", "b", "c"], "nq": 3}
 DT = 1 / 60

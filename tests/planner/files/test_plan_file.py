@@ -14,7 +14,7 @@ from jtik.planner.attempts.history import History
 from jtik.planner.files import plan_file
 from jtik.planner.files.plan_file import Plan
 
-from .conftest import SCENE, make_attempt, same
+from ..conftest import SCENE, make_attempt, same
 
 
 def a_plan(arm) -> Plan:

@@ -13,7 +13,7 @@ from jtik.planner.attempts import between
 from jtik.planner.attempts.between import Distances, Smallest
 from jtik_formulations import ObstacleAvoidance
 
-from ..conftest import EXACT, ball_arm, floating_arm
+from ...conftest import EXACT, ball_arm, floating_arm
 
 
 def test_one_link_that_sweeps_past_a_disc():

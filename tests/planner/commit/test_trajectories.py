@@ -9,8 +9,8 @@ import jtik
 from jtik.planner.commit.committing import timed
 from jtik.planner.commit.trajectories import animation, as_trajectory, figure
 
-from ..conftest import ball_arm
-from .conftest import SCENE, make_attempt
+from ...conftest import ball_arm
+from ..conftest import SCENE, make_attempt
 
 
 @pytest.mark.parametrize("suffix", ["csv", "json", "npz"])

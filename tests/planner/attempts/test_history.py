@@ -14,7 +14,7 @@ from jtik.planner.attempts.attempt import Attempt
 from jtik.planner.attempts.history import History
 from jtik.planner.attempts.recording import Recording
 
-from .conftest import make_attempt, same
+from ..conftest import make_attempt, same
 
 
 def test_a_branch_has_the_samples_of_its_parent_and_leaves_it_as_it_is():

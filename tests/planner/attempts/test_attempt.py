@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from jtik.errors import ArgumentError
 from jtik.planner.attempts.attempt import Attempt
 
-from .conftest import SCENE, make_attempt
+from ..conftest import SCENE, make_attempt
 
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
 

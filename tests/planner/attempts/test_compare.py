@@ -12,8 +12,8 @@ import jtik
 from jtik.planner.attempts.compare import COLUMNS, measure, table
 from jtik.study.path_metrics import path_length, smoothness
 
-from ..conftest import EXACT
-from .conftest import make_attempt
+from ...conftest import EXACT
+from ..conftest import make_attempt
 
 
 def disc(x, y, radius, gain=1.0):
