@@ -197,9 +197,9 @@ def under_limits(robot, rows):
 
 
 def as_moved(robot, rows, limits=True):
-    """The rows of a trace as a path: its last row without the whole turns by which the answer is brought back."""
+    """The rows of a trace as a path: without the whole turns by which joints are brought back within their limits."""
     rows, free = rows.copy(), turning(robot, limits)
-    rows[-1, free] += 2 * np.pi * np.rint((rows[-2, free] - rows[-1, free]) / (2 * np.pi))
+    rows[:, free] = np.unwrap(rows[:, free], axis=0)
     return rows
 
 
