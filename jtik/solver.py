@@ -54,6 +54,12 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
     - ``until``: "stationary" continues until the criterion cannot fall further, and leaves its saddle points and
       maxima; "reached" stops at the target.
 
+    Example:
+        >>> arm = jtik.Robot.planar(3)
+        >>> ik = jtik.InverseKinematics(arm, jtik.FrameTask("tip", kind="position"), criteria=JointCentering())
+        >>> ik.solve([2.0, 1.0], q0=[0.1, 0.2, 0.3]).status.name
+        'CONVERGED'
+
     Args:
         robot: the robot.
         task: a Task, or several, each with a name of its own.
@@ -94,12 +100,6 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         ArgumentError: for an argument that cannot be used, naming it.
         UnknownNameError: for a joint, frame, strategy or solver that does not exist.
         MissingExtraError: for a bar without rich.
-
-    Example:
-        >>> arm = jtik.Robot.planar(3)
-        >>> ik = jtik.InverseKinematics(arm, jtik.FrameTask("tip", kind="position"), criteria=JointCentering())
-        >>> ik.solve([2.0, 1.0], q0=[0.1, 0.2, 0.3]).status.name
-        'CONVERGED'
     """
 
     def __init__(
