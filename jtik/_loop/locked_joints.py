@@ -60,7 +60,11 @@ class LockedJoints:
         return self.robot.configuration(q) if self.robot is self._full else self.robot.reduced(q)
 
     def whole(self, q: ArrayLike) -> Array:
-        """Deprecated: use `full_configuration`."""
+        """Deprecated: use `full_configuration`.
+
+        Args:
+            q: configuration of the reduced robot (nq,).
+        """
         message = "InverseKinematics.whole is deprecated: use full_configuration"
         warnings.warn(message, DeprecationWarning, stacklevel=2)
         return self.full_configuration(q)

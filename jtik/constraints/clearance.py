@@ -116,17 +116,31 @@ class Clearance:
         return ("safe", "influence", *getattr(self.measure, "non_negative_parameters", ()))
 
     def accepted_instead(self, parameter: str, value: Array) -> str | None:
-        """What would be accepted instead of a value of a live parameter; None where the value is accepted."""
+        """What would be accepted instead of a value of a live parameter; None where the value is accepted.
+
+        Args:
+            parameter: name of the live parameter, without that of the clearance.
+            value: the value assigned to it.
+        """
         judge = getattr(self.measure, "accepted_instead", None)
         return judge(parameter, value) if callable(judge) and parameter not in ("safe", "influence") else None
 
     def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
-        """Its own, and those of the measure but for `OWN`, which there belong to H."""
+        """Its own, and those of the measure but for `OWN`, which there belong to H.
+
+        Args:
+            robot: the robot.
+        """
         own = {"safe": self.safe, "influence": min(self.influence, 1e300)}
         return {**own, **{name: value for name, value in self.measure.parameters(robot).items() if name not in OWN}}
 
     def of_measure(self, robot: Robot, parameters: Mapping[str, Expression]) -> dict[str, Expression]:
-        """The parameters of the measure, among these of the clearance; those of `OWN` keep their first values."""
+        """The parameters of the measure, among these of the clearance; those of `OWN` keep their first values.
+
+        Args:
+            robot: the robot.
+            parameters: expressions of the live parameters of the clearance by name.
+        """
         first = self.measure.parameters(robot)
         return {name: _constant(value) if name in OWN else parameters[name] for name, value in first.items()}
 

@@ -74,6 +74,9 @@ class Limits:
     def of(self, robot: Robot) -> Bounds:
         """The limits of a robot as numbers.
 
+        Args:
+            robot: the robot.
+
         Raises:
             ArgumentError: when there are not as many as the robot has velocity entries.
         """

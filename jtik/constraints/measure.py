@@ -33,10 +33,19 @@ class Measure(Protocol):
     name: str
 
     def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
-        """Names and first values of its live parameters."""
+        """Names and first values of its live parameters.
+
+        Args:
+            robot: the robot.
+        """
 
     def distances(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> list[list[Expression]]:
-        """Distances [m]: one list for each body, with one entry for each obstacle."""
+        """Distances [m]: one list for each body, with one entry for each obstacle.
+
+        Args:
+            kinematics: the robot at a symbolic configuration.
+            parameters: expressions of the live parameters by name.
+        """
 
 
 def rounding_of(

@@ -100,11 +100,19 @@ class Criterion(_Algebra, ABC):
             cls.name = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).lower()
 
     def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
-        """Names and first values of the live parameters on this robot; scalars, vectors or matrices."""
+        """Names and first values of the live parameters on this robot; scalars, vectors or matrices.
+
+        Args:
+            robot: the robot.
+        """
         return {}
 
     def accepted_instead(self, parameter: str, value: Array) -> str | None:
         """Judge a value that is assigned to a live parameter: finite numbers of its shape.
+
+        Args:
+            parameter: name of the live parameter, without that of the criterion.
+            value: the value assigned to it.
 
         Returns:
             None where it is accepted, else what would be accepted instead, for the error.
@@ -116,7 +124,12 @@ class Criterion(_Algebra, ABC):
 
     @abstractmethod
     def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
-        """H at ``kinematics.q`` as a scalar expression; parameters have the shapes of their first values."""
+        """H at ``kinematics.q`` as a scalar expression; parameters have the shapes of their first values.
+
+        Args:
+            kinematics: the robot at a symbolic configuration.
+            parameters: expressions of the live parameters by name.
+        """
 
     def __call__(self, q: Any, robot: Robot, **parameters: Any) -> Any:
         """H at q. It is compiled once for each criterion and robot.
@@ -140,6 +153,11 @@ class Criterion(_Algebra, ABC):
 
     def gradient(self, q: Any, robot: Robot, **parameters: Any) -> Any:
         """The gradient of H with respect to the velocity, dH/dv; arguments and errors as those of a call.
+
+        Args:
+            q: configuration (nq,) [rad] or [m], or an expression (nq, 1).
+            robot: the robot.
+            parameters: values of live parameters by name; the others have their first values.
 
         Returns:
             An array (n,); an expression (n, 1) where q or a parameter is an expression.
@@ -220,6 +238,11 @@ class CriterionSum(_Algebra):
 
     def gradient(self, q: Any, robot: Robot, **parameters: Any) -> Any:
         """The gradient of the sum with respect to the velocity; arguments and errors as those of a call.
+
+        Args:
+            q: configuration (nq,) [rad] or [m], or an expression (nq, 1).
+            robot: the robot.
+            parameters: values of live parameters and weights by their full names; the others have their first values.
 
         Returns:
             An array (n,); an expression (n, 1) where q or a parameter is an expression.

@@ -63,7 +63,11 @@ class FunctionCriterion(Criterion):
         return self.beginning_at({**self._defaults, **parameters})
 
     def beginning_at(self, defaults: Mapping[str, ArrayLike]) -> FunctionCriterion:
-        """The same criterion with other first values of its parameters."""
+        """The same criterion with other first values of its parameters.
+
+        Args:
+            defaults: first values of the parameters by name.
+        """
         return type(self)(self._function, self.name, defaults)
 
     def __repr__(self) -> str:

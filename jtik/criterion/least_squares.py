@@ -27,6 +27,10 @@ class ResidualCriterion(Criterion):
         """r at ``kinematics.q``: a column, a row or a list of scalar expressions; unit: the square root of that of H.
 
         The parameters have the shapes of their first values.
+
+        Args:
+            kinematics: the robot at a symbolic configuration.
+            parameters: expressions of the live parameters by name.
         """
 
     def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:

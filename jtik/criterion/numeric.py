@@ -65,7 +65,11 @@ class NumericCriterion(FunctionCriterion):
         self._functions = weakref.WeakKeyDictionary()
 
     def beginning_at(self, defaults: Mapping[str, ArrayLike]) -> NumericCriterion:
-        """The same criterion with other first values of its parameters."""
+        """The same criterion with other first values of its parameters.
+
+        Args:
+            defaults: first values of the parameters by name.
+        """
         return NumericCriterion(self._function, self.name, defaults, self._gradient_function, self._step)
 
     def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
@@ -74,7 +78,11 @@ class NumericCriterion(FunctionCriterion):
         return self.on(kinematics.robot).symbolic(kinematics.q, column)
 
     def on(self, robot: Robot) -> NumericFunction:
-        """The function on a robot, which counts its evaluations there."""
+        """The function on a robot, which counts its evaluations there.
+
+        Args:
+            robot: the robot.
+        """
         found = self._functions.get(robot)
         if found is None:
             shapes = {name: np.shape(value) for name, value in self._defaults.items()}
@@ -83,11 +91,20 @@ class NumericCriterion(FunctionCriterion):
         return found
 
     def failure(self, robot: Robot) -> Exception | None:
-        """The last error of the function or of its gradient on a robot, such as ``ik.robot``; None without one."""
+        """The last error of the function or of its gradient on a robot, such as ``ik.robot``; None without one.
+
+        Args:
+            robot: the robot of the solver.
+        """
         return self.on(robot).failure
 
     def check(self, robot: Robot, q: Array, column: Array) -> None:
         """Compute H and its gradient at q.
+
+        Args:
+            robot: the robot.
+            q: configuration (nq,) [rad] or [m].
+            column: values of all parameters in one vector, matrices columns first.
 
         Raises:
             CriterionError: when one of them raises an error or is not numeric, or when the gradient is not that of H.

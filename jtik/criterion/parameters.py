@@ -27,7 +27,11 @@ class Parametric(Protocol):
     name: str
 
     def parameters(self, robot: Robot) -> Mapping[str, ArrayLike]:
-        """Names and first values of the live parameters on this robot."""
+        """Names and first values of the live parameters on this robot.
+
+        Args:
+            robot: the robot.
+        """
 
 
 class JointParametric(Parametric, Protocol):
@@ -170,7 +174,12 @@ class Parameters(MutableMapping[str, Array]):
         return symbol("parameters", self.memory.size)
 
     def take(self, column: Expression, name: str) -> Expression:
-        """The expression of one parameter within that column, in its own shape."""
+        """The expression of one parameter within that column, in its own shape.
+
+        Args:
+            column: all parameters, as `symbols` returns them.
+            name: name of the parameter.
+        """
         shape = (*self._shapes[name], 1, 1)[:2]
         return reshape(column[self._slices[name]], *shape)
 

@@ -42,7 +42,18 @@ class CriterionTerms:
 
     @classmethod
     def of(cls, robot: Robot, criteria: Criteria, others: Iterable[Parametric] = ()) -> CriterionTerms:
-        """Reads the first value of every parameter, of the criteria and of ``others`` that share the mapping."""
+        """Reads the first value of every parameter, of the criteria and of ``others`` that share the mapping.
+
+        Args:
+            robot: the robot.
+            criteria: a criterion, a weighted sum, several, or None.
+            others: clearances and the like, whose live parameters are in the same mapping.
+
+        Raises:
+            ArgumentError: when a name repeats, or a criterion has a parameter named "weight".
+            CriterionError: when the parameters of a criterion are no mapping, or ``joint_parameters`` are not names in
+                it.
+        """
         named = CriterionSum.of(criteria).named()
         values: dict[str, ArrayLike] = {}
         of_joints, non_negative, checks = set[str](), set[str](), dict[str, Check]()
@@ -67,11 +78,20 @@ class CriterionTerms:
         return cls(robot, tuple(named), Parameters(values, robot, of_joints, non_negative, checks))
 
     def own(self, of: Parametric, column: Expression) -> dict[str, Expression]:
-        """The parameters of one of ``others`` within the column of all, in their own shapes."""
+        """The parameters of one of ``others`` within the column of all, in their own shapes.
+
+        Args:
+            of: one of ``others``.
+            column: all parameters, as ``parameters.symbols()`` returns them.
+        """
         return {name: self.parameters.take(column, f"{of.name}.{name}") for name in of.parameters(self.robot)}
 
     def values(self, kinematics: Kinematics, column: Expression) -> list[Expression]:
         """Weighted value of each criterion.
+
+        Args:
+            kinematics: the robot at a symbolic configuration.
+            column: all parameters, as ``parameters.symbols()`` returns them.
 
         Raises:
             CriterionError: when a criterion cannot be traced, is not scalar, or depends on foreign symbols.

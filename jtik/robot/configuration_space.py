@@ -95,6 +95,9 @@ class ConfigurationSpace:
     def q_slice(self, joint: str) -> slice:
         """The indices of a joint in q; those of its leader for a mimic joint.
 
+        Args:
+            joint: name of the joint.
+
         Raises:
             UnknownNameError: when no moving joint has that name.
         """
@@ -102,6 +105,9 @@ class ConfigurationSpace:
 
     def v_slice(self, joint: str) -> slice:
         """The indices of a joint in v; those of its leader for a mimic joint.
+
+        Args:
+            joint: name of the joint.
 
         Raises:
             UnknownNameError: when no moving joint has that name.
@@ -116,6 +122,9 @@ class ConfigurationSpace:
 
         Args:
             rng: a random generator, or a seed.
+
+        Raises:
+            ArgumentError: when ``rng`` is neither a generator nor a seed.
         """
         return self._layout.random(random_generator("rng", rng))
 

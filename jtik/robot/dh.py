@@ -63,7 +63,11 @@ class DHRow:
         object.__setattr__(self, "velocity_limit", speed)
 
     def before_joint(self, convention: Convention) -> Array:
-        """The constant part of the row's transform before the motion of the joint, shape (4, 4)."""
+        """The constant part of the row's transform before the motion of the joint, shape (4, 4).
+
+        Args:
+            convention: "standard" or "modified".
+        """
         offset = rotation_z(self.theta) @ translation(0, 0, self.d)
         if convention == "modified":
             return rotation_x(self.alpha) @ translation(self.a, 0, 0) @ offset
@@ -71,7 +75,11 @@ class DHRow:
         return offset
 
     def after_joint(self, convention: Convention) -> Array:
-        """The constant part of the row's transform after the motion of the joint, shape (4, 4)."""
+        """The constant part of the row's transform after the motion of the joint, shape (4, 4).
+
+        Args:
+            convention: "standard" or "modified".
+        """
         return np.eye(4) if convention == "modified" else translation(self.a, 0, 0) @ rotation_x(self.alpha)
 
 

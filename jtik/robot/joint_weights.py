@@ -40,7 +40,11 @@ class WeightedCoordinates:
 
     @classmethod
     def of(cls, weights: Array | None) -> WeightedCoordinates:
-        """The coordinates for the weights (n,), relative to the smallest; those without weights where all are equal."""
+        """The coordinates for the weights (n,), relative to the smallest; those without weights where all are equal.
+
+        Args:
+            weights: a positive number for each velocity entry (n,); None for equal ones.
+        """
         if weights is None or (weights == weights[0]).all():
             return cls()
         return cls(np.sqrt(weights.min() / weights))
@@ -51,39 +55,76 @@ class WeightedCoordinates:
         return None if self.scale is None else 1 / np.asarray(self.scale) ** 2
 
     def to_joints(self, z: Expression) -> Expression:
-        """The displacement dq [rad] or [m] with the coordinates z, (n, 1) each."""
+        """The displacement dq [rad] or [m] with the coordinates z, (n, 1) each.
+
+        Args:
+            z: the coordinates.
+        """
         return z if self.scale is None else self._column() * z
 
     def from_joints(self, dq: Expression) -> Expression:
-        """The coordinates z of a displacement dq [rad] or [m], (n, 1) each."""
+        """The coordinates z of a displacement dq [rad] or [m], (n, 1) each.
+
+        Args:
+            dq: the displacement.
+        """
         return dq if self.scale is None else dq / self._column()
 
     def jacobian(self, J: Expression) -> Expression:
-        """The derivative by z of what has the derivative J by dq, (m, n) each."""
+        """The derivative by z of what has the derivative J by dq, (m, n) each.
+
+        Args:
+            J: the derivative by dq.
+        """
         return J if self.scale is None else J @ diag(self._column())
 
     def jacobian_by_joints(self, J: Expression) -> Expression:
-        """The derivative by dq of what has the derivative J by z, (m, n) each."""
+        """The derivative by dq of what has the derivative J by z, (m, n) each.
+
+        Args:
+            J: the derivative by z.
+        """
         return J if self.scale is None else J @ diag(1 / self._column())
 
     def gradient(self, gradient: Expression) -> Expression:
-        """The derivative by z (n, 1) of a scalar with this derivative by dq."""
+        """The derivative by z (n, 1) of a scalar with this derivative by dq.
+
+        Args:
+            gradient: the derivative by dq (n, 1).
+        """
         return self.to_joints(gradient)
 
     def gradient_by_joints(self, gradient: Expression) -> Expression:
-        """The derivative by dq (n, 1) of a scalar with this derivative by z."""
+        """The derivative by dq (n, 1) of a scalar with this derivative by z.
+
+        Args:
+            gradient: the derivative by z (n, 1).
+        """
         return self.from_joints(gradient)
 
     def hessian(self, hessian: Expression) -> Expression:
-        """The second derivative by z (n, n) of a scalar with this one by dq."""
+        """The second derivative by z (n, n) of a scalar with this one by dq.
+
+        Args:
+            hessian: the second derivative by dq (n, n).
+        """
         return hessian if self.scale is None else diag(self._column()) @ hessian @ diag(self._column())
 
     def entry(self, j: int, displacement: Expression) -> Expression:
-        """The coordinate z_j of a displacement [rad] or [m] of velocity entry j."""
+        """The coordinate z_j of a displacement [rad] or [m] of velocity entry j.
+
+        Args:
+            j: index of the velocity entry.
+            displacement: its displacement [rad] or [m].
+        """
         return displacement if self.scale is None else displacement / self._entries[j]
 
     def scaled(self, scale: Sequence[Expression]) -> WeightedCoordinates:
-        """Coordinates z' of z with z_i / z'_i = scale_i, (n,)."""
+        """Coordinates z' of z with z_i / z'_i = scale_i, (n,).
+
+        Args:
+            scale: z_i / z'_i of each coordinate.
+        """
         if self.scale is None:
             return WeightedCoordinates(scale, bounds_steps=True)
         return WeightedCoordinates([*map(mul, self._entries, scale)])

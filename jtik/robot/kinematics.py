@@ -54,6 +54,10 @@ class Kinematics:
     Each expression is built once, so all tasks and criteria share it. `pose`, `rotation` and `jacobian` return
     matrices that a single index reads by rows, as NumPy does: ``J[:3]`` has shape (3, n). Results of operations on
     them are plain CasADi matrices.
+
+    Args:
+        robot: the robot.
+        q: its configuration as symbols or an expression (nq, 1).
     """
 
     def __init__(self, robot: Robot, q: Expression) -> None:
@@ -75,7 +79,10 @@ class Kinematics:
         return self._q
 
     def pose(self, frame: str | None = None) -> Expression:
-        """T_base_frame, shape (4, 4) [m]; ``frame`` is the tip when None.
+        """T_base_frame, shape (4, 4) [m].
+
+        Args:
+            frame: name of the frame; the tip when None.
 
         Raises:
             UnknownNameError: when there is no such frame.
@@ -84,7 +91,10 @@ class Kinematics:
         return by_rows(vertcat(upper, SX([[0, 0, 0, 1]])))
 
     def rotation(self, frame: str | None = None) -> Expression:
-        """R_base_frame, shape (3, 3); ``frame`` is the tip when None.
+        """R_base_frame, shape (3, 3).
+
+        Args:
+            frame: name of the frame; the tip when None.
 
         Raises:
             UnknownNameError: when there is no such frame.
@@ -100,6 +110,9 @@ class Kinematics:
     def position(self, frame: str | None = None) -> Expression:
         """The frame's origin in the base frame [m], shape (3, 1), or (2, 1) of a planar robot.
 
+        Args:
+            frame: name of the frame; the tip when None.
+
         Raises:
             UnknownNameError: when there is no such frame.
         """
@@ -107,7 +120,11 @@ class Kinematics:
         return origin[:2] if self._robot.dimension == 2 else origin
 
     def point(self, frame: str, offset: Array) -> Expression:
-        """The point at ``offset`` (3,) [m] in ``frame``, in the base frame, shape (3, 1), or (2, 1) of a planar robot.
+        """A point of a frame, in the base frame [m], shape (3, 1), or (2, 1) of a planar robot.
+
+        Args:
+            frame: name of the frame.
+            offset: the point in that frame (3,) [m].
 
         Raises:
             UnknownNameError: when there is no such frame.
@@ -116,7 +133,11 @@ class Kinematics:
         return point[:2] if self._robot.dimension == 2 else point
 
     def space_point(self, frame: str, offset: Array | None = None) -> Expression:
-        """The point at ``offset`` (3,) [m] in ``frame``, its origin by default, in the base frame, (3, 1).
+        """A point of a frame, in the base frame, shape (3, 1) [m] also of a planar robot.
+
+        Args:
+            frame: name of the frame.
+            offset: the point in that frame (3,) [m]; its origin when None.
 
         Raises:
             UnknownNameError: when there is no such frame.
@@ -170,6 +191,9 @@ class Kinematics:
     def kinetic_energy(self, v: Expression) -> Expression:
         """1/2 v' M v [J] at the velocity v (n, 1); the same as by `mass_matrix`, in fewer operations.
 
+        Args:
+            v: the velocity (n, 1) [rad/s] or [m/s].
+
         Raises:
             ArgumentError: when no joint moves a mass.
         """
@@ -181,9 +205,13 @@ class Kinematics:
         return self._dynamics
 
     def relative(self, frame: str, reference: str) -> tuple[Expression, Expression]:
-        """Rotation (3, 3) and origin (3, 1) [m] of ``frame`` in ``reference``.
+        """The pose of one frame in another: rotation (3, 3) and origin (3, 1) [m].
 
         They do not depend on joints that carry both frames.
+
+        Args:
+            frame: name of the frame.
+            reference: name of the frame in whose axes the pose is.
 
         Raises:
             UnknownNameError: when there is no such frame.
@@ -229,6 +257,9 @@ class Kinematics:
 
         CasADi reads ``J[:3]`` of it as three numbers; write ``J[:3, :]``.
 
+        Args:
+            frame: name of the frame; the tip when None.
+
         Raises:
             UnknownNameError: when there is no such frame.
         """
@@ -250,7 +281,12 @@ class Kinematics:
         return horzcat(SX(6, 0), *columns)  # SX(6, 0) keeps six rows when no joint moves
 
     def joint_columns(self, joint: Joint, end: Expression) -> Iterator[Expression]:
-        """The columns (6, 1) of a moving joint for the point ``end`` (3, 1) [m] of a body it moves: for the engine."""
+        """The columns (6, 1) of the Jacobian for a moving joint: for the engine.
+
+        Args:
+            joint: the joint.
+            end: a point of a body that it moves, in the base frame (3, 1) [m].
+        """
         pose = self._pose_of(joint.child)
         arm = end - pose.origin
         none = SX.zeros(3)

@@ -35,6 +35,9 @@ class MassProperties:
     def center_of_mass(self, q: Expression) -> Any:
         """The centre of mass in the base frame [m], shape (3,), or (2,) of a planar robot.
 
+        Args:
+            q: configuration (nq,), or an expression (nq, 1).
+
         Raises:
             ArgumentError: when the robot has no masses, or ``q`` has another shape than (nq,) or is not finite.
         """
@@ -66,6 +69,9 @@ class MassProperties:
 
         Entries are in [kg m^2] of two rotations, [kg] of two translations, [kg m] of one of each. The inertias of
         motors and gears are not in it.
+
+        Args:
+            q: configuration (nq,), or an expression (nq, 1).
 
         Raises:
             ArgumentError: when no joint moves a mass, or ``q`` has another shape than (nq,) or is not finite.

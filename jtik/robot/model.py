@@ -223,6 +223,7 @@ class Robot(Variants, Builders, Drawable, MassProperties, Collisions):
         """``frame`` itself, or the tip for None, and for "tip" where no frame has that name.
 
         Raises:
+            ArgumentError: when it is no text.
             UnknownNameError: when there is no such frame.
         """
         if frame is None:
@@ -236,7 +237,7 @@ class Robot(Variants, Builders, Drawable, MassProperties, Collisions):
         return frame
 
     def path(self, frame: str | None = None) -> tuple[Joint, ...]:
-        """The joints from the base to ``frame``.
+        """The joints from the base to ``frame``, the tip when None.
 
         Raises:
             UnknownNameError: when there is no such frame.
@@ -270,6 +271,10 @@ class Robot(Variants, Builders, Drawable, MassProperties, Collisions):
     def pose(self, q: Expression, frame: str | None = None) -> Any:
         """T_base_frame, shape (4, 4) [m].
 
+        Args:
+            q: configuration (nq,), or an expression (nq, 1).
+            frame: name of the frame; the tip when None.
+
         Raises:
             ArgumentError: when ``q`` has another shape than (nq,) or is not finite.
             UnknownNameError: when there is no such frame.
@@ -278,6 +283,10 @@ class Robot(Variants, Builders, Drawable, MassProperties, Collisions):
 
     def position(self, q: Expression, frame: str | None = None) -> Any:
         """The frame's origin in the base frame [m], shape (3,), or (2,) of a planar robot.
+
+        Args:
+            q: configuration (nq,), or an expression (nq, 1).
+            frame: name of the frame; the tip when None.
 
         Raises:
             ArgumentError: when ``q`` has another shape than (nq,) or is not finite.
@@ -306,7 +315,7 @@ class Robot(Variants, Builders, Drawable, MassProperties, Collisions):
         return J if selected is None else J[selected]
 
     def tangent(self, q: Expression) -> Any:
-        """The tangent map T(q) with dq/dt = T(q) v, shape (nq, n).
+        """The tangent map T(q) with dq/dt = T(q) v at a configuration ``q`` (nq,), shape (nq, n).
 
         Raises:
             ArgumentError: when ``q`` has another shape than (nq,) or is not finite.
@@ -314,9 +323,13 @@ class Robot(Variants, Builders, Drawable, MassProperties, Collisions):
         return self._evaluator.of_layout("tangent", q)
 
     def integrate(self, q: Expression, dq: Expression) -> Any:
-        """The configuration after the displacement ``dq`` (n,) [rad] or [m] from ``q``, shape (nq,).
+        """The configuration after a displacement, shape (nq,).
 
         Limits are not applied. Quaternions come out with norm 1.
+
+        Args:
+            q: configuration (nq,), or an expression (nq, 1).
+            dq: displacement (n,) [rad] or [m], or an expression (n, 1).
 
         Raises:
             ArgumentError: when an argument has another shape or is not finite.
@@ -325,6 +338,10 @@ class Robot(Variants, Builders, Drawable, MassProperties, Collisions):
 
     def difference(self, start: Expression, end: Expression) -> Any:
         """The shortest displacement (n,) [rad] or [m] with ``integrate(start, displacement) == end``.
+
+        Args:
+            start: configuration (nq,).
+            end: configuration (nq,).
 
         Raises:
             ArgumentError: when an argument has another shape than (nq,) or is not finite.

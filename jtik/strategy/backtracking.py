@@ -34,18 +34,33 @@ class Backtracking:
         return {self.name: np.ones(1)} if self.active else {}
 
     def fraction(self, state: State) -> Expression:
-        """The fraction of this step."""
+        """The fraction of this step.
+
+        Args:
+            state: state of the strategy, with the fraction in it.
+        """
         return state[self.name] if self.active else 1
 
     def adapt(self, state: State, outcome: Outcome) -> State:
-        """The fraction of the next step."""
+        """The fraction of the next step.
+
+        Args:
+            state: state of the strategy, with the fraction of this step.
+            outcome: whether the step was accepted, and if not, which parts to shorten.
+        """
         if not self.active:
             return {}
         return {self.name: adapted_fraction(state[self.name], outcome.accepted, outcome.shorten_task)}
 
 
 def adapted_fraction(fraction: Expression, accepted: Expression, shorten: Expression) -> Expression:
-    """Twice the fraction, at most 1, after an acceptance; half of it after a refusal if the step is to be shortened."""
+    """Twice the fraction, at most 1, after an acceptance; half of it after a refusal if the step is to be shortened.
+
+    Args:
+        fraction: the fraction of this step, in (0, 1].
+        accepted: 1 if the step was taken, else 0.
+        shorten: 1 if a refused step is to be shortened, else 0.
+    """
     return if_else(accepted, fmin(1, 2 * fraction), if_else(shorten, fraction / 2, fraction))
 
 

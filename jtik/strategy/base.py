@@ -111,13 +111,20 @@ class Strategy(ABC):
         read_options(self)
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
-        """The state a solve starts from: one-dimensional arrays by name."""
+        """The state a solve starts from: one-dimensional arrays by name.
+
+        Args:
+            shape: sizes of the problem.
+        """
         return {}
 
     def evaluates_candidate(self, has_criterion: bool) -> bool:
         """Whether acceptance depends on task or criterion where the step ends.
 
         If not, the engine does not evaluate them there.
+
+        Args:
+            has_criterion: whether there is a criterion.
         """
         return True
 
@@ -151,7 +158,12 @@ class Strategy(ABC):
 
     @abstractmethod
     def update(self, model: LocalModel, state: State) -> Update:
-        """The update: from the local model and the state to the displacement and the next state."""
+        """The update: from the local model and the state to the displacement and the next state.
+
+        Args:
+            model: the local model at q, in symbols.
+            state: the state before the update, each entry a column of symbols.
+        """
 
 
 def take_renamed(cls: type, renamed: Mapping[str, str]) -> None:

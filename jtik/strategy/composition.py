@@ -37,7 +37,7 @@ class TaskStep(ABC):
     """The part of a composition that moves the end effector."""
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
-        """State carried between updates."""
+        """State carried between updates, for the sizes ``shape`` of the problem."""
         return {}
 
     @abstractmethod
@@ -88,7 +88,7 @@ class SecondaryTerm(Part, ABC):
         read_options(self)
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
-        """State carried between updates."""
+        """State carried between updates, for the sizes ``shape`` of the problem."""
         return {}
 
     @abstractmethod
@@ -116,7 +116,12 @@ class SecondaryTerm(Part, ABC):
         return False
 
     def correct(self, model: LocalModel, dq: Expression) -> Expression:
-        """The displacement to try (n, 1), within the limits, for the sum ``dq`` (n, 1) of both parts."""
+        """The displacement to try (n, 1), within the limits, for the sum ``dq`` (n, 1) of both parts.
+
+        Args:
+            model: the local model at q.
+            dq: the sum of both displacements (n, 1).
+        """
         return dq
 
     def adapt(self, model: LocalModel, state: State, null_space: NullSpaceDisplacement, outcome: Outcome) -> State:
@@ -135,7 +140,12 @@ class SecondaryTerm(Part, ABC):
 
 
 def acceptance_beside(backtracking: bool, secondary: SecondaryTerm) -> Acceptance:
-    """The usual acceptance of a composition: by merit, by the task step alone, or always without backtracking."""
+    """The usual acceptance of a composition: by merit, by the task step alone, or always without backtracking.
+
+    Args:
+        backtracking: whether a refused step is shortened.
+        secondary: the null-space term of the composition.
+    """
     if not backtracking:
         return "always"
     return "task" if secondary.bounds_itself else "merit"

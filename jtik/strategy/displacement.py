@@ -37,11 +37,21 @@ class TaskDisplacement:
 
     @classmethod
     def along(cls, step: RowVector, alpha: Expression = math.nan) -> TaskDisplacement:
-        """A displacement in the row space of J_free."""
+        """A displacement in the row space of J_free.
+
+        Args:
+            step: the displacement in coordinates of the row space.
+            alpha: the gain that a trace reports.
+        """
         return cls(step.vector, step.image, sqrt(step.squared_length), alpha, step)
 
     def checked(self, call: CheckedCall, model: LocalModel) -> TaskDisplacement:
-        """The same, as what ``call`` returned. Raises StrategyError for a field that cannot be used."""
+        """The same, as what ``call`` returned. Raises StrategyError for a field that cannot be used.
+
+        Args:
+            call: the call of a strategy's method that returned it.
+            model: the local model at q.
+        """
         n, m = model.robot.n, model.J.shape[0]
         return TaskDisplacement(
             dq=call.displacement("dq", self.dq, n),
@@ -52,7 +62,11 @@ class TaskDisplacement:
         )
 
     def completed(self, model: LocalModel) -> TaskDisplacement:
-        """The same with image and length filled in."""
+        """The same with image and length filled in.
+
+        Args:
+            model: the local model at q.
+        """
         image = model.J_free @ self.dq if self.image is None else self.image
         length = norm(self.dq) if self.length is None else self.length
         return TaskDisplacement(self.dq, image, length, self.alpha, self.row_vector)
@@ -92,11 +106,21 @@ class NullSpaceDisplacement:
 
     @classmethod
     def none(cls, n: int) -> NullSpaceDisplacement:
-        """A zero displacement of n velocity entries, for a problem without a criterion."""
+        """A zero displacement of n velocity entries, for a problem without a criterion.
+
+        Args:
+            n: number of velocity entries.
+        """
         return cls(zeros(n), 0, 0, 0)
 
     def checked(self, call: CheckedCall, n: int, prefix: str = "") -> NullSpaceDisplacement:
-        """The same, as what ``call`` returned. Raises StrategyError for a field that cannot be used."""
+        """The same, as what ``call`` returned. Raises StrategyError for a field that cannot be used.
+
+        Args:
+            call: the call of a strategy's method that returned it.
+            n: number of velocity entries.
+            prefix: what precedes the names of its fields in an error.
+        """
         return NullSpaceDisplacement(
             dq=call.displacement(f"{prefix}dq", self.dq, n),
             length=call.optional(f"{prefix}length", self.length),
@@ -111,13 +135,21 @@ class NullSpaceDisplacement:
         )
 
     def completed(self, model: LocalModel) -> NullSpaceDisplacement:
-        """The same with length and decrease filled in."""
+        """The same with length and decrease filled in.
+
+        Args:
+            model: the local model at q.
+        """
         length = norm(self.dq) if self.length is None else self.length
         decrease = -dot(model.gradient, self.dq) if self.decrease is None else self.decrease
         return replace(self, length=length, decrease=decrease)
 
     def scaled(self, share: Expression) -> NullSpaceDisplacement:
-        """The displacement times ``share``, with length, decrease and gain in proportion."""
+        """The displacement times ``share``, with length, decrease and gain in proportion.
+
+        Args:
+            share: factor of the displacement.
+        """
         return replace(
             self,
             dq=share * self.dq,
@@ -127,7 +159,12 @@ class NullSpaceDisplacement:
         )
 
     def beside(self, model: LocalModel, task_dq: Expression) -> NullSpaceDisplacement:
-        """The displacement scaled as a whole so that its sum with ``task_dq`` (n, 1) ends within the limits."""
+        """The displacement scaled as a whole so that its sum with ``task_dq`` (n, 1) ends within the limits.
+
+        Args:
+            model: the local model at q.
+            task_dq: the task displacement (n, 1), within the limits.
+        """
         if not (model.bounded and model.has_criterion):
             return self
         scale: Expression = 1

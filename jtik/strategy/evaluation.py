@@ -50,12 +50,20 @@ class Evaluation:
         return self.V if self.whole is None else sumsqr(self.whole) / 2
 
     def change(self, after: Evaluation) -> Expression:
-        """The change of the residual from here to ``after`` (m, 1)."""
+        """The change of the residual from here to ``after`` (m, 1).
+
+        Args:
+            after: the evaluation after a displacement.
+        """
         if self.unshifted is None or after.unshifted is None:
             return after.residual - self.residual
         return after.unshifted - self.unshifted
 
     def decrease(self, after: Evaluation) -> Expression:
-        """V here less V at ``after``, accurate also where V is so large that its own rounding exceeds the decrease."""
+        """V here less V at ``after``, accurate also where V is so large that its own rounding exceeds the decrease.
+
+        Args:
+            after: the evaluation after a displacement.
+        """
         change = self.change(after)
         return -dot(change, self.residual + change / 2)

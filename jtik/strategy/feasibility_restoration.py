@@ -80,7 +80,12 @@ class FeasibilityRestoration:
         return Rows("clearance", self.clearance.jacobian, low, inf + 0 * low)
 
     def within(self, lower: Expression, upper: Expression) -> FeasibilityRestoration:
-        """The same with the displacement shortened into a box that contains 0."""
+        """The same with the displacement shortened into a box that contains 0.
+
+        Args:
+            lower: lower bounds of the displacement (n, 1), at most 0.
+            upper: upper bounds of the displacement (n, 1), at least 0.
+        """
         if not self.clearance.restores:
             return self
         share: Expression = 1
@@ -121,6 +126,10 @@ class FeasibilityRestoration:
         """The state of the next step: the largest motion in a restoration step, and the smallest violation.
 
         Where the path of the step was not safe, only the longer part of the step is shortened.
+
+        Args:
+            dq: the displacement of the step (n, 1).
+            accepted: 1 if the step is taken, else 0.
         """
         longest = self.clearance.longest
         reached = fmin(self.smallest_violation, self._violation(dq))

@@ -44,7 +44,11 @@ class LevelMerit(Merit):
     """
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
-        """One weight for each row, because the number of levels is not known here, and mu."""
+        """One weight for each row, because the number of levels is not known here, and mu.
+
+        Args:
+            shape: sizes of the problem.
+        """
         return {"weights": np.zeros(shape.m), "penalty": np.zeros(1)}
 
     def verdict(self, model: LocalModel, state: State, proposal: Proposal, candidate: Evaluation) -> Verdict:

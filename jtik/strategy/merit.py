@@ -53,7 +53,11 @@ class Merit(ABC):
     """A merit function of a `Programmed` strategy."""
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
-        """State carried from step to step, such as a penalty weight."""
+        """State carried from step to step, such as a penalty weight.
+
+        Args:
+            shape: sizes of the problem.
+        """
         return {}
 
     def compromise_residual(self, model: LocalModel, taken: Expression = 0) -> Expression | None:

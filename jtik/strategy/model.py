@@ -112,10 +112,10 @@ class LocalModel:
     # -- quadratic programs ---------------------------------------------------------------------------------------
 
     def solve(self, qp: QuadraticProgram) -> QPSolution:
-        """The solution of a quadratic program, as expressions.
+        """The solution of the quadratic program ``qp``, as expressions.
 
         Raises:
-            JtikError: for a strategy whose ``uses_qp()`` is False.
+            JtikError: for a strategy whose ``uses_qp()`` is False, or what is no `jtik.qp.QuadraticProgram`.
         """
         if self.qps is None:
             raise JtikError(f"quadratic program {qp.name!r} of a strategy whose uses_qp() is False")
@@ -156,7 +156,7 @@ class LocalModel:
         return vertcat(*low), vertcat(*high)
 
     def room(self, i: int, j: int) -> tuple[Expression, Expression]:
-        """How far entry j of a displacement can go down and up to the limits of q_i, a pair of ``bounded``."""
+        """Room of entry ``j`` of a displacement down and up to the limits of q_i; (``i``, ``j``) is one of ``bounded``."""
         down, up = self.lower[i] - self.here.q[i], self.upper[i] - self.here.q[i]
         return self.coordinates.entry(j, down), self.coordinates.entry(j, up)
 
@@ -225,7 +225,7 @@ class LocalModel:
         return self.joint_gradient_norm(self.null_gradient_free, self.null_gradient_norm)
 
     def joint_gradient_norm(self, gradient: Expression, length: Expression | None = None) -> Expression:
-        """The norm of a gradient (n, 1) as a derivative by the joints themselves; ``length`` is its own norm."""
+        """The norm of a ``gradient`` (n, 1) as a derivative by the joints themselves; ``length`` is its own norm."""
         if self.coordinates.scale is None and length is not None:
             return length
         return norm(self.coordinates.gradient_by_joints(gradient))
@@ -258,7 +258,7 @@ class LocalModel:
         return norm(self.task_gradient)
 
     def criterion_change(self, step: RowVector) -> Expression:
-        """(dH/dv)' step, of a step in the row space of J_free."""
+        """(dH/dv)' ``step``, of a step in the row space of J_free."""
         return self._split.rest.dot(step)
 
     # -- rotations ------------------------------------------------------------------------------------------------
@@ -291,7 +291,7 @@ class LocalModel:
         return norm(self._rotation(dq)) if self.rotational_entries else 0
 
     def rotation_dot(self, a: Expression, b: Expression) -> Expression:
-        """Inner product of the rotational parts of two displacements [rad^2]."""
+        """Inner product of the rotational parts of two displacements ``a`` and ``b``, (n, 1) each, [rad^2]."""
         return dot(self._rotation(a), self._rotation(b)) if self.rotational_entries else 0
 
     def _rotation(self, dq: Expression) -> Expression:
@@ -301,12 +301,12 @@ class LocalModel:
     # -- candidates -----------------------------------------------------------------------------------------------
 
     def residual(self, q: Expression) -> Expression:
-        """The residual at another configuration."""
+        """The residual (m, 1) at another configuration ``q`` (nq, 1)."""
         to_target = self.residual_function(q, self.target)
         return to_target if self.shift is None else self.weights * to_target - self.shift
 
     def within_limits(self, dq: Expression) -> Expression:
-        """The displacement shortened joint by joint so that it ends inside the limits, (n, 1)."""
+        """The displacement ``dq`` (n, 1) shortened joint by joint so that it ends inside the limits, (n, 1)."""
         if not self.bounded:
             return dq
         entries = [dq[i] for i in range(self.robot.n)]
@@ -331,7 +331,7 @@ class LocalModel:
         return self.qps.evaluate("fitting", function, [self.J, dq, low, high], (dq, inside))
 
     def candidate(self, dq: Expression) -> Evaluation:
-        """Task and criterion after the displacement dq, which must end within the limits."""
+        """Task and criterion after the displacement ``dq`` (n, 1), which must end within the limits."""
         q = self.robot.integrate(self.here.q, self.coordinates.to_joints(dq))
         if self.bounded:  # rounding of q + (limit - q) must not leave the box
             entries = [q[i] for i in range(self.robot.nq)]

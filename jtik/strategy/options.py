@@ -67,6 +67,9 @@ class Part:
 def read_options(options: Any) -> None:
     """Read every field of a frozen dataclass by its annotation, in place.
 
+    Args:
+        options: the dataclass.
+
     Raises:
         ArgumentError: for a value that the annotation does not allow, naming the option.
         UnknownNameError: for a name that is not registered.

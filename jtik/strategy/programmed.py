@@ -60,7 +60,7 @@ class Proposal:
     relaxed: Mapping[tuple[str, str], Expression] = field(default_factory=dict)
 
     def scaled(self, share: Expression) -> Proposal:
-        """``share`` of a proposal whose defaults are filled in."""
+        """``share``, in [0, 1], of a proposal whose defaults are filled in."""
         assert self.null_space is not None
         return replace(self, dq=share * self.dq, task=share * self.task, null_space=self.null_space.scaled(share))
 
@@ -75,7 +75,12 @@ class Programmed(Strategy):
 
     @abstractmethod
     def propose(self, model: LocalModel, state: State) -> Proposal:
-        """The displacement, from the local model and the state."""
+        """The displacement, from the local model and the state.
+
+        Args:
+            model: the local model at q.
+            state: the state of the strategy.
+        """
 
     @abstractmethod
     def merit(self) -> Merit | None:
@@ -98,7 +103,11 @@ class Programmed(Strategy):
         return None
 
     def own_state(self, shape: Shape) -> Mapping[str, Array]:
-        """Entries of the state that only this strategy has."""
+        """Entries of the state that only this strategy has.
+
+        Args:
+            shape: sizes of the problem.
+        """
         return {}
 
     def adapt(self, model: LocalModel, state: State, proposal: Proposal, outcome: Outcome) -> State:

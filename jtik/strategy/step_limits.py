@@ -33,6 +33,12 @@ def within_step_limit(
     """The factor, at most 1, that brings the rotational part of ``dq`` (n, 1) down to ``limit`` [rad]; 1 if infinite.
 
     Scaling all entries alike keeps the direction of the displacement, and so that of the end effector.
+
+    Args:
+        model: the local model.
+        dq: the displacement (n, 1).
+        limit: longest rotation [rad].
+        squared_length: squared norm of ``dq``, if it is known.
     """
     if not math.isfinite(limit):
         return 1
@@ -40,7 +46,12 @@ def within_step_limit(
 
 
 def not_outward(model: LocalModel, gradient: Expression) -> Expression:
-    """0 for joints at a limit that the negative ``gradient`` (n, 1) pushes outward, else 1, (n, 1)."""
+    """0 for joints at a limit that the negative ``gradient`` (n, 1) pushes outward, else 1, (n, 1).
+
+    Args:
+        model: the local model.
+        gradient: gradient of what the step lowers (n, 1).
+    """
     low, high = model.box
     outward = [
         logic_or(logic_and(high[j] < AT_LIMIT, gradient[j] < 0), logic_and(low[j] > -AT_LIMIT, gradient[j] > 0))

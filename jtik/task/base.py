@@ -55,11 +55,19 @@ class Task(ABC):
 
     @abstractmethod
     def target_size(self, robot: Robot) -> int:
-        """How many numbers a target of this task has on this robot."""
+        """How many numbers a target of this task has on this robot.
+
+        Args:
+            robot: the robot.
+        """
 
     @abstractmethod
     def read_target(self, robot: Robot, target: Any) -> Array:
         """The numbers of ``target``, shape (target_size,).
+
+        Args:
+            robot: the robot.
+            target: what the caller gives, in any form that the task accepts.
 
         Raises:
             ArgumentError: for anything that is not a target of this task.
@@ -81,38 +89,76 @@ class Task(ABC):
         """The numbers of the target that ``kinematics.q`` meets exactly, (target_size, 1).
 
         None, the default, where the task does not say. `InverseKinematics.jog` then keeps the error as it is.
+
+        Args:
+            kinematics: the robot at a symbolic configuration.
         """
         return None
 
     def frames(self, robot: Robot) -> tuple[str, ...]:
-        """The frames on which the error depends; empty where the joints are read from the error itself."""
+        """The frames on which the error depends; empty where the joints are read from the error itself.
+
+        Args:
+            robot: the robot.
+        """
         return ()
 
     def matrix_reader(self, robot: Robot) -> Function | None:
         """The function that reads a target (4, 4): its memory, row by row -> numbers, whether valid; None without.
 
         It is a faster way than `read_target`, which reads what is not valid.
+
+        Args:
+            robot: the robot.
         """
         return None
 
     def target_is_vector(self, robot: Robot) -> bool:
-        """Whether a vector of ``target_size`` finite numbers is a target without any conversion."""
+        """Whether a vector of ``target_size`` finite numbers is a target without any conversion.
+
+        Args:
+            robot: the robot.
+        """
         return False
 
     def plain(self, robot: Robot) -> bool:
-        """Deprecated: use `target_is_vector`."""
+        """Deprecated: use `target_is_vector`.
+
+        Args:
+            robot: the robot.
+        """
         warnings.warn("Task.plain is now Task.target_is_vector", DeprecationWarning, stacklevel=2)
         return self.target_is_vector(robot)
 
     @abstractmethod
     def rows(self, kinematics: Kinematics, target: Expression) -> TaskRows:
-        """The error at ``kinematics.q`` for the symbolic ``target`` (target_size, 1)."""
+        """The error at ``kinematics.q`` for the symbolic ``target`` (target_size, 1).
+
+        Args:
+            kinematics: the robot at a symbolic configuration.
+            target: the numbers of a target as symbols (target_size, 1).
+
+        Returns:
+            The rows of the error, [m] or [rad] each.
+
+        Raises:
+            ArgumentError: when the task does not fit the robot.
+            UnknownNameError: when the robot has no frame of that name.
+        """
 
     def row_count(self, robot: Robot) -> int:
-        """How many rows the task has on this robot. Override it where that is known without building the rows."""
+        """How many rows the task has on this robot. Override it where that is known without building the rows.
+
+        Args:
+            robot: the robot.
+        """
         kinematics = robot.at(symbol("q", robot.nq))
         return len(self.rows(kinematics, symbol("target", self.target_size(robot))).linear)
 
     @abstractmethod
     def weight(self, rows: int) -> Array:
-        """The stiffness Kp (rows, rows) of a task with that many rows: symmetric positive definite."""
+        """The stiffness Kp (rows, rows) of a task with that many rows: symmetric positive definite.
+
+        Args:
+            rows: number of rows m of the task.
+        """

@@ -40,6 +40,12 @@ class PlacementTask(WeightedTask):
     Error "separate": ``p(q) - p_target`` [m] and the logarithm of ``R_target' R(q)`` [rad]. Error "logarithm": that of
     the motion from the target's pose to (R, p). On a planar robot a position is (x, y) and an orientation is one angle,
     with an error in (-pi, pi]. A subclass defines (R, p) by `placement`.
+
+    Args:
+        frame: name of the frame that the task places.
+        kind: "position", "orientation" or "pose".
+        axes: the rows that are kept, by the names of their axes; None for all of the kind.
+        error: "separate" or "logarithm".
     """
 
     _renamed = MappingProxyType({"placed": "placement"})
@@ -69,12 +75,20 @@ class PlacementTask(WeightedTask):
         return "pose" if self.error == "logarithm" and self.kind == "position" else self.kind
 
     def geometric_jacobian(self, kinematics: Kinematics) -> Expression | None:
-        """The geometric Jacobian (6, n) of (R, p), in the axes of the target, linear rows first; None if not known."""
+        """The geometric Jacobian (6, n) of (R, p), in the axes of the target, linear rows first; None if not known.
+
+        Args:
+            kinematics: the robot at a symbolic configuration.
+        """
         return None
 
     @abstractmethod
     def placement(self, kinematics: Kinematics) -> tuple[Expression, Expression]:
-        """The rotation R (3, 3) and the position p [m], (3, 1), or (2, 1) on a planar robot, that the target is for."""
+        """The rotation R (3, 3) and the position p [m], (3, 1), or (2, 1) on a planar robot, that the target is for.
+
+        Args:
+            kinematics: the robot at a symbolic configuration.
+        """
 
     def frames(self, robot: Robot) -> tuple[str, ...]:
         """The frame of the task."""
@@ -94,7 +108,11 @@ class PlacementTask(WeightedTask):
         return matrix_reader(self.target_kind) if robot.dimension == 3 else None
 
     def accepted(self, robot: Robot) -> str:
-        """What a target may be, for error messages."""
+        """What a target may be, for error messages.
+
+        Args:
+            robot: the robot.
+        """
         return (_ACCEPTED_IN_THE_PLANE if robot.dimension == 2 else _ACCEPTED)[self.target_kind]
 
     def read_target(self, robot: Robot, target: Any) -> Array:

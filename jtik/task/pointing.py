@@ -88,10 +88,19 @@ class PointingTask(WeightedTask):
 
     @abstractmethod
     def direction(self, kinematics: Kinematics, target: Expression) -> Expression:
-        """The desired direction in base axes, of any length, (3, 1), or (2, 1) on a planar robot."""
+        """The desired direction in base axes, of any length, (3, 1), or (2, 1) on a planar robot.
+
+        Args:
+            kinematics: the robot at a symbolic configuration.
+            target: the numbers of a target as symbols (target_size, 1).
+        """
 
     def direction_jacobian(self, kinematics: Kinematics) -> Expression:
-        """Derivative of `direction` with respect to the velocity, (3, n), on a robot in space; zero by default."""
+        """Derivative of `direction` with respect to the velocity, (3, n), on a robot in space; zero by default.
+
+        Args:
+            kinematics: the robot at a symbolic configuration.
+        """
         return zeros(3, kinematics.robot.n)
 
     def frames(self, robot: Robot) -> tuple[str, ...]:
@@ -103,7 +112,11 @@ class PointingTask(WeightedTask):
         return robot.dimension
 
     def rows(self, kinematics: Kinematics, target: Expression) -> TaskRows:
-        """The rotation from the desired direction to the axis, zero where there is no direction; (T5) to (T9)."""
+        """The rotation from the desired direction to the axis, zero where there is no direction; (T5) to (T9).
+
+        Raises:
+            ArgumentError: for an axis out of the plane of a planar robot.
+        """
         size = kinematics.robot.dimension
         if size == 2 and self.axis[2] != 0:
             raise ArgumentError("axis", self.axis.tolist(), "an axis in the plane of this planar robot, such as (1, 0)")

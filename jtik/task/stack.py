@@ -52,6 +52,10 @@ class TaskStack:
     def of(cls, robot: Robot, tasks: Task | Iterable[Task]) -> TaskStack:
         """The stack of one task or several.
 
+        Args:
+            robot: the robot.
+            tasks: a task, or several with different names.
+
         Raises:
             ArgumentError: for no task, for anything that is not a task, or for a name that repeats.
         """
@@ -76,6 +80,9 @@ class TaskStack:
 
     def read_target(self, target: Any) -> Array:
         """The numbers of one target, or of a dict from task name to target, shape (target_size,).
+
+        Args:
+            target: the target of the only task, or a dict from task name to target.
 
         Raises:
             ArgumentError: for anything else; it names ``target``, or for a dict the entry, as ``target['left hand']``.
@@ -124,7 +131,12 @@ class TaskStack:
             raise ArgumentError(f"target[{name!r}]", error.given, error.accepted) from None
 
     def rows(self, kinematics: Kinematics, target: Expression) -> StackRows:
-        """The rows of all tasks, with their Jacobian."""
+        """The rows of all tasks, with their Jacobian.
+
+        Args:
+            kinematics: the robot at a symbolic configuration.
+            target: the numbers of all targets as symbols (target_size, 1).
+        """
         errors: list[Expression] = []
         jacobians: list[Expression] = []
         linear: list[bool] = []
@@ -143,7 +155,12 @@ class TaskStack:
         return StackRows(vertcat(*errors), tuple(linear), vertcat(*jacobians), levels)
 
     def held_target(self, kinematics: Kinematics, target: Expression) -> Expression:
-        """The numbers of the targets that ``kinematics.q`` meets; those of ``target`` for tasks that do not say."""
+        """The numbers of the targets that ``kinematics.q`` meets; those of ``target`` for tasks that do not say.
+
+        Args:
+            kinematics: the robot at a symbolic configuration.
+            target: the numbers of all targets as symbols (target_size, 1).
+        """
         start, held = 0, []
         for task in self.tasks:
             size = task.target_size(self.robot)

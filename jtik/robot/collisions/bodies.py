@@ -45,7 +45,11 @@ class CollisionBody:
         return (self.name, self.frames[0])
 
     def ends(self, kinematics: Kinematics) -> tuple[Expression, Expression]:
-        """Start and end of its axis in the base frame, (3, 1) each [m], or (2, 1) of a planar robot."""
+        """Start and end of its axis in the base frame, (3, 1) each [m], or (2, 1) of a planar robot.
+
+        Args:
+            kinematics: the robot at a symbolic configuration.
+        """
         start, end = (kinematics.point(frame, offset) for frame, offset in zip(self.frames, self.offsets, strict=True))
         return start, end
 

@@ -104,6 +104,10 @@ class CollisionPairs(Sequence[CollisionPair]):
     def changed(self, exclude: PairNames, include: PairNames) -> CollisionPairs:
         """The same pairs with some left out and others kept, by name.
 
+        Args:
+            exclude: names, or pairs of names, of frames or bodies whose pairs are left out.
+            include: the same for pairs that are kept.
+
         Raises:
             ArgumentError: when an entry is no name and no pair of names, or a pair is in both.
             UnknownNameError: when there is no frame or body of that name with a solid.

@@ -46,6 +46,9 @@ def names() -> tuple[str, ...]:
 def describe(name: str) -> GalleryRobot:
     """The tables of a robot, with its summary and the source of its figures.
 
+    Args:
+        name: name of the robot, such as "panda".
+
     Raises:
         UnknownNameError: when there is no such robot; it suggests the closest name.
     """
