@@ -23,7 +23,14 @@ class Counted(Protocol[Item_co]):
 
 
 def read_progress(progress: object) -> Progress:
-    """The argument ``progress``. Raises ArgumentError unless it is True, False or a function."""
+    """The argument ``progress`` of a long call.
+
+    Args:
+        progress: True, False, or a function.
+
+    Raises:
+        ArgumentError: for anything else.
+    """
     if callable(progress):
         return progress
     return flag("progress", progress, "whether there is a bar on the terminal; or a function of (done, total)")

@@ -104,7 +104,13 @@ def _separation(start: Expression, along: Expression, half: Expression) -> Expre
 
 
 def in_axes(point: Expression, center: Expression, rotation: Expression) -> Expression:
-    """The point (d, 1) [m] in the axes of a rotation matrix (d, d), from a centre, but for 2e-14 m; see `beside`."""
+    """The point (d, 1) [m] in the axes of a rotation matrix (d, d), from a centre, but for 2e-14 m; see `beside`.
+
+    Args:
+        point: the point.
+        center: the centre (d, 1) [m].
+        rotation: the rotation matrix, with the axes as columns.
+    """
     return rotation.T @ (point - beside(center))
 
 

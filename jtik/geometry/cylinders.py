@@ -32,19 +32,34 @@ class Axis:
 
     @classmethod
     def between(cls, start: Expression, end: Expression, radius: Expression) -> Axis:
-        """The cylinder around a segment (3, 1) [m]."""
+        """The cylinder around a segment (3, 1) [m].
+
+        Args:
+            start: start of the segment (3, 1) [m].
+            end: its end.
+            radius: radius of the cylinder [m].
+        """
         along = end - start
         length = sqrt(sumsqr(along) + TINY)
         return cls(beside((start + end) / 2), along / length, length / 2, radius)
 
     def split(self, vector: Expression) -> tuple[Expression, Expression]:
-        """The component of a vector along the axis, and the rest."""
+        """The component of a vector along the axis, and the rest.
+
+        Args:
+            vector: the vector (3, 1).
+        """
         height = dot(vector, self.direction)
         return height, vector - height * self.direction
 
 
 def point_to_cylinder(point: Expression, axis: Axis) -> Expression:
-    """Signed distance [m] from a point (3, 1) to a cylinder; negative inside."""
+    """Signed distance [m] from a point (3, 1) to a cylinder; negative inside.
+
+    Args:
+        point: the point (3, 1) [m].
+        axis: the cylinder.
+    """
     height, across = axis.split(point - axis.center)
     return _depth(sqrt(sumsqr(across) + CENTER**2) - axis.radius, fabs(height) - axis.half)
 

@@ -11,29 +11,62 @@ from jtik.symbolic import TINY, Expression, dot, fabs, fmax, fmin, sqrt, sumsqr
 
 
 def point_to_ball(point: Expression, center: Expression, radius: Expression) -> Expression:
-    """Signed distance [m] from a point to the surface of a ball; negative inside, with a gradient at the centre too."""
+    """Signed distance [m] from a point to the surface of a ball; negative inside, with a gradient at the centre too.
+
+    Args:
+        point: the point (d, 1) [m].
+        center: centre of the ball (d, 1) [m].
+        radius: its radius [m].
+    """
     return sqrt(sumsqr(point - beside(center)) + CENTER**2) - radius
 
 
 def segment_to_ball(start: Expression, end: Expression, center: Expression, radius: Expression) -> Expression:
-    """Signed distance [m] from the closest point of a segment to the surface of a ball; negative inside."""
+    """Signed distance [m] from the closest point of a segment to the surface of a ball; negative inside.
+
+    Args:
+        start: start of the segment (d, 1) [m].
+        end: its end.
+        center: centre of the ball (d, 1) [m].
+        radius: its radius [m].
+    """
     along = end - start
     parameter = fmin(fmax(dot(center - start, along) / (sumsqr(along) + TINY), 0), 1)
     return point_to_ball(start + parameter * along, center, radius)
 
 
 def point_to_half_space(point: Expression, origin: Expression, normal: Expression) -> Expression:
-    """Signed distance [m] from a point to a half-space with a unit normal; negative inside."""
+    """Signed distance [m] from a point to a half-space with a unit normal; negative inside.
+
+    Args:
+        point: the point (d, 1) [m].
+        origin: a point of the boundary (d, 1) [m].
+        normal: unit normal that points out of the half-space (d, 1).
+    """
     return dot(normal, point - origin)
 
 
 def segment_to_half_space(start: Expression, end: Expression, origin: Expression, normal: Expression) -> Expression:
-    """Signed distance [m] from the deeper end of a segment to a half-space with a unit normal; negative inside."""
+    """Signed distance [m] from the deeper end of a segment to a half-space with a unit normal; negative inside.
+
+    Args:
+        start: start of the segment (d, 1) [m].
+        end: its end.
+        origin: a point of the boundary (d, 1) [m].
+        normal: unit normal that points out of the half-space (d, 1).
+    """
     return dot(normal, start - origin) + fmin(dot(normal, end - start), 0)
 
 
 def point_to_capsule(point: Expression, start: Expression, end: Expression, radius: Expression) -> Expression:
-    """Signed distance [m] from a point to the surface of a capsule; negative inside."""
+    """Signed distance [m] from a point to the surface of a capsule; negative inside.
+
+    Args:
+        point: the point (d, 1) [m].
+        start: start of the capsule's axis (d, 1) [m].
+        end: its end.
+        radius: radius of the capsule [m].
+    """
     return segment_to_ball(start, end, point, radius)
 
 
@@ -44,6 +77,13 @@ def segment_to_capsule(
 
     In the plane a segment that crosses the axis is as deep as the shortest translation that separates them. In space,
     where two segments cross at single configurations only, the gradient there is zero.
+
+    Args:
+        start: start of the segment (d, 1) [m].
+        end: its end.
+        axis_start: start of the capsule's axis (d, 1) [m].
+        axis_end: its end.
+        radius: radius of the capsule [m].
     """
     distance = segment_to_segment(start, end, axis_start, axis_end)
     if start.shape[0] == 2:

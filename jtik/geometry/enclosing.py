@@ -18,6 +18,9 @@ def enclosing_segment(solid: Solid) -> tuple[Array, Array, float]:
     sqrt(b^2 + c^2) - c beside the box, and its radius beyond each end. A rod of square section becomes thicker by 41 %,
     and a cube's capsule extends 1.41 half edges beyond two of its sides.
 
+    Args:
+        solid: a sphere, capsule, cylinder or box.
+
     Returns:
         The ends of its axis, (3,) [m] each, and its radius [m].
 
@@ -43,6 +46,9 @@ def enclosing_balls(solid: Solid) -> list[tuple[Array, float]]:
     The box is divided into cells whose edges are about twice its shortest half edge c, each in a ball: they add up to
     0.73 c beside the box, more where that would be over 64 balls. Where the capsule about the longest axis is not
     thicker, as for a rod or a cube, and for every solid but a box, there are none: the capsule is tighter.
+
+    Args:
+        solid: a sphere, capsule, cylinder or box.
 
     Returns:
         Centre (3,) [m] and radius [m] of each ball.
@@ -72,6 +78,9 @@ MOST_BALLS = 64
 
 def bounds(solid: Solid) -> tuple[Array, Array]:
     """The smallest and the largest coordinates of a solid, (2,) or (3,) [m] each; of a half-space those of its point.
+
+    Args:
+        solid: the solid.
 
     Raises:
         ArgumentError: when ``solid`` is none of jtik's.

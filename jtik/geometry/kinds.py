@@ -44,7 +44,11 @@ class Distances:
     rounding: Expression = 0.0
 
     def of(self, *points: Expression) -> Expression:
-        """Signed distance [m] of a body without thickness: of one point (d, 1), or of the segment between two."""
+        """Signed distance [m] of a body without thickness: of one point (d, 1), or of the segment between two.
+
+        Args:
+            points: the point, or start and end of the segment, (d, 1) [m] each.
+        """
         return self.point(*points) if len(points) == 1 else self.segment(*points)
 
 

@@ -19,6 +19,10 @@ Obstacle: TypeAlias = Solid
 def centers_and_radii(obstacles: Iterable[Obstacle], dimension: int) -> tuple[Array, Array]:
     """Centres (k, dimension) [m] and radii (k,) [m] of balls.
 
+    Args:
+        obstacles: points, circles or spheres.
+        dimension: 2 for the plane, 3 for space.
+
     Raises:
         ArgumentError: when one is not a point, circle or sphere of that dimension.
     """

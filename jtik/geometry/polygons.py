@@ -26,7 +26,11 @@ class Sides:
         return list(zip(self.vertices, [*self.vertices[1:], self.vertices[0]], strict=True))
 
     def depths(self, point: Expression) -> list[Expression]:
-        """Distance [m] of a point from the line of each side, negative inside."""
+        """Distance [m] of a point from the line of each side, negative inside.
+
+        Args:
+            point: the point (2, 1) [m].
+        """
         found = []
         for start, end in self.pairs():
             along = end - start
@@ -37,7 +41,12 @@ class Sides:
 
 
 def point_to_polygon(point: Expression, sides: Sides) -> Expression:
-    """Signed distance [m] from a point (2, 1) to a convex polygon; negative inside."""
+    """Signed distance [m] from a point (2, 1) to a convex polygon; negative inside.
+
+    Args:
+        point: the point (2, 1) [m].
+        sides: the sides of the polygon.
+    """
     squares = [_square(point, *side) for side in sides.pairs()]
     depth = _extreme(fmax, sides.depths(point))
     return if_else(depth > 0, sqrt(_extreme(fmin, squares) + TINY), depth)

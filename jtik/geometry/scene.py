@@ -139,7 +139,14 @@ class Scene:
         return Scene({**self._obstacles, arguments.name("name", name): obstacle}, {**self._gains, name: gain})
 
     def without(self, name: str) -> Scene:
-        """The scene without an obstacle. Raises UnknownNameError where there is none of that name."""
+        """The scene without one obstacle.
+
+        Args:
+            name: name of the obstacle.
+
+        Raises:
+            UnknownNameError: when no obstacle has that name.
+        """
         self._check(name)
         kept = {each: solid for each, solid in self._obstacles.items() if each != name}
         return Scene(kept, {each: self._gains[each] for each in kept})
@@ -152,6 +159,9 @@ class Scene:
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Scene:
         """The scene that `to_dict` described.
+
+        Args:
+            data: the scene as plain dicts, lists, numbers and texts.
 
         Raises:
             ArgumentError: for other data; it names the key.
@@ -172,6 +182,9 @@ class Scene:
     def save(self, path: str | PathLike[str]) -> None:
         """Write the scene to a .toml or .json file.
 
+        Args:
+            path: the file; its suffix says which format.
+
         Raises:
             ArgumentError: for another name of a file, or a name of an obstacle that cannot be written.
             OSError: when the file cannot be written.
@@ -191,6 +204,9 @@ class Scene:
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Scene:
         """Read a scene from a .toml or .json file.
+
+        Args:
+            path: the file; its suffix says which format.
 
         Raises:
             ArgumentError: when there is no such file, it is no TOML or JSON, or a key is missing, unknown or wrong; it

@@ -117,7 +117,17 @@ def _share(along: Expression, square: Expression) -> Expression:
 
 
 def segment_distances(start: Array, end: Array, other_start: Array, other_end: Array) -> Array:
-    """The same distance for arrays of segments, (..., 3) each [m]: numbers, and many at once."""
+    """The same distance for arrays of segments, (..., 3) each [m]: numbers, and many at once.
+
+    Args:
+        start: starts of the first segments (..., 3) [m].
+        end: their ends.
+        other_start: starts of the other segments (..., 3) [m].
+        other_end: their ends.
+
+    Returns:
+        Distances (...,) [m].
+    """
     u, v, w = end - start, other_end - other_start, other_start - start
     normal = np.cross(u, v)
     square, numerator = _dots(normal, normal), _dots(np.cross(w, v), normal)

@@ -128,6 +128,11 @@ class Slots:
     def exactly(cls, obstacles: Iterable[Solid] | Solid, dimension: int, *, gains: bool = False) -> Slots:
         """As many slots as obstacles, by default without gains.
 
+        Args:
+            obstacles: as in `of`.
+            dimension: 2 for the plane, 3 for space.
+            gains: whether each slot has a gain.
+
         Raises:
             ArgumentError: when an obstacle is not of that dimension.
         """
@@ -153,6 +158,9 @@ class Slots:
 
     def place(self, obstacles: Iterable[Solid] | Solid) -> tuple[int, ...]:
         """The slot of each obstacle: those of one kind in their order.
+
+        Args:
+            obstacles: as many as fit.
 
         Raises:
             ArgumentError: when they do not fit.
@@ -199,6 +207,10 @@ class Slots:
         """What would be accepted instead of a value of a parameter; None where the value is accepted.
 
         Corners are those of a convex polygon, counterclockwise; normals and quaternions are not zero.
+
+        Args:
+            parameter: name of the parameter.
+            value: the value assigned to it.
         """
         for kind in KINDS:
             if parameter in kind.judged:
@@ -206,12 +218,20 @@ class Slots:
         return None
 
     def at(self, parameters: Mapping[str, Expression]) -> list[Slot]:
-        """Every slot as expressions of the parameters, which have the shapes of `parameters`."""
+        """Every slot as expressions of the parameters, which have the shapes of `parameters`.
+
+        Args:
+            parameters: expressions of the live parameters by name.
+        """
         distances = [kind.at(parameters, i) for kind in self.kinds for i in range(self.counts[kind.name])]
         return [Slot(each, parameters["gains"][i] if self.gains else None) for i, each in enumerate(distances)]
 
     def check_room(self, counts: Mapping[str, int]) -> None:
-        """Raise ArgumentError where there are more obstacles of a kind than slots for it."""
+        """Raise ArgumentError where there are more obstacles of a kind than slots for it.
+
+        Args:
+            counts: number of obstacles of each kind.
+        """
         for name, count in counts.items():
             if count > self.counts[name]:
                 given = f"{count} obstacle{'s' * (count != 1)} of the kind {name!r}"

@@ -40,21 +40,39 @@ class CriterionNumbers:
         self._evaluate = CompiledFunction(function("criterion", [q, parameters], [H, dH]))
 
     def value(self, q: Array) -> float:
-        """H at q (nq,)."""
+        """H at q (nq,).
+
+        Args:
+            q: configuration (nq,) [rad] or [m].
+        """
         return float(self._evaluate(q, self.parameters.memory)[0][0, 0])
 
     def gradient(self, q: Array) -> Array:
-        """dH/dv at q (nq,), (n,)."""
+        """dH/dv at q (nq,), (n,).
+
+        Args:
+            q: configuration (nq,) [rad] or [m].
+        """
         dH: Array = self._evaluate(q, self.parameters.memory)[1][:, 0]
         return dH
 
     def hessian(self, q: Array) -> Array:
-        """d2H/dv2 along ``robot.integrate`` at q (nq,), (n, n)."""
+        """d2H/dv2 along ``robot.integrate`` at q (nq,), (n, n).
+
+        Args:
+            q: configuration (nq,) [rad] or [m].
+        """
         hessian: Array = self._hessian(q, self.parameters.memory)[0]
         return hessian
 
     def objective(self, q: Array, gain: float, curvature: Curvature) -> tuple[Array, Array]:
-        """(P, c) of the objective 1/2 dq'P dq + c'dq that lowers H: (I, gain dH) or gain (convex Hessian, dH)."""
+        """(P, c) of the objective 1/2 dq'P dq + c'dq that lowers H: (I, gain dH) or gain (convex Hessian, dH).
+
+        Args:
+            q: configuration (nq,) [rad] or [m].
+            gain: factor of the gradient, positive.
+            curvature: "identity" or "convex", the choice of P.
+        """
         c = gain * self.gradient(q)
         return (np.eye(len(c)) if curvature == "identity" else gain * convex(self.hessian(q))), c
 
@@ -76,14 +94,26 @@ class CriterionNumbers:
 
 
 def convex(hessian: Array) -> Array:
-    """The closest positive semidefinite matrix: negative eigenvalues become zero."""
+    """The closest positive semidefinite matrix: negative eigenvalues become zero.
+
+    Args:
+        hessian: the matrix (n, n); its symmetric part counts.
+    """
     values, vectors = np.linalg.eigh((hessian + hessian.T) / 2)
     closest: Array = (vectors * np.maximum(values, 0.0)) @ vectors.T
     return closest
 
 
 def checked(gain: float, curvature: str) -> None:
-    """Check the options of an objective; raises ArgumentError for a gain that is not positive or another curvature."""
+    """Check the options of an objective.
+
+    Args:
+        gain: factor of the gradient.
+        curvature: the choice of P.
+
+    Raises:
+        ArgumentError: for a gain that is not positive and finite, or a curvature other than "identity" and "convex".
+    """
     if not 0 < gain < np.inf:
         raise ArgumentError("gain", gain, "a positive number")
     if curvature not in ("identity", "convex"):

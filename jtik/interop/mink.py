@@ -41,6 +41,11 @@ class MinkCriterionTask(BaseTask):
     Its objective is 1/2 dq' P dq + gain dH' dq. With P the identity the strict form is Newton's step with the
     null-space projection; alternatively P is the convex part of gain times the Hessian.
 
+    Args:
+        criterion: a criterion or a weighted sum.
+        robot: the jtik robot of the model.
+        model: the ``mujoco.MjModel`` of the configurations.
+
     Attributes:
         parameters: live parameters of the criterion by name.
         gain: beta, the factor of the gradient.
@@ -57,7 +62,11 @@ class MinkCriterionTask(BaseTask):
         self.parameters = self._numbers.parameters
 
     def value(self, configuration: mink.Configuration) -> float:
-        """H at a mink configuration; ``Objective.value`` of mink 1.3 omits the factor 1/2 of the quadratic part."""
+        """H at a mink configuration; ``Objective.value`` of mink 1.3 omits the factor 1/2 of the quadratic part.
+
+        Args:
+            configuration: the configuration, of the same model.
+        """
         return self._numbers.value(self._correspondence.q(configuration.q))
 
     def compute_qp_objective(self, configuration: mink.Configuration) -> Objective:
@@ -91,7 +100,13 @@ def criterion_task(
 
 
 class MinkTaskCriterion:
-    """H = 1/2 e' W^2 e of a mink task, evaluated on a jtik robot; made by `as_criterion`."""
+    """H = 1/2 e' W^2 e of a mink task, evaluated on a jtik robot; made by `as_criterion`.
+
+    Args:
+        task: the mink task.
+        robot: the jtik robot of the model.
+        model: the ``mujoco.MjModel`` of the task.
+    """
 
     def __init__(self, task: BaseTask, robot: Robot, model: Any) -> None:
         if not isinstance(task, BaseTask):
@@ -101,7 +116,11 @@ class MinkTaskCriterion:
         self._configuration = mink.Configuration(model)
 
     def value(self, q: Any) -> float:
-        """H at q (nq,); 0 for a task without an error, which has an objective only."""
+        """H at q (nq,); 0 for a task without an error, which has an objective only.
+
+        Args:
+            q: configuration of the jtik robot (nq,) [rad] or [m].
+        """
         self._at(q)
         if not isinstance(self._task, mink.Task):
             return 0.0
@@ -109,11 +128,19 @@ class MinkTaskCriterion:
         return float(weighted @ weighted) / 2
 
     def gradient(self, q: Any) -> Array:
-        """dH/dv = J' W^2 e, (n,); without an error the linear part of the objective."""
+        """dH/dv = J' W^2 e, (n,); without an error the linear part of the objective.
+
+        Args:
+            q: configuration of the jtik robot (nq,) [rad] or [m].
+        """
         return self._objective(q)[1]
 
     def hessian(self, q: Any) -> Array:
-        """The Gauss-Newton Hessian J' W^2 J, (n, n); without an error the quadratic part of the objective."""
+        """The Gauss-Newton Hessian J' W^2 J, (n, n); without an error the quadratic part of the objective.
+
+        Args:
+            q: configuration of the jtik robot (nq,) [rad] or [m].
+        """
         return self._objective(q)[0]
 
     def _at(self, q: Any) -> None:
@@ -190,7 +217,12 @@ def limit_rows(limit: mink.Limit, robot: Robot, model: Any, *, dt: float = 1.0) 
 
 
 def velocity_limit(robot: Robot, model: Any) -> mink.VelocityLimit:
-    """The finite velocity limits of the robot as a mink limit; a MuJoCo model has no velocity limits."""
+    """The finite velocity limits of the robot as a mink limit; a MuJoCo model has no velocity limits.
+
+    Args:
+        robot: the jtik robot of the model.
+        model: the ``mujoco.MjModel`` of the limit.
+    """
     finite = {
         joint.name: np.full(joint.type.nv, joint.velocity_limit)
         for joint in robot.independent_joints

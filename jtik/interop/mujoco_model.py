@@ -123,7 +123,11 @@ class MujocoCorrespondence:
         self.follows = chosen - chosen @ extra @ self.leads.T
 
     def qpos(self, q: Array) -> Array:
-        """The model's configuration (model.nq,) for the robot's (nq,)."""
+        """The model's configuration (model.nq,) for the robot's (nq,).
+
+        Args:
+            q: configuration of the robot.
+        """
         qpos = self._rest.copy()
         qpos[self._q] = q
         for at, leader, multiplier, offset in self._followers:
@@ -131,11 +135,19 @@ class MujocoCorrespondence:
         return qpos
 
     def q(self, qpos: Array) -> Array:
-        """The robot's configuration (nq,) for the model's (model.nq,)."""
+        """The robot's configuration (nq,) for the model's (model.nq,).
+
+        Args:
+            qpos: configuration of the model.
+        """
         return np.array(qpos, dtype=float)[self._q]
 
     def velocity(self, v: Array) -> Array:
-        """The robot's velocity or displacement (n,) for the model's (model.nv,)."""
+        """The robot's velocity or displacement (n,) for the model's (model.nv,).
+
+        Args:
+            v: velocity or displacement of the model.
+        """
         part: Array = self.leads.T @ v
         return part
 

@@ -36,6 +36,11 @@ __all__ = [
 class PinkCriterionTask:
     """A jtik criterion as a pink task, made by `criterion_task`: pink uses only the objective of a task.
 
+    Args:
+        criterion: a criterion or a weighted sum.
+        robot: the jtik robot of the model.
+        model: the ``pinocchio.Model`` of the configurations.
+
     Attributes:
         parameters: live parameters of the criterion by name.
         gain: beta, the factor of the gradient.
@@ -55,11 +60,19 @@ class PinkCriterionTask:
         return f"PinkCriterionTask({', '.join(self.parameters)}, gain={self.gain:g})"
 
     def value(self, configuration: Any) -> float:
-        """H at a pink configuration."""
+        """H at a pink configuration.
+
+        Args:
+            configuration: the configuration, of the same model.
+        """
         return self._numbers.value(self._correspondence.q(configuration.q))
 
     def compute_qp_objective(self, configuration: Any) -> tuple[Array, Array]:
-        """(P, gain dH) in the velocities of Pinocchio; entries of joints that the robot does not have are zero."""
+        """(P, gain dH) in the velocities of Pinocchio; entries of joints that the robot does not have are zero.
+
+        Args:
+            configuration: the configuration, of the same model.
+        """
         q = self._correspondence.q(configuration.q)
         P, c = self._numbers.objective(q, self.gain, self.curvature)
         moves = self._correspondence.moves(q)  # orthonormal columns: its transpose is its inverse
@@ -90,7 +103,13 @@ def criterion_task(
 
 
 class PinkTaskCriterion:
-    """H = 1/2 e' W^2 e of a pink task, evaluated on a jtik robot; made by `as_criterion`."""
+    """H = 1/2 e' W^2 e of a pink task, evaluated on a jtik robot; made by `as_criterion`.
+
+    Args:
+        task: the pink task.
+        robot: the jtik robot of the model.
+        model: the ``pinocchio.Model`` of the task.
+    """
 
     def __init__(self, task: Any, robot: Robot, model: Any) -> None:
         if not (hasattr(task, "compute_error") and hasattr(task, "compute_jacobian")):
@@ -100,17 +119,29 @@ class PinkTaskCriterion:
         self._configuration = _configuration(model, self._correspondence.theirs(robot.neutral))
 
     def value(self, q: Any) -> float:
-        """H at q (nq,)."""
+        """H at q (nq,).
+
+        Args:
+            q: configuration of the jtik robot (nq,) [rad] or [m].
+        """
         e, _ = self._weighted(q)
         return float(e @ e) / 2
 
     def gradient(self, q: Any) -> Array:
-        """dH/dv = J' W^2 e, (n,)."""
+        """dH/dv = J' W^2 e, (n,).
+
+        Args:
+            q: configuration of the jtik robot (nq,) [rad] or [m].
+        """
         e, J = self._weighted(q)
         return J.T @ e
 
     def hessian(self, q: Any) -> Array:
-        """The Gauss-Newton Hessian J' W^2 J, (n, n)."""
+        """The Gauss-Newton Hessian J' W^2 J, (n, n).
+
+        Args:
+            q: configuration of the jtik robot (nq,) [rad] or [m].
+        """
         _, J = self._weighted(q)
         return J.T @ J
 
@@ -141,7 +172,11 @@ def as_criterion(task: Any, robot: Robot, model: Any) -> PinkTaskCriterion:
 
 
 class FreshBarrier:
-    """A pink barrier that is evaluated at every call; made by `fresh`."""
+    """A pink barrier that is evaluated at every call; made by `fresh`.
+
+    Args:
+        barrier: the pink barrier.
+    """
 
     def __init__(self, barrier: Any) -> None:
         if not (hasattr(barrier, "compute_barrier") and hasattr(barrier, "compute_jacobian")):
@@ -152,7 +187,11 @@ class FreshBarrier:
         return f"FreshBarrier({self.barrier!r})"
 
     def compute_qp_objective(self, configuration: Any) -> tuple[Array, Array]:
-        """The cost of the distance to the safe displacement: (P, c) in the velocities of Pinocchio."""
+        """The cost of the distance to the safe displacement: (P, c) in the velocities of Pinocchio.
+
+        Args:
+            configuration: the pink configuration.
+        """
         barrier, nv = self.barrier, configuration.model.nv
         if not barrier.safe_displacement_gain > 1e-6:
             return np.zeros((nv, nv)), np.zeros(nv)
@@ -161,7 +200,12 @@ class FreshBarrier:
         return weight * np.eye(nv), -weight * np.asarray(barrier.compute_safe_displacement(configuration))
 
     def compute_qp_inequalities(self, configuration: Any, dt: float = 1e-3) -> tuple[Array, Array]:
-        """The inequality -J dq / dt <= gain g(h)."""
+        """The inequality -J dq / dt <= gain g(h).
+
+        Args:
+            configuration: the pink configuration.
+            dt: duration of a step [s].
+        """
         barrier = self.barrier
         # the Jacobian first, as in pink: some barriers cache what both need
         J = np.asarray(barrier.compute_jacobian(configuration), dtype=float)
@@ -175,6 +219,9 @@ def fresh(barrier: Any) -> FreshBarrier:
 
     pink 4 keeps the value and the Jacobian of a barrier while q is nearly constant, so a change of an obstacle or of a
     bound has no effect while the robot does not move.
+
+    Args:
+        barrier: the pink barrier.
 
     Raises:
         ArgumentError: when it is not a pink barrier.

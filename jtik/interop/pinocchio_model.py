@@ -54,7 +54,11 @@ class PinocchioCorrespondence:
             self._joints.append((joint.type, mine, own, theirs, dof))
 
     def q(self, q: Array) -> Array:
-        """The robot's configuration (nq,) for Pinocchio's (model.nq,)."""
+        """The robot's configuration (nq,) for Pinocchio's (model.nq,).
+
+        Args:
+            q: configuration of the Pinocchio model.
+        """
         mine = np.zeros(self._robot.nq)
         for kind, own, _, theirs, _ in self._joints:
             value = q[theirs]
@@ -65,7 +69,11 @@ class PinocchioCorrespondence:
         return mine
 
     def theirs(self, q: Array) -> Array:
-        """Pinocchio's configuration (model.nq,) for the robot's (nq,)."""
+        """Pinocchio's configuration (model.nq,) for the robot's (nq,).
+
+        Args:
+            q: configuration of the robot.
+        """
         found = self._rest.copy()
         for kind, own, _, theirs, _ in self._joints:
             value, size = q[own], theirs.stop - theirs.start
@@ -76,7 +84,11 @@ class PinocchioCorrespondence:
         return found
 
     def moves(self, q: Array) -> Array:
-        """The matrix (model.nv, n) from the robot's velocities at its ``q`` to Pinocchio's."""
+        """The matrix (model.nv, n) from the robot's velocities at its ``q`` to Pinocchio's.
+
+        Args:
+            q: configuration of the robot (nq,).
+        """
         matrix = np.zeros((self._nv, self._robot.n))
         for kind, mine, own, _, dof in self._joints:
             block = np.eye(kind.nv)

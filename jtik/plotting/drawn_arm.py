@@ -60,7 +60,14 @@ class DrawnArm:
         self._joints = axes.plot([], [], color=BACKGROUND, markersize=0.42 * thick, **marks)[0] if joints else None
 
     def move(self, q: ArrayLike) -> DrawnArm:
-        """Draw the arm at the configuration ``q`` (nq,)."""
+        """Draw the arm at a configuration.
+
+        Args:
+            q: configuration (nq,) [rad] or [m].
+
+        Raises:
+            ArgumentError: when ``q`` has another shape or is not finite.
+        """
         links = self._skeleton.links(finite_array("q", q, (self._skeleton.robot.nq,)))
         for collection in self._links:
             collection.set_segments(links)
@@ -69,7 +76,11 @@ class DrawnArm:
         return self
 
     def recolor(self, colors: Sequence[Any]) -> None:
-        """Change the colours of the links: one for each."""
+        """Change the colours of the links: one for each.
+
+        Args:
+            colors: one colour for each link, in any form that matplotlib accepts.
+        """
         self._links[-1].set_color(colors)
 
 

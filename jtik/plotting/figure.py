@@ -112,7 +112,11 @@ def _locator(room: float) -> Any:
 
 
 def frame_axes(axes: Axes) -> None:
-    """Draw the frame of the axes as a thin line."""
+    """Draw the frame of the axes as a thin line.
+
+    Args:
+        axes: the axes.
+    """
     for spine in axes.spines.values():
         spine.set(color=THIN, linewidth=1.0)
 
@@ -127,6 +131,9 @@ def window_around(points: ArrayLike, obstacles: Iterable[Obstacle] = (), margin:
 
     Returns:
         (left, right, bottom, top) [m].
+
+    Raises:
+        ArgumentError: when there is neither a point nor an obstacle, or an argument cannot be used.
     """
     shape = shape_of(points) or ()
     flat = finite_array("points", points, (*[None] * (len(shape) - 1), 2), "finite positions of shape (..., 2)")
@@ -142,7 +149,11 @@ def window_around(points: ArrayLike, obstacles: Iterable[Obstacle] = (), margin:
 
 
 def points_per_metre(axes: Axes) -> float:
-    """The length of a metre on axes of equal scale [points, 1/72 inch]."""
+    """The length of a metre on axes of equal scale [points, 1/72 inch].
+
+    Args:
+        axes: the axes.
+    """
     axes.apply_aspect()
     ends = axes.transData.transform([(0.0, 0.0), (1.0, 0.0)])
     return float((ends[1, 0] - ends[0, 0]) * 72 / axes.figure.dpi)

@@ -117,7 +117,16 @@ def link_width(axes: Any) -> float:
 
 
 def configurations_of(robot: Robot, given: Any, argument: str = "configurations") -> Array:
-    """The configurations (k, nq) of what `posture_figure` accepts; a Trajectory begins with its start."""
+    """The configurations (k, nq) of what `posture_figure` accepts; a Trajectory begins with its start.
+
+    Args:
+        robot: the robot.
+        given: a configuration, several, a Solution or a Trajectory.
+        argument: name of the argument, for errors.
+
+    Raises:
+        ArgumentError: when it is nothing of these, of another shape, or not finite.
+    """
     if isinstance(given, Trajectory):
         rows = given.q if np.isnan(given.start).any() else np.concatenate([given.start[None], given.q])
         given = rows

@@ -99,6 +99,9 @@ def draw_path(axes: Axes, points: ArrayLike, **style: Any) -> Any:
 
     Returns:
         The line.
+
+    Raises:
+        ArgumentError: when the points are not (k, 2) and finite.
     """
     x, y = finite_array("points", points, (None, 2)).T
     return axes.plot(x, y, **{"color": INK, "linewidth": 1.1, "linestyle": (0, (5, 3)), "zorder": 2, **style})[0]
@@ -111,6 +114,9 @@ def draw_base(axes: Axes, position: ArrayLike = (0.0, 0.0), size: float = LINK_W
         axes: axes to draw on.
         position: its centre (2,) [m].
         size: a third of its diameter [m].
+
+    Raises:
+        ArgumentError: when the position is not (2,) and finite, or the size is not positive.
     """
     from matplotlib.patches import Circle
 

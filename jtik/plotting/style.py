@@ -53,6 +53,9 @@ def shades(count: int, colormap: str = COLORMAP) -> list[Any]:
     Args:
         count: how many.
         colormap: the colour map's name.
+
+    Raises:
+        ArgumentError: when ``count`` is no non-negative integer, or matplotlib has no colour map of that name.
     """
     import matplotlib
 

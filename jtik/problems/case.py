@@ -123,7 +123,14 @@ class Case:
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Case:
-        """The case that `as_data` described. Raises ArgumentError for other data."""
+        """The case that `as_data` described.
+
+        Args:
+            data: plain dicts, lists, numbers and texts.
+
+        Raises:
+            ArgumentError: for other data.
+        """
         return cls(**_entries("case", data, set(cls.__dataclass_fields__), {"name", "kind", "q0", "targets"}))
 
 
@@ -199,7 +206,14 @@ class ProblemSet(Sequence[Case]):
         return tuple(dict.fromkeys(case.kind for case in self.cases))
 
     def of(self, *kinds: str) -> ProblemSet:
-        """The cases of these kinds. Raises UnknownNameError for a kind that has no case."""
+        """The cases of some kinds.
+
+        Args:
+            kinds: the kinds, such as "reachable".
+
+        Raises:
+            UnknownNameError: when no case is of a kind.
+        """
         for kind in kinds:
             if kind not in self.kinds:
                 raise UnknownNameError("kind of case", kind, self.kinds)
@@ -209,6 +223,9 @@ class ProblemSet(Sequence[Case]):
         """The same cases with the names ``name``-000, ``name``-001 ...
 
         Sets of one kind and several seeds can then be added.
+
+        Args:
+            name: first part of all names.
         """
         cases = tuple(replace(case, name=case_name(name, i)) for i, case in enumerate(self.cases))
         return replace(self, name=name, cases=cases)
@@ -252,7 +269,14 @@ class ProblemSet(Sequence[Case]):
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> ProblemSet:
-        """The set that `as_data` described. Raises ArgumentError for other data."""
+        """The set that `as_data` described.
+
+        Args:
+            data: plain dicts, lists, numbers and texts.
+
+        Raises:
+            ArgumentError: for other data.
+        """
         entries = _entries("problems", data, {"name", "seed", "origin", "cases"}, {"name", "cases"})
         return cls(**{**entries, "cases": tuple(Case.from_data(case) for case in entries["cases"])})
 

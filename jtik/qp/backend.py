@@ -146,6 +146,9 @@ class QPSolver(ABC):
     def solve(self, qp: NumericQP) -> Sequence[Array] | None:
         """Solve one QP.
 
+        Args:
+            qp: the quadratic program.
+
         Returns:
             x (n,), row multipliers (k,) and box multipliers (n,); None if the solver found no solution.
         """
@@ -161,6 +164,9 @@ def available() -> list[str]:
 
 def backend_of(solver: str | Backend | None) -> Backend:
     """The back end of that name; DAQP for None.
+
+    Args:
+        solver: name of a solver, or a back end itself.
 
     Raises:
         BackendError: if the solver is not installed, or excluded.

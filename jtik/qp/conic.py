@@ -52,7 +52,11 @@ class Conic(FusedBackend):
         return f"Conic({self.name!r})"
 
     def function(self, n: int, rows: int) -> Function:
-        """The plugin for dense QPs of this size."""
+        """The plugin for dense QPs of this size.
+
+        Raises:
+            BackendError: when the plugin refuses the QP or an option.
+        """
         try:
             return conic(f"qp_{self.name}", self.name, n, rows, {"error_on_fail": False, **self._options})
         except RuntimeError as error:

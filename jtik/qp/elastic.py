@@ -83,7 +83,14 @@ class Elastic:
         return self.max_slack
 
     def columns(self, count: int) -> list[Expression]:
-        """Penalty, curvature and largest slack of ``count`` rows, (count, 1) each."""
+        """Penalty, curvature and largest slack of ``count`` rows, (count, 1) each.
+
+        Args:
+            count: number of rows.
+
+        Raises:
+            ArgumentError: when one of them is neither one number nor a column (count, 1).
+        """
         curvature = self.penalty if self.curvature is None else self.curvature
         columns = []
         for name, value in (("penalty", self.penalty), ("curvature", curvature), ("max_slack", self.max_slack)):

@@ -114,6 +114,9 @@ def _solve(name: str, qp: NumericQP, options: dict[str, Any]) -> Sequence[Array]
 def as_problem(qp: NumericQP) -> tuple[Any, NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
     """Convert a QP to a ``qpsolvers.Problem``.
 
+    Args:
+        qp: the quadratic program.
+
     Returns:
         The problem; masks (k,) of the rows that are equalities, have an upper bound, and have a lower bound.
     """

@@ -123,6 +123,9 @@ class QuadraticProgram:
     def rows_of(self, name: str) -> tuple[Rows, slice]:
         """A group of rows, and its slice of all rows.
 
+        Args:
+            name: name of the group.
+
         Raises:
             ArgumentError: if there is no group of that name.
         """
@@ -172,7 +175,12 @@ class QuadraticProgram:
         return if_else(self._bounds_valid, x, math.nan), logic_or(solves, logic_not(self._bounds_valid))
 
     def with_data(self, data: Sequence[Expression]) -> QuadraticProgram:
-        """The same QP for other data: what `data` returns, then the `penalties`."""
+        """The same QP for other data: what `data` returns, then the `penalties`.
+
+        Args:
+            data: P, q, C, l, u, lb, ub, then penalty, curvature and largest slack of the elastic rows, if there are
+                any.
+        """
         (P, q, C, low, high, lower, upper), penalties = data[:7], data[7:]
         rows, start, elastic_start = list[Rows](), 0, 0
         for group in self.rows:

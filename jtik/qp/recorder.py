@@ -21,7 +21,7 @@ class RecordedQP:
     """A QP and the symbols of its solution.
 
     Attributes:
-        qp: the QP.
+        qp: the quadratic program.
         solution: its solution, as symbols.
         good: 1 where the solution satisfies the optimality conditions, as a symbol. What solves the QP checks it: a
             solution that is known without a solver only has to be finite.
@@ -182,7 +182,11 @@ class QPRecorder:
         return result
 
     def solve(self, qp: QuadraticProgram) -> QPSolution:
-        """Record a QP and return its solution, as symbols."""
+        """Record a QP and return its solution, as symbols.
+
+        Args:
+            qp: the quadratic program.
+        """
         k = len(self.calls)
         solution = _symbols(qp, str(k))
         self.calls.append(RecordedQP(qp, solution, symbol(f"good{k}", 1)))

@@ -32,7 +32,14 @@ class Rows:
 
     @classmethod
     def equal(cls, name: str, matrix: Expression, to: Expression, elastic: Elastic | None = None) -> Rows:
-        """The equalities ``matrix x = to``."""
+        """The equalities ``matrix x = to``.
+
+        Args:
+            name: name of the group.
+            matrix: the rows (k, n).
+            to: right-hand side (k, 1).
+            elastic: how far the rows may be relaxed, with which penalty; None for hard rows.
+        """
         return cls(name, matrix, to, to, elastic)
 
     @classmethod

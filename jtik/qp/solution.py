@@ -33,11 +33,21 @@ class QPSolution:
     program = RenamedAttribute("qp")
 
     def multipliers(self, name: str) -> Expression:
-        """Multipliers of one group of rows, (k, 1)."""
+        """Multipliers of one group of rows, (k, 1).
+
+        Args:
+            name: name of the group.
+
+        Raises:
+            ArgumentError: if there is no group of that name.
+        """
         return self.row_multipliers[self.qp.rows_of(name)[1]]
 
     def slack(self, name: str) -> Expression:
         """How far each row of an elastic group is relaxed, (k, 1), non-negative.
+
+        Args:
+            name: name of the group.
 
         Raises:
             ArgumentError: if there is no elastic group of that name.
@@ -74,6 +84,9 @@ class QPSolution:
         """1 where the solution is valid, else 0.
 
         Violation, and stationarity relative to 1 + |q|, are at most ``accuracy``; P is convex; nothing is NaN.
+
+        Args:
+            accuracy: largest violation and stationarity residual of a valid solution.
         """
         scale = 1 + norm_inf(self.qp.q)
         good = logic_and(self.violation <= accuracy, self.stationarity <= accuracy * scale)

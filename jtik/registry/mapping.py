@@ -63,7 +63,11 @@ class Registry(Mapping[str, type[T]], Generic[T]):
             plugin.name = name  # type: ignore[attr-defined]
 
     def register(self, name: str) -> Callable[[C], C]:
-        """A class decorator that adds a class by this name, with the errors of `add`."""
+        """A class decorator that adds a class by this name, with the errors of `add`.
+
+        Args:
+            name: name under which the class is found.
+        """
         self.check_name(name)  # also finds a decorator without its name
 
         def registered(plugin: C) -> C:
@@ -73,7 +77,11 @@ class Registry(Mapping[str, type[T]], Generic[T]):
         return registered
 
     def check_name(self, name: object) -> None:
-        """Raise ArgumentError when ``name`` is no text that a listing can show, or has the ``+`` of pairs."""
+        """Raise ArgumentError when ``name`` is no text that a listing can show, or has the ``+`` of pairs.
+
+        Args:
+            name: the name.
+        """
         if not isinstance(name, str) or not name.strip() or not name.isprintable() or "+" in name:
             raise ArgumentError(f"{self._kind} name", repr(name), "a text of at least one character, without '+'")
 

@@ -48,6 +48,10 @@ def strategy_of(given: str | Strategy) -> Strategy:
 def secondary_of(argument: str, name: str) -> SecondaryTerm:
     """The registered secondary term ``name`` with its defaults.
 
+    Args:
+        argument: name of the argument, for errors.
+        name: registered name of the term.
+
     Raises:
         UnknownNameError: when no secondary term has the name.
         PluginError: when the name is a third party's and its plugin cannot be loaded.

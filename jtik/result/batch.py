@@ -64,7 +64,12 @@ class SolutionBatch:
 
     @classmethod
     def of(cls, diagnose: Callable[[], tuple[Status, ...]], **columns: Any) -> SolutionBatch:
-        """As the constructor, with a function that computes ``status`` when it is first read."""
+        """As the constructor, with a function that computes ``status`` when it is first read.
+
+        Args:
+            diagnose: returns the status of each solve.
+            columns: all other fields of the constructor, as keywords.
+        """
         batch = object.__new__(cls)
         batch.__dict__.update(columns, diagnose=diagnose)
         return batch

@@ -156,7 +156,7 @@ class LocalModel:
         return vertcat(*low), vertcat(*high)
 
     def room(self, i: int, j: int) -> tuple[Expression, Expression]:
-        """Room of entry ``j`` of a displacement down and up to the limits of q_i; (``i``, ``j``) is one of ``bounded``."""
+        """Room of entry ``j`` of a displacement, down and up, to the limits of q_i; ``i``, ``j`` as in ``bounded``."""
         down, up = self.lower[i] - self.here.q[i], self.upper[i] - self.here.q[i]
         return self.coordinates.entry(j, down), self.coordinates.entry(j, up)
 

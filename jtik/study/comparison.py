@@ -36,6 +36,10 @@ if TYPE_CHECKING:
 class Comparison:
     """The result of `jtik.compare`. A row is one contender with one set of criteria on one case.
 
+    Options of figures: ``contenders`` are names, all by default; ``criteria``, ``case`` and ``contender`` are one name,
+    the first by default; ``kind`` is a kind of cases, all by default. A figure raises ArgumentError where nothing was
+    recorded, and UnknownNameError for an unknown name.
+
     Attributes:
         columns: arrays by column name, as documented in `jtik.study.Row`.
         answers: final configuration of each row, (rows, nq), NaN if there is none.
@@ -88,14 +92,21 @@ class Comparison:
         return Citations("\n\n".join(self.settings.get("citations", ())))
 
     def rows(self, **chosen: str) -> NDArray[np.intp]:
-        """Indices of the rows with these values, such as ``rows(contender="hybrid", kind="reachable")``."""
+        """Indices of the rows with the values ``chosen``, such as ``rows(contender="hybrid", kind="reachable")``."""
         picked = np.ones(len(self), dtype=bool)
         for name, value in chosen.items():
             picked &= self.columns[name] == value
         return np.flatnonzero(picked)
 
     def summary(self, by: str | Sequence[str] | None = None) -> dict[str, list[Any]]:
-        """The columns of `table` as lists by title, without pandas."""
+        """The columns of `table` as lists by title, without pandas.
+
+        Args:
+            by: columns to group by, as of `table`.
+
+        Raises:
+            ArgumentError: for another column.
+        """
         if by is None:
             by = ("contender", "criteria") if len(self.criteria) > 1 else ("contender",)
         return summary(self.columns, (by,) if isinstance(by, str) else by)
@@ -156,11 +167,11 @@ class Comparison:
         return "\n".join(line for lines in around for line in lines)
 
     def to_markdown(self, by: str | Sequence[str] | None = None) -> str:
-        """The summary table in Markdown."""
+        """The summary table in Markdown, grouped ``by`` columns as in `table`."""
         return tables.markdown(self.summary(by))
 
     def to_csv(self, path: str | Path) -> None:
-        """Write all rows to a file without loss of precision. Raises OSError if it cannot be written.
+        """Write all rows to the file ``path`` without loss of precision. Raises OSError if it cannot be written.
 
         Text that a spreadsheet would take for a formula, such as a name ``=cmd``, begins with an apostrophe.
         """
@@ -171,7 +182,7 @@ class Comparison:
             writer.writerows(zip(*columns, strict=True))
 
     def to_html(self, path: str | Path) -> None:
-        """Write a self-contained report with tables, figures and settings.
+        """Write a self-contained report with tables, figures and settings to the file ``path``.
 
         Raises:
             MissingExtraError: without matplotlib.
@@ -182,49 +193,54 @@ class Comparison:
         Path(path).write_text(page(self), encoding="utf-8")
 
     def plot_convergence(self, **options: Any) -> Figure:
-        """Draw the task error by iteration. Options: ``contenders``, ``criteria``, ``kind`` of the cases."""
+        """Draw the task error by iteration. ``options``: ``contenders``, ``criteria``, ``kind`` of the cases."""
         from jtik.study.figures.convergence import convergence
 
         return convergence(self, **options)
 
     def plot_profile(self, **options: Any) -> Figure:
-        """Draw Dolan-More profiles. Options: ``measure``, "seconds" or "iterations", ``contenders``, ``criteria``."""
+        """Draw Dolan-More profiles. ``options``: ``measure`` ("seconds", "iterations"), ``contenders``, ``criteria``."""
         from jtik.study.figures.profile import profile
 
         return profile(self, **options)
 
     def plot_lyapunov(self, **options: Any) -> Figure:
-        """Draw V by iteration for one case. Options: ``case``, ``contenders``, ``criteria``."""
+        """Draw V by iteration for one case. ``options``: ``case``, ``contenders``, ``criteria``."""
         from jtik.study.figures.lyapunov import lyapunov
 
         return lyapunov(self, **options)
 
     def plot_criteria(self, **options: Any) -> Figure:
-        """Draw H by iteration for one case and the regret of all. Options: ``case``, ``contenders``, ``criteria``."""
+        """Draw H by iteration for one case, the regret of all. ``options``: ``case``, ``contenders``, ``criteria``."""
         from jtik.study.figures.criteria import criteria
 
         return criteria(self, **options)
 
     def plot_postures(self, **options: Any) -> Figure:
-        """Draw the robot from start to answer for one case. Options: ``case``, ``contenders``, ``criteria``."""
+        """Draw the robot from start to answer for one case. ``options``: ``case``, ``contenders``, ``criteria``."""
         from jtik.study.figures.postures import posture_panels
 
         return posture_panels(self, **options)
 
     def plot_joints(self, **options: Any) -> Figure:
-        """Draw the joint positions by iteration for one case. Options: ``case``, ``contenders``, ``criteria``."""
+        """Draw joint positions by iteration for one case. ``options``: ``case``, ``contenders``, ``criteria``."""
         from jtik.study.figures.joints import joint_panels
 
         return joint_panels(self, **options)
 
     def animate(self, path: str | Path, **options: Any) -> None:
-        """Write a GIF of one contender on one case. Options: ``contender``, ``case``, ``criteria``, by name."""
+        """Write a GIF of one contender on one case.
+
+        Args:
+            path: the file, which ends in .gif.
+            options: ``contender``, ``case`` and ``criteria``, by name.
+        """
         from jtik.study.figures.animation import animation
 
         animation(self, path, **options)
 
     def save(self, path: str | Path) -> None:
-        """Write the comparison to one ``.npz`` file, which `load` reads.
+        """Write the comparison to one ``.npz`` file ``path``, which `load` reads.
 
         Raises:
             ArgumentError: for another suffix.
@@ -236,7 +252,7 @@ class Comparison:
 
     @classmethod
     def load(cls, path: str | Path) -> Comparison:
-        """Read a file of `save`, or of ``jtik.compare(save=path)``.
+        """Read a file ``path`` of `save`, or of ``jtik.compare(save=path)``.
 
         Raises:
             ArgumentError: for a file that holds no study.

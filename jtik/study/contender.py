@@ -90,18 +90,36 @@ class PreparedContender(ABC):
     note: str = ""
 
     def convert(self, target: Any) -> Any:
-        """The target in the form that `solve` and `traced` take; not timed. Unchanged unless overridden."""
+        """The target in the form that `solve` and `traced` take; not timed. Unchanged unless overridden.
+
+        Args:
+            target: a target of the task.
+        """
         return target
 
     def set(self, parameters: Mapping[str, Array]) -> None:  # noqa: B027  (a contender without parameters need not override it)
-        """Set live parameters of criteria and clearances; not timed. Does nothing unless overridden."""
+        """Set live parameters of criteria and clearances; not timed. Does nothing unless overridden.
+
+        Args:
+            parameters: values by name, as in ``ik.parameters``.
+        """
 
     @abstractmethod
     def solve(self, target: Any, q0: Array) -> Answer:
-        """Solve from ``q0`` (nq,) for a converted target. This call is timed, so it contains only the solve."""
+        """Solve from ``q0`` (nq,) for a converted target. This call is timed, so it contains only the solve.
+
+        Args:
+            target: what `convert` returned.
+            q0: configuration to start from (nq,) [rad] or [m].
+        """
 
     def traced(self, target: Any, q0: Array) -> tuple[Answer, Trace | None]:
-        """Solve without timing, with the iterations if the contender can record them."""
+        """Solve without timing, with the iterations if the contender can record them.
+
+        Args:
+            target: what `convert` returned.
+            q0: configuration to start from (nq,) [rad] or [m].
+        """
         return self.solve(target, q0), None
 
 
@@ -122,4 +140,7 @@ class Contender(ABC):
 
         It may raise. The study then has a row for each problem with the text of the error, for instance how to install
         a missing package.
+
+        Args:
+            setting: robot, task, criteria and options of the study.
         """

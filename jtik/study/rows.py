@@ -91,7 +91,14 @@ class Row:
 
     @classmethod
     def failed(cls, key: tuple[str, str, str], kind: str, status: str, note: str) -> Row:
-        """A row without figures."""
+        """A row without figures.
+
+        Args:
+            key: names of contender, criteria and case.
+            kind: kind of the case.
+            status: why there are no figures.
+            note: text of the error.
+        """
         contender, criteria, case = key
         return cls(contender=contender, criteria=criteria, case=case, kind=kind, status=status, note=note)
 

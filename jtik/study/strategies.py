@@ -62,7 +62,11 @@ class StrategyContender(Contender):
         return f"StrategyContender({self.strategy!r}, label={self.label!r})"
 
     def prepare(self, setting: Setting) -> PreparedContender:
-        """Build the solver. Raises what `jtik.InverseKinematics` raises."""
+        """Build the solver. Raises what `jtik.InverseKinematics` raises.
+
+        Args:
+            setting: robot, task, criteria and options of the study.
+        """
         ik = InverseKinematics(
             setting.robot,
             setting.task,

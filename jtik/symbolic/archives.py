@@ -24,7 +24,11 @@ class Archive(NamedTuple):
 
 
 def archive_of(plugin: str) -> Archive | None:
-    """The static library of a conic plugin; None where CasADi came without it."""
+    """The static library of a conic plugin; None where CasADi came without it.
+
+    Args:
+        plugin: name of CasADi's plugin, such as "daqp".
+    """
     if plugin not in ARCHIVES:
         return None
     folder, (file, header) = Path(casadi.__file__).parent, ARCHIVES[plugin]

@@ -81,7 +81,11 @@ def compiler() -> tuple[str, ...]:
 
 
 def version(command: tuple[str, ...]) -> str:
-    """What the compiler prints about its version, once a process; empty where it cannot be run."""
+    """What the compiler prints about its version, once a process; empty where it cannot be run.
+
+    Args:
+        command: the command of the compiler, as `compiler` returns it.
+    """
     try:
         return _version(command)
     except CompilerError:  # compiling tells more
@@ -94,7 +98,11 @@ def _version(command: tuple[str, ...]) -> str:
 
 
 def options(command: tuple[str, ...]) -> tuple[str, ...]:
-    """The options of a compiler."""
+    """The options of a compiler.
+
+    Args:
+        command: the command of the compiler, as `compiler` returns it.
+    """
     return (*OPTIONS, *ZIG_OPTIONS) if command[-len(ZIG) :] == ZIG else OPTIONS
 
 
@@ -111,6 +119,10 @@ class CompilerRuns:
 
     def run(self, call: list[str], environment: dict[str, str] | None) -> subprocess.CompletedProcess[bytes]:
         """Run a command to its end, in this environment or that of the process.
+
+        Args:
+            call: the command and its arguments.
+            environment: environment variables; those of the process when None.
 
         Raises:
             OSError: where it cannot be run, or `end` was called.
@@ -191,7 +203,11 @@ def compile_library(
 
 
 def is_complete(data: bytes) -> bool:
-    """Whether a shared library begins as one and, where it is an ELF file, is as long as its headers say."""
+    """Whether a shared library begins as one and, where it is an ELF file, is as long as its headers say.
+
+    Args:
+        data: the bytes of the file.
+    """
     if data[:4] != b"\x7fELF":
         return data[:2] == b"MZ" or data[:4] in (b"\xcf\xfa\xed\xfe", b"\xca\xfe\xba\xbe")
     if len(data) < 64:

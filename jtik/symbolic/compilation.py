@@ -68,13 +68,23 @@ class Compilation:
         self._inform()
 
     def begin(self, functions: Iterable[Function]) -> None:
-        """Begin to compile functions that `library` or `to_c` is to return."""
+        """Begin to compile functions that `library` or `to_c` is to return.
+
+        Args:
+            functions: the functions to compile.
+        """
         for each in functions:
             if id(each) not in self._begun:
                 self._begun[id(each)] = each, self.begun(each)
 
     def begun(self, function: Function, beside: str = "", archive: Archive | None = None) -> Future[Library]:
-        """The library of a function, which is compiled from now on; for the arguments see `compile.library`."""
+        """The library of a function, which is compiled from now on.
+
+        Args:
+            function: the function to compile.
+            beside: more C source for the same library.
+            archive: a static library that the C calls; None for none.
+        """
         self._executor = self._executor or ThreadPoolExecutor(thread_name_prefix="jtik-compiler")
         future = self._executor.submit(library, function, beside, archive, runs=self._runs)
         self._files.append(future)
@@ -82,7 +92,12 @@ class Compilation:
         return future
 
     def library(self, function: Function, beside: str = "", archive: Archive | None = None) -> Library:
-        """The library of a function, when it is compiled; for the arguments see `compile.library`.
+        """The library of a function, when it is compiled.
+
+        Args:
+            function: the function to compile.
+            beside: more C source for the same library.
+            archive: a static library that the C calls; None for none.
 
         Raises:
             CompilerError: when it cannot be compiled.
@@ -97,7 +112,14 @@ class Compilation:
         return future.result()
 
     def to_c(self, function: Function) -> Function:
-        """A function as generated C, when it is compiled; see `library`."""
+        """A function as generated C, when it is compiled; see `library`.
+
+        Args:
+            function: the function to compile.
+
+        Raises:
+            CompilerError: when it cannot be compiled.
+        """
         return self.library(function).function
 
     def end(self) -> None:

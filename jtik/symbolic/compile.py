@@ -51,6 +51,9 @@ class CompiledFunction:
     """A function with memory of its own, called through its buffer: about a microsecond more than the arithmetic.
 
     It is called with one array for each input and returns one new array (rows, columns) for each output.
+
+    Args:
+        function: a ``casadi.Function`` of SX or MX.
     """
 
     def __init__(self, function: Function) -> None:
@@ -90,6 +93,12 @@ def to_c(function: Function) -> Function:
     """The same function as a shared library of generated C, three to five times faster than the virtual machine.
 
     See `library`, which also returns the path.
+
+    Args:
+        function: the function to compile.
+
+    Raises:
+        CompilerError: when there is no compiler, it fails, or the library cannot be stored or loaded.
     """
     return library(function).function
 

@@ -42,7 +42,11 @@ RANK_THRESHOLD = 1e-8
 
 
 def squared_length(J: Expression) -> Expression:
-    """Square of the Frobenius norm, row by row, so that a factorisation shares its terms."""
+    """Square of the Frobenius norm, row by row, so that a factorisation shares its terms.
+
+    Args:
+        J: the matrix (m, n).
+    """
     return sum(sumsqr(J[i, :].T) for i in range(J.shape[0]))
 
 
@@ -51,6 +55,9 @@ class RowVector:
 
     The basis is orthogonal only to the rounding error times the condition number of J. Coordinates and inner products
     with the basis are therefore both kept.
+
+    Args:
+        space: the row space.
 
     Attributes:
         coordinates: m coordinates in the basis.
@@ -86,7 +93,11 @@ class RowVector:
         return self.dot(self)
 
     def dot(self, other: RowVector) -> Expression:
-        """Inner product with another vector of the same row space."""
+        """Inner product with another vector of the same row space.
+
+        Args:
+            other: the other vector.
+        """
         return sum(a * b for a, b in zip(self.coordinates, other.products, strict=True))
 
     def __rmul__(self, factor: Expression) -> RowVector:
@@ -103,7 +114,13 @@ DAMPING_FLOOR = 1e-16
 
 
 def damped_multipliers(J: Expression, damping: Expression, r: Expression) -> Expression:
-    """``(J J' + mu I)^-1 r`` (m, 1) by L D L'; mu is ``damping`` plus `DAMPING_FLOOR` times |J|^2."""
+    """``(J J' + mu I)^-1 r`` (m, 1) by L D L'; mu is ``damping`` plus `DAMPING_FLOOR` times |J|^2.
+
+    Args:
+        J: the matrix (m, n).
+        damping: non-negative, in the unit of J J'.
+        r: right-hand side (m, 1).
+    """
     gram = J @ J.T
     floor = DAMPING_FLOOR * trace(gram) + TINY
     return solve_ldl(gram + (damping + floor) * identity(J.shape[0]), r)
@@ -173,7 +190,11 @@ class RowSpace:
         return vertcat(*[(sqrt(i) * b).T for i, b in zip(self._inverse, self._basis, strict=True)])
 
     def dependent_bounds(self, side: int) -> Expression:
-        """Bounds (m, 1) that make ``unit_basis @ x`` zero and leave the zero rows free: ``side`` -1 lower, 1 upper."""
+        """Bounds (m, 1) that make ``unit_basis @ x`` zero and leave the zero rows free.
+
+        Args:
+            side: -1 for lower bounds, 1 for upper bounds.
+        """
         return vertcat(*[if_else(independent, 0, side * inf) for independent in self._independent])
 
     @cached_property
@@ -208,7 +229,11 @@ class RowSpace:
         return U, inverses, R
 
     def combined(self, coordinates: Sequence[Expression]) -> Expression:
-        """The vector (n, 1) with these coordinates."""
+        """The vector (n, 1) with these coordinates.
+
+        Args:
+            coordinates: m coordinates in the basis.
+        """
         total = zeros(self._n)
         for component, basis in zip(reversed(coordinates), reversed(self._basis), strict=True):
             total = total + component * basis
@@ -220,13 +245,21 @@ class RowSpace:
         return vertcat(*[own + sum(a * b for a, b in zip(row[:-1], products, strict=False)) for row, own in rows])
 
     def transposed(self, r: Expression) -> RowVector:
-        """``J' r``, without the share of dependent rows, which is below the rank threshold."""
+        """``J' r``, without the share of dependent rows, which is below the rank threshold.
+
+        Args:
+            r: a vector (m, 1).
+        """
         m = self._m
         coordinates = [sum(self._lower[k][i] * r[k] for k in range(i, m)) for i in range(m)]
         return self._row_vector(coordinates)
 
     def least_squares(self, r: Expression) -> RowVector:
-        """``J+ r``: the shortest x that minimises ``|J x - r|``."""
+        """``J+ r``: the shortest x that minimises ``|J x - r|``.
+
+        Args:
+            r: right-hand side (m, 1).
+        """
         U, inverses, R = self._column_space
         products: list[Expression] = [0] * self._m
         for j in reversed(range(self._m)):
@@ -242,6 +275,10 @@ class RowSpace:
 
         Coordinate i minimises ``|J_i x - r_i|^2 + damping |x_i|^2`` for the coordinates before it, and is at most
         ``|J_i x - r_i| / (2 sqrt(damping))`` long. It costs a tenth of damped least squares beside this factorisation.
+
+        Args:
+            r: right-hand side (m, 1).
+            damping: non-negative, in the unit of J J'.
         """
         coordinates: list[Expression] = []
         for i in range(self._m):
@@ -253,7 +290,11 @@ class RowSpace:
         return RowVector(self, coordinates, products)
 
     def split(self, g: Expression) -> Split:
-        """g as the sum of its part in the null space and its part in the row space."""
+        """A vector as the sum of its part in the null space and its part in the row space.
+
+        Args:
+            g: the vector (n, 1).
+        """
         coefficients = []
         for basis, inverse in zip(self._basis, self._inverse, strict=True):
             coefficient = dot(basis, g) * inverse

@@ -102,7 +102,11 @@ def find_or_build(key: str, build: Callable[[Path], Path]) -> Path:
 
 
 def forget(path: Path) -> None:
-    """Delete a library that cannot be used."""
+    """Delete a library that cannot be used.
+
+    Args:
+        path: path of the library.
+    """
     _remove(path)
 
 

@@ -87,22 +87,27 @@ TINY = 1e-300
 
 
 def symbol(name: str, rows: int, columns: int = 1) -> Expression:
-    """A matrix of free symbols, shape (rows, columns)."""
+    """A matrix of free symbols, shape (``rows``, ``columns``), that are called ``name``."""
     return SX.sym(name, rows, columns)
 
 
 def zeros(rows: int, columns: int = 1) -> Expression:
-    """A dense matrix of zeros, shape (rows, columns)."""
+    """A dense matrix of zeros, shape (``rows``, ``columns``)."""
     return SX.zeros(rows, columns)
 
 
 def identity(size: int) -> Expression:
-    """The identity matrix."""
+    """The identity matrix, shape (``size``, ``size``)."""
     return SX.eye(size)
 
 
 def gram(matrix: Expression, weights: Expression | None = None) -> Expression:
-    """M' diag(weights) M of M (m, n), (n, n), each entry computed once; without weights M' M."""
+    """The Gram matrix M' diag(weights) M, (n, n), each entry computed once.
+
+    Args:
+        matrix: M (m, n).
+        weights: one for each row (m, 1); all are 1 when None.
+    """
     columns = [matrix[:, j] for j in range(matrix.shape[1])]
     weighted = columns if weights is None else [weights * column for column in columns]
     product = SX.zeros(len(columns), len(columns))
@@ -113,12 +118,12 @@ def gram(matrix: Expression, weights: Expression | None = None) -> Expression:
 
 
 def hessian(scalar: Expression, variables: Expression) -> Expression:
-    """Second derivatives of a scalar, (n, n)."""
+    """Second derivatives (n, n) of a ``scalar`` with respect to ``variables`` (n, 1)."""
     return casadi.hessian(scalar, variables)[0]
 
 
 def numbers(matrix: Expression) -> NDArray[np.float64] | None:
-    """The entries of a matrix without symbols, (rows, columns); None where there are any."""
+    """The entries of a ``matrix`` without symbols, (rows, columns); None where there are any."""
     if not SX(matrix).is_constant():
         return None
     return np.array(casadi.DM(SX(matrix)).full())
@@ -155,7 +160,12 @@ def conic(name: str, plugin: str, n: int, rows: int, options: Mapping[str, Any])
 
 
 def either(when: Function, otherwise: Function) -> Function:
-    """(condition, arguments) -> ``when(arguments)`` if the condition is not 0, else ``otherwise``. One is evaluated."""
+    """A function of a condition and arguments that evaluates one of two functions.
+
+    Args:
+        when: the function where the condition is not 0.
+        otherwise: the function where it is 0, of the same arguments and results.
+    """
     return casadi.Function.if_else("either", when, otherwise)
 
 
@@ -164,6 +174,9 @@ def once_for_each(build: Callable[[Expression], Expression]) -> Callable[[Expres
 
     An expression that is built twice makes a graph larger, and the elimination of what is there twice takes most of the
     time of building a function.
+
+    Args:
+        build: function of one expression.
     """
     built = list[tuple[Expression, Expression]]()
 
@@ -209,7 +222,7 @@ def function(
 
 
 def c_source(function: Function) -> str:
-    """The function as C, all names prefixed with its own. Each thread has memory of its own for the solvers in it."""
+    """A ``function`` as C, all names prefixed with its own. Each thread has memory of its own for the solvers in it."""
     generator = casadi.CodeGenerator(function.name())
     generator.add(function)
     return _OF_ALL_THREADS.sub(r"static JTIK_THREAD_LOCAL \1", _THREAD_LOCAL + str(generator.dump()))
@@ -230,12 +243,12 @@ _THREAD_LOCAL = """
 
 
 def norm(vector: Expression) -> Expression:
-    """Euclidean norm whose derivative is zero, not NaN, at the zero vector."""
+    """Euclidean norm of a ``vector``, whose derivative is zero, not NaN, at the zero vector."""
     return sqrt(sumsqr(vector) + TINY)
 
 
 def without_derivative(share: Expression) -> Expression:
-    """A share in [0, 1], rounded to 1e-9, whose derivative is zero: for what a minimum does not depend on."""
+    """A ``share`` in [0, 1], rounded to 1e-9, whose derivative is zero: for what a minimum does not depend on."""
     return floor(share * 2**30) * 2.0**-30
 
 
@@ -250,7 +263,7 @@ def is_finite(value: Expression) -> Expression:
 
 
 def stack(rows: Sequence[Sequence[Expression | float]]) -> Expression:
-    """A matrix from its rows of scalars."""
+    """A matrix from its ``rows`` of scalars."""
     return vertcat(*[horzcat(*row) for row in rows])
 
 

@@ -11,6 +11,9 @@ from pathlib import Path
 def private_folder(wanted: Path) -> Path:
     """A folder of the user, made with mode 0700 where it does not exist.
 
+    Args:
+        wanted: path of the folder.
+
     Raises:
         OSError: where it belongs to another user, can be changed by others, or cannot be written.
     """

@@ -24,14 +24,24 @@ _SMALL = 0.01
 
 
 def log_translation(phi: Expression, p: Expression) -> Expression:
-    """G p (3, 1), with ``G = I - [phi] / 2 + c [phi]^2``, ``phi`` = log R and c of `rotation.log_rate`."""
+    """G p (3, 1), with ``G = I - [phi] / 2 + c [phi]^2``, ``phi`` = log R and c of `rotation.log_rate`.
+
+    Args:
+        phi: rotation vector (3, 1) [rad].
+        p: translation (3, 1) [m].
+    """
     squared = sumsqr(phi)
     c, _ = _coefficients(squared)
     return p - cross(phi, p) / 2 + c * (dot(phi, p) * phi - squared * p)
 
 
 def log_translation_rate(phi: Expression, p: Expression) -> Expression:
-    """Derivative (3, 3) of `log_translation` with respect to ``phi``, for a constant p."""
+    """Derivative (3, 3) of `log_translation` with respect to ``phi``, for a constant p.
+
+    Args:
+        phi: rotation vector (3, 1) [rad].
+        p: translation (3, 1) [m].
+    """
     along, squared = dot(phi, p), sumsqr(phi)
     c, rate = _coefficients(squared)
     of_square = along * identity(3) + phi @ p.T - 2 * (p @ phi.T)
@@ -39,7 +49,12 @@ def log_translation_rate(phi: Expression, p: Expression) -> Expression:
 
 
 def log_translation_in_the_plane(angle: Expression, p: Expression) -> Expression:
-    """`log_translation` (2, 1) for a rotation by ``angle`` [rad] in (-pi, pi] and a translation p (2, 1)."""
+    """`log_translation` (2, 1) of a motion in the plane.
+
+    Args:
+        angle: rotation in (-pi, pi] [rad].
+        p: translation (2, 1) [m].
+    """
     c, _ = _coefficients(angle**2)
     diagonal = 1 - c * angle**2
     return vertcat(diagonal * p[0] + angle / 2 * p[1], diagonal * p[1] - angle / 2 * p[0])

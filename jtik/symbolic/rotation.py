@@ -39,6 +39,9 @@ def log_rate(vector: Expression) -> Expression:
     """G (3, 3) with ``d/dt log R = G w`` for ``dR/dt = [w] R`` and ``vector`` = log R: I - [vector] / 2 + c [vector]^2.
 
     c = (1 - h cot h) / (2 h)^2 with h half the angle; 1/12 at zero and 1/pi^2 at pi (Bullo and Murray 1995).
+
+    Args:
+        vector: rotation vector (3, 1) [rad].
     """
     squared = sumsqr(vector)
     small = squared < _SMALL
@@ -50,7 +53,11 @@ def log_rate(vector: Expression) -> Expression:
 
 
 def log(R: Expression) -> Expression:
-    """Rotation vector of a rotation matrix ``R`` (3, 3): axis times angle in [0, pi], shape (3, 1), [rad]."""
+    """Rotation vector of a rotation matrix ``R`` (3, 3): axis times angle in [0, pi], shape (3, 1), [rad].
+
+    Args:
+        R: the rotation matrix (3, 3).
+    """
     quaternion = _largest_column(R)
     quaternion = quaternion * if_else(quaternion[0] < 0, -1, 1)
     w, v = quaternion[0], quaternion[1:4]

@@ -67,7 +67,11 @@ class SingularValues:
         return tuple(sqrt(squared + TINY) for squared in self.squared)
 
     def components(self, r: Expression) -> list[Expression]:
-        """u_i' r of a vector (m, 1), by the rotations of the rows, without computing U."""
+        """u_i' r of a vector (m, 1), by the rotations of the rows, without computing U.
+
+        Args:
+            r: the vector (m, 1).
+        """
         entries = [r[i] for i in range(self._m)]
         for p, q, c, s in self._rotations:
             entries[p], entries[q] = c * entries[p] + s * entries[q], c * entries[q] - s * entries[p]
@@ -81,14 +85,22 @@ class SingularValues:
         return tuple(vertcat(*[entries[j][i] for j in range(self._m)]) for i in range(self._m))
 
     def combined(self, gains: Sequence[Expression]) -> Expression:
-        """The sum of gain_i sigma_i v_i, (n, 1)."""
+        """The sum of gain_i sigma_i v_i, (n, 1).
+
+        Args:
+            gains: one gain for each singular value, the largest first.
+        """
         total = zeros(self._n)
         for gain, row in zip(gains, self.rows, strict=True):
             total = total + gain * row
         return total
 
     def image(self, gains: Sequence[Expression]) -> Expression:
-        """J times ``combined(gains)``: the sum of gain_i sigma_i^2 u_i, (m, 1), by the inverse rotations."""
+        """J times ``combined(gains)``: the sum of gain_i sigma_i^2 u_i, (m, 1), by the inverse rotations.
+
+        Args:
+            gains: one gain for each singular value, the largest first.
+        """
         entries = [gain * squared for gain, squared in zip(gains, self.squared, strict=True)]
         for p, q, c, s in reversed(self._rotations):
             entries[p], entries[q] = c * entries[p] - s * entries[q], s * entries[p] + c * entries[q]

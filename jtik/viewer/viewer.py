@@ -28,6 +28,16 @@ class Viewer:
 
     ``with jtik.view(...) as viewer:`` closes it at the end. It ends with the program; `wait` keeps a script running.
 
+    Args:
+        subjects: the arms and their motions, as `jtik.view` makes them.
+        obstacles: obstacles to draw.
+        show: "meshes", "shapes" or "links", what is drawn of a robot.
+        port: port of the server; any free one when None.
+        height: height of the frame in a notebook [pixel].
+        unit: label of the time axis.
+        rate: how much of the time passes in a second.
+        title: title of the page.
+
     Attributes:
         arms: what is shown of each arm, in the order given: ``viewer.arms[0].move(q)`` moves the first one.
         player: the time of the motions; None where nothing moves by itself.
@@ -135,7 +145,12 @@ class Viewer:
         self._draw_obstacles(size_of(self._subjects, self._given).extent)
 
     def replace(self, subjects: Sequence[Subject], obstacles: Sequence[Any]) -> None:
-        """Show other subjects and obstacles; the view stays."""
+        """Show other subjects and obstacles; the view stays.
+
+        Args:
+            subjects: the arms and their motions, as `jtik.view` makes them.
+            obstacles: obstacles to draw.
+        """
         for arm in self.arms:
             arm.remove()
         self.arms, self._subjects, self._given = [], list(subjects), tuple(obstacles)

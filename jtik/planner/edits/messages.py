@@ -65,6 +65,9 @@ EDITS: dict[str, type[Edit]] = {}
 def from_json(data: object) -> Edit:
     """The edit of plain data.
 
+    Args:
+        data: a dict with the kind under "edit", and an entry for each field, as ``to_json`` returns it.
+
     Raises:
         ArgumentError: for what is no edit, naming the field that is missing, not known or of another form.
         UnknownNameError: for a kind that does not exist.

@@ -170,7 +170,11 @@ class Settings:
 
 
 def plain(value: Any) -> Any:
-    """Plain data of what is published: lists for tuples and arrays, None for numbers that are not finite."""
+    """Plain data of what is published: lists for tuples and arrays, None for numbers that are not finite.
+
+    Args:
+        value: the value.
+    """
     if isinstance(value, Mapping):
         return {str(key): plain(each) for key, each in value.items()}
     if hasattr(value, "tolist"):

@@ -37,6 +37,9 @@ def names() -> tuple[str, ...]:
 def named(name: str) -> NamedProblem:
     """A problem of the collection by name: its robot, task, criteria and cases.
 
+    Args:
+        name: name of the problem, one of `names`.
+
     Raises:
         UnknownNameError: for an unknown name; it suggests the closest one.
     """

@@ -25,6 +25,9 @@ def names() -> tuple[str, ...]:
 def named(name: str) -> Peer:
     """The peer that a study calls "peer:NAME", with its default options.
 
+    Args:
+        name: name of the peer, such as "mink".
+
     Raises:
         UnknownNameError: for an unknown name.
     """

@@ -223,9 +223,18 @@ class Peer(Contender):
         return prepared
 
     def check(self, goal: Goal) -> None:
-        """Raise ArgumentError for a goal that the peer does not support."""
+        """Raise ArgumentError for a goal that the peer does not support.
+
+        Args:
+            goal: the robot, the task and the options of the study.
+        """
         goal.require_scalar_joints(self.label)
 
     @abstractmethod
     def build(self, library: Any, goal: Goal) -> PreparedContender:
-        """Build the peer with its library."""
+        """Build the peer with its library.
+
+        Args:
+            library: the imported module of the peer.
+            goal: the robot, the task and the options of the study.
+        """
