@@ -70,7 +70,11 @@ class MinkCriterionTask(BaseTask):
         return self._numbers.value(self._correspondence.q(configuration.q))
 
     def compute_qp_objective(self, configuration: mink.Configuration) -> Objective:
-        """(P, gain dH) in the velocities of the model; entries of joints that the robot does not have are zero."""
+        """(P, gain dH) in the velocities of the model; entries of joints that the robot does not have are zero.
+
+        Args:
+            configuration: the configuration, of the same model.
+        """
         P, c = self._numbers.objective(self._correspondence.q(configuration.q), self.gain, self.curvature)
         leads = self._correspondence.leads
         return Objective(leads @ P @ leads.T, leads @ c)

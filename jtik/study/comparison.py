@@ -199,7 +199,11 @@ class Comparison:
         return convergence(self, **options)
 
     def plot_profile(self, **options: Any) -> Figure:
-        """Draw Dolan-More profiles. ``options``: ``measure`` ("seconds", "iterations"), ``contenders``, ``criteria``."""
+        """Draw Dolan-More performance profiles.
+
+        Args:
+            options: ``measure``, "seconds" or "iterations"; ``contenders``, ``criteria``.
+        """
         from jtik.study.figures.profile import profile
 
         return profile(self, **options)
