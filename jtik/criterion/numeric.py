@@ -104,7 +104,7 @@ class NumericCriterion(FunctionCriterion):
         Args:
             robot: the robot.
             q: configuration (nq,) [rad] or [m].
-            column: values of all parameters in one vector, matrices columns first.
+            column: values of its parameters in one vector, matrices columns first.
 
         Raises:
             CriterionError: when one of them raises an error or is not numeric, or when the gradient is not that of H.

@@ -46,7 +46,7 @@ class CriterionTerms:
 
         Args:
             robot: the robot.
-            criteria: a criterion, a weighted sum, several, or None.
+            criteria: a criterion, a sum, the name of a registered criterion, several of these, or None.
             others: clearances and the like, whose live parameters are in the same mapping.
 
         Raises:

@@ -36,7 +36,7 @@ class MassProperties:
         """The centre of mass in the base frame [m], shape (3,), or (2,) of a planar robot.
 
         Args:
-            q: configuration (nq,), or an expression (nq, 1).
+            q: a configuration, in any form that `configuration` accepts, or an expression (nq, 1).
 
         Raises:
             ArgumentError: when the robot has no masses, or ``q`` has another shape than (nq,) or is not finite.
@@ -71,7 +71,7 @@ class MassProperties:
         motors and gears are not in it.
 
         Args:
-            q: configuration (nq,), or an expression (nq, 1).
+            q: a configuration, in any form that `configuration` accepts, or an expression (nq, 1).
 
         Raises:
             ArgumentError: when no joint moves a mass, or ``q`` has another shape than (nq,) or is not finite.

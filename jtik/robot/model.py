@@ -272,7 +272,7 @@ class Robot(Variants, Builders, Drawable, MassProperties, Collisions):
         """T_base_frame, shape (4, 4) [m].
 
         Args:
-            q: configuration (nq,), or an expression (nq, 1).
+            q: a configuration, in any form that `configuration` accepts, or an expression (nq, 1).
             frame: name of the frame; the tip when None.
 
         Raises:
@@ -285,7 +285,7 @@ class Robot(Variants, Builders, Drawable, MassProperties, Collisions):
         """The frame's origin in the base frame [m], shape (3,), or (2,) of a planar robot.
 
         Args:
-            q: configuration (nq,), or an expression (nq, 1).
+            q: a configuration, in any form that `configuration` accepts, or an expression (nq, 1).
             frame: name of the frame; the tip when None.
 
         Raises:
@@ -328,7 +328,7 @@ class Robot(Variants, Builders, Drawable, MassProperties, Collisions):
         Limits are not applied. Quaternions come out with norm 1.
 
         Args:
-            q: configuration (nq,), or an expression (nq, 1).
+            q: a configuration, in any form that `configuration` accepts, or an expression (nq, 1).
             dq: displacement (n,) [rad] or [m], or an expression (n, 1).
 
         Raises:
@@ -340,8 +340,8 @@ class Robot(Variants, Builders, Drawable, MassProperties, Collisions):
         """The shortest displacement (n,) [rad] or [m] with ``integrate(start, displacement) == end``.
 
         Args:
-            start: configuration (nq,).
-            end: configuration (nq,).
+            start: a configuration, in any form that `configuration` accepts, or an expression (nq, 1).
+            end: another one.
 
         Raises:
             ArgumentError: when an argument has another shape than (nq,) or is not finite.

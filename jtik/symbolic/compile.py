@@ -53,7 +53,7 @@ class CompiledFunction:
     It is called with one array for each input and returns one new array (rows, columns) for each output.
 
     Args:
-        function: a ``casadi.Function`` of SX or MX.
+        function: the function to call.
     """
 
     def __init__(self, function: Function) -> None:
