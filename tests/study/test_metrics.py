@@ -39,4 +39,4 @@ def test_a_scene_without_obstacles_has_no_clearance():
     assert np.isnan(found.clearance([np.zeros(2)]))
     live = {"gains": np.array([1.0, 0.0]), "centers": np.array([[3.0, 0.0], [0.0, 0.0]])}
     found.set({f"obstacle_avoidance.{name}": value for name, value in live.items()})
-    assert found.clearance([np.zeros(2)]) == 1.0
+    assert found.clearance([np.zeros(2)]) == pytest.approx(1.0, abs=1e-12)
