@@ -373,7 +373,7 @@ def flatness(J, e, at):
 
 
 def is_flat(relative_gradient, arm, q, target):
-    """Whether the error cannot decrease, to first order, or by 0.2 % within 1 rad where the gradient nearly vanishes."""
+    """Whether the error cannot decrease to first order, or within 1 rad by 0.2 % where the gradient nearly vanishes."""
     if relative_gradient <= FLAT:
         return True
     if relative_gradient > NEARLY_FLAT:
