@@ -27,8 +27,14 @@ ZIG = ("-m", "ziglang", "cc")
 ZIG_CACHE = "zig"
 """Name of the folders in which this compiler keeps files."""
 
-ZIG_OPTIONS = ("-fno-sanitize=all", "-g0")
-"""Options that turn off what this compiler adds of itself: checks at run time, and information for debuggers."""
+ZIG_OPTIONS = ("-fno-sanitize=all", "-g0", "-mcpu=baseline")
+"""Options that turn off what this compiler adds of itself: checks at run time, information for debuggers, and the
+instructions of this very processor.
+
+With the latter, products and sums are rounded once instead of twice, a library in a shared home folder ends a process
+on an older processor, and LLVM keeps vectors in registers beyond the 16th where `__tls_get_addr` is called, which
+overwrites them at its first call in a thread: a wrong step, or the end of the process.
+"""
 
 SHOWN = 2000
 """Longest part of a compiler's output in an error, in characters: the end, where the reason is."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import platform
+
 import casadi
 import numpy as np
 import pytest
@@ -54,3 +56,14 @@ def test_a_compiler_that_fails_is_named_with_its_output(tmp_path, monkeypatch):
     monkeypatch.setenv("CC", "false")
     with pytest.raises(CompilerError, match="^false -O2"):
         to_c(example())
+
+
+@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="elsewhere products and sums may be one")
+def test_generated_c_is_not_for_this_very_processor(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    A, B = casadi.MX.sym("A", 4, 4), casadi.MX.sym("B", 4, 4)
+    product = casadi.Function("product", [A, B], [casadi.mtimes(A, B)])
+    compiled, rng = to_c(product), np.random.default_rng(0)
+    for _ in range(20):
+        given = rng.normal(size=(2, 4, 4))
+        assert compiled(*given).full().tolist() == product(*given).full().tolist()
