@@ -1,7 +1,7 @@
 """Two operators at the same planner, each in a browser of its own: one guides the target, the other one changes things.
 
-By hand, with the figures as JSON: ``python -m tests.planner.web.operation --seconds 600 [--robot panda]``. The planner
-is a process of its own, so that its memory and its periods are those of a planner.
+By hand, with the figures as JSON: ``python -m tests.planner.web.operation --seconds 600 [--robot panda] [--alone]``. The
+planner is a process of its own, so that its memory and its periods are those of a planner.
 """
 
 from __future__ import annotations
@@ -248,8 +248,8 @@ def change(browser: Browser, generator: np.random.Generator, end: float) -> dict
     }
 
 
-def operate(seconds: float, *, robot: str = "planar", seed: int = 0) -> dict[str, Any]:
-    """Operate a planner from two browsers, and give what was measured."""
+def operate(seconds: float, *, robot: str = "planar", seed: int = 0, alone: bool = False) -> dict[str, Any]:
+    """Operate a planner from two browsers, or from the one that guides alone, and give what was measured."""
     command = [sys.executable, "-m", "tests.planner.web.operation", "--serve", "--robot", robot]
     path = os.pathsep.join([str(ROOT), str(ROOT / "formulations"), *filter(None, sys.path)])
     pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
@@ -270,7 +270,7 @@ def operate(seconds: float, *, robot: str = "planar", seed: int = 0) -> dict[str
             except BaseException as error:
                 failed.append(error)
 
-        threads = [threading.Thread(target=work, args=each) for each in ((guide, 1), (change, 2))]
+        threads = [threading.Thread(target=work, args=each) for each in ((guide, 1), (change, 2))[: 1 if alone else 2]]
         for thread in threads:
             thread.start()
         for thread in threads:
@@ -294,8 +294,9 @@ if __name__ == "__main__":
     parser.add_argument("--robot", default="planar")
     parser.add_argument("--seconds", type=float, default=30.0)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--alone", action="store_true", help="without the one who changes things")
     given = parser.parse_args()
     if given.serve:
         serve(given.robot, given.seconds)
     else:
-        print(json.dumps(operate(given.seconds, robot=given.robot, seed=given.seed), indent=1))
+        print(json.dumps(operate(given.seconds, robot=given.robot, seed=given.seed, alone=given.alone), indent=1))
