@@ -65,8 +65,11 @@ class CompileAhead:
         self.compiles = steps is not None
         self._spent: defaultdict[str, float] = defaultdict(float)
         self._begun: set[str] = set()
+        self._awaited: set[str] = set()
         self._ready: queue.SimpleQueue[tuple[str, FusedStep | None]] = queue.SimpleQueue()
         self.waiting = 0
+        if self.compiles:
+            _living.add(self)
 
     def spend(self, name: str, seconds: float) -> None:
         """Note that a step has run for so long; it is compiled where that pays."""
@@ -83,6 +86,7 @@ class CompileAhead:
         for name in self._steps.built:
             if name not in self._begun:
                 self._begun.add(name)
+                self._awaited.add(name)
                 self.waiting += 1
                 _begin(weakref.ref(self._steps), name, self._ready)
 
@@ -92,6 +96,7 @@ class CompileAhead:
         while not self._ready.empty():
             name, fused = self._ready.get()
             self.waiting -= 1
+            self._awaited.discard(name)
             if fused is not None and self._steps is not None:
                 self._steps.adopt(name, fused)
                 self._adopted(name)
@@ -101,12 +106,24 @@ class CompileAhead:
         """Whether nothing will change for the step with this name any more."""
         return name in self._begun and not self.waiting
 
+    def forked(self) -> None:
+        """Forget, in a fork of the process, what the process compiles: it is compiled once more where that pays."""
+        self._begun -= self._awaited
+        self._awaited.clear()
+        self._ready, self.waiting = queue.SimpleQueue(), 0
+
 
 _jobs: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
 _using_casadi = threading.Lock()
-_worker: list[tuple[int, threading.Thread]] = []
+_worker: list[threading.Thread] = []
 _runs = CompilerRuns()
 _closing = threading.Event()
+_living: weakref.WeakSet[CompileAhead] = weakref.WeakSet()
+_told: set[str] = set()
+_forking: list[bool] = []
+
+LONGEST = 5.0
+"""How long a fork, or the end of the interpreter, waits for the thread to leave CasADi [s]."""
 
 
 def _library(function: Function, beside: str, archive: Archive | None) -> Library:
@@ -125,16 +142,25 @@ def _begin(steps: weakref.ref[Steps], name: str, ready: queue.SimpleQueue[tuple[
         try:
             if _has_compiler():
                 fused = held.in_c(name, _library, _using_casadi)
-        except CompilerError as error:
-            if not _closing.is_set():
-                _logger.warning("the step goes on without generated C: %s", error)
+        except Exception as error:  # whatever it is, the step goes on, and so does the thread
+            _tell(error)
         ready.put((name, fused))
 
     _jobs.put(compile_step)
-    if not _worker or _worker[-1][0] != os.getpid():  # a fork has no threads
+    if not _worker:
         thread = threading.Thread(target=_work, name="jtik compiler", daemon=True)
-        _worker.append((os.getpid(), thread))
+        _worker.append(thread)
         thread.start()
+
+
+def _tell(error: Exception) -> None:
+    """Warn that there is no generated C; once of a command, not for each step of each solver."""
+    if _closing.is_set():
+        return
+    what = error.command if isinstance(error, CompilerError) else repr(error)
+    level = logging.INFO if what in _told else logging.WARNING
+    _told.add(what)
+    _logger.log(level, "the step goes on without generated C: %s", error if isinstance(error, CompilerError) else what)
 
 
 @cache
@@ -149,15 +175,38 @@ def _has_compiler() -> bool:
 
 
 def _work() -> None:
+    jobs = _jobs
     while True:
-        _jobs.get()()
+        jobs.get()()
 
 
 def _stop() -> None:
     """End the compiler, and the interpreter only when the thread is not in CasADi, which is about to be unloaded."""
     _closing.set()
     _runs.end()
-    _using_casadi.acquire(timeout=5.0)
+    _using_casadi.acquire(timeout=LONGEST)
+
+
+def _before_fork() -> None:
+    """Fork only when the thread is not in CasADi, whose locks a fork would keep for ever."""
+    _forking.append(not _closing.is_set() and _using_casadi.acquire(timeout=LONGEST))
+
+
+def _after_fork_in_parent() -> None:
+    if _forking.pop():
+        _using_casadi.release()
+
+
+def _after_fork_in_child() -> None:
+    """A fork has no thread and no compiler of its own, and leaves those of its parent alone."""
+    global _jobs, _using_casadi, _runs, _closing
+    _jobs, _using_casadi, _runs, _closing = queue.SimpleQueue(), threading.Lock(), CompilerRuns(), threading.Event()
+    _worker.clear()
+    _forking.clear()
+    for ahead in list(_living):
+        ahead.forked()
 
 
 atexit.register(_stop)
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(before=_before_fork, after_in_parent=_after_fork_in_parent, after_in_child=_after_fork_in_child)

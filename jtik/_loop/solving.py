@@ -77,6 +77,7 @@ class Solving:
         self._memory, self._targets, self._ahead = runners.memory, targets, ahead
         self._target = self._memory.inputs.target
         self._options, self._kinds, self._prepared = tuple[Any, ...](), list[type](), tuple[Any, ...]()
+        self._prepared_for = search.native  # a search in C may come meanwhile, by a step, too
         self._search_options = SearchOptions(0, 0, 0)
 
     def solve(self, target: Any, q0: Any, options: Options, trace: bool) -> Solution:
@@ -89,8 +90,8 @@ class Solving:
             raise in_use()
         try:
             exclusive.busy = True
-            if self._ahead.waiting and self._ahead.adopt():
-                self._options = self._prepared = ()  # they are prepared anew for the search in C
+            if self._ahead.waiting:
+                self._ahead.adopt()
             begun = None
             if self._known(options, self._prepared) and not trace:
                 ended = self._solve_native(target, q0, begin)
@@ -281,8 +282,9 @@ class Solving:
 
     def _read_options(self, options: Options) -> SearchOptions:
         """The options of a search; the tolerances are written to the step's memory. Both only when they change."""
-        if not self._known(options, self._options):
-            self._options = self._prepared = ()
+        native = self._search.native
+        if not self._known(options, self._options) or native is not self._prepared_for:
+            self._options, self._prepared, self._prepared_for = (), (), native
             self._search_options = read_search_options(*options[:5])
             self._memory.inputs.settings[:] = read_settings(*options[5:])
             self._options, self._kinds = options, [*map(type, options)]

@@ -169,10 +169,17 @@ class Stepping:
 
     def _first(self) -> Runner:
         self._untimed = self._runners.step
+        self._watch()
         return self._untimed
 
     def _first_timed(self) -> tuple[Runner, StepBox]:
         runner, box = self._timed = self._runners.timed_step
         if box.ahead:
             self._momentum = [state[runner.fused.state.slices["momentum"]] for state in runner.state]
+        self._watch()
         return self._timed
+
+    def _watch(self) -> None:
+        """Let a step that is built now be compiled, too, also where the other one has settled."""
+        if self._ahead.compiles:
+            self.call = self._step_ahead

@@ -155,7 +155,8 @@ class StepBox:
 
     def displacement(self, q: Array) -> Array:
         """The displacement from where the step begins to ``q`` (nq,), (n,)."""
-        return q - self._q if self._vector else self._robot.difference(self._q, q)
+        with np.errstate(invalid="ignore"):  # an infinite q, which is refused after the step
+            return q - self._q if self._vector else self._robot.difference(self._q, q)
 
     def braked(self) -> Array:
         """The configuration of the box closest to q, (nq,): the strongest braking."""

@@ -11,7 +11,6 @@ import subprocess
 import sys
 import threading
 from contextlib import suppress
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -86,21 +85,22 @@ def compiler() -> tuple[str, ...]:
     raise CompilerError("compiled=True", "no C compiler found; install one, or: pip install ziglang")
 
 
-def version(command: tuple[str, ...]) -> str:
+def version(command: tuple[str, ...], runs: CompilerRuns | None = None) -> str:
     """What the compiler prints about its version, once a process; empty where it cannot be run.
 
     Args:
         command: the command of the compiler, as `compiler` returns it.
+        runs: runs it, and can end it.
     """
-    try:
-        return _version(command)
-    except CompilerError:  # compiling tells more
-        return ""
+    if command not in _versions:
+        try:
+            _versions[command] = _run([*command, "--version"], runs=runs)
+        except CompilerError:  # compiling tells more
+            return ""
+    return _versions[command]
 
 
-@lru_cache(maxsize=8)
-def _version(command: tuple[str, ...]) -> str:
-    return _run([*command, "--version"])
+_versions: dict[tuple[str, ...], str] = {}
 
 
 def options(command: tuple[str, ...]) -> tuple[str, ...]:

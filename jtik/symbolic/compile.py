@@ -134,7 +134,7 @@ def library(
         source = c_source(function) + beside
     machine = (sys.platform, platform.machine(), sys.maxsize, sys.modules["jtik"].__version__)
     linked = archive and hashlib.sha256(archive.file.read_bytes()).hexdigest()
-    depends = repr((command, options(command), version(command), machine, source, linked))
+    depends = repr((command, options(command), version(command, runs), machine, source, linked))
     name = "jtik_" + hashlib.sha256(depends.encode()).hexdigest()[:32]
 
     def build(scratch: Path) -> Path:

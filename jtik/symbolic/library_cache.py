@@ -167,8 +167,19 @@ def _is_intact(path: Path) -> bool:
 
 @contextmanager
 def _scratch(kept: Path) -> Iterator[Path]:
-    with tempfile.TemporaryDirectory(prefix=SCRATCH, dir=kept, ignore_cleanup_errors=True) as made:
-        yield Path(made)
+    """An empty folder, which is deleted at the end, also that of the process, but not by a fork of it."""
+    made, process = Path(tempfile.mkdtemp(prefix=SCRATCH, dir=kept)), os.getpid()
+
+    def delete() -> None:
+        if os.getpid() == process:
+            shutil.rmtree(made, ignore_errors=True)
+
+    atexit.register(delete)
+    try:
+        yield made
+    finally:
+        atexit.unregister(delete)
+        delete()
 
 
 def _touch(path: Path) -> None:

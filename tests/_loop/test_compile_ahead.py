@@ -41,6 +41,11 @@ def cache(tmp_path, monkeypatch):
     when(lambda: done or not compile_ahead._worker)
 
 
+@pytest.fixture(autouse=True)
+def untold():
+    compile_ahead._told.clear()
+
+
 @pytest.fixture
 def eager(monkeypatch):
     """A step pays for its compilation at its first call."""
@@ -259,6 +264,60 @@ def test_what_compiled_may_be(wrong):
         solver(compiled=wrong)
 
 
+def test_an_error_that_is_no_compilers_ends_neither_the_thread_nor_the_solver(eager, monkeypatch, caplog):
+    def broken(*_):
+        raise OSError("no room for a folder")
+
+    goal = targets(1)[0]
+    with monkeypatch.context() as patch:
+        patch.setattr("jtik._loop.runners.Runners.in_c", broken)
+        ik = solver()
+        expected = ik.solve(goal, q0=ik.robot.neutral)
+        when(lambda: not ik._engine._ahead._ready.empty())
+        assert ik.solve(goal, q0=ik.robot.neutral).q.tolist() == expected.q.tolist()
+        assert not ik._engine._ahead.waiting
+    assert "no room for a folder" in caplog.text
+    compiled_by(other := solver(), lambda: other.solve(goal, q0=ik.robot.neutral))
+
+
+def test_the_same_reason_is_one_warning(eager, monkeypatch, caplog):
+    monkeypatch.setenv("CC", "/nowhere/to/be/found")
+    goal = targets(1)[0]
+    for ik in (solver(), solver()):
+        ik.step(ik.robot.neutral, goal, dt=0.01)
+        ik.solve(goal, q0=ik.robot.neutral)
+        when(lambda ik=ik: ik._engine._ahead._ready.qsize() == ik._engine._ahead.waiting)
+    assert [record.levelno for record in caplog.records] == [logging.WARNING]
+
+
+def test_a_timed_step_that_begins_after_the_other_has_settled_is_compiled_too(eager):
+    ik, goal = solver(), targets(1)[0]
+    q = ik.robot.neutral
+
+    def settled():
+        ik.step(q, goal)
+        return ik._stepping.call == ik._stepping.step
+
+    when(settled)
+
+    def in_c():
+        ik.step(q, goal, dt=0.01)
+        return ik._engine.runners.timed_step[0].fused.library is not None
+
+    when(in_c)
+    ik.step(q, goal, dt=0.01)
+    assert ik._stepping.call == ik._stepping.step
+
+
+def test_a_solve_is_prepared_where_a_step_has_changed_over(eager):
+    ik, goal = solver(), targets(1)[0]
+    q = ik.robot.neutral
+    ik.solve(goal, q0=q)
+    compiled_by(ik, lambda: ik.step(q, goal))
+    ik.solve(goal, q0=q)
+    assert ik._solving._prepared
+
+
 PROGRAM = """
 import jtik, sys
 from jtik._loop import compile_ahead
@@ -277,3 +336,50 @@ def test_a_process_that_ends_meanwhile_ends_well(delay):
     run = subprocess.run([sys.executable, "-c", PROGRAM, delay], capture_output=True, text=True, env={**os.environ})
     assert (run.returncode, run.stdout.strip(), run.stderr) == (0, "end", "")
     assert time.monotonic() - begin < PATIENCE
+
+
+FORK = """
+import jtik, os, sys, time
+from jtik._loop import compile_ahead
+compile_ahead.PAYS = 0.0
+ik = jtik.InverseKinematics(jtik.Robot.planar(6), jtik.FrameTask("tip"), strategy="weighted_qp", compiled="auto")
+
+def compiled(what):
+    end = time.monotonic() + 60
+    while ik._engine.search.native is None and time.monotonic() < end:
+        ik.solve([2.0, 3.0], q0=[0.1] * 6)
+        time.sleep(0.01)
+    print(what, ik._engine.search.native is not None, flush=True)
+
+ik.solve([2.0, 3.0], q0=[0.1] * 6)
+time.sleep(float(sys.argv[1]))
+child = os.fork()
+if not child:
+    compiled("child")
+    sys.exit()  # with all that a process does at its end
+os.waitpid(child, 0)
+compiled("parent")
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+@pytest.mark.parametrize("delay", ["0", *slow("0.05", "0.3")])
+def test_a_fork_compiles_by_itself_and_leaves_what_its_parent_compiles(delay):
+    run = subprocess.run([sys.executable, "-c", FORK, delay], capture_output=True, text=True, env={**os.environ})
+    assert (run.returncode, run.stdout.split(), run.stderr) == (0, ["child", "True", "parent", "True"], "")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="the compiler is a shell script")
+def test_a_compiler_that_does_not_tell_its_version_ends_with_the_process(tmp_path):
+    hanging, pid = tmp_path / "cc", tmp_path / "pid"
+    hanging.write_text(f"#!/bin/sh\necho $$ > {pid}\nexec sleep 100\n")
+    hanging.chmod(0o700)
+    run = subprocess.run(
+        [sys.executable, "-c", PROGRAM.replace('print("end")', ""), "2"],
+        env={**os.environ, "CC": str(hanging)},
+        timeout=PATIENCE,
+        check=True,
+    )
+    assert run.returncode == 0
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(pid.read_text()), 0)

@@ -92,3 +92,14 @@ class TestStep:
             after = ik.step(q, target)
             assert after.q.tolist() == fresh.q.tolist()
             assert after.done == fresh.done
+
+
+@pytest.mark.parametrize("wrong", [np.inf, -np.inf, np.nan])
+def test_a_wrong_q_of_a_step_that_brakes_is_told_by_an_error_alone(wrong):
+    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask("tip"), limits=jtik.Limits(acceleration=10.0))
+    q = np.full(3, 0.2)
+    expected = ik.step(q, [1.0, 1.0], dt=0.01).q
+    ik.reset()
+    with pytest.raises(jtik.ArgumentError, match="q"):
+        ik.step(np.full(3, wrong), [1.0, 1.0], dt=0.01)
+    assert ik.step(q, [1.0, 1.0], dt=0.01).q.tolist() == expected.tolist()

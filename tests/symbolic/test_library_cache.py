@@ -279,19 +279,19 @@ def test_another_version_of_the_compiler_or_of_jtik_or_another_machine_is_anothe
     import jtik
 
     names = {library(example()).name}
-    monkeypatch.setattr(c_compiler, "_run", lambda call, said=None: "another version")
-    c_compiler._version.cache_clear()
+    monkeypatch.setattr(c_compiler, "_run", lambda call, **_: "another version")
+    c_compiler._versions.clear()
     monkeypatch.setattr("jtik.symbolic.library_cache.find_or_build", lambda key, build: names.add(key) or 1 / 0)
     with pytest.raises(ZeroDivisionError):
         library(example())
-    c_compiler._version.cache_clear()
+    c_compiler._versions.clear()
     monkeypatch.setattr(jtik, "__version__", "99")
     with pytest.raises(ZeroDivisionError):
         library(example())
     monkeypatch.setattr("platform.machine", lambda: "another")
     with pytest.raises(ZeroDivisionError):
         library(example())
-    c_compiler._version.cache_clear()
+    c_compiler._versions.clear()
     assert len(names) == 4
 
 
