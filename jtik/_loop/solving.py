@@ -113,9 +113,8 @@ class Solving:
             solution = self._solution(found, target, options, begin, jump)
             if recorder:
                 solution.__dict__["trace"] = recorder.trace(found.q, self._error)
-            if found.alternatives:
-                others = [self._solution(other, target, options, begin, jump) for other in found.alternatives]
-                solution.__dict__["alternatives"] = tuple(others)
+            others = [self._solution(other, target, options, begin, jump) for other in found.alternatives]
+            solution.__dict__["alternatives"] = tuple(others)
             return solution
         finally:
             exclusive.busy = False
@@ -282,9 +281,8 @@ class Solving:
 
     def _read_options(self, options: Options) -> SearchOptions:
         """The options of a search; the tolerances are written to the step's memory. Both only when they change."""
-        native = self._search.native
-        if not self._known(options, self._options) or native is not self._prepared_for:
-            self._options, self._prepared, self._prepared_for = (), (), native
+        if not self._known(options, self._options) or self._search.native is not self._prepared_for:
+            self._options, self._prepared, self._prepared_for = (), (), self._search.native
             self._search_options = read_search_options(*options[:5])
             self._memory.inputs.settings[:] = read_settings(*options[5:])
             self._options, self._kinds = options, [*map(type, options)]

@@ -1,7 +1,7 @@
 """Two operators at the same planner, each in a browser of its own: one guides the target, the other one changes things.
 
-By hand, with the figures as JSON: ``python -m tests.planner.web.operation --seconds 600 [--robot panda] [--alone]``. The
-planner is a process of its own, so that its memory and its periods are those of a planner.
+By hand, with the figures as JSON: ``python -m tests.planner.web.operation --seconds 600 [--robot panda] [--alone]``.
+The planner is a process of its own, so that its memory and its periods are those of a planner.
 """
 
 from __future__ import annotations
