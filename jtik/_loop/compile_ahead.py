@@ -165,11 +165,12 @@ def _tell(error: Exception) -> None:
 
 @cache
 def _has_compiler() -> bool:
-    """Whether there is a C compiler; the first time that there is none it is told."""
+    """Whether there is a C compiler; the first time that there is none it is told, and warned of where CC is wrong."""
     try:
         compiler()
     except CompilerError as error:
-        _logger.info("steps go on without generated C: %s", error)
+        level = logging.WARNING if os.environ.get("CC") else logging.INFO
+        _logger.log(level, "steps go on without generated C: %s", error)
         return False
     return True
 

@@ -77,8 +77,7 @@ class Solving:
         self._memory, self._targets, self._ahead = runners.memory, targets, ahead
         self._target = self._memory.inputs.target
         self._options, self._kinds, self._prepared = tuple[Any, ...](), list[type](), tuple[Any, ...]()
-        self._prepared_for = search.native  # a search in C may come meanwhile, by a step, too
-        self._search_options = SearchOptions(0, 0, 0)
+        self._search_options, self._prepared_for = SearchOptions(0, 0, 0), search.native
 
     def solve(self, target: Any, q0: Any, options: Options, trace: bool) -> Solution:
         """Iterate to the target, as `InverseKinematics.solve` describes it."""
@@ -92,12 +91,10 @@ class Solving:
             exclusive.busy = True
             if self._ahead.waiting:
                 self._ahead.adopt()
-            begun = None
-            if self._known(options, self._prepared) and not trace:
-                ended = self._solve_native(target, q0, begin)
-                if isinstance(ended, Solution):
-                    return ended
-                begun = ended
+            native = self._known(options, self._prepared) and not trace
+            begun = self._solve_native(target, q0, begin) if native else None
+            if isinstance(begun, Solution):
+                return begun
             self._targets.read(target)
             start = self._configurations.start(q0)
             search_options = self._read_options(options)
@@ -280,7 +277,7 @@ class Solving:
         return [*map(type, options)] == self._kinds and options == checked
 
     def _read_options(self, options: Options) -> SearchOptions:
-        """The options of a search; the tolerances are written to the step's memory. Both only when they change."""
+        """The options of a search; tolerances are written to memory. Both when they, or the search in C, are new."""
         if not self._known(options, self._options) or self._search.native is not self._prepared_for:
             self._options, self._prepared, self._prepared_for = (), (), self._search.native
             self._search_options = read_search_options(*options[:5])

@@ -33,8 +33,8 @@ class Limits:
     A joint that starts at rest inside its limits keeps all three, whatever the strategy does. If a start violates one,
     accelerations have priority over velocities, and these over positions; the joint returns to its position limits as
     fast as the others allow. With an acceleration limit, joints decelerate before position limits, but not before
-    targets or clearances: targets should move as the robot can. How well each strategy follows them is measured in
-    formulations/motion.md.
+    clearances; a ``step`` brakes before its target, too, and `track` does not: its targets should move as the robot
+    can. How well each strategy follows them is measured in formulations/motion.md.
 
     Attributes:
         position: whether the robot's position limits apply.

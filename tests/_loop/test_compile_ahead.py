@@ -221,6 +221,19 @@ def test_no_compiler_at_all_is_told_once(eager, monkeypatch, tmp_path, caplog):
     assert [record.levelno for record in told] == [logging.INFO]
 
 
+def test_a_compiler_that_is_no_command_is_a_warning(eager, monkeypatch, caplog):
+    monkeypatch.setenv("CC", "gcc 'unfinished")
+    compile_ahead._has_compiler.cache_clear()
+    try:
+        ik, goal = solver(), targets(1)[0]
+        ik.solve(goal, q0=ik.robot.neutral)
+        when(lambda: not ik._engine._ahead._ready.empty())
+        assert ik.solve(goal, q0=ik.robot.neutral).converged
+    finally:
+        compile_ahead._has_compiler.cache_clear()
+    assert [record.levelno for record in caplog.records] == [logging.WARNING]
+
+
 def test_a_solver_that_is_gone_is_not_compiled():
     ik = solver()
     steps = weakref.ref(ik._engine.runners)
