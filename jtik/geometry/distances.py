@@ -5,20 +5,20 @@ The derivations of these and of the other shapes are in formulations/distances.m
 
 from __future__ import annotations
 
-from jtik.geometry.centers import CENTER, beside
+from jtik.geometry.centers import CENTER
 from jtik.geometry.segments import segment_to_segment
 from jtik.symbolic import TINY, Expression, dot, fabs, fmax, fmin, sqrt, sumsqr
 
 
 def point_to_ball(point: Expression, center: Expression, radius: Expression) -> Expression:
-    """Signed distance [m] from a point to the surface of a ball; negative inside, with a gradient at the centre too.
+    """Signed distance [m] from a point to the surface of a ball; negative inside, with the gradient 0 at the centre.
 
     Args:
         point: the point (d, 1) [m].
         center: centre of the ball (d, 1) [m].
         radius: its radius [m].
     """
-    return sqrt(sumsqr(point - beside(center)) + CENTER**2) - radius
+    return sqrt(sumsqr(point - center) + CENTER**2) - radius
 
 
 def segment_to_ball(start: Expression, end: Expression, center: Expression, radius: Expression) -> Expression:

@@ -182,7 +182,7 @@ def test_derivatives_of_a_segment_whose_middle_is_on_the_axis_of_a_cylinder_are_
 @pytest.mark.parametrize(("kind", "dimension"), [each for each in EVERY if each[0] not in ("half_space", "polygon")])
 @pytest.mark.parametrize("size", [1, 2])
 def test_at_its_very_centre_an_obstacle_can_be_left(kind, dimension, size, rng):
-    """A point at the centre, or a segment through it: a gradient that leads out, and a Hessian of moderate size."""
+    """A point at the centre, or a segment through it: finite derivatives; from a box or cylinder they lead out."""
     for _ in range(20):
         obstacle = random_obstacle(kind, dimension, rng)
         ends = (obstacle.start, obstacle.end) if hasattr(obstacle, "start") else (obstacle.center, obstacle.center)
@@ -192,7 +192,7 @@ def test_at_its_very_centre_an_obstacle_can_be_left(kind, dimension, size, rng):
         d, gradient = distance(obstacle, *body)
         assert np.isfinite(d)
         assert np.isfinite(gradient).all()
-        if size == 1 or kind != "capsule":  # in space segments cross at single configurations
+        if kind not in ("ball", "capsule"):  # where the way out is as long in every direction
             assert np.linalg.norm(gradient) > 1e-3
         h = hessian(obstacle, *body)
         assert np.isfinite(h).all()
