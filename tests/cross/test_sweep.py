@@ -373,14 +373,19 @@ def flatness(J, e, at):
 
 
 def is_flat(relative_gradient, arm, q, target):
-    """Whether the error cannot decrease to first order, or within 1 rad by 0.2 % where the gradient nearly vanishes."""
+    """Whether the error cannot decrease: to first order; or by 0.2 % within 1 rad, where the gradient nearly vanishes.
+
+    Joints at a limit that the error pushes outward stay where they are, as to first order.
+    """
     if relative_gradient <= FLAT:
         return True
     if relative_gradient > NEARLY_FLAT:
         return False
-    box = np.maximum(arm.robot.lower, q - 1) - 1e-12, np.minimum(arm.robot.upper, q + 1) + 1e-12
+    e = error_of(arm, q, target)
+    reach = np.where(limits_at(arm.robot, q) * (arm.jacobian(q).T @ e) < 0, 0.0, 1.0)
+    box = np.maximum(arm.robot.lower, q - reach) - 1e-12, np.minimum(arm.robot.upper, q + reach) + 1e-12
     best = least_squares(lambda at: error_of(arm, at, target), np.clip(q, *box), bounds=box, xtol=1e-12, ftol=1e-12)
-    return best.cost >= (1 - 2e-3) * 0.5 * np.sum(error_of(arm, q, target) ** 2)
+    return best.cost >= (1 - 2e-3) * 0.5 * np.sum(e**2)
 
 
 def violations(case, arm, problem, solution, gradient_of):
