@@ -119,7 +119,7 @@ _worker: list[threading.Thread] = []
 _runs = CompilerRuns()
 _closing = threading.Event()
 _living: weakref.WeakSet[CompileAhead] = weakref.WeakSet()
-_told: set[str] = set()
+_reported: set[str] = set()
 _forking: list[bool] = []
 
 LONGEST = 5.0
@@ -143,7 +143,7 @@ def _begin(steps: weakref.ref[Steps], name: str, ready: queue.SimpleQueue[tuple[
             if _has_compiler():
                 fused = held.in_c(name, _library, _using_casadi)
         except Exception as error:  # whatever it is, the step goes on, and so does the thread
-            _tell(error)
+            _report(error)
         ready.put((name, fused))
 
     _jobs.put(compile_step)
@@ -153,19 +153,19 @@ def _begin(steps: weakref.ref[Steps], name: str, ready: queue.SimpleQueue[tuple[
         thread.start()
 
 
-def _tell(error: Exception) -> None:
+def _report(error: Exception) -> None:
     """Warn that there is no generated C; once of a command, not for each step of each solver."""
     if _closing.is_set():
         return
     what = error.command if isinstance(error, CompilerError) else repr(error)
-    level = logging.INFO if what in _told else logging.WARNING
-    _told.add(what)
+    level = logging.INFO if what in _reported else logging.WARNING
+    _reported.add(what)
     _logger.log(level, "the step goes on without generated C: %s", error if isinstance(error, CompilerError) else what)
 
 
 @cache
 def _has_compiler() -> bool:
-    """Whether there is a C compiler; the first time that there is none it is told, and warned of where CC is wrong."""
+    """Whether there is a C compiler; the first time that there is none it is logged, as a warning where CC is wrong."""
     try:
         compiler()
     except CompilerError as error:

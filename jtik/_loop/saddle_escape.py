@@ -147,10 +147,10 @@ class SaddleEscape:
         if not np.isfinite(hessian).all():
             return math.inf
         values, vectors = np.linalg.eigh(hessian[np.ix_(free, free)])
-        slopes = np.abs(vectors.T @ gradient[free, 0])
+        components = np.abs(vectors.T @ gradient[free, 0])
         lengths = np.ones(len(values))
-        np.divide(slopes, values, out=lengths, where=values > slopes)
-        return float(lengths @ slopes - lengths**2 @ values / 2)
+        np.divide(components, values, out=lengths, where=values > components)
+        return float(lengths @ components - lengths**2 @ values / 2)
 
     def escape(self, q: Array, inputs: Inputs[Array]) -> bool:
         """Move q away from a saddle point of V.

@@ -58,11 +58,11 @@ def witness(obstacle: Solid, *points: Any, radius: float = 0.0) -> Witness:
     symbols = [symbol(f"point{i}", size) for i in range(len(ends))]
     rows = [vertcat(*np.ravel(each).tolist()) for each in kind.numbers(obstacle)]
     distance = kind.distances(*rows).of(*symbols)
-    slopes = [gradient(distance, each) for each in symbols]
-    normal = sum(slopes[1:], start=slopes[0])
+    gradients = [gradient(distance, each) for each in symbols]
+    normal = sum(gradients[1:], start=gradients[0])
     place = symbols[0]
     if len(symbols) == 2:
-        place = place + ratio(dot(slopes[1], normal), dot(normal, normal)) * (symbols[1] - symbols[0])
+        place = place + ratio(dot(gradients[1], normal), dot(normal, normal)) * (symbols[1] - symbols[0])
     outputs = [distance - thickness, place - thickness * normal, place - distance * normal, normal]
     found = function("witness", symbols, outputs)(*ends)
     if any(is_symbolic(each) for each in ends):

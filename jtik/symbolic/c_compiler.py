@@ -95,7 +95,7 @@ def version(command: tuple[str, ...], runs: CompilerRuns | None = None) -> str:
     if command not in _versions:
         try:
             _versions[command] = _run([*command, "--version"], runs=runs)
-        except CompilerError:  # compiling tells more
+        except CompilerError:  # compiling reports more
             return ""
     return _versions[command]
 

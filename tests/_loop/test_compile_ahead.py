@@ -43,7 +43,7 @@ def cache(tmp_path, monkeypatch):
 
 @pytest.fixture(autouse=True)
 def untold():
-    compile_ahead._told.clear()
+    compile_ahead._reported.clear()
 
 
 @pytest.fixture

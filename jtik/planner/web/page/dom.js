@@ -102,7 +102,7 @@ export function slider(label, { min, max, step = (max - min) / 400, unit = "", c
 }
 
 // A labelled slider over decades, 10^low to 10^high, with a number field that takes more; with `zero` its left end is 0.
-// With `live` a change is told while the slider moves, else when it is let go.
+// With `live` a change is sent while the slider moves, else when it is let go.
 export function logField(label, { name, low, high, zero = false, live = true, change }) {
   const toValue = (share) => (zero && share <= low ? 0 : Number((10 ** share).toPrecision(2)));
   const input = el("input", { type: "range", min: low, max: high, step: 0.05, "aria-label": name });
