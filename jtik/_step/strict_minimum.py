@@ -13,6 +13,7 @@ from jtik.constraints.limits import AT_LIMIT
 from jtik.result.second_order import FLAT
 from jtik.strategy.curvature import lagrangian_hessian
 from jtik.symbolic import (
+    LDL,
     Expression,
     Function,
     diag,
@@ -20,7 +21,6 @@ from jtik.symbolic import (
     function,
     gram,
     identity,
-    ldl_pivots,
     logic_and,
     logic_not,
     logic_or,
@@ -64,9 +64,7 @@ def strict_minimum(problem: SymbolicProblem) -> Function:
     inside = diag(free)
     M = inside @ (ratio(1, norm(vec(W))) * W) @ inside + ratio(PENALTY, squared_length(J_free)) * gram(J_free)
     M = M + identity(n) - inside - FLAT * identity(n)
-    pivots = ldl_pivots(M)
-    for j in range(n):
-        holds = logic_and(holds, pivots[j] > 0)
+    holds = logic_and(holds, LDL.of(M).positive_definite)
     return function("strict_minimum", [q, *inputs], [holds], cse=False)  # it takes longest
 
 

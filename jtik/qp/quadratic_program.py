@@ -14,12 +14,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from jtik.arguments import flag
 from jtik.errors import ArgumentError
 from jtik.qp.convexity import ZERO_PIVOT, is_convex, smallest_eigenvalue
 from jtik.qp.elastic import Elastic, SlackExpansion
 from jtik.qp.rows import Rows
 from jtik.qp.solution import QPSolution
 from jtik.symbolic import (
+    LDL,
+    SX,
     Expression,
     if_else,
     is_finite,
@@ -28,7 +31,6 @@ from jtik.symbolic import (
     logic_or,
     mmax,
     norm_inf,
-    solve_ldl,
     vertcat,
     zeros,
 )
@@ -40,6 +42,10 @@ CROSSING_TOLERANCE = 1e-9
 
 ROUNDING = 1e-12
 """Largest violation of a row, and of P x + q = 0 relative to 1 + |q|, of an unconstrained minimiser."""
+
+LARGEST_UNROLLED = 225
+"""Entries of P, of 15 variables if it is dense, up to which the unconstrained minimiser is computed: the operations of
+an unrolled factorisation grow with the cube of the variables, and a solver is faster."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +61,7 @@ class QuadraticProgram:
         name: name of the QP, for `InverseKinematics.build` and reports.
         closed_form: for a strategy that knows the solution of ordinary steps: x (n, 1), and 1 where it is the solution,
             else 0. P then is not checked to be convex.
+        known_convex: whether P is positive semidefinite by construction, such as a Gram matrix, and is not checked.
 
     Raises:
         ArgumentError: if shapes do not match, or if P is numeric and not positive semidefinite.
@@ -67,8 +74,10 @@ class QuadraticProgram:
     rows: Sequence[Rows] = ()
     name: str = "qp"
     closed_form: tuple[Expression, Expression] | None = None
+    known_convex: bool = False
 
     def __post_init__(self) -> None:
+        flag("known_convex", self.known_convex)
         if not isinstance(self.name, str):
             raise ArgumentError("name", self.name, "a text")
         n = self.size
@@ -98,7 +107,8 @@ class QuadraticProgram:
     @cached_property
     def convex(self) -> Expression:
         """1 where P is positive semidefinite, else 0, where a stationary point need not be a minimum."""
-        return 1 if self.closed_form else is_convex(self.P)  # a strategy with a closed form guarantees that P is convex
+        known = self.known_convex or self.closed_form  # a strategy with a closed form guarantees that P is convex
+        return 1 if known else is_convex(self.P)
 
     @cached_property
     def valid(self) -> Expression:
@@ -162,6 +172,11 @@ class QuadraticProgram:
             C, low, high = zeros(0, self.size), zeros(0), zeros(0)
         return [self.P, self.q, C, low, high, self.lower, self.upper]
 
+    @property
+    def has_fast_path(self) -> bool:
+        """Whether a solution without a solver is tried."""
+        return self.closed_form is not None or SX(self.P).nnz() <= LARGEST_UNROLLED
+
     def solution_without_solver(self) -> tuple[Expression, Expression]:
         """The closed-form solution, or else the unconstrained minimiser, and whether it solves the QP.
 
@@ -171,6 +186,8 @@ class QuadraticProgram:
         Returns:
             x (n, 1), NaN for invalid bounds, rows or linear cost; 1 where no solver has to be called, else 0.
         """
+        if not self.has_fast_path:
+            return zeros(self.size), logic_not(self._bounds_valid)
         x, solves = self.closed_form or self._unconstrained_minimiser()
         return if_else(self._bounds_valid, x, math.nan), logic_or(solves, logic_not(self._bounds_valid))
 
@@ -192,16 +209,17 @@ class QuadraticProgram:
             rows.append(Rows(group.name, C[own, :], low[own], high[own], elastic, group.exact))
             start = own.stop
         known = (zeros(self.size), zeros(1)) if self.closed_form else None
-        return QuadraticProgram(P, q, lower, upper, rows, self.name, known)
+        return QuadraticProgram(P, q, lower, upper, rows, self.name, known, self.known_convex)
 
     def _unconstrained_minimiser(self) -> tuple[Expression, Expression]:
         """-P^-1 q, and 1 where it satisfies rows and box, else 0."""
         P, q, C, low, high, lower, upper = self.data()
-        x = -solve_ldl(P, q)
+        factor = LDL.of(P)
+        x = -factor.solve(q)
         inside = logic_and(mmax(lower - x) <= 0, mmax(x - upper) <= 0)
         if self.row_count:
             Cx = C @ x
             satisfied = logic_and(mmax(low - Cx) <= ROUNDING, mmax(Cx - high) <= ROUNDING)
             inside = logic_and(inside, satisfied)
         stationary = norm_inf(P @ x + q) <= ROUNDING * (1 + norm_inf(q))
-        return x, logic_and(logic_and(inside, logic_and(stationary, self.convex)), is_finite(x))
+        return x, logic_and(logic_and(inside, logic_and(stationary, factor.positive_definite)), is_finite(x))

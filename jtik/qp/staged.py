@@ -247,6 +247,7 @@ def staged(
     stages, data = partitioned(names, known, [*wanted, outputs], deferred)
     prepared = tuple(PreparationCall.of(each, at) for each in recorder.preparations)
     parts = Staged(model, tuple(stages), tuple(data), tuple(calls), backend, prepared)
+    fast_path = fast_path and all(qp.has_fast_path for qp, _ in recorder.solutions())
     return replace(parts, fast_path=_fast_path(parts)) if fast_path and parts.fusible and not prepared else parts
 
 

@@ -187,6 +187,7 @@ def feasibility_restoration(
         upper=upper,
         rows=[Rows("clearance", C, floor, inf + 0 * floor)],
         name="restoration",
+        known_convex=True,
     )
 
     def results(solution: QPSolution) -> list[Expression]:

@@ -6,8 +6,8 @@ The operations are those that a criterion, a strategy or a task is made of:
 - elementwise: `sin`, `cos`, `atan2`, `sqrt`, `log`, `exp`, `fabs`, `floor`, `fmax`, `fmin`
 - conditions: `if_else`, `logic_and`, `logic_or`, `logic_not`, `is_finite`
 - vectors and matrices: `vertcat`, `horzcat`, `stack`, `reshape`, `vec`, `densify`, `diag`, `trace`, `skew`, `dot`,
-  `cross`, `gram`, `sum1`, `sumsqr`, `norm`, `norm_inf`, `mmax`, `mmin`, `ratio`, `solve_ldl`,
-  `ldl_pivots`
+  `cross`, `gram`, `sum1`, `sumsqr`, `norm`, `norm_inf`, `mmax`, `mmin`, `ratio`
+- symmetric matrices: `LDL`, `solve_ldl`
 - derivatives: `gradient`, `jacobian`, `hessian`
 - a value without its derivative: `without_derivative`
 - inspection: `symvar`, `substitute`, `is_equal`; `once_for_each`
@@ -20,6 +20,7 @@ The operations are those that a criterion, a strategy or a task is made of:
 `jtik.symbolic.rotation` has the logarithm of a rotation matrix, `jtik.symbolic.compile` compiled functions.
 """
 
+from jtik.symbolic.ldl import LDL, solve_ldl
 from jtik.symbolic.operations import (
     LARGEST,
     MX,
@@ -60,7 +61,6 @@ from jtik.symbolic.operations import (
     is_finite,
     is_symbolic,
     jacobian,
-    ldl_pivots,
     log,
     logic_and,
     logic_not,
@@ -77,7 +77,6 @@ from jtik.symbolic.operations import (
     sin,
     skew,
     smooth_numpy_norm,
-    solve_ldl,
     sqrt,
     stack,
     substitute,
@@ -94,6 +93,7 @@ from jtik.symbolic.operations import (
 
 __all__ = [
     "LARGEST",
+    "LDL",
     "MX",
     "OP_CALL",
     "OP_CONST",
@@ -132,7 +132,6 @@ __all__ = [
     "is_finite",
     "is_symbolic",
     "jacobian",
-    "ldl_pivots",
     "log",
     "logic_and",
     "logic_not",

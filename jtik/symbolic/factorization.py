@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import inf
 
+from jtik.symbolic.ldl import solve_ldl
 from jtik.symbolic.operations import (
     TINY,
     Expression,
@@ -29,7 +30,6 @@ from jtik.symbolic.operations import (
     identity,
     if_else,
     ratio,
-    solve_ldl,
     sqrt,
     sumsqr,
     trace,

@@ -129,17 +129,6 @@ def numbers(matrix: Expression) -> NDArray[np.float64] | None:
     return np.array(casadi.DM(SX(matrix)).full())
 
 
-def solve_ldl(A: Expression, b: Expression) -> Expression:
-    """``A^-1 b`` of a symmetric positive definite ``A`` by A = L D L', unrolled and without pivots."""
-    D, upper, order = casadi.ldl(A, False)
-    return casadi.ldl_solve(b, D, upper, order)
-
-
-def ldl_pivots(A: Expression) -> Expression:
-    """The diagonal D of a symmetric ``A`` = L D L', (n, 1): all positive exactly where A is positive definite."""
-    return casadi.ldl(A, False)[0].T
-
-
 def conic(name: str, plugin: str, n: int, rows: int, options: Mapping[str, Any]) -> Function:
     """(P, q, C, l, u, lb, ub) -> (x, row multipliers, box multipliers) by a conic plugin, for dense data.
 

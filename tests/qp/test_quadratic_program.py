@@ -10,7 +10,7 @@ import qpsolvers
 import jtik
 from jtik.qp import PersistentOSQP, QPRecorder, QPSolversBackend, QuadraticProgram, Rows
 from jtik.strategy import Strategy, Update
-from jtik.symbolic import function
+from jtik.symbolic import function, gram
 from jtik_formulations import JointCentering
 
 from ..conftest import planar
@@ -43,6 +43,7 @@ def test_groups_of_rows_are_stacked_and_found_by_name():
     [
         ({"P": casadi.SX.eye(2)}, "P"),
         ({"lower": casadi.SX([0.0])}, "lower"),
+        ({"known_convex": 1}, "known_convex"),
         ({"rows": [Rows.equal("tight", casadi.SX.ones(1, 2), casadi.SX([0]))]}, "tight"),
     ],
 )
@@ -96,6 +97,27 @@ def test_an_infeasible_qp_ends_a_solve_with_a_status(solver):
     assert not ik.step([0.1, 0.2, 0.3], [1.0, 1.0]).accepted
 
 
+class Saddle(Strategy):
+    """A third-party strategy whose P is not convex."""
+
+    def uses_qp(self, has_criterion):
+        return True
+
+    def update(self, model, state):
+        n = model.robot.n
+        box = [casadi.SX([side * 2.0] * n) for side in (-1, 1)]
+        P = gram(model.J) - 0.1 * casadi.SX.eye(n)
+        return Update(model.solve(QuadraticProgram(P, model.J.T @ model.here.residual, *box)).x)
+
+
+@pytest.mark.parametrize("n", [3, 16])
+def test_a_qp_that_is_not_convex_has_no_solution(n):
+    ik = jtik.InverseKinematics(planar(n), jtik.FrameTask(), strategy=Saddle())
+    solution = ik.solve([1.0, 1.0], q0=np.full(n, 0.1))
+    assert solution.status is jtik.Status.UNSOLVED
+    assert solution.q.tolist() == [0.1] * n
+
+
 class TwoQPs(Strategy):
     """First the shortest step, then the one closest to (1, 1, 1, 1) among those with the same task motion."""
 
@@ -146,6 +168,22 @@ class TestSolutionWithoutSolver:
 
     def test_singular(self):
         assert not self.of(np.diag([1.0, 0.0]), [0.0, 1.0], [-1, -1], [1, 1])[1]
+
+    def test_not_convex(self):
+        pivot = casadi.SX.sym("pivot")
+        P = casadi.diag(casadi.vertcat(1, pivot))
+        found = QuadraticProgram(P, *map(casadi.SX, ([0.1, 0.1], [-1, -1], [1, 1]))).solution_without_solver()[1]
+        solves = function("solves", [pivot], [found])
+        assert [float(solves(each)) for each in (2.0, -2.0)] == [1, 0]
+
+    @pytest.mark.parametrize(("n", "tried"), [(15, True), (16, False)])
+    def test_it_is_tried_where_its_factorisation_is_cheap(self, n, tried, rng):
+        A = rng.normal(size=(n, n))
+        P, q, bounds = A @ A.T + np.eye(n), rng.normal(size=n), np.full(n, 100.0)
+        x, solves = self.of(P, q, -bounds, bounds)
+        assert solves is tried
+        assert not tried or x == pytest.approx(-np.linalg.solve(P, q), abs=1e-9)
+        assert self.of(casadi.SX.eye(n), q, -bounds, bounds)[1], "the identity has no factorisation to compute"
 
     def test_a_solve_is_the_same_as_with_a_back_end_that_always_solves(self):
         for strategy in ("newton+qp", "weighted_qp"):

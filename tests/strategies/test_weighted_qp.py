@@ -229,3 +229,19 @@ def test_a_straight_arm_is_pulled_inwards(bend):
 def test_options_out_of_range_are_refused(options):
     with pytest.raises(jtik.ArgumentError, match=next(iter(options))):
         WeightedQP(**options)
+
+
+def test_a_step_grows_with_the_square_of_the_joints():
+    """What a quadratic program needs of its data; a factorisation of P written out would need the cube."""
+    counts = []
+    for n in (20, 40):
+        ik = solver(jtik.Robot.planar(n), "weighted_qp", criteria=JointCentering())
+        parts = ik._engine.runners.solve.fused.parts
+        functions = [
+            parts.local,
+            *parts.stages,
+            *parts.data,
+            *(each for call in parts.calls for each in call.functions),
+        ]
+        counts.append(sum(each.n_instructions() for each in functions))
+    assert counts[1] <= 4.2 * counts[0]

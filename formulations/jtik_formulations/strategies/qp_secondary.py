@@ -122,6 +122,7 @@ class QPSecondary(ProjectedGradient):
                 upper=high - task_dq,
                 rows=rows,
                 name="null-space step",
+                known_convex=True,
             )
         )
         dq = is_significant * solution.x

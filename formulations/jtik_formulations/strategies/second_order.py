@@ -151,7 +151,8 @@ class SecondOrder(SecondaryTerm):
         is_significant = significant(norm(wanted), fmax(norm(scaled), norm(model.gradient) / size))
         q = is_significant * fmax(fmin(ratio(scaled, gradient_size), LARGEST_ENTRY), -LARGEST_ENTRY)
         P = (hessian + (stretch - 1) * identity(model.robot.n)) / stretch
-        solution = model.solve(QuadraticProgram(P, q, lower / unit, upper / unit, [fixed], "null-space step"))
+        qp = QuadraticProgram(P, q, lower / unit, upper / unit, [fixed], "null-space step", known_convex=True)
+        solution = model.solve(qp)
         x = moving * fmin(fmax(unit * solution.x, lower), upper)
         longest = ratio(cap, norm(x))
         x = if_else(norm(solution.x) > SHORTEST, if_else(lowest < -NEGATIVE, longest, fmin(1, longest)), 0) * x

@@ -85,7 +85,9 @@ class QPScaling:
         n = q.shape[0]
         if kept.unit_basis.shape[0]:
             rows = [Rows.in_null_space("kept", kept), *rows]
-        qp = QuadraticProgram(identity(n), q, self.lower - start, self.upper - start, rows, name=name)
+        qp = QuadraticProgram(
+            identity(n), q, self.lower - start, self.upper - start, rows, name=name, known_convex=True
+        )
         return fmin(fmax(start + self.solve(qp).x, self.lower), self.upper)
 
 

@@ -133,7 +133,7 @@ class WeightedQP(Programmed):
         box = limited_box(model, self.q_limit)
         rows = [model.restoration.within(*box).rows] if model.clearance else []
         linear = gradient + P @ model.weak_motion if model.accelerated else gradient
-        solution = model.solve(QuadraticProgram(P, linear, *box, rows, "step"))
+        solution = model.solve(QuadraticProgram(P, linear, *box, rows, "step", known_convex=True))
         dq = solution.x
         return Proposal(
             dq=_corrected(model, dq, box) if learns else dq,

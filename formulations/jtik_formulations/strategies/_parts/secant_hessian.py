@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jtik.strategy import LocalModel, Shape, State
-from jtik.symbolic import Expression, dot, fmin, if_else, logic_and, norm, norm_inf, ratio, reshape, vec, vertcat, zeros
+from jtik.symbolic import Expression, dot, fmin, if_else, logic_and, norm, norm_inf, ratio, reshape, vec
 from jtik.types import Array
 
 SAME = 1e-9
@@ -78,24 +78,26 @@ class SecantHessian:
         curvature = dot(s, z)
         learns = logic_and(expected > 0, curvature >= ANGLE * norm(s) * norm(z))
         gained, lost = ratio(learns, curvature), ratio(learns, expected)
-        entries = [B[i, j] + gained * z[i] * z[j] - lost * Bs[i] * Bs[j] for i in range(n) for j in range(i + 1)]
-        return _symmetric(entries, n)
+        return _symmetric(_triangle(B + (gained * z) @ z.T - (lost * Bs) @ Bs.T), n)
 
     def known(self, model: LocalModel, B: Expression) -> State:
         """The entries of the state that belong to q, where B is the estimate."""
-        n = model.robot.n
-        triangle = vertcat(*[B[i, j] for i in range(n) for j in range(i + 1)])
-        return {HESSIAN: triangle, GRADIENT: model.gradient, JACOBIAN: vec(model.J)}
+        return {HESSIAN: _triangle(B), GRADIENT: model.gradient, JACOBIAN: vec(model.J)}
 
     def after(self, model: LocalModel, dq: Expression, accepted: Expression) -> State:
         """The entries of the state that belong to the step ``dq`` (n, 1) from q."""
         return {STEP: if_else(accepted, dq, 0), ARRIVED: model.candidate(dq).q}
 
 
+def _triangle(matrix: Expression) -> Expression:
+    """The lower triangle of a matrix (n, n), row by row."""
+    n = matrix.shape[0]
+    rows, columns = np.tril_indices(n)
+    return vec(matrix)[(rows + n * columns).tolist()]
+
+
 def _symmetric(triangle: Expression, n: int) -> Expression:
     """The symmetric matrix (n, n) with this lower triangle, row by row."""
-    matrix = zeros(n, n)
-    for i in range(n):
-        for j in range(i + 1):
-            matrix[i, j] = matrix[j, i] = triangle[i * (i + 1) // 2 + j]
-    return matrix
+    rows, columns = np.indices((n, n))
+    row, column = np.maximum(rows, columns), np.minimum(rows, columns)
+    return reshape(triangle[(row * (row + 1) // 2 + column).ravel().tolist()], n, n)
