@@ -87,7 +87,7 @@ def test_few_saturated_joints_need_no_solver(m, n, rng):
         if share > 1 - TOLERANCE and np.linalg.matrix_rank(J[:, free]) == m:  # of these the closest to t
             residual = x - t - J.T @ multipliers
             assert np.abs(residual[free]).max() <= TOLERANCE
-            assert (residual[~free] * np.sign(t[~free]) <= TOLERANCE).all()
+            assert (residual[~free] * np.sign(x[~free]) <= TOLERANCE).all()
     assert count > 50
 
 
