@@ -134,6 +134,22 @@ def one_step_call(ik: jtik.InverseKinematics, q: np.ndarray, target: tuple[float
     return repeated(lambda: ik.step(q, goal))
 
 
+def timed_step_call(options: dict[str, bool], distance: float, acceleration: float | None) -> Timer:
+    """``ik.step(dt=0.002)`` of a Panda that rests, towards a pose at this distance [m] along y."""
+    panda = jtik.Robot.builtin("panda")
+    limits = jtik.Limits(velocity=1.5, acceleration=acceleration)
+    ik = jtik.InverseKinematics(panda, jtik.FrameTask("tip", kind="pose"), limits=limits, **options)
+    goal = panda.pose(panda.home)
+    goal[:2, 3] += (-distance / 3, distance)
+
+    def call() -> None:
+        if acceleration is not None:
+            ik.reset()  # each step begins at rest
+        ik.step(panda.home, goal, dt=0.002)
+
+    return repeated(call)
+
+
 def interleaved(timers: dict[str, Timer], rounds: int) -> dict[str, np.ndarray]:
     """Times of every round by name [us]. Each round runs every timer once; the first round is discarded."""
     times: dict[str, list[float]] = {name: [] for name in timers}
@@ -201,6 +217,16 @@ def main() -> None:
     ]
     show("differences, round by round", added, around[0], "x step")
 
+    timers = {
+        "within the limits": timed_step_call(options, 2e-4, None),
+        "at limits of velocity": timed_step_call(options, 0.02, None),
+        "with limits of acceleration, within": timed_step_call(options, 1e-5, 10.0),
+        "at limits of acceleration": timed_step_call(options, 0.02, 10.0),
+    }
+    times = interleaved(timers, arguments.repeats)
+    limited = [figure(name, each) for name, each in times.items()]
+    show(f"Panda, pose, hybrid: one ik.step(dt=0.002) ({kind})", limited, limited[0], "x within")
+
     if arguments.json:
         record = {
             "machine": f"{platform.machine()}, {platform.system()}",
@@ -211,6 +237,7 @@ def main() -> None:
             "unit": "us",
             "steps": [asdict(row) for row in fused],
             "around": [asdict(row) for row in around],
+            "limited": [asdict(row) for row in limited],
             "added": [asdict(row) for row in added],
         }
         if arguments.json == "-":

@@ -95,7 +95,7 @@ class Engine:
             problem = SymbolicProblem(robot, tasks, terms, bounds.bounded, clearances, coordinates)
         else:
             problem = original.copied(terms)
-        problem.locked = bounds.locked
+        problem.locked, problem.position_limits = bounds.locked, (bounds.lower, bounds.upper)
         if compiled:
             try:
                 check_compiled(terms, problem.values)

@@ -13,6 +13,9 @@ from jtik._step.inputs import Inputs
 from jtik._step.stopping import StepOutcome
 from jtik.types import Array
 
+OF_ERROR = ("remaining", "left")
+"""Entries of the state of a timed step that tell what its error was."""
+
 
 class Runner:
     """The fused step on memory of its own. Calls alternate between two memories, so that nothing is copied.
@@ -87,3 +90,15 @@ class Runner:
         self.state[0][:] = self.first_state
         self.state[0][self._patience] = patience
         self.at = 0
+
+    def restart(self, q: ArrayLike) -> None:
+        """Begin anew after a step that ended in stagnation. What is left of the error stays known: it damps the steps.
+
+        Args:
+            q: where it begins, (nq,).
+        """
+        slices = self.fused.state.slices
+        left = {name: self.state[self.at][slices[name]].copy() for name in OF_ERROR if name in slices}
+        self.start(q)
+        for name, value in left.items():
+            self.state[0][slices[name]] = value

@@ -124,14 +124,14 @@ class Stepping:
             moved, done, escaped = accepted == 1.0, code == 1.0, False
             if code == Code.STALLED:
                 escaped = self._escape.escape(after, runner.inputs)
-                runner.start(after)
+                runner.restart(after)
                 moved = False
                 position, orientation = self._inspector.errors(after, runner.inputs)
             if self._criterion_escape:
                 if not done:
                     self._criterion_escape.moves()
                 elif self._criterion_escape.escape(started, after, runner.inputs):
-                    runner.start(after)
+                    runner.restart(after)
                     moved, done, escaped = False, False, True
                     position, orientation = self._inspector.errors(after, runner.inputs)
             if box is not None and not (moved or done or escaped):

@@ -163,6 +163,7 @@ def linearized(
         tasks=problem.tasks,
         timed=timed,
         accelerated=acceleration is not None,
+        position_limits=problem.position_limits if timed else None,
         weak_motion=braking.weak_motion if braking else 0,
         curvature=curvature,
         null_space_share=_null_space_share(settings, state, neighbourhood),

@@ -32,6 +32,7 @@ from jtik.symbolic import (
     zeros,
 )
 from jtik.task import TaskStack
+from jtik.types import Array
 
 T = TypeVar("T")
 
@@ -44,6 +45,7 @@ class SymbolicProblem:
         tasks: its tasks.
         terms: its criteria.
         bounded: (q index, v index) of the joints that have a limit.
+        position_limits: lower and upper position limits (nq,); None without any.
         locked: velocity entries of the joints that their limits lock; a step is made as if they were not there.
         clearances: its clearances.
         coordinates: of the displacements of a step, from the joint weights; the functions below are without them.
@@ -76,6 +78,7 @@ class SymbolicProblem:
         self.robot, self.tasks, self.terms, self.bounded = robot, tasks, terms, bounded
         self._built: dict[tuple[Any, ...], Any] = {}
         self.coordinates = coordinates
+        self.position_limits: tuple[Array, Array] | None = None
         self.locked: tuple[int, ...] = ()
         q, target, parameters = self.symbols()
         kinematics = robot.at(q)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from jtik.qp.backend import CalledBackend, NumericQP, QPSolver
-from jtik.qp.call import output_memory
+from jtik.qp.call import in_turn, output_memory
 from jtik.qp.staged import Staged
 from jtik.symbolic import Function
 from jtik.symbolic.compile import bind
@@ -42,7 +42,7 @@ def fast_or_qp_path(
     """The step as a call on this memory.
 
     It uses the fast path where no QP has to be solved, else the QP path with the back end; if that finds no solution,
-    the QP path with the back end's fallback.
+    the QP path with the back end's fallback. After a step that needed a QP the fast path is left out until none does.
 
     Args:
         joined: the parts joined by a fused back end.
@@ -57,12 +57,24 @@ def fast_or_qp_path(
     valid, *between = output_memory(parts.fast_path)[len(results) :]
     no_qp_needed: Any = memoryview(valid.data)
     fast_path = bind(parts.fast_path, arguments, [*results, valid, *between])
-    qp_path = _with_fallback(bind(parts.qp_path, [*arguments, *between], results), fallback, unsolved, results)
+    local = between[: parts.local.n_out()]
+    begin, rest, known = parts.bound_stages(arguments, results, local, between[len(local) :])
+    known_results: Any = known
+    qp_path = _with_fallback(in_turn(rest), fallback, unsolved, results)
+    qp_expected = False
 
     def step() -> None:
-        fast_path()
-        if not no_qp_needed[0]:
+        nonlocal qp_expected
+        if qp_expected:  # as in the last step: the end of the step is evaluated once, not by the fast path as well
+            for call in begin:
+                call()
             qp_path()
+            qp_expected = not all(each[0] for each in known_results)
+        else:
+            fast_path()
+            if not no_qp_needed[0]:
+                qp_path()
+                qp_expected = True
 
     return step
 

@@ -6,10 +6,12 @@ from math import inf
 
 from jtik.qp.call import called
 from jtik.qp.conic import Conic
+from jtik.qp.few_saturated import few_saturated
 from jtik.symbolic import (
     MX,
     Expression,
     Function,
+    either,
     fmax,
     fmin,
     function,
@@ -41,12 +43,16 @@ def fitting(m: int, n: int) -> Function:
     """(J (m, n), t (n, 1), lower (n, 1), upper (n, 1)) -> x (n, 1), the displacement t fitted into the box.
 
     J x = s J t with the largest s up to 1, and of these x the closest to t. The box contains 0. Where that direction is
-    blocked, and clipping joint by joint is not, x is the clipped t.
+    blocked, and clipping joint by joint is not, x is the clipped t. The QP is solved only where many joints saturate.
     """
-    data, finish = _quadratic_program(m, n), _finish(m, n)
+    few, data, finish = few_saturated(m, n), _quadratic_program(m, n), _finish(m, n)
     given = [MX.sym(f"a{i}", *data.size_in(i)) for i in range(data.n_in())]
+    x = MX.sym("x", n)
     z, _, _ = called(Conic().function(n, m), called(data, given))
-    return function("fitting", given, called(finish, [*given, z]))
+    skipped = function("few", [x, *given], [x])
+    solved = function("many", [x, *given], called(finish, [*given, z]))
+    x, found = called(few, given)
+    return function("fitting", given, called(either(skipped, solved), [found, x, *given]))
 
 
 def least_error_fitting(m: int, n: int) -> Function:

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from jtik.qp.call import (
     QPCall,
     called,
     evaluated,
+    in_turn,
     output_memory,
 )
 from jtik.qp.conic import Conic
@@ -39,6 +40,20 @@ from jtik.types import Array
 
 StageCall: TypeAlias = QPCall | PythonCall | FunctionCall
 """A call between two stages."""
+
+
+class BoundStages(NamedTuple):
+    """The stages of a step and the calls between them, on memory bound once.
+
+    Attributes:
+        begin: the local model and the first stage.
+        rest: the first call and what follows it.
+        known: for each call that a back end makes in CasADi, whether its result is known without it.
+    """
+
+    begin: list[Callable[[], None]]
+    rest: list[Callable[[], None]]
+    known: list[memoryview]
 
 
 @dataclass(frozen=True)
@@ -123,9 +138,16 @@ class Staged:
         for k, call in enumerate(self.calls):
             assert not isinstance(call, PythonCall)
             *without, intermediate = called(self.stages[k], known) if k or given is None else given
-            results = called(self._solver_function(k), [*without, *known, intermediate])
+            results = called(self._solver_functions[k], [*without, *known, intermediate])
             known = [*known, intermediate, *results]
         return called(self.stages[-1], known)
+
+    @cached_property
+    def _solver_functions(self) -> dict[int, Function]:
+        """The solver function of each call that is one, by this back end."""
+        fused = isinstance(self.backend, FusedBackend)
+        kinds = (FunctionCall, QPCall) if fused else (FunctionCall,)
+        return {k: self._solver_function(k) for k, call in enumerate(self.calls) if isinstance(call, kinds)}
 
     def _solver_function(self, k: int, backend: FusedBackend | None = None) -> Function:
         """(what stage k returns but its intermediate values, arguments of ``data[k]``) -> results of call k."""
@@ -177,33 +199,43 @@ class Staged:
             arguments: memory of the step's inputs.
             results: memory of the step's outputs.
         """
-        local = output_memory(self.local)
-        calls: list[Callable[[], None]] = [bind(self.local, arguments, local)]
+        bound = self.bound_stages(arguments, results, output_memory(self.local), output_memory(self.stages[0]))
+        return in_turn([*bound.begin, *bound.rest])
+
+    def bound_stages(
+        self, arguments: list[Array], results: list[Array], local: list[Array], first: list[Array]
+    ) -> BoundStages:
+        """The stages and the calls between them, on memory bound once.
+
+        Args:
+            arguments: memory of the step's inputs.
+            results: memory of the step's outputs.
+            local: memory of the local model.
+            first: memory of the outputs of the first stage.
+        """
+        begin: list[Callable[[], None]] = [bind(self.local, arguments, local)]
         at = known = [*arguments, *local]
         for each in self.preparations:
             call_results = [np.zeros(size) for size in each.sizes]
-            calls.append(each.bind(self.backend, at, call_results))
+            begin.append(each.bind(self.backend, at, call_results))
             known = [*known, *call_results]
+        rest, known_before = list[Callable[[], None]](), list[memoryview]()
         for k, (stage, call) in enumerate(zip(self.stages, self.calls, strict=False)):
-            *without, intermediate = outputs = output_memory(stage)
-            calls.append(bind(stage, known, outputs))
+            *without, intermediate = outputs = output_memory(stage) if k else first
+            (rest if k else begin).append(bind(stage, known, outputs))
             call_results = [np.zeros(size) for size in call.sizes]
             if isinstance(call, PythonCall):
-                calls.append(BoundComputation(call.compute, without, call_results))
+                rest.append(BoundComputation(call.compute, without, call_results))
             elif isinstance(call, FunctionCall) or isinstance(self.backend, FusedBackend):
-                calls.append(bind(self._solver_function(k), [*without, *known, intermediate], call_results))
+                rest.append(bind(self._solver_functions[k], [*without, *known, intermediate], call_results))
+                known_before.append(memoryview(without[0].data))
             else:
                 data = output_memory(self.data[k])
-                calls.append(bind(self.data[k], [*known, intermediate], data))
-                calls.append(call.bound_solver(self.backend, data, call_results))
+                rest.append(bind(self.data[k], [*known, intermediate], data))
+                rest.append(call.bound_solver(self.backend, data, call_results))
             known = [*known, intermediate, *call_results]
-        calls.append(bind(self.stages[-1], known, results))
-
-        def step() -> None:
-            for call in calls:
-                call()
-
-        return step
+        rest.append(bind(self.stages[-1], known, results))
+        return BoundStages(begin, rest, known_before)
 
 
 def staged(

@@ -52,6 +52,8 @@ class LocalModel:
         neighbourhood: radius of that neighbourhood, in the unit of the residual.
         lower: lower limits of q (nq, 1), valid only where ``bounded``.
         upper: upper limits of q (nq, 1), valid only where ``bounded``.
+        position_limits: lower and upper position limits of q, (nq, 1) each, also in a timed step, whose ``lower`` and
+            ``upper`` are the limits of the step; None where they are these.
         bounded: (q index, v index) of the joints that have a limit.
         levels: the task rows of each level of priority, the highest first.
         residual_function: (q, target) -> residual.
@@ -108,6 +110,7 @@ class LocalModel:
     weights: Expression = None
     shift: Expression = None
     least_squares: LeastSquares | None = None
+    position_limits: tuple[Expression, Expression] | None = None
 
     # -- quadratic programs ---------------------------------------------------------------------------------------
 

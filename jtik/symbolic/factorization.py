@@ -289,6 +289,16 @@ class RowSpace:
         products = [squared * x for squared, x in zip(self._squared, coordinates, strict=True)]
         return RowVector(self, coordinates, products)
 
+    def null_part(self, g: Expression) -> Expression:
+        """(I - J+ J) g, (n, 1), to the rounding error times the condition number of J.
+
+        Args:
+            g: the vector (n, 1).
+        """
+        for basis, inverse in zip(self._basis, self._inverse, strict=True):
+            g = g - (dot(basis, g) * inverse) * basis
+        return g
+
     def split(self, g: Expression) -> Split:
         """A vector as the sum of its part in the null space and its part in the row space.
 
@@ -302,8 +312,7 @@ class RowSpace:
             coefficients.append(coefficient)
         # a second pass: near a constrained optimum g lies almost in the row space, and the rounding left by the first
         # pass would move the end effector
-        for basis, inverse in zip(self._basis, self._inverse, strict=True):
-            g = g - (dot(basis, g) * inverse) * basis
+        g = self.null_part(g)
         U, inverses, R = self._column_space
         y: list[Expression] = []
         for j, above in enumerate(R):

@@ -103,3 +103,22 @@ def test_a_wrong_q_of_a_step_that_brakes_is_told_by_an_error_alone(wrong):
     with pytest.raises(jtik.ArgumentError, match="q"):
         ik.step(np.full(3, wrong), [1.0, 1.0], dt=0.01)
     assert ik.step(q, [1.0, 1.0], dt=0.01).q.tolist() == expected.tolist()
+
+
+def test_a_step_that_stagnates_does_not_forget_what_damps_it():
+    """Two levels that conflict: every 20 steps without progress the state began anew, and the arm twitched."""
+    arm = dh_arm(6, seed=1, limit=2.0)
+    tasks = [
+        jtik.FrameTask("tip", kind="position", name="first", priority=0),
+        jtik.FrameTask(arm.frame_names[4], kind="position", name="second", priority=1),
+    ]
+    limits = jtik.Limits(velocity=1.0, acceleration=[15.0, np.inf, 5.0, 8.0, np.inf, 30.0])
+    ik = jtik.InverseKinematics(arm, tasks, strategy="hybrid", limits=limits)
+    q0 = np.random.default_rng(5).uniform(-2, 2, (3, 6))[2]
+    target = {"first": arm.position(q0, "tip"), "second": arm.position(q0 + 0.3, arm.frame_names[4])}
+    q = arm.home
+    for _ in range(2000):
+        q = ik.step(q, target, dt=0.01).q
+    for _ in range(60):
+        before, q = q, ik.step(q, target, dt=0.01).q
+        assert np.abs(q - before).max() < 1e-5

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog, lsq_linear
 
+from jtik.qp.few_saturated import few_saturated
 from jtik.qp.fitting import OF_ERROR, fitting, least_error_fitting
 from jtik.symbolic.compile import CompiledFunction
 
@@ -60,6 +61,34 @@ def test_the_direction_is_kept_and_the_share_is_that_of_the_linear_program(m, n,
         share = (J @ x) @ wanted / (wanted @ wanted)
         assert np.linalg.norm(J @ x - share * wanted) <= TOLERANCE * np.linalg.norm(wanted)
         assert share == pytest.approx(largest_share(J, wanted, lower, upper), abs=TOLERANCE)
+
+
+@pytest.mark.parametrize(("m", "n"), [(2, 4), (3, 7), (6, 7), (6, 6)])
+def test_few_saturated_joints_need_no_solver(m, n, rng):
+    """Also beside joints that cannot move and rows that depend on others; wherever it is found, it is the solution."""
+    few, count = CompiledFunction(few_saturated(m, n)), 0
+    for k in range(100):
+        J, limit = rng.normal(size=(m, n)), rng.choice([0.0, 0.7, 1.5, 3.0], n, p=[0.03, 0.17, 0.3, 0.5])
+        if k % 10 == 0:
+            J[-1] = J[0]
+        t = np.linalg.pinv(J) @ rng.normal(size=m)
+        limit = limit * np.abs(t)
+        x, found = few(J, t, -limit, limit)
+        if not found[0, 0]:
+            continue
+        count += 1
+        x, wanted = x[:, 0], J @ t
+        share = (J @ x) @ wanted / (wanted @ wanted)
+        assert (np.abs(x) <= limit).all()
+        assert np.linalg.norm(J @ x - share * wanted) <= TOLERANCE * np.linalg.norm(wanted)
+        assert share == pytest.approx(largest_share(J, wanted, -limit, limit), abs=TOLERANCE)
+        free = np.abs(x) < limit - TOLERANCE
+        multipliers, *_ = np.linalg.lstsq(J[:, free].T, (x - t)[free], rcond=None)
+        if share > 1 - TOLERANCE and np.linalg.matrix_rank(J[:, free]) == m:  # of these the closest to t
+            residual = x - t - J.T @ multipliers
+            assert np.abs(residual[free]).max() <= TOLERANCE
+            assert (residual[~free] * np.sign(x[~free]) <= TOLERANCE).all()
+    assert count > 50
 
 
 def test_of_these_the_closest_to_the_displacement(rng):

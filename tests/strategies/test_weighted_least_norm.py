@@ -147,3 +147,18 @@ def test_it_mostly_keeps_joints_further_from_their_limits_than_newton(rng):
 def test_options_are_checked(option, value):
     with pytest.raises(jtik.ArgumentError, match=option):
         WeightedLeastNorm(**{option: value})
+
+
+@pytest.mark.parametrize("limits", [True, jtik.Limits(velocity=5.0, acceleration=500.0)])
+def test_a_timed_step_weighs_by_the_position_limits(limits, rng):
+    """The limits of the step itself, about a thousandth of a radian around it, say nothing about where a joint is."""
+    ik = jtik.InverseKinematics(
+        planar(5, lower=-2.0, upper=2.0), jtik.FrameTask("tip"), strategy="weighted_least_norm", limits=limits
+    )
+    for _ in range(5):
+        q = rng.uniform(-1.9, 1.9, 5)
+        motion = 1e-6 * rng.standard_normal(2)
+        ik.reset()
+        wanted = expected(planar_jacobian(q), -motion, 1 + gradients(q, -2.0, 2.0))
+        found = ik.step(q, planar_points(q)[-1] + motion, dt=0.002).q - q
+        assert found == pytest.approx(wanted, abs=1e-3 * np.abs(wanted).max())

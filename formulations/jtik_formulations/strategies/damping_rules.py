@@ -19,7 +19,7 @@ class ConstantDamped(DampedLeastSquares):
     For comparison: it converges linearly, the more slowly the smaller the singular values of J are, and fails at
     targets close to singular poses (formulations/damped.md). For a target out of reach it does not find the closest
     posture in any usual number of steps. In a control loop it lags behind the other strategies, which a timed step
-    damps only where it has to.
+    damps only where it has to: along a singular value sigma a step leaves mu / (sigma^2 + mu) of the error.
 
     Attributes:
         damping: mu, in the unit of J J' [m^2 / rad^2]. It is lambda^2 of Buss, of Siciliano et al. and of KDL: a

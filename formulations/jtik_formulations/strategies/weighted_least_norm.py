@@ -27,8 +27,9 @@ def limit_gradient(model: LocalModel) -> tuple[Expression, Expression]:
     """
     slopes: list[Expression] = [0] * model.robot.n
     offsets: list[Expression] = [0] * model.robot.n
+    lowest, highest = model.position_limits or (model.lower, model.upper)
     for i, j in model.bounded:
-        lower, upper, q = model.lower[i], model.upper[i], model.here.q[i]
+        lower, upper, q = lowest[i], highest[i], model.here.q[i]
         limited = is_finite(upper - lower)
         up, down = if_else(limited, upper - q, 1), if_else(limited, q - lower, 1)
         offsets[j] = fabs(down - up)
