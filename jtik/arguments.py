@@ -80,7 +80,10 @@ def integer(argument: str, value: object, minimum: int = 0, accepted: str | None
         return value
     if isinstance(value, (int, np.integer)) and not isinstance(value, bool) and minimum <= value <= LARGEST_INTEGER:
         return int(value)
-    raise ArgumentError(argument, value, accepted or ("a positive integer" if minimum else "a non-negative integer"))
+    accepted = accepted or ("a positive integer" if minimum else "a non-negative integer")
+    if isinstance(value, int) and value > LARGEST_INTEGER:
+        accepted += f", at most {LARGEST_INTEGER}"
+    raise ArgumentError(argument, value, accepted)
 
 
 def positive_integer(argument: str, value: object) -> int:

@@ -197,7 +197,9 @@ class Engine:
             raise in_use()
         try:
             exclusive.busy = True
-            builds = self.stepping.warm_up, lambda: self.runners.track, self._escape.warm_up, self._inspector.warm_up
+            builds = [self.stepping.warm_up, lambda: self.runners.track, self._escape.warm_up, self._inspector.warm_up]
+            if self.runners.solve.explorer:
+                builds.append(self.runners.solve.explorer)
             with counted(progress, "building") as report, self._compilation.shown(report, len(builds)):
                 for build in builds:
                     build()

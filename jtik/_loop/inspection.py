@@ -36,6 +36,9 @@ NEARLY_FLAT = 1e-3
 APPROACH = 1e-5
 """Possible decrease of V relative to |J| |r| [rad] below which it is no approach: a motion of so many rad makes it."""
 
+BESIDE_LOWER_LEVELS = 5e-4
+"""The same of the highest level of priority beside lower ones, whose steps keep it from coming nearer [rad]."""
+
 SHARE = 1e-3
 """Possible decrease of V relative to V below which it may be none: more of an error as small as `APPROACH`."""
 
@@ -215,7 +218,8 @@ class Inspector:
         flat = NEARLY_FLAT if nearly else FLAT
         if code is not Code.COMPROMISE:
             if of_free > flat:
-                return Status.ITERATION_LIMIT if at_limit else Status.STALLED
+                of_highest = self._of_highest_level(found, q, inputs)
+                return of_highest or (Status.ITERATION_LIMIT if at_limit else Status.STALLED)
             if of_all > (max(FLAT, LARGER * of_free) if nearly else FLAT):
                 return Status.LIMITS
         lowest = self._escape.lowest_curvature(q, inputs, flat)[0]
@@ -230,6 +234,24 @@ class Inspector:
             return False
         r, J = length(found.residual), length(found.weighted)
         return self._escape.possible_decrease(q, inputs) <= min(APPROACH * J * r, SHARE * r**2 / 2)
+
+    def _of_highest_level(self, found: Report, q: Array, inputs: Inputs[Array]) -> Status | None:
+        """LOCAL_MINIMUM or LIMITS where the highest level is off its target and nearly as near as it can be; else None.
+
+        The lower levels then have a freedom beside it to first order only, and a solve may go on for ever.
+        """
+        if not found.levels or found.levels.reached:
+            return None
+        rows = list(found.levels.rows[0])
+        J, residual = found.weighted[rows], found.residual[rows]
+        r = length(residual)
+        most = min(BESIDE_LOWER_LEVELS * length(J) * r, SHARE * r**2 / 2)
+        if self._escape.possible_decrease(q, inputs, highest_level=True) > most:
+            return None
+        gradient = J.T @ residual
+        pushed = [j for j in found.at_upper if gradient[j] < 0] + [j for j in found.at_lower if gradient[j] > 0]
+        of_limits = length(gradient[pushed])
+        return Status.LIMITS if of_limits > FLAT * length(J) * r else Status.LOCAL_MINIMUM
 
     def _task_alone_reaches(self, found: Report, q: Array, inputs: Inputs[Array]) -> bool:
         """Whether a step of the task alone that keeps limits and clearances removes most of the error at q."""

@@ -92,12 +92,13 @@ def read_search_options(
     Raises:
         ArgumentError: for a value that cannot be used, naming it.
     """
+    at_most = "a positive number [rad] or [m], or None for no limit"
     options = SearchOptions(
         limit=integer("max_iterations", max_iterations),
         restarts=integer("restarts", restarts),
         seed=0 if seed is None else integer("seed", seed),
         best_of=integer("best_of", best_of, minimum=1),
-        jump_limit=math.inf if jump_limit is None else positive_number("jump_limit", jump_limit),
+        jump_limit=math.inf if jump_limit is None else positive_number("jump_limit", jump_limit, at_most),
     )
     if options.best_of > 1 and not options.restarts:
         accepted = "1 without restarts; with restarts=100, for instance, any number of distinct configurations"

@@ -24,7 +24,7 @@ from jtik.strategy import Strategy
 from jtik.symbolic.compilation import Compilation
 from jtik.types import Array
 
-SOLVE, EVALUATED, TIMED = "solve", "evaluated", "timed"
+SOLVE, EVALUATED, TIMED, EXPLORING = "solve", "evaluated", "timed", "exploring"
 """Names of the steps that can be compiled while they run on the virtual machine."""
 
 
@@ -47,6 +47,7 @@ class Runners:
         solve: the runner of `InverseKinematics.solve`.
         step_inputs: the inputs of `step`: those of the solver, with settings of their own.
         step_is_built: whether `step` uses the function that `solve` has built.
+        explores: whether a solve has needed the runner that explores.
     """
 
     def __init__(
@@ -64,7 +65,7 @@ class Runners:
         self._in_c = dict[str, FusedStep]()
         self._problem, self._strategy, self._backend = problem, strategy, backend
         self._bounds, self._compilation, self._null_space_rate = bounds, compilation, null_space_rate
-        self.memory = memory
+        self.memory, self.explores = memory, False
         self.turns = FullTurns(problem, bounds.lower, bounds.upper)
         lower, upper = self.turns.free
         self.search_inputs = memory.inputs._replace(lower=lower, upper=upper)
@@ -169,7 +170,14 @@ class Runners:
     @cached_property
     def exploring(self) -> Runner:
         """The runner that takes over where the error of a solve has stopped falling."""
-        return self._search_runner(self._problem)
+        self.explores = True
+
+        def build() -> FusedStep:
+            fused = fused_step(self._problem, self._strategy, backend=self._backend, explores=True)
+            return fused.compiled(self._compilation) if self._compilation else fused
+
+        fused = self._problem.once("exploring step", build, keep=_can_be_shared)
+        return self._runner(fused, self.search_inputs, EXPLORING)
 
     def _search_runner(self, problem: SymbolicProblem, *, recorded: bool = False) -> Runner:
         """A runner of a search that explores where the strategy does."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import threading
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +51,12 @@ class SaddleEscape:
     @cached_property
     def _curvature(self) -> CompiledFunction:
         return CompiledFunction(self._problem.once("curvature", self._problem.curvature))
+
+    @cached_property
+    def _highest_level(self) -> CompiledFunction:
+        problem = self._problem
+        build = partial(problem.curvature, problem.levels[0])
+        return CompiledFunction(problem.once("curvature of the highest level", build))
 
     @cached_property
     def _moved(self) -> CompiledFunction:
@@ -129,7 +135,7 @@ class SaddleEscape:
                     lowest, best = float(v @ hessian @ v), v
         return lowest, best, criterion[:, 0]
 
-    def possible_decrease(self, q: Array, inputs: Inputs[Array]) -> float:
+    def possible_decrease(self, q: Array, inputs: Inputs[Array], *, highest_level: bool = False) -> float:
         """How much V can fall within 1 rad along each direction, by its gradient and its Hessian.
 
         Joints at a limit that V pushes outward stay where they are.
@@ -137,9 +143,11 @@ class SaddleEscape:
         Args:
             q: configuration, (nq,).
             inputs: target, parameters and limits.
+            highest_level: whether V is that of the highest level of priority alone.
         """
         with self._lock:
-            _, gradient, hessian, _ = self._curvature(q, inputs.target, inputs.parameters)
+            curvature = self._highest_level if highest_level else self._curvature
+            _, gradient, hessian, _ = curvature(q, inputs.target, inputs.parameters)
         free = np.ones(self._problem.robot.n, dtype=bool)
         for i, j in self._problem.scalar:
             at_upper, at_lower = q[i] >= inputs.upper[i] - AT_LIMIT, q[i] <= inputs.lower[i] + AT_LIMIT

@@ -25,7 +25,7 @@ from jtik._loop.jump import Jump
 from jtik._loop.native_source import UNREADABLE
 from jtik._loop.options import read_search_options, read_settings
 from jtik._loop.runner import Runner
-from jtik._loop.runners import SOLVE, TIMED, Runners
+from jtik._loop.runners import EXPLORING, SOLVE, TIMED, Runners
 from jtik._loop.search import Search, SearchOptions
 from jtik._loop.target_memory import TargetMemory
 from jtik._loop.trace_recorder import TraceRecorder
@@ -334,7 +334,10 @@ class Solving:
             start = self._configurations.clamped(start, runner.inputs.lower, runner.inputs.upper)
         found = self._search.find(runner, start, search_options, recorder, begun=begun, jump=jump)
         self._terms.raise_interruption()
-        self._ahead.spend(TIMED if runner.inputs is self._memory.inputs else SOLVE, time.perf_counter() - begin)
+        seconds = time.perf_counter() - begin
+        self._ahead.spend(TIMED if runner.inputs is self._memory.inputs else SOLVE, seconds)
+        if self._runners.explores:
+            self._ahead.spend(EXPLORING, seconds)
         return found
 
     def _error(self, q: Array) -> Array:

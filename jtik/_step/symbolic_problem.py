@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import chain
 from typing import Any, TypeVar
 
@@ -227,11 +227,15 @@ class SymbolicProblem:
         )
         return function("hessian", [q, target, parameters, multipliers], [second], cse=False)  # it takes longest
 
-    def curvature(self) -> Function:
-        """(q, target, parameters) -> |J| |r|, dV/dv, d2V/dv2, dH/dv: for configurations where dV/dv is zero."""
+    def curvature(self, rows: Sequence[int] | None = None) -> Function:
+        """(q, target, parameters) -> |J| |r|, dV/dv, d2V/dv2, dH/dv: for configurations where dV/dv is zero.
+
+        Args:
+            rows: the rows of the residual in V; None for all.
+        """
         q, target, parameters = self.symbols()
-        v = symbol("v", self.robot.n)
-        moved = self.residual(self.robot.integrate(q, v), target)
+        v, chosen = symbol("v", self.robot.n), list(range(self.m) if rows is None else rows)
+        moved = self.residual(self.robot.integrate(q, v), target)[chosen]
         V = dot(moved, moved) / 2
         first = gradient(V, v)
         second = jacobian(first, v)
@@ -240,7 +244,7 @@ class SymbolicProblem:
             "curvature",
             [q, target, parameters],
             [
-                norm(self.residual_jacobian(q, target)) * norm(self.residual(q, target)),
+                norm(self.residual_jacobian(q, target)[chosen, :]) * norm(self.residual(q, target)[chosen]),
                 substitute(first, v, zero),
                 substitute(second, v, zero),
                 self.gradient(self.criterion(q, parameters), q),

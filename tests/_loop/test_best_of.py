@@ -130,6 +130,8 @@ def test_a_ball_joint_keeps_it_too():
         ({"best_of": 0}, "positive integer"),
         ({"best_of": 1.5, "restarts": 5}, "positive integer"),
         ({"best_of": True, "restarts": 5}, "positive integer"),
+        ({"best_of": 10**30, "restarts": 5}, "at most"),
+        ({"jump_limit": np.inf}, "None for no limit"),
         ({"best_of": 2}, "restarts=100"),
         ({"jump_limit": 0.0}, "positive"),
         ({"jump_limit": "x"}, "positive"),

@@ -193,7 +193,7 @@ def test_without_a_compiler_it_goes_on_as_it_was(eager, monkeypatch, caplog):
     ik, goal = solver(), targets(1)[0]
     expected = solver(compiled=False).solve(goal, q0=ik.robot.neutral)
     ik.solve(goal, q0=ik.robot.neutral)
-    when(lambda: not ik._engine._ahead._ready.empty())
+    when(lambda: ik._engine._ahead._ready.qsize() == ik._engine._ahead.waiting)
     for _ in range(3):
         assert ik.solve(goal, q0=ik.robot.neutral).q.tolist() == expected.q.tolist()
     assert not ik._engine._ahead.waiting
@@ -320,6 +320,24 @@ def test_a_timed_step_that_begins_after_the_other_has_settled_is_compiled_too(ea
     when(in_c)
     ik.step(q, goal, dt=0.01)
     assert ik._stepping.call == ik._stepping.step
+
+
+@pytest.mark.slow
+def test_the_exploring_step_is_compiled_once_it_is_needed(eager):
+    ik, other = solver(), solver(compiled=False)
+    q, far = ik.robot.neutral, np.diag([1.0, 1, 1, 1])
+    far[0, 3] = 50.0
+    compiled_by(ik, lambda: ik.solve(targets(1)[0], q0=q))
+    expected = other.solve(far, q0=q)
+
+    def in_c():
+        found = ik.solve(far, q0=q)
+        assert (found.status, found.iterations) == (expected.status, expected.iterations)
+        assert np.abs(found.q - expected.q).max() < EXACT
+        return ik._engine.runners.exploring.fused.library is not None
+
+    when(in_c)
+    assert in_c()
 
 
 def test_a_solve_is_prepared_where_a_step_has_changed_over(eager):

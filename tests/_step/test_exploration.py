@@ -172,3 +172,5 @@ def test_the_same_in_generated_C(strategy):
         ours, theirs = (ik.solve(target, q0=start) for ik in (compiled, other))
         assert (ours.status, ours.iterations) == (theirs.status, theirs.iterations)
         assert ours.q == pytest.approx(theirs.q, abs=1e-6)
+    assert compiled._engine.runners.explores
+    assert compiled._engine.runners.exploring.fused.library is not None

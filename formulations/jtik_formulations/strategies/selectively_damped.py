@@ -128,7 +128,8 @@ class SelectivelyDamped(Composition):
 
     dq = -clamp(sum phi_i) - beta (I - J+ J) grad H, phi_i = clamp((u_i' r / sigma_i) v_i) to gamma_i. A weak direction,
     which moves the joints much and the end effector little, is damped; the others are not. Prefer it for several end
-    effectors. For a pose out of reach it may need more than 1000 steps to the closest posture.
+    effectors. For a pose out of reach it may need more than 1000 steps to the closest posture: up to 100 times the
+    reach in 8 of 75 solves of a Panda, because the clamp of a weak direction shortens every step along it.
 
     Attributes:
         clamp: "hard", as in the paper: a motion above its limit is brought to it. "soft", as in the code the

@@ -44,7 +44,9 @@ class WeightedLeastNorm(ScaledComposition):
 
     w_i = 1 + |dH/dq_i| where that has grown since the last step, else 1; H is a barrier at each joint limit. Prefer it
     to keep joints from running into limits without self-motion, hence without a criterion and a gain. It slows joints
-    down and does not push them back. For a target out of reach it does not find the closest posture; ``"hybrid"`` does.
+    down and does not push them back. For a target out of reach it does not find the closest posture, but ends up to a
+    third of the reach away from it (a planar arm, 30 of 30 solves), because its step is not damped, as that of
+    ``"newton"``; ``"hybrid"`` finds it.
 
     Attributes:
         max_weight: largest w_i, of a joint at its limit: it must still move where the task cannot do without.
