@@ -176,12 +176,7 @@ class LocalModel:
         if self.clearance is None or self.qps is None:
             raise JtikError("feasibility restoration without clearances, or of a strategy whose uses_qp() is False")
         return feasibility_restoration(
-            self.clearance,
-            self.qps,
-            self.box,
-            lambda: self.row_space.unit_basis,
-            self.J,
-            self.here.length,
+            self.clearance, self.qps, self.box, lambda: self.row_space.unit_basis, self.J, self.here.length
         )
 
     # -- all joints -----------------------------------------------------------------------------------------------
