@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-EARLY = 0.4
+EARLY = 0.3
 """Share of a period by which an edit may begin the next period before it is due."""
 
-PULL = 0.05
+PULL = 0.1
 """Largest share of a period by which one edit shifts the periods."""
-
-SHIFT = 0.5
-"""Largest share of a period by which all edits together shift them."""
 
 
 class Schedule:
@@ -29,7 +26,7 @@ class Schedule:
 
     def __init__(self, period: float, now: float) -> None:
         self._period, self._due, self.late = period, now, 0
-        self._shift = 0.0
+        self._shift = 0.0  # of all edits together, as a share of a period: from -0.5 to 0.5
 
     def wait(self, now: float) -> float:
         """How long to wait until the next period is due [s]; 0 for one that is due."""
@@ -39,11 +36,10 @@ class Schedule:
         """An edit has come: how long to wait until the next period may begin [s]; 0 for one that may begin."""
         wait = max(0.0, self._due - EARLY * self._period - now)
         offset = (now - self._due) / self._period + EARLY / 2  # 0 in the middle of the time in which one may begin
-        pull = max(-PULL, min(PULL, offset - round(offset))) * self._period
-        largest = SHIFT * self._period
-        shift = max(-largest, min(largest, self._shift + pull))
-        self._due += shift - self._shift
-        self._shift = shift
+        wanted = self._shift + offset
+        pull = max(-PULL, min(PULL, wanted - round(wanted) - self._shift))
+        self._shift += pull
+        self._due += pull * self._period
         return wait
 
     def done(self, now: float) -> None:
