@@ -27,10 +27,14 @@ class Inbox:
 
     Args:
         largest: largest number of edits that wait; one of the target is accepted beyond it.
+
+    Attributes:
+        filled: set while edits wait.
     """
 
     def __init__(self, largest: int = LARGEST) -> None:
         self._largest, self._count, self._refused = largest, 0, 0
+        self.filled = threading.Event()
         self._waiting: dict[object, Edit] = {}
         self._lock = threading.Lock()
 
@@ -45,6 +49,7 @@ class Inbox:
                 return False
             self._count += 1
             self._waiting[self._count if key is None else key] = edit
+            self.filled.set()
             return True
 
     def take(self) -> tuple[list[Edit], int]:
@@ -54,6 +59,7 @@ class Inbox:
                 return [], 0
             edits, refused = list(self._waiting.values()), self._refused
             self._waiting, self._refused = {}, 0
+            self.filled.clear()
         return edits, refused
 
 

@@ -97,6 +97,7 @@ class Loop:
         self._tick, self._measured, self._saved = 0, clock(), (clock(), state.changes)
         self._moved, self._guided, self._step_time = False, False, 0.0
         self._shown_scene: object = None
+        self._listeners: tuple[Callable[[], None], ...] = ()
         self._closed = threading.Event()
         self._thread: threading.Thread | None = None
         self.setup: Setup = setup_of(state, dt)
@@ -132,6 +133,22 @@ class Loop:
         """Ask for an edit, from any thread; it is applied in the next period. False where too many wait."""
         return self._inbox.put(edit)
 
+    def listen(self, listener: Callable[[], None]) -> Callable[[], None]:
+        """Have a function called, in the thread of the loop, when something is published.
+
+        Args:
+            listener: the function, which returns at once and raises nothing.
+
+        Returns:
+            A function that ends this.
+        """
+        self._listeners += (listener,)
+
+        def end() -> None:
+            self._listeners = tuple(each for each in self._listeners if each is not listener)
+
+        return end
+
     def tick(self, now: float) -> None:
         """One period: apply the edits, move the target and the arm, publish.
 
@@ -155,8 +172,12 @@ class Loop:
             changed = self._attempts.advance() or bool(waiting)
         if changed:
             self.frame = self._frame(now)
-        if now - self._measured >= STATUS_PERIOD - self._dt / 2:
+        told = now - self._measured >= STATUS_PERIOD - self._dt / 2
+        if told:
             self._publish(now)
+        if changed or told:
+            for listener in self._listeners:
+                listener()
 
     def _apply(self, edit: edits.Edit) -> None:
         try:
@@ -254,16 +275,23 @@ class Loop:
 
     def run(self) -> None:
         """Run until `close`. An error in a period is reported, and the next one follows."""
-        while not self._closed.wait(self._schedule.wait(self._clock())):
+        while not self._ends():
             try:
                 self.tick(self._clock())
             except Exception as error:
                 self._state.messages.tell("error", f"a period failed: {type(error).__name__}: {error}")
             self._schedule.done(self._clock())
 
+    def _ends(self) -> bool:
+        """Wait until the next period begins. Returns whether the loop ends instead."""
+        if self._inbox.filled.wait(self._schedule.wait(self._clock())):
+            return self._closed.wait(self._schedule.asked(self._clock()))
+        return self._closed.is_set()
+
     def close(self) -> None:
         """End the loop; what is recorded is kept."""
         self._closed.set()
+        self._inbox.filled.set()
         if self._thread is not None and self._thread is not threading.current_thread():
             self._thread.join()
         self._attempts.stop()

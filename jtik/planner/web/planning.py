@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 from jtik.planner.edits import messages as edits
@@ -55,3 +55,6 @@ class Running(Published, Protocol):
 
     def submit(self, edit: edits.Edit) -> bool:
         """Hand an edit to the loop; False where too many wait."""
+
+    def listen(self, listener: Callable[[], None]) -> Callable[[], None]:
+        """Have a function called when something is published; the answer ends that."""

@@ -37,9 +37,6 @@ PORT = 8731
 HOST = "127.0.0.1"
 """Address that the server listens on: no other machine reaches it."""
 
-POLL = 1 / 240
-"""Period in which a connection looks for what is new [s]."""
-
 TABULATE = 0.1
 """Period in which the table of attempts is brought up to date [s]."""
 
@@ -115,6 +112,7 @@ class Server:
         self._steering: object = None
         self._table = AttemptRows(planner.arm, planner.measures)
         self._rows: tuple[Row, ...] = ()
+        self._news: set[asyncio.Event] = set()
         self._thread: threading.Thread | None = None
         self._ends: Callable[[], None] = lambda: None
         # of its own: the end of an event loop waits for the threads of its executor, and a film takes a minute
@@ -146,12 +144,20 @@ class Server:
             )
         except OSError as error:
             raise _in_use(self.port) from error
+        here = asyncio.get_running_loop()
+
+        def published() -> None:
+            with contextlib.suppress(RuntimeError):  # it has ended
+                here.call_soon_threadsafe(self._wake)
+
+        ignore = self._planner.loop.listen(published)
         try:
             async with server:
                 self.port = next(iter(server.sockets)).getsockname()[1]
                 ready()
                 await self._tabulate()
         finally:
+            ignore()
             self._workers.shutdown(wait=False, cancel_futures=True)
 
     def start(self) -> Server:
@@ -209,9 +215,15 @@ class Server:
                 seen, tables = history, self._table.of(history)
                 while (rows := await self._in_thread(next, tables, None)) is not None:
                     self._rows = rows
+                    self._wake()
                     if self._planner.loop.history is not history:
                         break
             await asyncio.sleep(TABULATE)
+
+    def _wake(self) -> None:
+        """Have every connection look for what is new."""
+        for each in self._news:
+            each.set()
 
     async def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
         """The answer to a request; None lets the socket open."""
@@ -227,8 +239,9 @@ class Server:
         """Serve one page: send what is new, submit its edits, and stop what it steered when it is gone."""
         from websockets.exceptions import ConnectionClosed
 
-        outgoing = Outgoing(self._planner.loop, lambda: self._rows)
-        sender = asyncio.create_task(_send(connection, outgoing))
+        outgoing, news = Outgoing(self._planner.loop, lambda: self._rows), asyncio.Event()
+        self._news.add(news)
+        sender = asyncio.create_task(_send(connection, outgoing, news))
         try:
             async for text in connection:
                 await self._receive(connection, text, outgoing)
@@ -236,6 +249,7 @@ class Server:
             pass
         finally:
             sender.cancel()
+            self._news.discard(news)
             if self._steering is connection:
                 self._steering = None
                 self._stop()
@@ -257,6 +271,7 @@ class Server:
             self._planner.loop.submit(edits.from_json(given))
         except (JtikError, ValueError, RecursionError, OSError) as error:
             outgoing.answer(f"{error}")
+            self._wake()
             return
         if given["edit"] in STEERING:
             self._steering = connection
@@ -277,12 +292,13 @@ def _read(text: str | bytes) -> Any:
         raise ArgumentError("message", given, "an edit, as an object with the key edit") from None
 
 
-async def _send(connection: ServerConnection, outgoing: Outgoing) -> None:
-    """Send what is new, at the pace of the page: one that is slow gets the newest only."""
+async def _send(connection: ServerConnection, outgoing: Outgoing, news: asyncio.Event) -> None:
+    """Send what is new once there is something, at the pace of the page: one that is slow gets the newest only."""
     from websockets.exceptions import ConnectionClosed
 
     with contextlib.suppress(ConnectionClosed):
         while True:
+            news.clear()
             for message in outgoing.news():
                 await connection.send(message)
-            await asyncio.sleep(POLL)
+            await news.wait()

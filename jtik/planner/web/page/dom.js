@@ -13,6 +13,11 @@ export function el(tag, properties = {}, ...children) {
   return node;
 }
 
+// The text of an element: what stays the same costs no layout.
+export function setText(node, text) {
+  if (node.textContent !== text) node.textContent = text;
+}
+
 export const byId = (id) => document.getElementById(id);
 
 const section = (title, open) => `open ${title}` in localStorage ? localStorage[`open ${title}`] === "1" : open;
@@ -61,7 +66,8 @@ export function numberField(label, { unit = "", step = 0.1, min = null, change }
   });
   const node = el("label", { class: "field" }, el("span", {}, label), input, unit ? el("i", {}, unit) : null);
   const set = (value) => {
-    if (document.activeElement !== input) input.value = Number(value.toFixed(4));
+    const text = String(Number(value.toFixed(4)));
+    if (document.activeElement !== input && input.value !== text) input.value = text;
   };
   return { node, input, set };
 }

@@ -1,7 +1,7 @@
 // The page: views, panels and controls are made when the planner has described the robot.
 
 import { actions, commitDialog, showDock } from "./attempts.js";
-import { byId, download, el } from "./dom.js";
+import { byId, download, el, setText } from "./dom.js";
 import { listen, pollGamepad } from "./input.js";
 import { removeSelected } from "./obstacles.js";
 import { meshSwitch } from "./meshes.js";
@@ -9,7 +9,7 @@ import { readColours } from "./palette.js";
 import { showPanels } from "./panels.js";
 import { PlanarView } from "./planar.js";
 import { steerPlanar } from "./planar_pointer.js";
-import { showFigures } from "./plots.js";
+import { drawPlots, showFigures } from "./plots.js";
 import { connect, send, sendRaw } from "./socket.js";
 import { SpatialView } from "./spatial.js";
 import { steerSpatial } from "./spatial_pointer.js";
@@ -19,16 +19,21 @@ window.planner = { state, send, select }; // for scripts and tests that drive th
 
 let view = null;
 let dirty = true;
+let last = 0; // when a picture was drawn [ms]
+const REST = 300; // after which nothing is said to move [ms]
 const redraw = () => (dirty = true);
 const host = byId("view");
 
-function draw() {
+function draw(now) {
   pollGamepad(view);
+  if (view && !dirty && now - last > REST) view.rest?.();
   if (view && dirty) {
     dirty = false;
+    last = now;
     view.draw();
     state.drawn = (state.drawn ?? 0) + 1;
   }
+  drawPlots();
   requestAnimationFrame(draw);
 }
 
@@ -80,20 +85,23 @@ on("settings selected path overlays dragged attempts", redraw);
 
 // Texts come 10 times a second, apart from the frames, so that they never go stale.
 let heard = 0;
+let marked = ""; // bodies and joints that are marked in the view
 on("status", () => {
   heard = performance.now();
   const text = byId("status");
-  const { words, rebuilding, violated } = state.status;
-  text.textContent = violated?.length ? `${words}; too near: ${violated.slice(0, 3).join(", ")}${violated.length > 3 ? " ..." : ""}` : words;
+  const { words, rebuilding, violated, active_limits } = state.status;
+  setText(text, violated?.length ? `${words}; too near: ${violated.slice(0, 3).join(", ")}${violated.length > 3 ? " ..." : ""}` : words);
   text.className = `status ${violated?.length ? "bad" : words.startsWith("at rest") ? "rest" : ""}`;
   byId("rebuilding").hidden = !rebuilding;
-  redraw();
+  const marks = JSON.stringify([violated, active_limits]);
+  if (marks !== marked) redraw();
+  marked = marks;
 });
 
 function showLink() {
   const alive = state.connected && performance.now() - heard < 1500;
   const link = byId("link");
-  link.textContent = alive ? "connected" : state.connected ? "waiting" : "offline";
+  setText(link, alive ? "connected" : state.connected ? "waiting" : "offline");
   link.className = alive ? "link" : "link off";
 }
 on("connection", showLink);

@@ -31,7 +31,7 @@ function targetPart() {
   jogs.set(0);
   jogs.node.title = "Moves along the self-motion: the end effector stays where it is";
   const show = () => fields.forEach((field, k) => state.frame && field.set(state.frame.position[k]));
-  on("frame", show);
+  on("status", show); // ten times a second: figures that change with every picture cannot be read
   on("settings", () => speed.set(state.settings.target_speed[0]));
   const { tasks } = state.settings;
   const chosen = choice(tasks.map(({ name }) => [name, words(name)]), (task) => send("guide", { task }), { "aria-label": "task to guide" });

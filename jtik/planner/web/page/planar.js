@@ -8,7 +8,10 @@ export class PlanarView {
   constructor(host) {
     this.canvas = document.createElement("canvas");
     host.replaceChildren(this.canvas);
-    this.pen = this.canvas.getContext("2d");
+    this.pen = this.canvas.getContext("2d", { alpha: false });
+    this.below = document.createElement("canvas"); // what lies below the arm, which seldom changes
+    this.shown = []; // what it was drawn from
+    this.walkedTo = 0; // how many points of the path are on it
     this.middle = [0, 0];
     this.zoom = 50; // [pixel/m]
     this.size = [1, 1];
@@ -17,8 +20,11 @@ export class PlanarView {
   resize(width, height) {
     const ratio = Math.min(2, devicePixelRatio || 1);
     const first = this.size[0] === 1;
-    this.canvas.width = Math.round(width * ratio);
-    this.canvas.height = Math.round(height * ratio);
+    for (const canvas of [this.canvas, this.below]) {
+      canvas.width = Math.round(width * ratio);
+      canvas.height = Math.round(height * ratio);
+    }
+    this.shown = [];
     Object.assign(this.canvas.style, { width: `${width}px`, height: `${height}px` });
     this.ratio = ratio;
     this.size = [width, height];
@@ -50,19 +56,37 @@ export class PlanarView {
   }
 
   draw() {
-    const { pen, ratio } = this;
+    const { pen, ratio, below } = this;
+    this.pen = below.getContext("2d", { alpha: false });
+    this.pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    this.drawBelow();
+    this.pen = pen;
+    pen.setTransform(1, 0, 0, 1, 0, 0);
+    pen.drawImage(below, 0, 0);
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-    pen.fillStyle = colours.bg;
-    pen.fillRect(0, 0, ...this.size);
-    this.grid();
-    for (const each of obstacles()) this.obstacle(each);
-    this.overlays();
-    this.walked();
     if (state.frame) {
       this.arm(state.frame.poses);
       this.target();
     }
     this.selection();
+  }
+
+  // All of it where something else has changed, else what the path has grown by.
+  drawBelow() {
+    const { points, postures } = state.path;
+    const now = [...this.middle, this.zoom, colours.bg, state.settings, state.drag, state.selected, state.attempts, [...state.overlays].join("\n"), points, postures, postures.length];
+    if (now.length !== this.shown.length || now.some((value, k) => value !== this.shown[k])) {
+      this.shown = now;
+      this.walkedTo = 0;
+      this.pen.fillStyle = colours.bg;
+      this.pen.fillRect(0, 0, ...this.size);
+      this.grid();
+      for (const each of obstacles()) this.obstacle(each);
+      this.overlays();
+      this.postures();
+    }
+    this.polyline(points.slice(Math.max(0, this.walkedTo - 1)), colours.accent, 2);
+    this.walkedTo = points.length;
   }
 
   grid() {
@@ -82,19 +106,27 @@ export class PlanarView {
       pen.stroke();
     };
     pen.fillStyle = colours.muted;
+    const label = (value, u, v) => {
+      pen.strokeStyle = colours.bg; // so that no line goes through it
+      pen.lineWidth = 4;
+      pen.strokeText(value, u, v);
+      pen.fillText(value, u, v);
+      pen.lineWidth = 1;
+    };
+    const number = (value) => value.toFixed(digits).replace("-", "−");
     const digits = Math.max(0, -Math.floor(Math.log10(spacing) + 1e-9));
     for (let k = Math.ceil(left / spacing); k * spacing < right; k++) {
       const [u] = this.toScreen([k * spacing, 0]);
       line([u, 0], [u, this.size[1]], k === 0);
-      if (u > 40 && u < this.size[0] - 40) pen.fillText((k * spacing).toFixed(digits).replace("-", "−"), u, this.size[1] - 6);
+      if (u > 40 && u < this.size[0] - 40) label(number(k * spacing), u, this.size[1] - 6);
     }
     pen.textAlign = "left";
     for (let k = Math.ceil(low / spacing); k * spacing < top; k++) {
       const [, v] = this.toScreen([0, k * spacing]);
       line([0, v], [this.size[0], v], k === 0);
-      if (v > 40 && v < this.size[1] - 24) pen.fillText((k * spacing).toFixed(digits).replace("-", "−"), 6, v - 3);
+      if (v > 40 && v < this.size[1] - 24) label(number(k * spacing), 6, v - 3);
     }
-    pen.fillText("m", 6, this.size[1] - 6);
+    label("m", 6, this.size[1] - 6);
   }
 
   obstacle({ name, obstacle: o, gain }) {
@@ -163,13 +195,12 @@ export class PlanarView {
     });
   }
 
-  walked() {
-    const { postures, points } = state.path;
+  postures() {
+    const { postures } = state.path;
     postures.forEach((poses, k) => {
       const colour = css(shade((0.75 * k) / Math.max(1, postures.length)), 0.75);
       for (const { start, end, body } of placed(poses)) this.polyline([start, end], colour, Math.max(1.5, 0.55 * this.thickness(body)));
     });
-    this.polyline(points, colours.accent, 2);
   }
 
   // Width of a body [pixel]; a link that has no shape of its own is as wide as in the figures.

@@ -2,6 +2,7 @@
 
 import { add, norm, sub } from "./math.js";
 import { changeObstacle } from "./obstacles.js";
+import { follow } from "./pointer.js";
 import { distance, handles, moved } from "./shapes.js";
 import { send } from "./socket.js";
 import { obstacles, oriented, select, state } from "./state.js";
@@ -64,8 +65,7 @@ export function steerPlanar(view, redraw) {
     drag.from = at;
   });
 
-  canvas.addEventListener("pointermove", (event) => {
-    const at = pixel(event);
+  follow(canvas, () => drag !== null, (at) => {
     if (drag) drag.to(view.toWorld(at), at);
     else if (state.frame) canvas.style.cursor = grab(at)?.cursor ?? "default";
   });

@@ -1,6 +1,6 @@
 // The figures of the present step: a number and a small running plot each.
 
-import { el, figure, part, shortNames, words } from "./dom.js";
+import { el, figure, part, setText, shortNames, words } from "./dom.js";
 import { colours } from "./palette.js";
 import { limited, on, state } from "./state.js";
 
@@ -22,6 +22,16 @@ const figures = () => [
   ["step", "time a step", "ms", (s) => (s.step_time ?? NaN) * 1000, false, "computing time of the last step"],
 ];
 
+const stale = new Set(); // plots with a value that is not drawn yet
+
+// Draw some of the plots that have changed: all at once would be a long pause in every sixth picture.
+export function drawPlots(most = 2) {
+  for (const plot of [...stale].slice(0, most)) {
+    stale.delete(plot);
+    plot.draw();
+  }
+}
+
 class Plot {
   constructor([key, label, unit, read, log, meaning]) {
     Object.assign(this, { read, log, unit, values: [] });
@@ -35,8 +45,8 @@ class Plot {
     const known = typeof value === "number" && Number.isFinite(value);
     this.values.push(known ? value : NaN);
     if (this.values.length > KEPT) this.values.shift();
-    this.value.textContent = figure(value);
-    this.draw();
+    setText(this.value, figure(value));
+    stale.add(this);
   }
 
   draw() {
@@ -112,7 +122,7 @@ function showJoints(host) {
     host.replaceChildren(...names.map((name) => el("div", {}, el("span", { title: name }, name), el("output", {}))));
   }
   joints.forEach((joint, k) => {
-    host.children[k].lastChild.textContent = joint.scalar ? state.frame.q[joint.index].toFixed(3).replace("-", "−") : joint.type;
+    setText(host.children[k].lastChild, joint.scalar ? state.frame.q[joint.index].toFixed(3).replace("-", "−") : joint.type);
     host.children[k].classList.toggle("limited", limited(joint));
   });
 }

@@ -3,6 +3,7 @@
 import { gripAt } from "./gizmo.js";
 import { add, cross, norm, quaternionOf, quaternionProduct, scale, sub } from "./math.js";
 import { changeObstacle } from "./obstacles.js";
+import { follow } from "./pointer.js";
 import { moved, rayHit, turned } from "./shapes.js";
 import { send } from "./socket.js";
 import { obstacles, select, state } from "./state.js";
@@ -70,8 +71,7 @@ export function steerSpatial(view, redraw) {
     const shifts = event.shiftKey || event.button !== 0;
     drag = { at, moved: false, gripped: Boolean(found), to: found ? startGrip(found, at) : shifts ? pan(at) : orbit(at) };
   });
-  canvas.addEventListener("pointermove", (event) => {
-    const at = pixel(event);
+  follow(canvas, () => drag !== null, (at) => {
     if (drag) {
       drag.moved ||= norm(sub(at, drag.at)) > 3;
       if (drag.moved) drag.to(at);
