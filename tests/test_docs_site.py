@@ -18,7 +18,7 @@ import jtik
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 NOT_PUBLIC = {"arguments", "cli", "constructors", "demo", "factorization", "solver", "svd"}
-"""What is at the top of jtik and not for programs: the command line, readers of arguments, metaclasses, and former places."""
+"""What is at the top of jtik and not for programs: the command line, readers of arguments, former places."""
 
 
 @pytest.fixture(scope="module")
