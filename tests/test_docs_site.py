@@ -63,6 +63,12 @@ def test_every_public_name_has_an_entry(reference: ModuleType, staged: Any) -> N
         )
 
 
+def test_every_class_has_its_methods(reference: ModuleType, staged: Any) -> None:
+    for page in ("jtik", "jtik_formulations"):
+        described = text(staged, reference.place(page))
+        assert described.count(".. autoclass::") == described.count("   :members:\n") > 10
+
+
 def test_nothing_private_has_an_entry(reference: ModuleType) -> None:
     assert [entry.name for entry in reference.entries() if "._" in entry.name] == []
 
