@@ -34,6 +34,16 @@ class ArgumentError(JtikError, ValueError):
         return f"{self.argument}: given {shown}; accepted: {self.accepted}"
 
 
+class CallError(ArgumentError, TypeError):
+    """A call that does not fit the arguments of a constructor: an unknown name, or one that is missing.
+
+    Attributes:
+        argument: the unknown names; otherwise what was called.
+        given: what does not fit.
+        accepted: what was called, with its arguments, and other ways to make the same object.
+    """
+
+
 class UnknownNameError(JtikError, KeyError):
     """A name that does not exist: of a frame, a joint, a strategy ...
 

@@ -18,6 +18,7 @@ from jtik._loop.options import Compiled, Until, read_executor
 from jtik.arguments import positive_integer
 from jtik.constraints.clearance import Clearance, clearances_of
 from jtik.constraints.limits import Limits, limits_of
+from jtik.constructors import Constructed
 from jtik.criterion import Criteria, CriterionSum, Parameters
 from jtik.progress import Progress, counted
 from jtik.qp import Backend
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     import qpsolvers
 
 
-class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
+class InverseKinematics(LockedJoints, ControlLoop, FixedSolver, metaclass=Constructed):
     """Joint positions that achieve a task and minimise a criterion with the remaining degrees of freedom.
 
     Building one compiles the step of `solve`; before a control loop, `warm_up` builds the others. Targets, parameters

@@ -17,8 +17,8 @@ import jtik
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
-NOT_PUBLIC = {"arguments", "cli", "demo", "factorization", "solver", "svd"}
-"""What is at the top of jtik and not for programs: the command line, readers of arguments, and former places."""
+NOT_PUBLIC = {"arguments", "cli", "constructors", "demo", "factorization", "solver", "svd"}
+"""What is at the top of jtik and not for programs: the command line, readers of arguments, former places."""
 
 
 @pytest.fixture(scope="module")
@@ -61,6 +61,12 @@ def test_every_public_name_has_an_entry(reference: ModuleType, staged: Any) -> N
         assert re.search(
             rf"^\.\. [\w:]+:: ({re.escape(entry.name)}|{entry.name.rpartition('.')[2]})$", page, re.MULTILINE
         )
+
+
+def test_every_class_has_its_methods(reference: ModuleType, staged: Any) -> None:
+    for page in ("jtik", "jtik_formulations"):
+        described = text(staged, reference.place(page))
+        assert described.count(".. autoclass::") == described.count("   :members:\n") > 10
 
 
 def test_nothing_private_has_an_entry(reference: ModuleType) -> None:

@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[1]
 JTIK, FORMULATIONS = ROOT / "jtik", ROOT / "formulations" / "jtik_formulations"
 
 LEVELS = (
-    ("errors", "types", "arguments"),
+    ("errors", "types", "arguments", "constructors"),
     ("symbolic",),
     ("geometry", "progress", "result", "factorization", "svd"),
     ("robot",),

@@ -11,7 +11,7 @@ import jtik
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 EXTRAS = PROJECT["project"]["optional-dependencies"]
-NOT_IN_ALL = {"all", "robots", "pink", "peers", "test", "notebooks", "docs", "dev"}
+NOT_IN_ALL = {"all", "robots", "pink", "peers", "others", "test", "notebooks", "docs", "dev"}
 """Extras of other libraries, and for work on jtik."""
 
 

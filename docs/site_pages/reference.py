@@ -199,8 +199,6 @@ def _entry(entry: Entry) -> list[str]:
         module, _, name = entry.name.rpartition(".")
         return [f".. py:data:: {name}", f"   :module: {module}", "", *body]
     lines = [f".. {entry.kind}:: {entry.name}"]
-    if inspect.isclass(entry.value) and entry.page == "jtik_formulations":
-        return lines  # its methods are those of its base
     if inspect.isclass(entry.value):
         known = {each.__name__ for each in entry.value.__mro__[1:] if not _is_mixin(each)}
         lines += ["   :members:", f"   :inherited-members: {', '.join(sorted(known))}"]

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from jtik import arguments
 from jtik.constraints.measure import Measure
 from jtik.constraints.motion_bound import MotionBound
+from jtik.constructors import Constructed
 from jtik.errors import ArgumentError
 from jtik.robot import UNWEIGHTED, Robot, WeightedCoordinates
 from jtik.symbolic import Expression, fmax, fmin, if_else, mmin, once_for_each, reshape, sum1, vertcat
@@ -40,7 +41,7 @@ OWN = ("safe", "influence", "gain")
 """Names of a clearance's own figures: a parameter of the measure of such a name is not one of the clearance."""
 
 
-class Clearance:
+class Clearance(metaclass=Constructed):
     """Keeps every distance of a measure at ``safe`` or more along the path of each step.
 
     A row limits the approach of each step, grad d' dq >= -gain (d - safe - margin), for distances below ``influence``:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.arguments import array_of, flag, share
+from jtik.constructors import Constructed
 from jtik.errors import ArgumentError
 from jtik.robot import Robot
 from jtik.types import Array
@@ -23,7 +24,7 @@ Speeds: TypeAlias = bool | float | Sequence[float] | NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Limits:
+class Limits(metaclass=Constructed):
     """Which limits apply, for `InverseKinematics`.
 
     Position limits apply in every method. Velocity and acceleration limits apply where a time is given, in ``track``

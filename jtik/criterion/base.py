@@ -7,7 +7,7 @@ derived from it by CasADi. Parameters stay inputs of the compiled step, so chang
 from __future__ import annotations
 
 import re
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, TypeAlias
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik.arguments import number, several
+from jtik.constructors import Constructed, ConstructedABC
 from jtik.criterion import evaluation
 from jtik.criterion.criteria_argument import hint, registered
 from jtik.criterion.tracing import CriterionError
@@ -63,7 +64,7 @@ class _Algebra:
         return _weighted((own / ratio, criterion) for own, criterion in _terms(self))
 
 
-class Criterion(_Algebra, ABC):
+class Criterion(_Algebra, metaclass=ConstructedABC):
     """A function H(q) to minimise. Subclass it where a decorated function is not enough.
 
     Criteria add and scale: ``1.0 * A() + 0.3 * B()``. A larger weight makes a criterion count more. A negative weight
@@ -166,7 +167,7 @@ class Criterion(_Algebra, ABC):
 
 
 @dataclass(frozen=True)
-class CriterionSum(_Algebra):
+class CriterionSum(_Algebra, metaclass=Constructed):
     """A weighted sum of criteria; each weight is itself a live parameter, ``"name.weight"``.
 
     A weight is any finite number, in the sum and as a live parameter; a negative weight maximises its criterion.

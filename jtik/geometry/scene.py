@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik import arguments
+from jtik.constructors import Constructed
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.geometry.scene_data import from_json, obstacle_from, obstacle_to, read_table, to_toml
 from jtik.geometry.slots import ACCEPTED, read_gains
@@ -22,7 +23,7 @@ from jtik.types import Array
 FILES = "the path of a .toml or .json file"
 
 
-class Scene:
+class Scene(metaclass=Constructed):
     """Named obstacles with a gain each. It never changes: `with_` and `without` return another scene.
 
     It is given as ``obstacles`` to a criterion, which multiplies the terms of each obstacle by its gain; an obstacle

@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik.arguments import array_of, finite_array, non_negative_number, number, positive_number
+from jtik.constructors import Constructed, lists_arguments
 from jtik.errors import ArgumentError
 from jtik.types import Array
 
 
-class Solid:
+class Solid(metaclass=Constructed):
     """Base of the solids: in the workspace, or on a link of a robot in the coordinates of its frame."""
 
     @property
@@ -211,6 +212,7 @@ class Box(Solid):
         return partial(_turned, type(self), self.pose, self.half, self.rotation), ()
 
     @classmethod
+    @lists_arguments
     def at(cls, center: ArrayLike, half: ArrayLike, rotation: ArrayLike | None = None) -> Box:
         """The box of a centre, half the lengths of its edges, and a rotation.
 

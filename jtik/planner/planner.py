@@ -16,6 +16,7 @@ from jtik.arguments import array_of, flag, instance, non_negative_number, positi
 from jtik.arguments import path as read_path
 from jtik.constraints import Limits
 from jtik.constraints.limits import limits_of
+from jtik.constructors import Constructed
 from jtik.criterion import Criteria, Criterion, CriterionSum
 from jtik.demo.scene import Scene as Demo
 from jtik.errors import ArgumentError
@@ -55,7 +56,7 @@ SAFE = 0.02
 """Smallest distance that the clearance allows, unless another one is set [m]."""
 
 
-class Planner:
+class Planner(metaclass=Constructed):
     """A session of an operator who guides the end effector of a robot, changes obstacles and settings, and records.
 
     The target moves at a limited speed, and one step of the solver follows it 60 times a second, in a thread that

@@ -8,6 +8,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from jtik.arguments import finite_array, positive_number
+from jtik.constructors import Constructed
 from jtik.errors import ArgumentError
 from jtik.plotting.figure import Axes, points_per_metre
 from jtik.plotting.skeleton import Skeleton
@@ -15,7 +16,7 @@ from jtik.plotting.style import BACKGROUND, COLORMAP, INK, LINK_WIDTH, shades
 from jtik.robot import Robot
 
 
-class DrawnArm:
+class DrawnArm(metaclass=Constructed):
     """An arm on axes: rounded links and joints. ``move`` changes its configuration.
 
     Args:

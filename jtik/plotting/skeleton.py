@@ -6,12 +6,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik.arguments import array_of, instance
+from jtik.constructors import Constructed
 from jtik.robot import Robot
 from jtik.symbolic import function, symbol, vertcat
 from jtik.types import Array
 
 
-class Skeleton:
+class Skeleton(metaclass=Constructed):
     """Positions of the ends of a robot's links, by one compiled function.
 
     Args:

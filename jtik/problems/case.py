@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from jtik.arguments import finite_array, flag, instance, integer, mapping, number, positive_number, several, text
 from jtik.arguments import name as read_name
+from jtik.constructors import Constructed, ConstructedABC
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.problems.plain_values import frozen_array, frozen_target, plain_target
 from jtik.robot import Robot
@@ -20,7 +21,7 @@ from jtik.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Case:
+class Case(metaclass=Constructed):
     """One inverse kinematics problem: a start and one target, or a start and a path of targets.
 
     All values are copied. Arrays are read-only. Two cases are equal if all their values are equal.
@@ -135,7 +136,7 @@ class Case:
 
 
 @dataclass(frozen=True)
-class ProblemSet(Sequence[Case]):
+class ProblemSet(Sequence[Case], metaclass=ConstructedABC):
     """An ordered set of cases with unique names.
 
     ``problems[3]`` and ``problems["reachable-003"]`` are cases. ``problems[:10]`` and the sum of two sets are sets.

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from jtik.arguments import flag, mapping, text
+from jtik.constructors import lists_arguments
 from jtik.errors import ArgumentError, RobotFileError
 from jtik.robot import gallery
 from jtik.robot.chains import dh_joints, planar_joints, vehicle_joints
@@ -32,6 +33,7 @@ class Builders:
         def __init__(self, joints: Iterable[Any], **options: Any) -> None: ...
 
     @classmethod
+    @lists_arguments
     def planar(
         cls,
         links: object,
@@ -59,6 +61,7 @@ class Builders:
         return cls(joints, name=_named(name, f"planar{len(joints) - 1}"), planar=True)
 
     @classmethod
+    @lists_arguments
     def from_dh(
         cls,
         rows: Iterable[DHRowLike],
@@ -89,6 +92,7 @@ class Builders:
         return cls(joints, name=name)
 
     @classmethod
+    @lists_arguments
     def vehicle(
         cls,
         links: object,
@@ -128,6 +132,7 @@ class Builders:
         return cls(joints, name=_named(name, f"vehicle{len(joints) - 1}"), planar=True)
 
     @classmethod
+    @lists_arguments
     def from_urdf(
         cls,
         path_or_xml: PathOrText,
@@ -182,6 +187,7 @@ class Builders:
         return cls._described(description, tip, name)
 
     @classmethod
+    @lists_arguments
     def from_mjcf(cls, path_or_xml: PathOrText, *, tip: str | None = None, name: str | None = None) -> Self:
         """The robot of a MuJoCo (MJCF) file or text.
 
@@ -212,6 +218,7 @@ class Builders:
         return cls._described(load_mjcf(path_or_xml), tip, name)
 
     @classmethod
+    @lists_arguments
     def from_mujoco(cls, model: Any, *, tip: str | None = None, name: str | None = None) -> Self:
         """The robot of a compiled ``mujoco.MjModel``; see `from_mjcf`.
 
@@ -230,6 +237,7 @@ class Builders:
         return cls._described(load_mujoco(model), tip, name)
 
     @classmethod
+    @lists_arguments
     def _described(cls, description: RobotDescription, tip: str | None, name: str | None) -> Self:
         reported = (*description.notes, *description.changes)
         if reported:
@@ -251,6 +259,7 @@ class Builders:
         return result
 
     @classmethod
+    @lists_arguments
     def builtin(cls, name: str) -> Self:
         """A robot that comes with jtik, by its name.
 

@@ -10,6 +10,7 @@ from typing import Any, Literal, TypeAlias, get_args
 import numpy as np
 
 from jtik.arguments import choice, finite_array, limits, number, positive_or_infinite
+from jtik.constructors import Constructed
 from jtik.errors import ArgumentError
 from jtik.robot.joint_type import JointType
 from jtik.types import Array
@@ -25,7 +26,7 @@ JOINT_TYPES: dict[str, JointType] = {
 
 
 @dataclass(frozen=True)
-class DHRow:
+class DHRow(metaclass=Constructed):
     """One row of a Denavit-Hartenberg table.
 
     ``a`` and ``alpha`` belong to link i in the standard convention, and to link i-1 in the modified one (Craig).

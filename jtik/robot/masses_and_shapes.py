@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from jtik.arguments import finite_array, mapping, non_negative_number, several
+from jtik.constructors import Constructed
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.geometry import Ball, Box, Capsule, Cylinder, Solid
 from jtik.robot.tree import frozen
@@ -23,7 +24,7 @@ NEGLIGIBLE = 1e-15
 
 
 @dataclass(frozen=True, eq=False)
-class Mass:
+class Mass(metaclass=Constructed):
     """The mass and the inertia of what a frame carries.
 
     Attributes:

@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik.arguments import finite_array, mapping, path, several
+from jtik.constructors import Constructed
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.robot.tree import frozen
 from jtik.types import Array
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh:
+class Mesh(metaclass=Constructed):
     """A mesh on a frame, for pictures. Its file is not read before it is drawn, and may be missing then.
 
     Attributes:

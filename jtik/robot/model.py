@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from jtik.arguments import flag, instance, instances, mapping, several, text
+from jtik.constructors import Constructed
 from jtik.errors import ArgumentError, ImmutableError, UnknownNameError
 from jtik.geometry import Solid
 from jtik.robot import skeleton
@@ -28,7 +29,7 @@ from jtik.symbolic import SX, Expression, is_equal
 from jtik.types import Array
 
 
-class Robot(Variants, Builders, Drawable, MassProperties, Collisions):
+class Robot(Variants, Builders, Drawable, MassProperties, Collisions, metaclass=Constructed):
     """A kinematic model: a tree of joints, the frames they carry, and limits.
 
     A configuration q has nq numbers and a velocity n numbers; the two differ for ball and free joints. Methods that

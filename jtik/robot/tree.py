@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from jtik.arguments import finite_array, limits, number, positive_or_infinite, text
+from jtik.constructors import Constructed
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.robot.joint_type import JointType
 from jtik.types import Array
@@ -27,7 +28,7 @@ def frozen(array: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Mimic:
+class Mimic(metaclass=Constructed):
     """A joint that follows another one: its position is ``multiplier * position(joint) + offset``.
 
     Attributes:
@@ -49,7 +50,7 @@ class Mimic:
 
 
 @dataclass(frozen=True, eq=False)
-class Joint:
+class Joint(metaclass=Constructed):
     """One joint and the frame it carries: T_parent_child(q) = origin . motion(q).
 
     Attributes:

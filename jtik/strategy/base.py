@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import warnings
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from jtik.constructors import ConstructedABC
 from jtik.strategy.evaluation import Evaluation
 from jtik.strategy.model import LocalModel
 from jtik.strategy.options import read_options
@@ -72,7 +73,7 @@ class Update:
     relaxed: Mapping[tuple[str, str], Expression] = field(default_factory=dict)
 
 
-class Strategy(ABC):
+class Strategy(metaclass=ConstructedABC):
     """A strategy of redundancy resolution. Subclasses are frozen, keyword-only dataclasses.
 
     Most strategies derive from `Composition` (a task displacement and a null-space displacement) or from `Programmed`

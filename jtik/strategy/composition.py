@@ -11,7 +11,7 @@ Acceptance, the third part, is the same for all of them (formulations/merit.md):
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,6 +19,7 @@ from typing import Any, ClassVar, get_args
 
 import numpy as np
 
+from jtik.constructors import ConstructedABC
 from jtik.strategy.acceptance import Acceptance, final_verdict
 from jtik.strategy.backtracking import path_backtracking
 from jtik.strategy.base import Shape, State, Strategy, Update, take_renamed
@@ -33,7 +34,7 @@ from jtik.symbolic.factorization import RowVector
 from jtik.types import Array
 
 
-class TaskStep(ABC):
+class TaskStep(metaclass=ConstructedABC):
     """The part of a composition that moves the end effector."""
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
@@ -64,7 +65,7 @@ class TaskStep(ABC):
         return {}
 
 
-class SecondaryTerm(Part, ABC):
+class SecondaryTerm(Part, metaclass=ConstructedABC):
     """The part of a composition that lowers H without moving the end effector, to first order.
 
     Attributes:

@@ -17,6 +17,7 @@ from jtik._loop.fingerprint import fingerprint
 from jtik._loop.options import Until, read_executor, read_search_options, read_settings
 from jtik.arguments import flag, instance, instances, integer, positive_integer
 from jtik.constraints.clearance import Clearance, clearances_of
+from jtik.constructors import lists_arguments
 from jtik.criterion.base import Criterion, CriterionSum
 from jtik.errors import ArgumentError, JtikError
 from jtik.plotting.obstacles_in import obstacle_parameters
@@ -42,6 +43,7 @@ Criteria = Criterion | CriterionSum | None
 _TASK = "a jtik.Task such as jtik.FrameTask, or a list of them"
 
 
+@lists_arguments
 def compare(
     robot: Robot,
     task: Task | Iterable[Task],

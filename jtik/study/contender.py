@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from jtik._loop.options import Until
 from jtik.constraints.clearance import Clearance
+from jtik.constructors import ConstructedABC
 from jtik.criterion.base import Criterion, CriterionSum
 from jtik.result.solution import Trace
 from jtik.robot import Robot
@@ -123,7 +124,7 @@ class PreparedContender(ABC):
         return self.solve(target, q0), None
 
 
-class Contender(ABC):
+class Contender(metaclass=ConstructedABC):
     """A solver that can take part in a study. It must be picklable, for the processes of an executor.
 
     Attributes:

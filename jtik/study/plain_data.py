@@ -18,16 +18,15 @@ from jtik.robot.tree import Mimic
 
 _OPTIONS = ("masses", "shapes", "keyframes")
 
-_CLASSES: dict[str, type[Any]] = {
-    kind.__name__: kind
-    for kind in (
-        *(each for each in vars(geometry).values() if isinstance(each, type) and issubclass(each, geometry.Solid)),
-        *(each for each in vars(task).values() if isinstance(each, type) and issubclass(each, task.Task)),
-        Joint,
-        Mass,
-        Mimic,
-    )
-}
+_KINDS: tuple[type[Any], ...] = (
+    *(each for each in vars(geometry).values() if isinstance(each, type) and issubclass(each, geometry.Solid)),
+    *(each for each in vars(task).values() if isinstance(each, type) and issubclass(each, task.Task)),
+    Joint,
+    Mass,
+    Mimic,
+)
+
+_CLASSES = {kind.__name__: kind for kind in _KINDS}
 
 
 class DescriptionError(JtikError):

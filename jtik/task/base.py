@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import warnings
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, ClassVar
 
+from jtik.constructors import ConstructedABC
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, Function, symbol
 from jtik.types import Array
@@ -30,7 +31,7 @@ class TaskRows:
     jacobian: Expression | None = None
 
 
-class Task(ABC):
+class Task(metaclass=ConstructedABC):
     """A task: an error that the solver reduces to zero. Subclass it with an error and the numbers of a target.
 
     Attributes:

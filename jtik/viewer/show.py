@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, TypeGuard
 
 from jtik.arguments import choice, positive_integer
+from jtik.constructors import lists_arguments
 from jtik.errors import ArgumentError
 from jtik.geometry import Scene, Solid
 from jtik.plotting.obstacles_in import shown_obstacles
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from jtik.study.comparison import Comparison
 
 
+@lists_arguments
 def view(
     *subjects: Robot | InverseKinematics | Solution | Trajectory | Comparison | Any,
     robot: Robot | None = None,

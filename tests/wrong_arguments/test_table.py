@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import pytest
 
 import jtik
+from jtik.errors import CallError
 
 from .surface import ENTRIES, OF_OPTIONS, PROBLEMS, STUDY
 from .trial import faults
@@ -142,3 +143,10 @@ def test_nothing_in_the_table_is_gone():
     assert set(OF_OPTIONS) <= names
     assert {*NOT_CALLED, *METHODS_LEFT_OUT} <= names
     assert {name for name in (*PROBLEMS, *STUDY) if "." not in name} <= names
+
+
+@pytest.mark.parametrize(("name", "value"), [pytest.param(*each, id=each[0]) for each in public()])
+def test_every_constructor_lists_its_arguments_for_an_unknown_one(name, value):
+    if isinstance(value, type) and name not in NOT_CALLED and (name, "options") not in LEFT_OUT:
+        with pytest.raises(CallError, match=rf"no_such_argument: given to .*accepted: {value.__name__}\("):
+            value(no_such_argument=1)
