@@ -199,6 +199,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         progress: Progress = False,
         executor: Executor | None = None,
         block: int = 100,
+        threads: int = 1,
         save: str | Path | None = None,
     ) -> SolutionBatch:
         """Solve for many targets, each by itself, with the figures of all Solutions as arrays.
@@ -216,6 +217,8 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
             executor: a `concurrent.futures.Executor` for parallel work, such as a process pool or Dask's
                 ``client.get_executor()``; the numbers are the same. None solves in this process.
             block: number of targets that are sent to the executor at once.
+            threads: number of threads that solve at the same time, with the same numbers. They share the work that runs
+                in generated C; a step on the virtual machine, and what a solve leaves to Python, use one at a time.
             save: a ``.npz`` file that is written while the batch runs. If it exists, the batch goes on from it.
 
         Raises:
@@ -227,6 +230,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
         place: dict[str, Any] = {
             "executor": read_executor(executor),
             "block": positive_integer("block", block),
+            "threads": positive_integer("threads", threads),
             "save": save,
         }
         return self._solving.solve_batch(targets, q0, options, progress, solver=self, **place)

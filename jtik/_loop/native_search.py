@@ -84,6 +84,7 @@ class NativeSearch:
 
     def __init__(self, library: Library, runner: Runner, turns: FullTurns, *, has_criterion: bool) -> None:
         self.runner = runner
+        self._library, self._turns, self._has_criterion = library, turns, has_criterion
         nq = len(runner.q[0])
         self.q0 = np.zeros(nq)
         self._tally = np.zeros(len(Tally._fields), dtype=np.int64)
@@ -115,6 +116,12 @@ class NativeSearch:
         self._batch = getattr(library.loaded, f"{library.name}_batch")
         self._batch.argtypes = [*self._call.argtypes[:2], integer, integer, integer, ctypes.c_double, ctypes.c_void_p]
         self._batch.restype = integer
+
+    def beside(self) -> NativeSearch:
+        """A search on memory of its own, for another thread, with the parameters, limits and settings of this one."""
+        inputs = self.runner.inputs._replace(target=self.runner.inputs.target.copy())
+        runner = Runner(self.runner.fused, inputs, len(self.q0))
+        return NativeSearch(self._library, runner, self._turns, has_criterion=self._has_criterion)
 
     @property
     def turning(self) -> bool:

@@ -84,6 +84,26 @@ class TestInterrupt:
         assert not batch.complete
         assert 0 < len(batch) < len(many)
 
+    def test_a_signal_ends_the_threads_of_a_batch(self, monkeypatch, interruptible):
+        ik, search, called = solver(compiled=True), NativeSearch.batch, []
+
+        def batch_with_signal(*arguments):
+            called.append(threading.get_ident())
+            if len(called) == 20:
+                os.kill(os.getpid(), signal.SIGINT)
+            return search(*arguments)
+
+        expected = ik.solve_batch(np.tile(TARGETS, (100, 1)), q0=Q0)
+        monkeypatch.setattr(NativeSearch, "batch", batch_with_signal)
+        begin = time.monotonic()
+        batch = ik.solve_batch(np.tile(TARGETS, (4000, 1)), q0=Q0, restarts=5, threads=2)
+        assert time.monotonic() - begin < 20.0
+        assert not batch.complete
+        assert len(batch) > 0
+        assert len({*called}) == 2
+        assert "jtik batch" not in [each.name for each in threading.enumerate()]
+        same(ik.solve_batch(np.tile(TARGETS, (100, 1)), q0=Q0, threads=2), expected)
+
     @pytest.mark.parametrize("restarts", [0, 40])
     def test_a_search_in_c_gives_way_to_python_and_ends_with_the_same_numbers(self, restarts, monkeypatch):
         expected = solver(compiled=True).solve_batch(TARGETS, q0=Q0, restarts=restarts)

@@ -456,6 +456,7 @@ SOLVER: dict[str, Entry] = {
             "progress": FLAG.without("True", "class"),
             "executor": NOTHING | "None",
             "block": POSITIVE_COUNT,
+            "threads": POSITIVE_COUNT,
             "save": NOTHING | "None",
             **TOLERANCES,
         },
