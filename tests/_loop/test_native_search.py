@@ -152,7 +152,7 @@ def test_a_second_solve_with_the_same_options_is_the_same(rng):
 
 THREADS_OF = {
     "damped, restarts": ({"strategy": "damped"}, {"restarts": 10}),
-    "quadratic programs": ({"strategy": "weighted_qp", "criteria": JointCentering()}, {"max_iterations": 60}),
+    "quadratic programs": ({"strategy": "hybrid+qp", "criteria": JointCentering()}, {"max_iterations": 200}),
 }
 
 
