@@ -15,6 +15,7 @@ from jtik._loop.arrivals import SearchResult
 from jtik._loop.batch import BatchRows
 from jtik._loop.compile_ahead import CompileAhead
 from jtik._loop.inspection import Inspector
+from jtik._loop.lane_search import LaneSearch
 from jtik._loop.native_search import NativeBatch
 from jtik._loop.search import Search, SearchOptions
 from jtik._step.inputs import InputMemory
@@ -69,6 +70,7 @@ class BatchSearches:
         options: tuple[Any, ...],
         search_options: SearchOptions,
         threads: int,
+        lanes: LaneSearch | None = None,
     ) -> Iterator[BatchRows]:
         """The rows of the targets with these numbers, as they are done.
 
@@ -78,6 +80,7 @@ class BatchSearches:
             options: the options of the solves.
             search_options: those of their searches.
             threads: number of threads.
+            lanes: the search in lanes; None for one target at a time in each thread.
         """
         starts, at = targets.starts, 0
 
@@ -90,7 +93,7 @@ class BatchSearches:
 
         while at < len(chosen):
             own = starts if len(starts) == 1 else starts[chosen[at:]]
-            blocks = self._search.find_all(targets.numbers[chosen[at:]], own, search_options, threads)
+            blocks = self._search.find_all(targets.numbers[chosen[at:]], own, search_options, threads, lanes)
             if blocks is None:
                 yield row(int(chosen[at]), None, 0.0)
                 at += 1

@@ -21,6 +21,7 @@ from jtik._loop.attempts import Attempts, Ended, patience_of
 from jtik._loop.ends import Ends, smaller
 from jtik._loop.full_turns import FullTurns
 from jtik._loop.jump import Jump
+from jtik._loop.lane_search import LaneSearch
 from jtik._loop.native_search import NativeBatch, NativeSearch
 from jtik._loop.native_threads import MOST_THREADS, SMALLEST, in_threads
 from jtik._loop.restarts import RestartConfigurations
@@ -82,8 +83,8 @@ class Search:
         self._has_criterion, self._by_level = has_criterion, by_level
         self._restarts, self._continuum = RestartConfigurations(robot), attempts.continuum
         self.native: NativeSearch | None = None
-        self._beside: list[NativeSearch] = []
-        self._beside_of: NativeSearch | None = None
+        self._beside: list[NativeSearch | LaneSearch] = []
+        self._beside_of: NativeSearch | LaneSearch | None = None
 
     def find(
         self,
@@ -261,7 +262,7 @@ class Search:
         return True
 
     def find_all(
-        self, targets: Array, q0: Array, options: SearchOptions, threads: int = 1
+        self, targets: Array, q0: Array, options: SearchOptions, threads: int = 1, lanes: LaneSearch | None = None
     ) -> Iterator[tuple[int, NativeBatch]] | None:
         """Searches for each row of ``targets`` in C, in blocks with the number of their first row; None without C.
 
@@ -272,15 +273,16 @@ class Search:
             q0: where to begin, one configuration for all, (1, nq), or one for each, (k, nq).
             options: the options.
             threads: number of threads that search at the same time; with several the blocks come as they are done.
+            lanes: the search in lanes; None for one target at a time.
         """
-        native = self.native
+        native = lanes or self.native
         if native is None or (len(q0) > 1 and self._restarts.depend_on_start):
             return None
         starts, first, last = self._starts(0, options, q0[0], None)
         patience = PATIENCE if options.restarts else patience_of(native.runner, math.inf)
         last = min(last, options.restarts)
 
-        def solve(search: NativeSearch, begin: int, end: int) -> NativeBatch:
+        def solve(search: NativeSearch | LaneSearch, begin: int, end: int) -> NativeBatch:
             own = q0[begin:] if len(q0) > 1 else q0
             return search.batch(targets[begin:end], own, starts, first, last, options.limit, patience)
 

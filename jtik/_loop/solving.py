@@ -24,6 +24,7 @@ from jtik._loop.compile_ahead import CompileAhead
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
 from jtik._loop.jump import Jump
+from jtik._loop.lane_search import LaneSearch
 from jtik._loop.native_source import UNREADABLE
 from jtik._loop.options import read_search_options, read_settings
 from jtik._loop.runner import Runner
@@ -79,6 +80,7 @@ class Solving:
         self._memory, self._targets, self._ahead = runners.memory, targets, ahead
         self._target = self._memory.inputs.target
         self._options, self._kinds, self._prepared = tuple[Any, ...](), list[type](), tuple[Any, ...]()
+        self._lanes: LaneSearch | None = None
         self._batch = BatchSearches(
             search,
             self._memory,
@@ -164,6 +166,7 @@ class Solving:
         executor: Executor | None,
         block: int,
         threads: int,
+        lanes: bool,
         save: str | Path | None,
     ) -> SolutionBatch:
         """Solve for each target by itself, as `InverseKinematics.solve_batch` describes it."""
@@ -176,6 +179,7 @@ class Solving:
             exclusive.busy = True
             starts = self._configurations.starts(q0, len(numbers))
             search_options = self._read_options(options)
+            in_lanes = self._in_lanes() if lanes else None
             identity = None if save is None else (solver.identity, list(numbers), list(starts), options)
             file = BatchFile(save, identity, len(numbers), self._robot.nq)
             pool = None
@@ -183,7 +187,8 @@ class Solving:
                 pool = BatchPool(executor, solver, block, numbers=numbers, starts=starts, options=options)
 
             def solve(missing: NDArray[np.int64]) -> Iterator[BatchRows]:
-                return self._batch.rows(missing, BatchTargets(given, numbers, starts), options, search_options, threads)
+                all_targets = BatchTargets(given, numbers, starts)
+                return self._batch.rows(missing, all_targets, options, search_options, threads, in_lanes)
 
             rows = solved(len(numbers), self._robot.nq, solve, pool=pool, file=file, progress=progress)
             memory = self._memory.numbers.copy()
@@ -196,6 +201,19 @@ class Solving:
             return collect(rows, targets=numbers, inspect=inspect)
         finally:
             exclusive.busy = False
+
+    def _in_lanes(self) -> LaneSearch:
+        """The search in lanes, which is compiled when it is first used.
+
+        Raises:
+            ArgumentError: where the strategy has none.
+            CompilerError: without a compiler.
+        """
+        self._lanes = self._lanes or self._runners.lanes()
+        if self._lanes is None:
+            accepted = "False; True where a step is expressions alone: no quadratic program, nothing computed in Python"
+            raise ArgumentError("lanes", True, accepted)
+        return self._lanes
 
     def solve_numbers(self, numbers: Array, starts: Array, options: Options) -> BatchRows:
         """The rows of targets that are numbers, as another process can read them."""
