@@ -12,13 +12,19 @@ from jtik.symbolic.lane_source import lane_source
 
 _INCLUDED = """
 #include <time.h>
+#if defined(__x86_64__)
+#include <cpuid.h>
+#endif
 """
 
 _SOURCE = r"""
-/* Whether this processor has the instructions of the step. */
+/* Whether this processor has the instructions of the step, and the system keeps its registers. */
 int JTIK_NAME_supported(void) {
 #if defined(__x86_64__) && !defined(JTIK_BASELINE)
-  return __builtin_cpu_supports("avx2");
+  unsigned a, b, c, d, low, high;
+  if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & bit_OSXSAVE) || !(c & bit_AVX)) return 0;
+  __asm__ volatile("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
+  return (low & 6) == 6 && __get_cpuid_count(7, 0, &a, &b, &c, &d) && (b & bit_AVX2) != 0;
 #else
   return 1;
 #endif

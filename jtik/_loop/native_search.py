@@ -247,7 +247,7 @@ class NativeBatch(NamedTuple):
 
     def first(self, count: int) -> NativeBatch:
         """The first ones."""
-        return NativeBatch(*[column[:count] for column in self])
+        return NativeBatch._make(column[:count] for column in self)
 
 
 _CODES = tuple(Code)

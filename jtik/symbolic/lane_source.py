@@ -18,8 +18,25 @@ _NAMES = {value: name[3:] for name, value in vars(casadi).items() if name.starts
 _COMPARED = {"LT": "<", "LE": "<=", "EQ": "==", "NE": "!="}
 _JOINED = {"AND": "&", "OR": "|"}
 
-_ONE = ("exp", "log", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh")
-_ONE += ("floor", "ceil", "erf", "log1p", "expm1")
+_ONE = (
+    "exp",
+    "log",
+    "tan",
+    "asin",
+    "acos",
+    "atan",
+    "sinh",
+    "cosh",
+    "tanh",
+    "asinh",
+    "acosh",
+    "atanh",
+    "floor",
+    "ceil",
+    "erf",
+    "log1p",
+    "expm1",
+)
 _TWO = ("atan2", "pow", "fmod", "copysign", "hypot")
 """Functions of the C library, called for each lane."""
 
