@@ -50,7 +50,8 @@ JTIK_INLINE turn_of quarter_turns(V x) {
   const V t = x * 0x1.45f306dc9c883p-1 + shift;
   const M quarter = bits(t);
   const V k = t - shift;
-  const V r = ((x - k * 0x1.921fb544p+0) - k * 0x1.0b4611a4p-34) - k * 0x1.13198a2e03707p-69;
+  const V t1 = x - k * 0x1.921fb544p+0, t2 = k * 0x1.0b4611a6p-34, near = t1 - t2; /* the first part is exact */
+  const V r = near + (((t1 - near) - t2) - k * 0x1.3198a2e037073p-69);
   const V u = r * r;
   const V s = r + r * (u * (-0x1.5555555555555p-3 + u * (0x1.111111111111p-7 + u * (-0x1.a01a01a01993p-13 +
               u * (0x1.71de3a545f9a2p-19 + u * (-0x1.ae6454110cefep-26 + u * (0x1.61217dac1ab99p-33 +

@@ -457,6 +457,7 @@ SOLVER: dict[str, Entry] = {
             "executor": NOTHING | "None",
             "block": POSITIVE_COUNT,
             "threads": POSITIVE_COUNT,
+            "lanes": FLAG,
             "save": NOTHING | "None",
             **TOLERANCES,
         },
