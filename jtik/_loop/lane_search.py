@@ -9,6 +9,7 @@ search in Python, as by the native search.
 from __future__ import annotations
 
 import ctypes
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ from jtik._loop.runner import Runner
 from jtik._step.fused_step import FusedStep
 from jtik.symbolic import Function
 from jtik.symbolic.compile import plain_library
+from jtik.symbolic.lane_maths import EXACT, LEVELS, PROBE, Level
 from jtik.symbolic.lane_source import has_lanes
 from jtik.types import Array
 
@@ -35,11 +37,13 @@ class LaneLibrary(NamedTuple):
 
     Attributes:
         function: the step.
+        level: the instructions that it uses.
         loaded: its shared library.
         name: the beginning of its names.
     """
 
     function: Function
+    level: Level
     loaded: ctypes.CDLL
     name: str
 
@@ -56,10 +60,20 @@ def lane_library(fused: FusedStep) -> LaneLibrary | None:
     function = fused.expressions
     if function is None or not has_lanes(function):
         return None
-    loaded, name = plain_library(source(function, fused.state))
-    if not getattr(loaded, f"{name}_supported")():
-        loaded, name = plain_library(source(function, fused.state, baseline=True))
-    return LaneLibrary(function, loaded, name)
+    level = LEVELS[highest_level()]
+    loaded, name = plain_library(source(function, fused.state, level), EXACT)
+    return LaneLibrary(function, level, loaded, name)
+
+
+@cache
+def highest_level() -> int:
+    """The number of the highest of `LEVELS` that this machine has.
+
+    Raises:
+        CompilerError: without a compiler.
+    """
+    loaded, name = plain_library(PROBE)
+    return int(getattr(loaded, f"{name}_level")())
 
 
 class LaneSearch:
@@ -87,7 +101,7 @@ class LaneSearch:
         at[[0, 9, 10, 12]] = [each.ctypes.data for each in (pointers, self._first_state, inputs.settings, self._q0)]
         at[13:17] = [self._nq, len(self._first_state), len(turns.indices), int(has_criterion)]
         at[17:20] = [each.ctypes.data for each in limits]
-        work = np.zeros(work_size(library.function) + ALIGNMENT // 8)
+        work = np.zeros(work_size(library.function, library.level) + ALIGNMENT // 8)
         skipped = -work.ctypes.data % ALIGNMENT
         self._work = work.ctypes.data + skipped
         self._at, self._kept = at, (pointers, work, limits, inputs)

@@ -7,29 +7,14 @@ from jtik._step.inputs import Inputs
 from jtik._step.stopping import StepOutcome
 from jtik._step.vector_layout import VectorLayout
 from jtik.symbolic import Function
-from jtik.symbolic.lane_maths import LANE_MATHS, LANES
+from jtik.symbolic.lane_maths import Level, lane_maths
 from jtik.symbolic.lane_source import lane_source
 
 _INCLUDED = """
 #include <time.h>
-#if defined(__x86_64__)
-#include <cpuid.h>
-#endif
 """
 
 _SOURCE = r"""
-/* Whether this processor has the instructions of the step, and the system keeps its registers. */
-int JTIK_NAME_supported(void) {
-#if defined(__x86_64__) && !defined(JTIK_BASELINE)
-  unsigned a, b, c, d, low, high;
-  if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & bit_OSXSAVE) || !(c & bit_AVX)) return 0;
-  __asm__ volatile("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
-  return (low & 6) == 6 && __get_cpuid_count(7, 0, &a, &b, &c, &d) && (b & bit_AVX2) != 0;
-#else
-  return 1;
-#endif
-}
-
 /* What a search that is in a lane has done; row: of its target, -1 where there is none. */
 typedef struct { long long row, number, calls, iterations; double since; } lane;
 
@@ -74,8 +59,7 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
   for (int started = 0;; started = 1) {
     M over = {0};
     if (started) {
-      JTIK_NAME_step((const V*)q[here], (const V*)target, JTIK_SHARED, (const V*)state[here],
-                     (V*)q[1 - here], (V*)state[1 - here], (V*)outcome);
+      JTIK_NAME_step(JTIK_ARGUMENTS, (V*)q[1 - here], (V*)state[1 - here], (V*)outcome);
       here = 1 - here;
       over = ((const V*)outcome)[JTIK_CODE] != 0.0;
       for (int i = 0; i < JTIK_LANES; ++i) over[i] |= -(int64_t)(++lanes[i].calls >= limit);
@@ -147,34 +131,32 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
 """
 
 
-def source(function: Function, state: VectorLayout, *, baseline: bool = False) -> str:
+def source(function: Function, state: VectorLayout, level: Level) -> str:
     """The C code of the search in lanes.
 
     Args:
         function: the fused step, which has lanes.
         state: layout of its state.
-        baseline: whether it uses only instructions that every processor of its kind has.
+        level: the instructions that it uses.
     """
-    names, first = Inputs._fields, 1  # q is argument 0
-    shared = [first + i for i, name in enumerate(names) if name != "target"]
-    state_at = first + len(names)
+    names, first = Inputs._fields, 1  # q is argument 0, the state the last one
+    target = first + names.index("target")
+    shared = [first + i for i in range(len(names)) if first + i != target]
     sizes = {
         "NQ": function.numel_in(0),
-        "NT": function.numel_in(first + names.index("target")),
-        "NS": function.numel_in(state_at),
-        "LANES": LANES,
+        "NT": function.numel_in(target),
+        "NS": function.numel_in(first + len(names)),
+        "WORK": work_size(function, level) // level.lanes,
     }
-    sizes["WORK"] = work_size(function) // LANES
-    call = ", ".join(f"shared[{i}]" for i in shared)
-    # the search in Python passes q, the inputs in their order, and the state
-    assert names[0] == "target"
     lines = [f"#define JTIK_{name} {value}" for name, value in sizes.items()]
-    lines += [f"#define JTIK_SHARED {call}", *(["#define JTIK_BASELINE"] if baseline else []), ""]
+    arguments = {0: "(const V*)q[here]", target: "(const V*)target", first + len(names): "(const V*)state[here]"}
+    call = [arguments.get(k, f"shared[{k}]") for k in range(first + len(names) + 1)]
+    lines += [f"#define JTIK_ARGUMENTS {', '.join(call)}", ""]
     step = lane_source(function, "JTIK_NAME_step", shared)
-    return "\n".join(lines) + macros(state) + LANE_MATHS + _INCLUDED + TURNED + step + _SOURCE
+    return "\n".join(lines) + macros(state) + "\n" + lane_maths(level) + _INCLUDED + TURNED + step + _SOURCE
 
 
-def work_size(function: Function) -> int:
+def work_size(function: Function, level: Level) -> int:
     """How many numbers the search needs in memory for this step."""
-    nq, ns = function.numel_out(0), function.numel_out(1)
-    return int(LANES * (2 * nq + 2 * ns + function.numel_in(1) + len(StepOutcome._fields)))
+    nq, ns, target = function.numel_out(0), function.numel_out(1), 1 + Inputs._fields.index("target")
+    return int(level.lanes * (2 * nq + 2 * ns + function.numel_in(target) + len(StepOutcome._fields)))

@@ -137,16 +137,21 @@ def library(
     return _library(source, function.name(), archive, runs, using, _loaded)
 
 
-def plain_library(source: str) -> tuple[ctypes.CDLL, str]:
+def plain_library(source: str, more: tuple[str, ...] = ()) -> tuple[ctypes.CDLL, str]:
     """C source as a shared library, kept as those of `library` are, and what JTIK_NAME stands for in it.
 
     Args:
         source: the source; its own names begin with JTIK_NAME.
+        more: more options for the compiler.
 
     Raises:
         CompilerError: when there is no compiler, it fails, or the library cannot be stored or loaded.
     """
-    return _library(source, "JTIK_NAME", None, None, nullcontext(), lambda name, path: (ctypes.CDLL(str(path)), name))
+
+    def load(name: str, path: Path) -> tuple[ctypes.CDLL, str]:
+        return ctypes.CDLL(str(path)), name
+
+    return _library(source, "JTIK_NAME", None, None, nullcontext(), load, more)
 
 
 def _library(
@@ -156,19 +161,20 @@ def _library(
     runs: CompilerRuns | None,
     using: AbstractContextManager[Any],
     load: Callable[[str, Path], T],
+    more: tuple[str, ...] = (),
 ) -> T:
     """What ``load`` makes of the library of a source, in which the name of the library replaces another."""
     command = compiler()
     machine = (sys.platform, platform.machine(), sys.maxsize, sys.modules["jtik"].__version__)
     linked = archive and hashlib.sha256(archive.file.read_bytes()).hexdigest()
-    depends = repr((command, options(command), version(command, runs), machine, source, linked))
+    depends = repr((command, (*options(command), *more), version(command, runs), machine, source, linked))
     name = "jtik_" + hashlib.sha256(depends.encode()).hexdigest()[:32]
 
     def build(scratch: Path) -> Path:
         code, built = scratch / f"{name}.c", scratch / f"{name}.so"
         # the prefix keeps the symbols of several libraries, and libc's own "step", apart
         code.write_text(source.replace(replaced, name).replace("JTIK_NAME", name), encoding="utf-8")
-        compile_library(command, code, built, archive, runs)
+        compile_library(command, code, built, archive, runs, more)
         return built
 
     path = library_cache.find_or_build(name, build)

@@ -8,16 +8,53 @@ they are the C library's.
 
 from __future__ import annotations
 
-LANES = 4
-"""Numbers in a vector: those that fit into a register of 256 bits."""
+from typing import NamedTuple
 
-LANE_MATHS = r"""
+
+class Level(NamedTuple):
+    """Instructions of processors.
+
+    Attributes:
+        instructions: as compilers name them; empty for those that every processor of its kind has.
+        lanes: numbers in a vector.
+    """
+
+    instructions: str
+    lanes: int
+
+
+LEVELS = (Level("", 4), Level("avx2", 4), Level("avx512f,avx512dq,avx512vl", 8))
+"""From those that every processor has to the fastest; all give the same numbers."""
+
+EXACT = ("-ffp-contract=off",)
+"""Options with which it is compiled: a product and a sum are rounded twice at every level."""
+
+PROBE = r"""
+#if defined(__x86_64__)
+#include <cpuid.h>
+#endif
+
+/* The highest level that this processor has, and whose registers the system keeps. */
+int JTIK_NAME_level(void) {
+#if defined(__x86_64__)
+  unsigned a, b, c, d, low, high;
+  if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & (1u << 27)) || !(c & (1u << 28))) return 0; /* XGETBV, AVX */
+  __asm__ volatile("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
+  if ((low & 6) != 6 || !__get_cpuid_count(7, 0, &a, &b, &c, &d) || !(b & (1u << 5))) return 0;
+  return (low & 0xe6) == 0xe6 && (b & (1u << 16)) && (b & (1u << 17)) && (b & (1u << 31)) ? 2 : 1;
+#else
+  return 0;
+#endif
+}
+"""
+
+_LANE_MATHS = r"""
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
 
-#if defined(__x86_64__) && !defined(JTIK_BASELINE)
-#define JTIK_CPU __attribute__((target("avx2")))
+#ifdef JTIK_INSTRUCTIONS
+#define JTIK_CPU __attribute__((target(JTIK_INSTRUCTIONS)))
 #else
 #define JTIK_CPU
 #endif
@@ -83,3 +120,9 @@ JTIK_INLINE V v_cos(V x) {
   return r;
 }
 """
+
+
+def lane_maths(level: Level) -> str:
+    """C of the arithmetic with the instructions of a level."""
+    instructions = [f'#define JTIK_INSTRUCTIONS "{level.instructions}"'] if level.instructions else []
+    return "\n".join([*instructions, f"#define JTIK_LANES {level.lanes}", _LANE_MATHS])

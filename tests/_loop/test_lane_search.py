@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import os
-import re
 import signal
 import threading
 
@@ -12,9 +11,10 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik._loop import lane_search, lane_search_source
+from jtik._loop import lane_search
+from jtik.symbolic import lane_maths
 from jtik.symbolic.compile import plain_library
-from jtik.symbolic.lane_maths import LANE_MATHS
+from jtik.symbolic.lane_maths import Level
 from jtik_formulations import Damped, JointCentering
 
 from ..conftest import dh_arm, planar, slow
@@ -91,31 +91,29 @@ def test_a_result_depends_neither_on_what_is_beside_it_nor_on_threads_nor_on_the
         same(together, alone, slice(i, i + 1))
 
 
-@pytest.mark.parametrize("lanes", [1, 2, 8])
-def test_a_result_does_not_depend_on_the_number_of_lanes(lanes, monkeypatch, rng):
+LEVELS = {
+    "one lane": Level("", 1),
+    "two lanes": Level("", 2),
+    "four lanes": Level("", 4),
+    "AVX2": lane_maths.LEVELS[1],
+    "AVX-512": lane_maths.LEVELS[2],
+}
+
+
+@pytest.mark.parametrize("name", LEVELS)
+def test_a_result_does_not_depend_on_instructions_and_number_of_lanes(name, monkeypatch, rng):
+    level = LEVELS[name]
+    if level in lane_maths.LEVELS and lane_maths.LEVELS.index(level) > lane_search.highest_level():
+        pytest.skip("a processor without these instructions")
     robot = dh_arm(5, 3)
-    targets, q0 = np.array([robot.pose(robot.random_configuration(rng))[:3, 3] for _ in range(40)]), np.full(5, 0.3)
+    targets = np.array([robot.pose(robot.random_configuration(rng))[:3, 3] for _ in range(40)])
 
     def batch():
         ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "position"), strategy="damped")
-        return ik.solve_batch(targets, q0=q0, restarts=10, lanes=True)
+        return ik.solve_batch(targets, q0=np.full(5, 0.3), restarts=10, lanes=True)
 
     expected = batch()
-    monkeypatch.setattr(lane_search_source, "LANES", lanes)
-    same(expected, batch())
-
-
-def test_without_the_wide_registers_it_is_the_same(monkeypatch, rng):
-    robot = planar(4)
-    targets = rng.uniform(-2, 2, (30, 2))
-
-    def batch():
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask(kind="position"), strategy="hybrid")
-        return ik.solve_batch(targets, q0=np.full(4, 0.3), lanes=True)
-
-    expected = batch()
-    source = lane_search.source
-    monkeypatch.setattr(lane_search, "source", lambda *arguments, **_: source(*arguments, baseline=True))
+    monkeypatch.setattr(lane_search, "LEVELS", [level] * len(lane_maths.LEVELS))
     same(expected, batch())
 
 
@@ -201,7 +199,6 @@ def test_targets_are_checked():
 
 
 SINES = """
-#define JTIK_LANES 4
 %s
 JTIK_CPU void JTIK_NAME_turns(const double* x, double* s, double* c, long long n) {
   for (long long i = 0; i < n; i += 4) {
@@ -219,7 +216,7 @@ JTIK_CPU void JTIK_NAME_turns(const double* x, double* s, double* c, long long n
 def test_sine_and_cosine_are_within_two_units_of_the_last_place(rng):
     import ctypes
 
-    loaded, name = plain_library(SINES % re.sub(r"#define JTIK_CPU .*avx2.*", "#define JTIK_CPU", LANE_MATHS))
+    loaded, name = plain_library(SINES % lane_maths.lane_maths(lane_maths.LEVELS[0]), lane_maths.EXACT)
     near = np.arange(-64000, 64000) * (np.pi / 2)
     x = np.concatenate([rng.uniform(-1e5, 1e5, 200_000), rng.uniform(-7, 7, 200_000), near[::5], [0.0, -0.0, 1e-300]])
     x = np.concatenate([x, np.zeros(-len(x) % 4)])
