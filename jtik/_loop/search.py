@@ -35,6 +35,9 @@ from jtik.types import Array
 PATIENCE = 4.0
 """Calls without progress after which an attempt that a restart can replace ends."""
 
+MANY = 1000
+"""Number of targets of a batch for which more than the first restarts are drawn beforehand, and the most of these."""
+
 
 class SearchOptions(NamedTuple):
     """Options of a search.
@@ -279,6 +282,12 @@ class Search:
         if native is None or (len(q0) > 1 and self._restarts.depend_on_start):
             return None
         starts, first, last = self._starts(0, options, q0[0], None)
+        if starts is not None and len(targets) >= MANY:  # it pays to draw more than those that most targets need
+            blocks = [starts]
+            while last < min(options.restarts, MANY):
+                more, _, last = self._starts(last + 1, options, q0[0], None)
+                blocks += [more] if more is not None else []
+            starts = np.concatenate(blocks)
         patience = PATIENCE if options.restarts else patience_of(native.runner, math.inf)
         last = min(last, options.restarts)
 
