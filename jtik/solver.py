@@ -218,8 +218,9 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver):
             executor: a `concurrent.futures.Executor` for parallel work, such as a process pool or Dask's
                 ``client.get_executor()``; the numbers are the same. None solves in this process.
             block: number of targets that are sent to the executor at once.
-            threads: number of threads that solve at the same time, with the same numbers. They share the work that runs
-                in generated C; a step on the virtual machine, and what a solve leaves to Python, use one at a time.
+            threads: number of threads of this process that solve at the same time, with the same numbers. They share
+                the work that runs in generated C; a step on the virtual machine, and what a solve leaves to Python, use
+                one at a time.
             lanes: whether several targets are solved side by side in vector registers, two to four times faster.
                 Results differ by rounding from those of `solve`; they depend neither on what is solved beside them nor
                 on ``threads``. It compiles C when it is first used, whatever ``compiled`` is.

@@ -103,7 +103,9 @@ def solved(
         progress: as in `InverseKinematics.solve_batch`.
     """
     known = file.known
-    missing = np.setdiff1d(np.arange(count), known.numbers)
+    left = np.ones(count, dtype=bool)
+    left[known.numbers] = False
+    missing = np.flatnonzero(left)
     parts = [known]
     solving: Iterable[BatchRows] = solve(missing) if pool is None else pool.solving(missing)
     if progress is not False:

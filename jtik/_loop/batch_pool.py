@@ -37,6 +37,7 @@ class BatchPool:
         numbers: the numbers of all targets, (k, size).
         starts: where each solve begins; one configuration for all, (1, nq), or one for each, (k, nq).
         options: the options of the solves.
+        lanes: whether several targets are solved side by side.
 
     Raises:
         ArgumentError: when the solver cannot be pickled.
@@ -51,9 +52,10 @@ class BatchPool:
         numbers: Array,
         starts: Array,
         options: Any,
+        lanes: bool = False,
     ) -> None:
         self._executor, self._block = executor, block
-        self._numbers, self._starts, self._options = numbers, starts, options
+        self._numbers, self._starts, self._options, self._lanes = numbers, starts, options, lanes
         try:
             self._data = pickler().dumps(solver, protocol=pickle.HIGHEST_PROTOCOL)
         except Exception as error:  # what is pickled may raise anything
@@ -66,9 +68,8 @@ class BatchPool:
         for first in range(0, len(missing), self._block):
             own = missing[first : first + self._block]
             starts = self._starts if len(self._starts) == 1 else self._starts[own]
-            future = self._executor.submit(
-                solve_block, self._name, self._data, self._numbers[own], starts, self._options
-            )
+            block = self._numbers[own], starts, self._options, self._lanes
+            future = self._executor.submit(solve_block, self._name, self._data, *block)
             self._futures[future] = own
         for future in as_completed(self._futures):
             yield self._rows(future)
@@ -91,7 +92,7 @@ class BatchPool:
         return rows._replace(numbers=own, diagnose={numbers[k]: each for k, each in rows.diagnose.items()})
 
 
-def solve_block(name: str, data: bytes, numbers: Array, starts: Array, options: Any) -> BatchRows:
+def solve_block(name: str, data: bytes, numbers: Array, starts: Array, options: Any, lanes: bool = False) -> BatchRows:
     """Solve for targets in the process that calls this, with the solver of a pickle.
 
     Raises:
@@ -107,4 +108,4 @@ def solve_block(name: str, data: bytes, numbers: Array, starts: Array, options: 
                 ) from error
             _solvers.clear()
             _solvers[name] = solver
-        return _solvers[name]._engine.solving.solve_numbers(numbers, starts, options)
+        return _solvers[name]._engine.solving.solve_numbers(numbers, starts, options, lanes)

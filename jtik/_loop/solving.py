@@ -184,7 +184,8 @@ class Solving:
             file = BatchFile(save, identity, len(numbers), self._robot.nq)
             pool = None
             if executor is not None:
-                pool = BatchPool(executor, solver, block, numbers=numbers, starts=starts, options=options)
+                shared: dict[str, Any] = {"numbers": numbers, "starts": starts, "options": options, "lanes": lanes}
+                pool = BatchPool(executor, solver, block, **shared)
 
             def solve(missing: NDArray[np.int64]) -> Iterator[BatchRows]:
                 all_targets = BatchTargets(given, numbers, starts)
@@ -215,7 +216,7 @@ class Solving:
             raise ArgumentError("lanes", True, accepted)
         return self._lanes
 
-    def solve_numbers(self, numbers: Array, starts: Array, options: Options) -> BatchRows:
+    def solve_numbers(self, numbers: Array, starts: Array, options: Options, lanes: bool) -> BatchRows:
         """The rows of targets that are numbers, as another process can read them."""
         exclusive = self._exclusive
         if exclusive.busy:
@@ -223,7 +224,9 @@ class Solving:
         try:
             exclusive.busy = True
             search_options, targets = self._read_options(options), BatchTargets(numbers, numbers, starts)
-            parts = list(self._batch.rows(np.arange(len(numbers)), targets, options, search_options, 1))
+            in_lanes = self._in_lanes() if lanes else None
+            chosen = np.arange(len(numbers))
+            parts = list(self._batch.rows(chosen, targets, options, search_options, 1, in_lanes))
             return BatchRows.joined(parts, self._robot.nq).settled()
         finally:
             exclusive.busy = False

@@ -6,6 +6,7 @@ import functools
 import os
 import signal
 import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -241,3 +242,11 @@ def test_damped_without_backtracking_too(rng):
     targets, q0 = problems(ik, rng, 40)
     one, lanes = (ik.solve_batch(targets, q0=q0, restarts=20, lanes=each) for each in (False, True))
     assert lanes.status == one.status
+
+
+def test_an_executor_solves_in_lanes_too(rng):
+    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(kind="position"), strategy="damped")
+    targets, q0 = rng.uniform(-2, 2, (30, 2)), np.full(4, 0.3)
+    with ThreadPoolExecutor(1) as pool:
+        spread = ik.solve_batch(targets, q0=q0, lanes=True, executor=pool, block=7)
+    same(spread, ik.solve_batch(targets, q0=q0, lanes=True))
