@@ -3,7 +3,8 @@
 Each lane follows the rules of `jtik._loop.search` with a target, a state and restarts of its own; where its search
 ends it takes the next target. What a lane holds does not change what the others compute. Sine and cosine are not those
 of the C library, so that results differ from those of the other searches by rounding. What is unusual is left to the
-search in Python, as by the native search.
+search in Python, as by the native search, and so is a search that goes on for more than a tenth of a second after all
+others of its call: Ctrl-C is obeyed then.
 """
 
 from __future__ import annotations

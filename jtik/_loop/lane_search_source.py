@@ -48,7 +48,7 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
   const int several = starts != 0;
   const double end = JTIK_NAME_seconds() + JTIK_BUDGET;
   lane lanes[JTIK_LANES];
-  long long next = 0, active = 0;
+  long long next = 0, active = 0, steps = 0;
   int here = 0, open = 1;
 #define OF(name) outcome[JTIK_##name * JTIK_LANES + i]
   for (int i = 0; i < JTIK_LANES; ++i) {
@@ -63,6 +63,12 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
       here = 1 - here;
       over = ((const V*)outcome)[JTIK_CODE] != 0.0;
       for (int i = 0; i < JTIK_LANES; ++i) over[i] |= -(int64_t)(++lanes[i].calls >= limit);
+      if (++steps % JTIK_CHECKED == 0 && JTIK_NAME_seconds() > end + JTIK_BUDGET) { /* Python goes on with them */
+        for (int i = 0; i < JTIK_LANES; ++i) {
+          if (lanes[i].row >= 0) tallies[3 * lanes[i].row] = JTIK_LOOK;
+        }
+        return next;
+      }
       if (!any(over)) continue;
     }
     for (int i = 0; i < JTIK_LANES; ++i) {

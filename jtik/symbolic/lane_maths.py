@@ -61,8 +61,8 @@ _LANE_MATHS = r"""
 #define JTIK_INLINE static inline __attribute__((always_inline)) JTIK_CPU
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-typedef double V __attribute__((vector_size(8 * JTIK_LANES)));  /* numbers */
-typedef int64_t M __attribute__((vector_size(8 * JTIK_LANES))); /* truth: all bits or none */
+typedef double V __attribute__((vector_size(8 * JTIK_LANES), may_alias));  /* numbers */
+typedef int64_t M __attribute__((vector_size(8 * JTIK_LANES), may_alias)); /* truth: all bits or none */
 
 #define ALL(x) ((x) - (V){0})
 JTIK_INLINE V of_bits(M m) { V r; memcpy(&r, &m, sizeof r); return r; }

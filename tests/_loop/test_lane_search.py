@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik._loop import lane_search
+from jtik._loop import lane_search, native_source
 from jtik.symbolic import lane_maths
 from jtik.symbolic.compile import plain_library
 from jtik.symbolic.lane_maths import Level
@@ -35,9 +35,12 @@ def solver(robot="panda", kind="pose", strategy="hybrid", criteria=None, count=0
 
 
 def problems(ik, rng, count):
-    """Targets that can be reached, and where to begin."""
+    """Targets that can be reached, a tenth of them at a singularity or close to one, and where to begin."""
     robot = ik.robot
-    poses = np.array([robot.pose(robot.random_configuration(rng)) for _ in range(count)])
+    made_of = np.array([robot.random_configuration(rng) for _ in range(count)])
+    made_of[::20, [1, 2, 4]] = 0.0
+    made_of[10::20, [1, 2, 4]] = 1e-7
+    poses = np.array([robot.pose(q) for q in np.clip(made_of, robot.lower, robot.upper)])
     targets = poses[:, :2, 3].copy() if ik.tasks.tasks[0].kind == "position" else poses
     return targets, np.array([robot.random_configuration(rng) for _ in range(count)])
 
@@ -178,6 +181,20 @@ def test_a_signal_ends_it(monkeypatch):
         signal.signal(signal.SIGINT, before)
     assert not found.complete
     assert 0 < len(found) < 200_000
+
+
+def test_a_search_that_takes_long_goes_on_in_python(monkeypatch, rng):
+    targets, q0 = rng.uniform(-4, 4, (30, 2)), np.full(4, 0.3)
+
+    def batch(lanes):
+        ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(kind="position"), strategy="hybrid")
+        return ik.solve_batch(targets, q0=q0, restarts=3, lanes=lanes)
+
+    one = batch(False)
+    monkeypatch.setattr(native_source, "BUDGET", 0.0)
+    monkeypatch.setattr(native_source, "CHECKED", 3)
+    same(one, batch(True))
+    assert 0 < one.converged.sum() < len(targets)
 
 
 @pytest.mark.parametrize("options", [{"strategy": "weighted_qp"}, {"strategy": "hybrid+qp", "criteria": "centering"}])
