@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -62,18 +62,23 @@ class ConfigurationReader:
         q = self.read(argument, q0)
         return q if math.isfinite(sum(q.tolist())) else self.clamped(q)
 
-    def starts(self, q0: Any, count: int) -> list[Array]:
-        """Where ``count`` solves start: one configuration for all, or one for each.
+    def starts(self, q0: Any, count: int) -> Array:
+        """Where ``count`` solves start: one configuration for all, (1, nq), or one for each, (count, nq).
 
         Raises:
             ArgumentError: for another number of configurations, or one that `read` refuses.
         """
         if not _several(q0):
-            return [self.start(q0)]
+            return self.start(q0).reshape(1, -1)
         if len(q0) != count:
             accepted = f"one configuration of shape {self._shape} for all targets, or {count}, one for each"
             raise ArgumentError("q0", f"{len(q0)} configurations", accepted)
-        return [self._read_start(f"q0[{i}]", row) for i, row in enumerate(q0)]
+        if self.vector and type(q0) is np.ndarray and q0.dtype == np.float64 and q0.shape[1:] == self._shape:
+            with np.errstate(over="ignore", invalid="ignore"):
+                if np.isfinite(q0.sum(axis=1)).all():
+                    table: Array = q0.copy(order="C")
+                    return table
+        return np.array([self._read_start(f"q0[{i}]", row) for i, row in enumerate(q0)]).reshape(count, *self._shape)
 
     def clamped(self, q: Array, lower: Array | None = None, upper: Array | None = None) -> Array:
         """A copy of the configuration, clamped to the limits, or to others."""
@@ -101,13 +106,16 @@ def _several(q: Any) -> bool:
     return not isinstance(q, Mapping) and len(shape_of(q) or ()) > 1
 
 
-def read_targets(tasks: TaskStack, targets: Iterable[Any]) -> tuple[list[Any], list[Array]]:
-    """The targets as they were given, and the numbers of each; all are checked.
+def read_targets(tasks: TaskStack, targets: Iterable[Any]) -> tuple[Sequence[Any], Array]:
+    """The targets as they were given, and the numbers of each, (k, size); all are checked.
 
     Raises:
         ArgumentError: naming the target, such as ``targets[3]``.
     """
-    given = list(several("targets", targets, "a list of targets, or an array with one target a row"))
+    given: Sequence[Any] = several("targets", targets, "a list of targets, or an array with one target a row")
+    table = tasks.read_table(targets if type(targets) is np.ndarray else given)
+    if table is not None:
+        return given, table
     numbers = []
     for i, target in enumerate(given):
         try:
@@ -115,4 +123,4 @@ def read_targets(tasks: TaskStack, targets: Iterable[Any]) -> tuple[list[Any], l
         except ArgumentError as error:
             inner = error.argument.removeprefix("target")
             raise ArgumentError(f"targets[{i}]{inner}", error.given, error.accepted) from None
-    return given, numbers
+    return given, np.array(numbers).reshape(len(given), tasks.target_size)

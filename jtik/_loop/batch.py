@@ -1,15 +1,17 @@
-"""Solving for many targets: the entries of a batch, one after the other or by other processes, and their columns."""
+"""Solving for many targets: the rows of a batch as arrays, as they come from this process, its threads or others."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from jtik._loop.batch_file import BatchFile
 from jtik._loop.batch_pool import BatchPool
+from jtik._loop.native_search import NativeBatch
 from jtik.progress import Progress, watched
 from jtik.result.batch import SolutionBatch
 from jtik.result.report import Report
@@ -17,112 +19,154 @@ from jtik.result.status import Status
 from jtik.types import Array
 
 
-class BatchEntry(NamedTuple):
-    """One solve of a batch.
+class BatchRows(NamedTuple):
+    """Solves of a batch, one a row.
 
     Attributes:
-        q: where it ended, (nq,).
-        diagnose: computes why.
-        converged: whether the solve succeeded.
-        errors: norms of position [m] and orientation [rad] rows of the error.
-        iterations: steps tried.
-        escapes: saddle escapes.
-        restarts: restarts used.
-        seconds: wall time [s].
+        numbers: numbers of their targets, (k,).
+        q: where they ended, (k, nq).
+        converged: whether each succeeded, (k,).
+        errors: norms of position [m] and orientation [rad] rows of the error, (k, 2).
+        counts: steps tried, saddle escapes and restarts used, (k, 3).
+        seconds: wall time of each, (k,) [s].
+        diagnose: computes why, by the number of the target; the status of all others is CONVERGED.
     """
 
+    numbers: NDArray[np.int64]
     q: Array
-    diagnose: Callable[[], Status]
-    converged: bool
-    errors: tuple[float, float]
-    iterations: int
-    escapes: int
-    restarts: int
-    seconds: float
+    converged: NDArray[np.bool_]
+    errors: Array
+    counts: NDArray[np.int64]
+    seconds: Array
+    diagnose: dict[int, Callable[[], Status]]
 
-    def settled(self) -> BatchEntry:
-        """The same with a status that is known, which another process can read."""
-        return self._replace(diagnose=partial(Status, self.diagnose()))
+    def settled(self) -> BatchRows:
+        """The same with statuses that are known, which another process can read."""
+        return self._replace(diagnose={i: partial(Status, diagnose()) for i, diagnose in self.diagnose.items()})
+
+    def single(self) -> Iterator[BatchRows]:
+        """Each row by itself."""
+        for k, i in enumerate(self.numbers.tolist()):
+            diagnose = {i: self.diagnose[i]} if i in self.diagnose else {}
+            columns = [column[k : k + 1] for column in self[:-1]]
+            yield BatchRows._make([*columns, diagnose])
+
+    @classmethod
+    def converged_rows(cls, numbers: NDArray[np.int64], batch: NativeBatch, begin: int, end: int) -> BatchRows:
+        """Rows of a batch in C that have converged.
+
+        Args:
+            numbers: numbers of their targets.
+            batch: the batch.
+            begin: the first row.
+            end: the row after the last.
+        """
+        counts = np.zeros((end - begin, 3), dtype=np.int64)
+        counts[:, ::2] = batch.tallies[begin:end, 1:]
+        q, errors, seconds = batch.q[begin:end], batch.errors[begin:end], batch.seconds[begin:end]
+        return cls(numbers, q, np.ones(end - begin, dtype=bool), errors, counts, seconds, {})
+
+    @classmethod
+    def joined(cls, parts: list[BatchRows], nq: int) -> BatchRows:
+        """The rows of several parts, in the order of the numbers of their targets.
+
+        Args:
+            parts: the parts.
+            nq: length of a configuration.
+        """
+        if not parts:
+            empty = np.zeros(0), np.zeros((0, nq)), np.zeros(0, dtype=bool), np.zeros((0, 2)), np.zeros((0, 3))
+            numbers, q, converged, errors, counts = empty
+            return cls(numbers.astype(np.int64), q, converged, errors, counts.astype(np.int64), np.zeros(0), {})
+        order = np.argsort(np.concatenate([part.numbers for part in parts]))
+        columns = [np.concatenate(column)[order] for column in zip(*[part[:-1] for part in parts], strict=True)]
+        return cls._make([*columns, {i: each for part in parts for i, each in part.diagnose.items()}])
 
 
 def solved(
     count: int,
-    solve: Callable[[list[int]], Iterator[BatchEntry]],
+    nq: int,
+    solve: Callable[[NDArray[np.int64]], Iterator[BatchRows]],
     *,
     pool: BatchPool | None,
     file: BatchFile,
     progress: Progress,
-) -> dict[int, BatchEntry]:
-    """The entries by the number of their target; all of them, or those that were done when Ctrl-C was pressed.
+) -> BatchRows:
+    """The rows of all targets, or of those that were done when Ctrl-C was pressed.
 
     Args:
         count: number of targets.
+        nq: length of a configuration.
         solve: solves for targets in this process.
         pool: solves in other processes; None for none.
-        file: where entries are kept while the batch runs, and those that were known before.
+        file: where rows are kept while the batch runs, and those that were known before.
         progress: as in `InverseKinematics.solve_batch`.
     """
-    entries = file.entries()
-    missing = [i for i in range(count) if i not in entries]
-    solving: Iterable[tuple[int, BatchEntry]]
-    solving = zip(missing, solve(missing), strict=True) if pool is None else pool.solving(missing)
+    known = file.known
+    left = np.ones(count, dtype=bool)
+    left[known.numbers] = False
+    missing = np.flatnonzero(left)
+    parts = [known]
+    solving: Iterable[BatchRows] = solve(missing) if pool is None else pool.solving(missing)
+    if progress is not False:
+        solving = watched(_Single(len(missing), solving), progress, "targets")
     try:
-        for i, entry in watched(_Counted(len(missing), solving), progress, "targets"):
-            entries[i] = entry
-            file.add(entries)
+        for rows in solving:
+            parts.append(rows)
+            file.add(parts)
     except KeyboardInterrupt:
         if pool is not None:
-            entries.update(pool.leftover())
+            seen = {*BatchRows.joined(parts, nq).numbers.tolist()}
+            parts += [row for rows in pool.finished() for row in rows.single() if int(row.numbers[0]) not in seen]
     finally:
         if pool is not None:
             pool.cancel()
-        file.write(entries)
-    return entries
+        file.write(parts)
+    return BatchRows.joined(parts, nq)
 
 
-class _Counted:
-    """Items with their number."""
+class _Single:
+    """Rows one by one, with their number."""
 
-    def __init__(self, count: int, items: Iterable[tuple[int, BatchEntry]]) -> None:
-        self._count, self._items = count, items
+    def __init__(self, count: int, solving: Iterable[BatchRows]) -> None:
+        self._count, self._solving = count, solving
 
     def __len__(self) -> int:
         return self._count
 
-    def __iter__(self) -> Iterator[tuple[int, BatchEntry]]:
-        return iter(self._items)
+    def __iter__(self) -> Iterator[BatchRows]:
+        return (row for rows in self._solving for row in rows.single())
 
 
-def collect(
-    entries: Mapping[int, BatchEntry],
-    *,
-    targets: list[Array],
-    nq: int,
-    inspect: Callable[[int, Array], Report],
-) -> SolutionBatch:
-    """The columns of all entries, in the order of their targets.
+def collect(rows: BatchRows, *, targets: Array, inspect: Callable[[int, Array], Report]) -> SolutionBatch:
+    """The columns of all rows.
 
     Args:
-        entries: the solves, by the number of their target.
-        targets: the numbers of all targets.
-        nq: length of a configuration.
+        rows: the solves, in the order of their targets.
+        targets: the numbers of all targets, (k, size).
         inspect: computes the report of a configuration for the target with a number.
     """
-    count, numbers = len(entries), sorted(entries)
-    rows = [entries[i] for i in numbers]
-    errors = np.array([entry.errors for entry in rows], dtype=np.float64).reshape(count, 2)
+    numbers = rows.numbers
+
+    def diagnose() -> tuple[Status, ...]:
+        statuses = [Status.CONVERGED] * len(numbers)
+        for k, i in enumerate(numbers.tolist()) if rows.diagnose else ():
+            if i in rows.diagnose:
+                statuses[k] = rows.diagnose[i]()
+        return tuple(statuses)
+
     return SolutionBatch.of(
-        diagnose=lambda: tuple(entry.diagnose() for entry in rows),
-        q=np.array([entry.q for entry in rows]).reshape(count, nq),
-        converged=np.array([entry.converged for entry in rows], dtype=bool),
-        position_error=errors[:, 0],
-        orientation_error=errors[:, 1],
-        iterations=np.array([entry.iterations for entry in rows], dtype=np.int64),
-        escapes=np.array([entry.escapes for entry in rows], dtype=np.int64),
-        restarts=np.array([entry.restarts for entry in rows], dtype=np.int64),
-        seconds=np.array([entry.seconds for entry in rows], dtype=np.float64),
-        targets=np.array([targets[i] for i in numbers]).reshape(count, -1) if count else np.zeros((0, 0)),
-        indices=np.array(numbers, dtype=np.int64),
-        complete=count == len(targets),
-        inspect=lambda row: inspect(numbers[row], rows[row].q.copy()),
+        diagnose=diagnose,
+        q=rows.q.copy(),
+        converged=rows.converged,
+        position_error=rows.errors[:, 0].copy(),
+        orientation_error=rows.errors[:, 1].copy(),
+        iterations=rows.counts[:, 0].copy(),
+        escapes=rows.counts[:, 1].copy(),
+        restarts=rows.counts[:, 2].copy(),
+        seconds=rows.seconds,
+        targets=targets[numbers] if len(numbers) else np.zeros((0, 0)),
+        indices=numbers,
+        complete=len(numbers) == len(targets),
+        inspect=lambda row: inspect(int(numbers[row]), rows.q[row].copy()),
     )

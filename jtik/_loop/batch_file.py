@@ -18,7 +18,7 @@ from jtik.result.archive import checked_path, read_archive, write_archive
 from jtik.result.status import Status
 
 if TYPE_CHECKING:
-    from jtik._loop.batch import BatchEntry
+    from jtik._loop.batch import BatchRows
 
 KIND = "jtik batch 1"
 """What the header of a file says that it is."""
@@ -43,6 +43,9 @@ class BatchFile:
         count: number of targets.
         nq: length of a configuration.
 
+    Attributes:
+        known: the rows that the file already had.
+
     Raises:
         ArgumentError: for a file that holds something else.
     """
@@ -52,54 +55,55 @@ class BatchFile:
         self._count, self._nq = count, nq
         self._fingerprint = "" if path is None else fingerprint(identity)
         self._written, self._pause, self._rows = time.monotonic(), PAUSE, 0
-        self._known = self._read(self._path) if self._path is not None and self._path.exists() else {}
-        self._rows = len(self._known)
+        self.known = self._read()
+        self._rows = len(self.known.numbers)
 
-    def entries(self) -> dict[int, BatchEntry]:
-        """The entries that the file already had, by the number of their target."""
-        return dict(self._known)
-
-    def add(self, entries: dict[int, BatchEntry]) -> None:
-        """Write all entries, unless the last write was recent."""
+    def add(self, parts: list[BatchRows]) -> None:
+        """Write all rows, unless the last write was recent. ``parts`` is then one part, whose statuses are known."""
         if self._path is None or time.monotonic() - self._written < self._pause:
             return
         begin = time.monotonic()
         with suppress(OSError):  # perhaps there is room later; the last write reports it
-            self._write(self._path, entries)
+            self._write(self._path, parts)
         self._written = time.monotonic()
         self._pause = max(PAUSE, (self._written - begin) / SHARE)
 
-    def write(self, entries: dict[int, BatchEntry]) -> None:
-        """Write all entries; a warning says why where that is not possible."""
-        if self._path is None or (self._rows == len(entries) and self._path.exists()):
+    def write(self, parts: list[BatchRows]) -> None:
+        """Write all rows, as `add` does; a warning says why where that is not possible."""
+        if self._path is None or (self._rows == sum(len(part.numbers) for part in parts) and self._path.exists()):
             return
         try:
-            self._write(self._path, entries)
+            self._write(self._path, parts)
         except OSError as error:
             warnings.warn(f"the batch was not saved: {error}", RuntimeWarning, stacklevel=callers_level())
 
-    def _write(self, path: Path, entries: dict[int, BatchEntry]) -> None:
-        for i, entry in entries.items():
-            entries[i] = entry.settled()
-        rows = [entries[i] for i in sorted(entries)]
+    def _write(self, path: Path, parts: list[BatchRows]) -> None:
+        from jtik._loop.batch import BatchRows
+
+        rows = BatchRows.joined(parts, self._nq).settled()
+        parts[:] = [rows]
+        names = [rows.diagnose[i]().name if i in rows.diagnose else "CONVERGED" for i in rows.numbers.tolist()]
         header = {"kind": KIND, "fingerprint": self._fingerprint, "targets": self._count}
         arrays = {
-            "indices": np.array(sorted(entries), dtype=np.int64),
-            "q": np.array([row.q for row in rows], dtype=np.float64).reshape(len(rows), self._nq),
-            "status": np.array([row.diagnose().name for row in rows], dtype=str),
-            "converged": np.array([row.converged for row in rows], dtype=bool),
-            "errors": np.array([row.errors for row in rows], dtype=np.float64).reshape(len(rows), 2),
-            "iterations": np.array([row.iterations for row in rows], dtype=np.int64),
-            "escapes": np.array([row.escapes for row in rows], dtype=np.int64),
-            "restarts": np.array([row.restarts for row in rows], dtype=np.int64),
-            "seconds": np.array([row.seconds for row in rows], dtype=np.float64),
+            "indices": rows.numbers,
+            "q": rows.q,
+            "status": np.array(names, dtype=str),
+            "converged": rows.converged,
+            "errors": rows.errors,
+            "iterations": rows.counts[:, 0],
+            "escapes": rows.counts[:, 1],
+            "restarts": rows.counts[:, 2],
+            "seconds": rows.seconds,
         }
         write_archive(path, header, arrays)
-        self._rows = len(rows)
+        self._rows = len(names)
 
-    def _read(self, path: Path) -> dict[int, BatchEntry]:
-        from jtik._loop.batch import BatchEntry
+    def _read(self) -> BatchRows:
+        from jtik._loop.batch import BatchRows
 
+        path = self._path
+        if path is None or not path.exists():
+            return BatchRows.joined([], self._nq)
         header, arrays = read_archive(path, "save", ACCEPTED)
         if header.get("kind") != KIND:
             raise ArgumentError("save", f"{path}, which holds no batch", ACCEPTED)
@@ -107,20 +111,24 @@ class BatchFile:
             raise ArgumentError("save", f"{path}, which holds another batch", ACCEPTED)
         try:
             columns = {name: arrays[name] for name in COLUMNS}
-            rows = len(columns["indices"])
+            numbers = columns["indices"].astype(np.int64)
+            rows = len(numbers)
             if columns["q"].shape != (rows, self._nq) or columns["errors"].shape != (rows, 2):
                 raise ValueError("shape")
-            values = [columns[name].tolist() for name in COLUMNS]
-            entries = {}
-            for k, (i, _, status, converged, errors, *counts, seconds) in enumerate(zip(*values, strict=True)):
-                iterations, escapes, restarts = counts
-                diagnose, q = partial(Status, Status[status]), columns["q"][k].astype(np.float64)
-                pair = float(errors[0]), float(errors[1])
-                entries[int(i)] = BatchEntry(
-                    q, diagnose, bool(converged), pair, int(iterations), int(escapes), int(restarts), float(seconds)
-                )
-            if entries and not 0 <= min(entries) <= max(entries) < self._count:
+            if any(column.shape[:1] != (rows,) for column in columns.values()):
+                raise ValueError("length")
+            statuses = [Status[name] for name in columns["status"].tolist()]
+            if rows and not 0 <= numbers.min() <= numbers.max() < self._count:
                 raise ValueError("indices")
+            counts = [columns[name].astype(np.int64) for name in ("iterations", "escapes", "restarts")]
+            return BatchRows(
+                numbers,
+                columns["q"].astype(np.float64),
+                columns["converged"].astype(bool),
+                columns["errors"].astype(np.float64),
+                np.stack(counts, axis=1),
+                columns["seconds"].astype(np.float64),
+                {i: partial(Status, status) for i, status in zip(numbers.tolist(), statuses, strict=True)},
+            )
         except (KeyError, TypeError, ValueError) as error:
             raise ArgumentError("save", f"{path}, whose columns do not fit together", ACCEPTED) from error
-        return entries

@@ -9,15 +9,16 @@ from collections.abc import Iterator
 from concurrent.futures import Executor, Future, as_completed
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from jtik._loop.pickling import PICKLABLE, pickler
 from jtik.errors import ArgumentError, JtikError
 from jtik.types import Array
 
 if TYPE_CHECKING:
-    from jtik._loop.batch import BatchEntry
+    from jtik._loop.batch import BatchRows
     from jtik._loop.copying import FixedSolver
-
-Rows = list[tuple[int, "BatchEntry"]]
 
 _solvers: dict[str, FixedSolver] = {}
 """The last solver of this process, by the hash of its pickle."""
@@ -33,9 +34,10 @@ class BatchPool:
         executor: the executor.
         solver: the solver.
         block: number of targets that are sent at once.
-        numbers: the numbers of all targets.
-        starts: where each solve begins; one configuration for all, or one for each.
+        numbers: the numbers of all targets, (k, size).
+        starts: where each solve begins; one configuration for all, (1, nq), or one for each, (k, nq).
         options: the options of the solves.
+        lanes: whether several targets are solved side by side.
 
     Raises:
         ArgumentError: when the solver cannot be pickled.
@@ -47,49 +49,50 @@ class BatchPool:
         solver: FixedSolver,
         block: int,
         *,
-        numbers: list[Array],
-        starts: list[Array],
+        numbers: Array,
+        starts: Array,
         options: Any,
+        lanes: bool = False,
     ) -> None:
         self._executor, self._block = executor, block
-        self._numbers, self._starts, self._options = numbers, starts, options
+        self._numbers, self._starts, self._options, self._lanes = numbers, starts, options, lanes
         try:
             self._data = pickler().dumps(solver, protocol=pickle.HIGHEST_PROTOCOL)
         except Exception as error:  # what is pickled may raise anything
             raise ArgumentError("executor", f"a solver that cannot be pickled: {error}", PICKLABLE) from error
         self._name = hashlib.sha256(self._data).hexdigest()
-        self._futures: dict[Future[list[BatchEntry]], list[int]] = {}
-        self._yielded: set[int] = set()
+        self._futures: dict[Future[BatchRows], NDArray[np.int64]] = {}
 
-    def solving(self, missing: list[int]) -> Iterator[tuple[int, BatchEntry]]:
-        """Solve for the targets with these numbers; the entries come as they are done."""
+    def solving(self, missing: NDArray[np.int64]) -> Iterator[BatchRows]:
+        """Solve for the targets with these numbers; the rows come as they are done."""
         for first in range(0, len(missing), self._block):
             own = missing[first : first + self._block]
-            starts = self._starts if len(self._starts) == 1 else [self._starts[i] for i in own]
-            numbers = [self._numbers[i] for i in own]
-            future = self._executor.submit(solve_block, self._name, self._data, numbers, starts, self._options)
+            starts = self._starts if len(self._starts) == 1 else self._starts[own]
+            block = self._numbers[own], starts, self._options, self._lanes
+            future = self._executor.submit(solve_block, self._name, self._data, *block)
             self._futures[future] = own
         for future in as_completed(self._futures):
-            for i, entry in zip(self._futures[future], future.result(), strict=True):
-                self._yielded.add(i)
-                yield i, entry
+            yield self._rows(future)
 
     def cancel(self) -> None:
         """Cancel the blocks that have not begun."""
         for future in self._futures:
             future.cancel()
 
-    def leftover(self) -> Rows:
-        """Entries that are done and that were not yielded."""
+    def finished(self) -> list[BatchRows]:
+        """The rows of all blocks that are done; no other block begins."""
         self.cancel()
-        rows: Rows = []
-        for future, own in self._futures.items():
-            if future.done() and not future.cancelled() and future.exception() is None:
-                rows += [row for row in zip(own, future.result(), strict=True) if row[0] not in self._yielded]
-        return rows
+        done = [each for each in self._futures if each.done() and not each.cancelled() and each.exception() is None]
+        return [self._rows(future) for future in done]
+
+    def _rows(self, future: Future[BatchRows]) -> BatchRows:
+        """The rows of a block, with the numbers of their targets in the whole batch."""
+        own, rows = self._futures[future], future.result()
+        numbers = own.tolist()
+        return rows._replace(numbers=own, diagnose={numbers[k]: each for k, each in rows.diagnose.items()})
 
 
-def solve_block(name: str, data: bytes, numbers: list[Array], starts: list[Array], options: Any) -> list[BatchEntry]:
+def solve_block(name: str, data: bytes, numbers: Array, starts: Array, options: Any, lanes: bool = False) -> BatchRows:
     """Solve for targets in the process that calls this, with the solver of a pickle.
 
     Raises:
@@ -105,4 +108,4 @@ def solve_block(name: str, data: bytes, numbers: list[Array], starts: list[Array
                 ) from error
             _solvers.clear()
             _solvers[name] = solver
-        return _solvers[name]._engine.solving.solve_numbers(numbers, starts, options)
+        return _solvers[name]._engine.solving.solve_numbers(numbers, starts, options, lanes)

@@ -84,6 +84,7 @@ class NativeSearch:
 
     def __init__(self, library: Library, runner: Runner, turns: FullTurns, *, has_criterion: bool) -> None:
         self.runner = runner
+        self._library, self._turns, self._has_criterion = library, turns, has_criterion
         nq = len(runner.q[0])
         self.q0 = np.zeros(nq)
         self._tally = np.zeros(len(Tally._fields), dtype=np.int64)
@@ -115,6 +116,12 @@ class NativeSearch:
         self._batch = getattr(library.loaded, f"{library.name}_batch")
         self._batch.argtypes = [*self._call.argtypes[:2], integer, integer, integer, ctypes.c_double, ctypes.c_void_p]
         self._batch.restype = integer
+
+    def beside(self) -> NativeSearch:
+        """A search on memory of its own, for another thread, with the parameters, limits and settings of this one."""
+        inputs = self.runner.inputs._replace(target=self.runner.inputs.target.copy())
+        runner = Runner(self.runner.fused, inputs, len(self.q0))
+        return NativeSearch(self._library, runner, self._turns, has_criterion=self._has_criterion)
 
     @property
     def turning(self) -> bool:
@@ -205,19 +212,13 @@ class NativeSearch:
         It ends after the target that it is at when a tenth of a second is over; at least one.
         """
         count = min(len(targets), MOST_ROWS)
-        found = NativeBatch(
-            q=np.zeros((count, len(self.q0))),
-            errors=np.zeros((count, 2)),
-            seconds=np.zeros(count),
-            tallies=np.zeros((count, 3), dtype=np.int64),
-        )
+        found = NativeBatch.of(count, len(self.q0))
         arrays = [np.ascontiguousarray(targets[:count]), np.ascontiguousarray(q0), *found]
         sizes = [count, targets.shape[1], len(self.q0) if len(q0) > 1 else 0]
         table = np.array([*_addresses(arrays), *sizes], dtype=np.uintp)
         starts_at = self._address_of(starts)
         done = self._batch(self._address, starts_at, first, max(last, 0), limit, patience, table.ctypes.data)
-        q, errors, seconds, tallies = found
-        return NativeBatch(q[:done], errors[:done], seconds[:done], tallies[:done])
+        return found.first(done)
 
 
 def _addresses(arrays: list[Any]) -> list[int]:
@@ -238,6 +239,15 @@ class NativeBatch(NamedTuple):
     errors: Array
     seconds: Array
     tallies: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, count: int, nq: int) -> NativeBatch:
+        """Memory for ``count`` searches."""
+        return cls(np.zeros((count, nq)), np.zeros((count, 2)), np.zeros(count), np.zeros((count, 3), dtype=np.int64))
+
+    def first(self, count: int) -> NativeBatch:
+        """The first ones."""
+        return NativeBatch._make(column[:count] for column in self)
 
 
 _CODES = tuple(Code)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from jtik._loop.full_turns import ROUNDING, TURN
 from jtik._step.inputs import SETTING, Inputs
 from jtik._step.stopping import OUTCOME, Code
@@ -16,11 +18,13 @@ BUDGET = 0.1
 CHECKED = 1024
 """Calls of one attempt after which the time is read."""
 
-_SOURCE = r"""
+_INCLUDED = """
 #include <math.h>
 #include <string.h>
 #include <time.h>
+"""
 
+TURNED = r"""
 /* Joints that move without limits: each to the turn within its limits nearest to q0. Returns 1 where none fits, or
    where another turn may change the criterion; q is then as it was. */
 static int JTIK_NAME_turned(void** at, double* q) {
@@ -56,7 +60,9 @@ static double JTIK_NAME_seconds(void) {
   clock_gettime(CLOCK_MONOTONIC, &now);
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
+"""
 
+_SOURCE = r"""
 /* Attempts number from to last of a search, until one reaches the target; row 0 of starts is attempt number first.
    Returns its code; or JTIK_LOOK: the search in Python takes over this attempt; or JTIK_EXHAUSTED: none reached it, or
    the time JTIK_BUDGET is over, and the attempts after tally[1] are left; or JTIK_UNREADABLE: q0 is not finite. */
@@ -170,7 +176,17 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_batch(void** at, const double* starts, 
 
 
 def source(state: VectorLayout) -> str:
-    """The C code for a step whose state has this layout; every index in it comes from the named structures."""
+    """The C code for a step whose state has this layout."""
+    return f"\n{macros(state)}\n{_INCLUDED}{TURNED}{_SOURCE}"
+
+
+def macros(state: VectorLayout, more: Mapping[str, int] | None = None) -> str:
+    """The numbers that the C code names: every index comes from the named structures.
+
+    Args:
+        state: layout of the state.
+        more: more of them.
+    """
     first = 1  # q is argument 0
     constants = {
         "CHECKED": CHECKED,
@@ -187,8 +203,8 @@ def source(state: VectorLayout) -> str:
         "POSITION_TOLERANCE": SETTING.position_tolerance,
         "ORIENTATION_TOLERANCE": SETTING.orientation_tolerance,
         **{name.upper(): index for name, index in OUTCOME._asdict().items()},
+        **(more or {}),
     }
     numbers = {"TURN": TURN, "ROUNDING": ROUNDING, "BUDGET": BUDGET}
-    exact = "".join(f"\n#define JTIK_{name} {value!r}" for name, value in numbers.items())
-    defined = exact + "\n" + "\n".join(f"#define JTIK_{name} {int(value)}" for name, value in constants.items())
-    return f"\n{defined}\n{_SOURCE}"
+    exact = [f"#define JTIK_{name} {value!r}" for name, value in numbers.items()]
+    return "\n".join([*exact, *(f"#define JTIK_{name} {int(value)}" for name, value in constants.items())])

@@ -11,6 +11,7 @@ import numpy as np
 
 from jtik._loop import native_source
 from jtik._loop.full_turns import FullTurns
+from jtik._loop.lane_search import LaneSearch, lane_library
 from jtik._loop.runner import Runner
 from jtik._step.fused_step import Compiled, FusedStep, can_explore, fused_step
 from jtik._step.inputs import SETTING, InputMemory, Inputs, Settings
@@ -195,6 +196,17 @@ class Runners:
         made = Runner(self._in_c.get(name, fused), inputs, self._problem.robot.nq)
         self._made.setdefault(name, []).append(made)
         return made
+
+    def lanes(self) -> LaneSearch | None:
+        """The search in lanes on memory of its own; None where the step cannot be evaluated so.
+
+        Raises:
+            CompilerError: without a compiler.
+        """
+        library = self._problem.once("lanes", lambda: lane_library(self.solve.fused))
+        if library is None:
+            return None
+        return LaneSearch(library, self.solve, self.turns, has_criterion=self._problem.has_criterion)
 
     @property
     def step_name(self) -> str:

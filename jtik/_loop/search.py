@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +21,9 @@ from jtik._loop.attempts import Attempts, Ended, patience_of
 from jtik._loop.ends import Ends, smaller
 from jtik._loop.full_turns import FullTurns
 from jtik._loop.jump import Jump
-from jtik._loop.native_search import NativeSearch
+from jtik._loop.lane_search import LaneSearch
+from jtik._loop.native_search import NativeBatch, NativeSearch
+from jtik._loop.native_threads import MOST_THREADS, SMALLEST, in_threads
 from jtik._loop.restarts import RestartConfigurations
 from jtik._loop.runner import Runner
 from jtik._loop.trace_recorder import TraceRecorder
@@ -31,6 +34,9 @@ from jtik.types import Array
 
 PATIENCE = 4.0
 """Calls without progress after which an attempt that a restart can replace ends."""
+
+MANY = 1000
+"""Number of targets of a batch for which more than the first restarts are drawn beforehand, and the most of these."""
 
 
 class SearchOptions(NamedTuple):
@@ -80,6 +86,8 @@ class Search:
         self._has_criterion, self._by_level = has_criterion, by_level
         self._restarts, self._continuum = RestartConfigurations(robot), attempts.continuum
         self.native: NativeSearch | None = None
+        self._beside: list[NativeSearch | LaneSearch] = []
+        self._beside_of: NativeSearch | LaneSearch | None = None
 
     def find(
         self,
@@ -257,35 +265,51 @@ class Search:
         return True
 
     def find_all(
-        self, targets: Array, q0: Array, options: SearchOptions
-    ) -> Iterator[tuple[SearchResult | None, float]] | None:
-        """Searches for each row of ``targets`` in C, with their times [s]; None without the search in C.
+        self, targets: Array, q0: Array, options: SearchOptions, threads: int = 1, lanes: LaneSearch | None = None
+    ) -> Iterator[tuple[int, NativeBatch]] | None:
+        """Searches for each row of ``targets`` in C, in blocks with the number of their first row; None without C.
 
-        A row without a result needs `find`. Ctrl-C is obeyed after a tenth of a second.
+        A row whose code is negative needs `find`. Ctrl-C is obeyed after a tenth of a second.
+
+        Args:
+            targets: the numbers of the targets, (k, size).
+            q0: where to begin, one configuration for all, (1, nq), or one for each, (k, nq).
+            options: the options.
+            threads: number of threads that search at the same time; with several the blocks come as they are done.
+            lanes: the search in lanes; None for one target at a time.
         """
-        if self.native is None or (len(q0) > 1 and self._restarts.depend_on_start):
+        native = lanes or self.native
+        if native is None or (len(q0) > 1 and self._restarts.depend_on_start):
             return None
-        return self._found_all(self.native, targets, q0, options)
-
-    def _found_all(
-        self, native: NativeSearch, targets: Array, q0: Array, options: SearchOptions
-    ) -> Iterator[tuple[SearchResult | None, float]]:
         starts, first, last = self._starts(0, options, q0[0], None)
+        if starts is not None and len(targets) >= MANY:  # it pays to draw more than those that most targets need
+            blocks = [starts]
+            while last < min(options.restarts, MANY):
+                more, _, last = self._starts(last + 1, options, q0[0], None)
+                blocks += [more] if more is not None else []
+            starts = np.concatenate(blocks)
         patience = PATIENCE if options.restarts else patience_of(native.runner, math.inf)
-        begin = 0
-        while begin < len(targets):
+        last = min(last, options.restarts)
+
+        def solve(search: NativeSearch | LaneSearch, begin: int, end: int) -> NativeBatch:
             own = q0[begin:] if len(q0) > 1 else q0
-            batch = native.batch(
-                targets[begin:], own, starts, first, min(last, options.restarts), options.limit, patience
-            )
-            rows = zip(batch.q, batch.errors.tolist(), batch.seconds.tolist(), batch.tallies.tolist(), strict=True)
-            for target, (q, errors, seconds, (code, iterations, number)) in zip(targets[begin:], rows, strict=False):
-                if code == Code.DONE and self._attempts.can_go_on(q, target):
-                    code = -1  # the search in Python leaves it
-                last_code = _CODES[code] if code >= 0 else Code.STALLED
-                known = (errors[0], errors[1]) if last_code is Code.DONE else None
-                yield (None if code < 0 else SearchResult(q, last_code, iterations, 0, number, known), seconds)
-            begin += len(batch.q)
+            return search.batch(targets[begin:end], own, starts, first, last, options.limit, patience)
+
+        threads = min(threads, MOST_THREADS, max(len(targets) // SMALLEST, 1))
+        if threads == 1:
+            return in_threads([partial(solve, native)], len(targets))
+        if self._beside_of is not native:
+            self._beside_of, self._beside = native, []
+        self._beside += [native.beside() for _ in range(len(self._beside), threads)]  # Python goes on with its own
+        return in_threads([partial(solve, search) for search in self._beside[:threads]], len(targets))
+
+    def found(self, batch: NativeBatch, row: int, target: Array) -> SearchResult | None:
+        """A row of `find_all`, whose ``target`` is given as numbers; None where it needs `find`."""
+        code, iterations, restarts = batch.tallies[row].tolist()
+        if code < 0 or (code == Code.DONE and self._attempts.can_go_on(batch.q[row], target)):
+            return None
+        errors = tuple(batch.errors[row].tolist()) if code == Code.DONE else None
+        return SearchResult(batch.q[row].copy(), _CODES[code], iterations, 0, restarts, errors)
 
 
 def _result(runner: Runner, ended: Ended, iterations: int, escapes: int, restarts: int) -> SearchResult:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
@@ -12,16 +12,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from jtik._loop.arguments import ConfigurationReader, read_targets
 from jtik._loop.arrivals import SearchResult
-from jtik._loop.batch import BatchEntry, collect, solved
+from jtik._loop.batch import BatchRows, collect, solved
 from jtik._loop.batch_file import BatchFile
 from jtik._loop.batch_pool import BatchPool
+from jtik._loop.batch_searches import BatchSearches, BatchTargets
 from jtik._loop.compile_ahead import CompileAhead
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
 from jtik._loop.jump import Jump
+from jtik._loop.lane_search import LaneSearch
 from jtik._loop.native_source import UNREADABLE
 from jtik._loop.options import read_search_options, read_settings
 from jtik._loop.runner import Runner
@@ -77,6 +80,15 @@ class Solving:
         self._memory, self._targets, self._ahead = runners.memory, targets, ahead
         self._target = self._memory.inputs.target
         self._options, self._kinds, self._prepared = tuple[Any, ...](), list[type](), tuple[Any, ...]()
+        self._lanes: LaneSearch | None = None
+        self._batch = BatchSearches(
+            search,
+            self._memory,
+            inspector,
+            ahead,
+            has_criterion=self._has_criterion,
+            find=lambda start, search_options: self._search_in_memory(start, search_options, runners.solve),
+        )
         self._search_options, self._prepared_for = SearchOptions(0, 0, 0), search.native
 
     def solve(self, target: Any, q0: Any, options: Options, trace: bool) -> Solution:
@@ -153,6 +165,8 @@ class Solving:
         solver: FixedSolver,
         executor: Executor | None,
         block: int,
+        threads: int,
+        lanes: bool,
         save: str | Path | None,
     ) -> SolutionBatch:
         """Solve for each target by itself, as `InverseKinematics.solve_batch` describes it."""
@@ -164,17 +178,20 @@ class Solving:
         try:
             exclusive.busy = True
             starts = self._configurations.starts(q0, len(numbers))
-            self._read_options(options)
-            identity = (solver.identity, numbers, starts, options)
+            search_options = self._read_options(options)
+            in_lanes = self._in_lanes() if lanes else None
+            identity = None if save is None else (solver.identity, list(numbers), list(starts), options)
             file = BatchFile(save, identity, len(numbers), self._robot.nq)
             pool = None
             if executor is not None:
-                pool = BatchPool(executor, solver, block, numbers=numbers, starts=starts, options=options)
+                shared: dict[str, Any] = {"numbers": numbers, "starts": starts, "options": options, "lanes": lanes}
+                pool = BatchPool(executor, solver, block, **shared)
 
-            def solve(missing: list[int]) -> Iterator[BatchEntry]:
-                return self._entries(missing, given, numbers, starts, options)
+            def solve(missing: NDArray[np.int64]) -> Iterator[BatchRows]:
+                all_targets = BatchTargets(given, numbers, starts)
+                return self._batch.rows(missing, all_targets, options, search_options, threads, in_lanes)
 
-            entries = solved(len(numbers), solve, pool=pool, file=file, progress=progress)
+            rows = solved(len(numbers), self._robot.nq, solve, pool=pool, file=file, progress=progress)
             memory = self._memory.numbers.copy()
 
             def inspect(i: int, q: Array) -> Report:
@@ -182,65 +199,37 @@ class Solving:
                 self._memory.views(inputs).target[:] = numbers[i]
                 return self._inspector.report(q, inputs, given[i])
 
-            return collect(entries, targets=numbers, nq=self._robot.nq, inspect=inspect)
+            return collect(rows, targets=numbers, inspect=inspect)
         finally:
             exclusive.busy = False
 
-    def solve_numbers(self, numbers: list[Array], starts: list[Array], options: Options) -> list[BatchEntry]:
-        """The entries of targets that are numbers, as another process can read them."""
+    def _in_lanes(self) -> LaneSearch:
+        """The search in lanes, which is compiled when it is first used.
+
+        Raises:
+            ArgumentError: where the strategy has none.
+            CompilerError: without a compiler.
+        """
+        self._lanes = self._lanes or self._runners.lanes()
+        if self._lanes is None:
+            accepted = "False; True where a step is expressions alone: no quadratic program, nothing computed in Python"
+            raise ArgumentError("lanes", True, accepted)
+        return self._lanes
+
+    def solve_numbers(self, numbers: Array, starts: Array, options: Options, lanes: bool) -> BatchRows:
+        """The rows of targets that are numbers, as another process can read them."""
         exclusive = self._exclusive
         if exclusive.busy:
             raise in_use()
         try:
             exclusive.busy = True
-            entries = self._entries(list(range(len(numbers))), numbers, numbers, starts, options)
-            return [entry.settled() for entry in entries]
+            search_options, targets = self._read_options(options), BatchTargets(numbers, numbers, starts)
+            in_lanes = self._in_lanes() if lanes else None
+            chosen = np.arange(len(numbers))
+            parts = list(self._batch.rows(chosen, targets, options, search_options, 1, in_lanes))
+            return BatchRows.joined(parts, self._robot.nq).settled()
         finally:
             exclusive.busy = False
-
-    def _entries(
-        self, chosen: list[int], given: Sequence[Any], numbers: list[Array], starts: list[Array], options: Options
-    ) -> Iterator[BatchEntry]:
-        """The entries of the targets with these numbers, one after the other.
-
-        Args:
-            chosen: the numbers.
-            given: all targets as they were given.
-            numbers: all targets as numbers.
-            starts: where each solve begins; one configuration for all, or one for each.
-            options: the options of the solves.
-        """
-        search_options = self._read_options(options)
-        table = np.array([numbers[i] for i in chosen]).reshape(len(chosen), len(self._target))
-        own = starts if len(starts) == 1 else [starts[i] for i in chosen]
-        native = self._search.find_all(table, np.array(own), search_options) if chosen else None
-        for k, i in enumerate(chosen):
-            if self._ahead.waiting and self._ahead.adopt():
-                rest = np.array(own if len(own) == 1 else own[k:])
-                native = self._search.find_all(table[k:], rest, search_options)
-            found, seconds = next(native) if native else (None, 0.0)
-            begin = time.perf_counter()
-            self._target[:] = numbers[i]
-            if found is None:
-                found = self._search_in_memory(own[k % len(own)], search_options, self._runners.solve)
-            errors = found.errors or self._inspector.errors(found.q, self._memory.inputs)
-            diagnose: Callable[[], Status]
-            if found._replace(errors=errors).misses(*options[5:7]):
-                converged = False
-                diagnose = partial(self._inspector.snapshot(found.q, given[i]).status, found.code)
-            else:
-                status = self._inspector.current(found.q).status(found.code)
-                converged, diagnose = is_success(status, options[-1]), partial(Status, status)
-            yield BatchEntry(
-                found.q,
-                diagnose,
-                converged,
-                errors,
-                found.iterations,
-                found.escapes,
-                found.restarts,
-                seconds + time.perf_counter() - begin,
-            )
 
     def track(self, targets: Iterable[Any], q0: Any, dt: float, options: Options, progress: Progress) -> Trajectory:
         """Follow a path of targets, as `InverseKinematics.track` describes it."""

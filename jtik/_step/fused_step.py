@@ -69,6 +69,7 @@ class FusedStep:
         parts: the functions between which quadratic programs are solved; None without any.
         library: the shared library of generated C; None if it was not compiled.
         relaxation: what may be relaxed in the step.
+        virtual: the function on the virtual machine, where ``function`` is generated C.
     """
 
     function: Function | Staged
@@ -78,6 +79,14 @@ class FusedStep:
     parts: Staged | None = None
     library: Library | None = None
     relaxation: RelaxationTerms = field(default_factory=RelaxationTerms)
+    virtual: Function | None = None
+
+    @property
+    def expressions(self) -> Function | None:
+        """The function as expressions; None where quadratic programs are solved in it."""
+        if self.parts is not None or isinstance(self.function, Staged):
+            return None
+        return self.virtual or self.function
 
     def bind(self, arguments: list[Array], results: list[Array]) -> Callable[[], None]:
         """A call without arguments on this memory."""
@@ -130,7 +139,7 @@ class FusedStep:
         with using_casadi or nullcontext():
             step = whole.joined() if whole else self.function
         built = compiled(step, beside, self.archive)
-        return replace(self, function=built.function, parts=whole, library=built)
+        return replace(self, function=built.function, parts=whole, library=built, virtual=None if whole else step)
 
 
 def fused_step(

@@ -177,6 +177,7 @@ def compile_library(
     built: Path,
     archive: Archive | None = None,
     runs: CompilerRuns | None = None,
+    more: tuple[str, ...] = (),
 ) -> None:
     """Compile a file of C to a shared library.
 
@@ -186,11 +187,12 @@ def compile_library(
         built: the library to write.
         archive: a static library to link it with; None for none.
         runs: runs the compiler, and can end it.
+        more: more options.
 
     Raises:
         CompilerError: when the compiler cannot be run or fails, or what it wrote is no complete library.
     """
-    said = [*command, *options(command)]
+    said = [*command, *options(command), *more]
     files = [str(code), "-o", str(built)]
     if archive is not None:
         files = [f"-I{archive.include}", *files, str(archive.file)]

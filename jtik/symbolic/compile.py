@@ -14,7 +14,7 @@ import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 
@@ -24,7 +24,10 @@ from jtik.symbolic.c_compiler import CompilerError, CompilerRuns, compile_librar
 from jtik.symbolic.operations import Function, c_source, external
 from jtik.types import Array
 
-__all__ = ["CompiledFunction", "CompilerError", "Library", "bind", "compiler", "library", "to_c"]
+__all__ = ["CompiledFunction", "CompilerError", "Library", "bind", "compiler", "library", "plain_library", "to_c"]
+
+
+T = TypeVar("T")
 
 
 def bind(function: Function, arguments: list[Array], results: list[Array]) -> Callable[[], None]:
@@ -128,31 +131,61 @@ def library(
     Raises:
         CompilerError: when there is no compiler, it fails, or the library cannot be stored or loaded.
     """
-    command = compiler()
     using = using_casadi or nullcontext()
     with using:
         source = c_source(function) + beside
+    return _library(source, function.name(), archive, runs, using, _loaded)
+
+
+def plain_library(source: str, more: tuple[str, ...] = ()) -> tuple[ctypes.CDLL, str]:
+    """C source as a shared library, kept as those of `library` are, and what JTIK_NAME stands for in it.
+
+    Args:
+        source: the source; its own names begin with JTIK_NAME.
+        more: more options for the compiler.
+
+    Raises:
+        CompilerError: when there is no compiler, it fails, or the library cannot be stored or loaded.
+    """
+
+    def load(name: str, path: Path) -> tuple[ctypes.CDLL, str]:
+        return ctypes.CDLL(str(path)), name
+
+    return _library(source, "JTIK_NAME", None, None, nullcontext(), load, more)
+
+
+def _library(
+    source: str,
+    replaced: str,
+    archive: Archive | None,
+    runs: CompilerRuns | None,
+    using: AbstractContextManager[Any],
+    load: Callable[[str, Path], T],
+    more: tuple[str, ...] = (),
+) -> T:
+    """What ``load`` makes of the library of a source, in which the name of the library replaces another."""
+    command = compiler()
     machine = (sys.platform, platform.machine(), sys.maxsize, sys.modules["jtik"].__version__)
     linked = archive and hashlib.sha256(archive.file.read_bytes()).hexdigest()
-    depends = repr((command, options(command), version(command, runs), machine, source, linked))
+    depends = repr((command, (*options(command), *more), version(command, runs), machine, source, linked))
     name = "jtik_" + hashlib.sha256(depends.encode()).hexdigest()[:32]
 
     def build(scratch: Path) -> Path:
         code, built = scratch / f"{name}.c", scratch / f"{name}.so"
         # the prefix keeps the symbols of several libraries, and libc's own "step", apart
-        code.write_text(source.replace(function.name(), name).replace("JTIK_NAME", name), encoding="utf-8")
-        compile_library(command, code, built, archive, runs)
+        code.write_text(source.replace(replaced, name).replace("JTIK_NAME", name), encoding="utf-8")
+        compile_library(command, code, built, archive, runs, more)
         return built
 
     path = library_cache.find_or_build(name, build)
     try:
         with using:
-            return _loaded(name, path)
+            return load(name, path)
     except (OSError, RuntimeError) as error:
         if not path.exists():  # another process has just deleted it
             path = library_cache.find_or_build(name, build)
             with using:
-                return _loaded(name, path)
+                return load(name, path)
         library_cache.forget(path)
         reason = f"{' '.join(str(error).split())}; the folder is another one with XDG_CACHE_HOME"
         raise CompilerError(f"{path}, made by {' '.join(command)}, cannot be loaded", reason) from error

@@ -114,6 +114,15 @@ class Task(metaclass=ConstructedABC):
         """
         return None
 
+    def read_matrices(self, robot: Robot, targets: Array) -> Array | None:
+        """The numbers of many matrices (k, 4, 4), (k, target size), by `read_target`; None where that is needed.
+
+        Args:
+            robot: the robot.
+            targets: the targets.
+        """
+        return None
+
     def target_is_vector(self, robot: Robot) -> bool:
         """Whether a vector of ``target_size`` finite numbers is a target without any conversion.
 

@@ -14,7 +14,7 @@ from jtik.robot import Kinematics, Robot
 from jtik.robot.pose_input import FORMS
 from jtik.symbolic import Expression, Function, atan2, cos, reshape, rigid_motion, rotation, sin, vertcat
 from jtik.task.base import TaskRows
-from jtik.task.targets import Kind, matrix_reader, read_fast, read_placement, unused_part
+from jtik.task.targets import Kind, matrix_reader, read_fast, read_matrices, read_placement, unused_part
 from jtik.task.weighted import Axes, WeightedTask, kept, named
 from jtik.types import Array
 
@@ -106,6 +106,10 @@ class PlacementTask(WeightedTask):
     def matrix_reader(self, robot: Robot) -> Function | None:
         """That of the kind, for a robot in space."""
         return matrix_reader(self.target_kind) if robot.dimension == 3 else None
+
+    def read_matrices(self, robot: Robot, targets: Array) -> Array | None:
+        """Those of the kind, for a robot in space."""
+        return read_matrices(targets, self.target_kind) if robot.dimension == 3 else None
 
     def accepted(self, robot: Robot) -> str:
         """What a target may be, for error messages.

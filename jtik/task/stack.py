@@ -96,6 +96,31 @@ class TaskStack:
             raise ArgumentError("target", target, f"a dict with a target for each of the tasks {names}")
         return self.tasks[0].read_target(self.robot, target)
 
+    def read_table(self, targets: Any) -> Array | None:
+        """The numbers of many targets of the only task, (k, target_size), where all are usual and valid; else None.
+
+        Args:
+            targets: arrays of float64, each a vector that needs no conversion or each a matrix (4, 4); or one array of
+                all.
+        """
+        if len(self.tasks) != 1 or not len(targets):
+            return None
+        shape: tuple[int, ...] = (self.target_size,)
+        if not self.target_is_vector or getattr(targets[0], "shape", None) == (4, 4):
+            shape = (4, 4)
+        if type(targets) is not np.ndarray:
+            usual = [type(each) is np.ndarray and each.dtype == _FLOAT and each.shape == shape for each in targets]
+            if False in usual:
+                return None
+            targets = np.array(targets)
+        if targets.dtype != _FLOAT or targets.shape[1:] != shape:
+            return None
+        if shape == (4, 4):
+            return self.tasks[0].read_matrices(self.robot, targets)
+        with np.errstate(over="ignore", invalid="ignore"):
+            finite = np.isfinite(targets.sum(axis=1)).all()
+        return targets.copy(order="C") if finite else None
+
     def unused(self, target: Any) -> str | None:
         """The parts of a target that the tasks do not use, such as "orientation of the target".
 
@@ -205,3 +230,6 @@ def _joints_in(error: Expression, kinematics: Kinematics) -> set[str]:
     names = {entry.name() for entry in symvar(error)}
     appears = [q[i].name() in names for i in range(robot.nq)]
     return {joint for joint in robot.joint_names if any(appears[robot.q_slice(joint)])}
+
+
+_FLOAT = np.dtype(np.float64)

@@ -97,6 +97,22 @@ def matrix_reader(kind: Kind) -> Function:
     return function("read_matrix", [memory], [numbers, logic_and(is_pose, is_rotation)])
 
 
+def read_matrices(targets: Array, kind: Kind) -> Array | None:
+    """The numbers of `read_fast` of many matrices (k, 4, 4), (k, size); None where one of them is not valid."""
+    columns = targets[:, :3, :3].transpose(0, 2, 1)
+    numbers = [targets[:, :3, 3]] if kind != "orientation" else []
+    if kind != "position":
+        numbers.append(columns.reshape(-1, 9))
+    table: Array = np.concatenate(numbers, axis=1)
+    with np.errstate(all="ignore"):
+        x, y, z = columns[:, 0], columns[:, 1], columns[:, 2]
+        valid = (targets[:, 3] == (0, 0, 0, 1)).all() and np.isfinite(targets[:, :3, 3].sum(axis=1)).all()
+        for a, b, inner in ((x, x, 1), (y, y, 1), (z, z, 1), (x, y, 0), (y, z, 0), (z, x, 0)):
+            valid = valid and (np.abs((a * b).sum(axis=1) - inner) <= ROTATION_TOLERANCE).all()
+        valid = valid and ((np.cross(x, y) * z).sum(axis=1) > 0).all()
+    return table if valid else None
+
+
 def read_placement(target: Any, kind: Kind, dimension: int, accepted: str) -> Array:
     """A target in any of its forms as numbers.
 

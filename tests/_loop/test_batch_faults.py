@@ -84,6 +84,28 @@ class TestInterrupt:
         assert not batch.complete
         assert 0 < len(batch) < len(many)
 
+    def test_a_signal_ends_the_threads_of_a_batch(self, monkeypatch, interruptible):
+        ik, search, called = solver(compiled=True), NativeSearch.batch, []
+        both = threading.Barrier(2, timeout=60)
+
+        def batch_with_signal(*arguments):
+            own = threading.get_ident()
+            called.append(own)
+            if called.count(own) == 1:
+                both.wait()
+            if len(called) == 20:
+                os.kill(os.getpid(), signal.SIGINT)
+            return search(*arguments)
+
+        expected = ik.solve_batch(np.tile(TARGETS, (100, 1)), q0=Q0)
+        monkeypatch.setattr(NativeSearch, "batch", batch_with_signal)
+        batch = ik.solve_batch(np.tile([[1.5, 1.0]], (240_000, 1)), q0=Q0, threads=2)
+        monkeypatch.setattr(NativeSearch, "batch", search)
+        assert not batch.complete
+        assert batch.converged.sum() > 0
+        assert "jtik batch" not in [each.name for each in threading.enumerate()]
+        same(ik.solve_batch(np.tile(TARGETS, (100, 1)), q0=Q0, threads=2), expected)
+
     @pytest.mark.parametrize("restarts", [0, 40])
     def test_a_search_in_c_gives_way_to_python_and_ends_with_the_same_numbers(self, restarts, monkeypatch):
         expected = solver(compiled=True).solve_batch(TARGETS, q0=Q0, restarts=restarts)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import functools
+import threading
 
 import numpy as np
 import pytest
 
 import jtik
+from jtik._loop import native_search
 from jtik_formulations import Damped, JointCentering
 
 from ..conftest import dh_arm, planar
@@ -146,3 +148,58 @@ def test_a_second_solve_with_the_same_options_is_the_same(rng):
     kept = native.solve(first, **options)
     native.solve(ARM.pose(np.zeros(7)), **options)
     assert kept.position_error <= 1e-3  # its own target's
+
+
+THREADS_OF = {
+    "damped, restarts": ({"strategy": "damped"}, {"restarts": 10}),
+    "quadratic programs": ({"strategy": "hybrid+qp", "criteria": JointCentering()}, {"max_iterations": 200}),
+}
+
+
+@pytest.mark.parametrize("case", THREADS_OF)
+def test_threads_change_nothing(case, rng):
+    solver, options = THREADS_OF[case]
+    native, _ = pair(**solver)
+    targets = [ARM.pose(ARM.random_configuration(rng)) for _ in range(100)]
+    targets[40][:3, 3] = 50.0  # left to the search in Python
+    starts = np.array([ARM.random_configuration(rng) for _ in targets])
+    alone = native.solve_batch(targets, q0=starts, **options)
+    for threads in (2, 3, 1000):
+        spread = native.solve_batch(targets, q0=starts, threads=threads, **options)
+        for name in ("q", "converged", "position_error", "orientation_error", "iterations", "restarts", "targets"):
+            assert np.array_equal(getattr(spread, name), getattr(alone, name)), name
+        assert spread.status == alone.status
+        assert spread.complete
+    poses = np.array([ARM.pose(q) for q in spread.q])[spread.converged]
+    assert poses == pytest.approx(np.array(targets)[spread.converged], abs=1e-6)
+    assert 0 < spread.converged.sum() < len(targets)
+
+
+def test_threads_run_at_the_same_time():
+    """Each waits within its call of C until the other is within its own."""
+    native, _ = pair()
+    targets = np.array([ARM.pose(np.full(7, 0.8))] * 64)
+    both, search = threading.Barrier(2, timeout=60), native_search.NativeSearch.batch
+    waited = set()
+
+    def batch(self, *arguments):
+        if threading.get_ident() not in waited:
+            waited.add(threading.get_ident())
+            both.wait()
+        return search(self, *arguments)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(native_search.NativeSearch, "batch", batch)
+        assert native.solve_batch(targets, threads=2).converged.all()
+    assert len(waited) == 2
+
+
+def test_an_error_in_a_thread_is_raised(monkeypatch):
+    native, _ = pair()
+
+    def fails(*_):
+        raise MemoryError("no more")
+
+    monkeypatch.setattr(native_search.NativeSearch, "batch", fails)
+    with pytest.raises(MemoryError, match="no more"):
+        native.solve_batch([ARM.pose(np.full(7, 0.8))] * 64, threads=2)

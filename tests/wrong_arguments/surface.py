@@ -456,6 +456,8 @@ SOLVER: dict[str, Entry] = {
             "progress": FLAG.without("True", "class"),
             "executor": NOTHING | "None",
             "block": POSITIVE_COUNT,
+            "threads": POSITIVE_COUNT,
+            "lanes": FLAG,
             "save": NOTHING | "None",
             **TOLERANCES,
         },

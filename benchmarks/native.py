@@ -1,0 +1,134 @@
+"""Solves of a Panda in generated C, per second: one target at a time and side by side in vector registers, by one
+thread and by two, beside the Robotics Toolbox and optik.
+
+Every answer counts only where Pinocchio's forward kinematics, on the file itself, finds it within 1e-6 m and 1e-6 rad
+of its target and within the limits. Two kinds of starts: the middle of the limits for all, with up to 100 restarts; and
+near ones, where each joint is up to 0.1 rad from the configuration that the target was made of, as along a path.
+
+    python benchmarks/native.py [--targets 20000] [--rounds 7] [--strategy damped] [--cpu] [--json figures.json]
+
+The rows of a round follow one another, and each round begins with another row. Times are medians with the tenth and
+ninetieth percentile. The peers solve the first targets only, and start in the middle. They are installed by
+
+    python -m pip install roboticstoolbox-python optik-py pin example-robot-data
+
+A library that is not installed has a row that says so.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from ik_arms import FILE_SLACK, Arm, check, read_arm
+from ik_solvers import RESTARTS, Accuracy, Builder, optik, toolbox
+
+import jtik
+
+Array = np.ndarray
+ACCURACY = Accuracy(1e-6, 1e-6)
+NEAR = 0.1
+"""Largest distance of a joint from the answer in a near start [rad]."""
+PEERS: dict[str, Builder] = {"Robotics Toolbox ik_LM": toolbox, "optik": optik}
+
+Solve = Callable[[], list[Array | None]]
+"""() -> a configuration, or None, for each of its targets."""
+
+
+def ours(arm: Arm, strategy: str, targets: Array, starts: dict[str, Array]) -> dict[str, Solve]:
+    """The rows of jtik."""
+    robot = jtik.Robot.from_urdf(arm.path, tip=arm.tip)
+    task = jtik.FrameTask(arm.tip, kind="pose", stiffness=[1, 1, 1, 0.06, 0.06, 0.06])
+    joints = [link.name for link in arm.links]
+    ik = jtik.InverseKinematics(robot, task, strategy=strategy, joints=joints, at=np.zeros(robot.nq), compiled=True)
+
+    def solve(start: str, threads: int, lanes: bool) -> list[Array | None]:
+        options: dict[str, Any] = {"restarts": RESTARTS, "threads": threads, "lanes": lanes}
+        batch = ik.solve_batch(targets, q0=starts[start], **options)
+        return [q if good else None for q, good in zip(batch.q, batch.converged, strict=True)]
+
+    return {
+        f"{start}: {'lanes' if lanes else 'one at a time'}, {threads} thread{'s' * (threads > 1)}": partial(
+            solve, start, threads, lanes
+        )
+        for start in starts
+        for lanes in (False, True)
+        for threads in (1, 2)
+    }
+
+
+def peers(arm: Arm, targets: Array) -> dict[str, Solve | str]:
+    """The rows of the other libraries; a text where one is not installed."""
+    rows: dict[str, Solve | str] = {}
+    for name, build in PEERS.items():
+        try:
+            prepared = build(arm, ACCURACY)
+        except ImportError as error:
+            rows[name] = f"not installed: {error}"
+            continue
+        converted = [prepared.convert(target) for target in targets]
+        rows[name] = lambda solve=prepared.solve, given=converted: [solve(target) for target in given]
+    return rows
+
+
+def right(arm: Arm, targets: Array, found: list[Array | None]) -> int:
+    """How many answers are on target and within the limits, by Pinocchio."""
+    count = 0
+    for target, q in zip(targets, found, strict=True):
+        if q is not None:
+            at = check(arm, target, q)
+            on_target = at.position <= ACCURACY.position + FILE_SLACK
+            count += at.within and on_target and at.orientation <= ACCURACY.orientation + FILE_SLACK
+    return count
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--targets", type=int, default=20_000)
+    parser.add_argument("--of-peers", type=int, default=300, help="number of targets of the other libraries")
+    parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--strategy", default="damped")
+    parser.add_argument("--cpu", action="store_true", help="time of the processor, on a machine that others use, too")
+    parser.add_argument("--json", type=Path)
+    given = parser.parse_args()
+    clock = time.process_time if given.cpu else time.perf_counter
+    arm, generator = read_arm("panda"), np.random.default_rng(0)
+    made_of = np.array([arm.draw(generator) for _ in range(given.targets)])
+    targets = np.array([arm.pose(q) for q in made_of])
+    near = np.clip(made_of + generator.uniform(-NEAR, NEAR, made_of.shape), *arm.bounds())
+    rows: dict[str, Solve | str] = {}
+    rows |= ours(arm, given.strategy, targets, {"from the middle": arm.middle(), "near": near})
+    rows |= peers(arm, targets[: given.of_peers])
+    running = {name: row for name, row in rows.items() if not isinstance(row, str)}
+    answers = {name: row() for name, row in running.items()}  # compiles, and is not timed
+    times: dict[str, list[float]] = {name: [] for name in running}
+    names = list(running)
+    for k in range(given.rounds):
+        for name in names[k % len(names) :] + names[: k % len(names)]:
+            begin = clock()
+            running[name]()
+            times[name].append((clock() - begin) / len(answers[name]))
+    figures: dict[str, Any] = {}
+    print(f"{'':42} {'µs a target (10 to 90 %)':>28} {'a second':>10} {'right':>9}")
+    for name, row in rows.items():
+        if isinstance(row, str):
+            print(f"{name:42} {row}")
+            continue
+        low, median, high = np.percentile(times[name], [10, 50, 90]) * 1e6
+        share = right(arm, targets[: len(answers[name])], answers[name]) / len(answers[name])
+        figures[name] = {"median": median, "low": low, "high": high, "right": share, "targets": len(answers[name])}
+        span = f"{median:.2f} ({low:.2f} to {high:.2f})"
+        print(f"{name:42} {span:>28} {math.floor(1e6 / median):>10,} {100 * share:>7.2f} %")
+    if given.json:
+        given.json.write_text(json.dumps(figures, indent=1), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,136 @@
+"""The search in lanes: several targets of a batch at the same time, side by side in the registers of one processor.
+
+Each lane follows the rules of `jtik._loop.search` with a target, a state and restarts of its own; where its search
+ends it takes the next target. What a lane holds does not change what the others compute. Sine and cosine are not those
+of the C library, so that results differ from those of the other searches by rounding. What is unusual is left to the
+search in Python, as by the native search, and so is a search that goes on for more than a tenth of a second after all
+others of its call: Ctrl-C is obeyed then.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from jtik._loop.full_turns import FullTurns
+from jtik._loop.lane_search_source import source, work_size
+from jtik._loop.native_search import NativeBatch
+from jtik._loop.runner import Runner
+from jtik._step.fused_step import FusedStep
+from jtik.symbolic import Function
+from jtik.symbolic.compile import plain_library
+from jtik.symbolic.lane_maths import EXACT, LEVELS, PROBE, Level
+from jtik.symbolic.lane_source import has_lanes
+from jtik.types import Array
+
+MOST_ROWS = 16384
+"""Most targets of one call: at its end some lanes have nothing to do."""
+
+ALIGNMENT = 64
+"""Alignment of vectors in memory [bytes]."""
+
+
+class LaneLibrary(NamedTuple):
+    """The search in lanes for one step.
+
+    Attributes:
+        function: the step.
+        level: the instructions that it uses.
+        loaded: its shared library.
+        name: the beginning of its names.
+    """
+
+    function: Function
+    level: Level
+    loaded: ctypes.CDLL
+    name: str
+
+
+def lane_library(fused: FusedStep) -> LaneLibrary | None:
+    """The search in lanes, compiled now; None for a step that calls a solver or Python, or cannot be written so.
+
+    Args:
+        fused: the step.
+
+    Raises:
+        CompilerError: without a compiler.
+    """
+    function = fused.expressions
+    if function is None or not has_lanes(function):
+        return None
+    level = LEVELS[highest_level()]
+    loaded, name = plain_library(source(function, fused.state, level), EXACT)
+    return LaneLibrary(function, level, loaded, name)
+
+
+@cache
+def highest_level() -> int:
+    """The number of the highest of `LEVELS` that this machine has.
+
+    Raises:
+        CompilerError: without a compiler.
+    """
+    loaded, name = plain_library(PROBE)
+    return int(getattr(loaded, f"{name}_level")())
+
+
+class LaneSearch:
+    """The search in lanes on memory of its own, with the inputs of a runner.
+
+    Args:
+        library: the search.
+        runner: the runner of solves, whose parameters, limits and settings are read where they are.
+        turns: the joints that can turn all the way round.
+        has_criterion: whether there is a criterion.
+
+    Attributes:
+        runner: the runner.
+    """
+
+    def __init__(self, library: LaneLibrary, runner: Runner, turns: FullTurns, *, has_criterion: bool) -> None:
+        self.runner, self._arguments = runner, (library, runner, turns)
+        self._has_criterion = has_criterion
+        self._nq = len(runner.q[0])
+        inputs = runner.inputs
+        pointers = np.array([0, *(array.ctypes.data if array.size else 0 for array in inputs)], dtype=np.uintp)
+        self._q0, self._first_state = np.zeros(self._nq), runner.first_state.copy()
+        limits = [turns.indices, turns.lower, turns.upper]
+        at = np.zeros(20, dtype=np.uintp)  # where the native search has them
+        at[[0, 9, 10, 12]] = [each.ctypes.data for each in (pointers, self._first_state, inputs.settings, self._q0)]
+        at[13:17] = [self._nq, len(self._first_state), len(turns.indices), int(has_criterion)]
+        at[17:20] = [each.ctypes.data for each in limits]
+        work = np.zeros(work_size(library.function, library.level) + ALIGNMENT // 8)
+        skipped = -work.ctypes.data % ALIGNMENT
+        self._work = work.ctypes.data + skipped
+        self._at, self._kept = at, (pointers, work, limits, inputs)
+        self._call = getattr(library.loaded, f"{library.name}_lanes")
+        integer, pointer = ctypes.c_longlong, ctypes.c_void_p
+        self._call.argtypes = [pointer, pointer, integer, integer, integer, ctypes.c_double, pointer]
+        self._call.restype = integer
+
+    def beside(self) -> LaneSearch:
+        """A search on memory of its own, for another thread."""
+        return LaneSearch(*self._arguments, has_criterion=self._has_criterion)
+
+    def batch(
+        self,
+        targets: Array,
+        q0: Array,
+        starts: Array | None,
+        first: int,
+        last: int,
+        limit: int,
+        patience: float,
+    ) -> NativeBatch:
+        """As `jtik._loop.native_search.NativeSearch.batch`."""
+        found = NativeBatch.of(min(len(targets), MOST_ROWS), self._nq)
+        count = len(found.q)
+        arrays = [np.ascontiguousarray(targets[:count]), np.ascontiguousarray(q0), *found]
+        sizes = [count, targets.shape[1], self._nq if len(q0) > 1 else 0]
+        table = np.array([*(each.ctypes.data for each in arrays), *sizes, self._work], dtype=np.uintp)
+        starts_at = None if starts is None else starts.ctypes.data
+        done = self._call(self._at.ctypes.data, starts_at, first, max(last, 0), limit, patience, table.ctypes.data)
+        return found.first(done)

@@ -1,0 +1,128 @@
+"""Arithmetic on several numbers at once, as C for compilers with vector types (GCC and clang).
+
+A *lane* is one of the numbers of a vector register. Every operation is that of one number, lane by lane: a result does
+not depend on the number of lanes or on what the others hold. Sine and cosine are by reduction to a quarter turn, in
+three parts of pi / 2, and minimax polynomials; beyond 1e5, where the reduction loses digits, and for what is not finite
+they are the C library's.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Level(NamedTuple):
+    """Instructions of processors.
+
+    Attributes:
+        instructions: as compilers name them; empty for those that every processor of its kind has.
+        lanes: numbers in a vector.
+    """
+
+    instructions: str
+    lanes: int
+
+
+LEVELS = (Level("", 4), Level("avx2", 4), Level("avx512f,avx512dq,avx512vl", 8))
+"""From those that every processor has to the fastest; all give the same numbers."""
+
+EXACT = ("-ffp-contract=off",)
+"""Options with which it is compiled: a product and a sum are rounded twice at every level."""
+
+PROBE = r"""
+#if defined(__x86_64__)
+#include <cpuid.h>
+#endif
+
+/* The highest level that this processor has, and whose registers the system keeps. */
+int JTIK_NAME_level(void) {
+#if defined(__x86_64__)
+  unsigned a, b, c, d, low, high;
+  if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & (1u << 27)) || !(c & (1u << 28))) return 0; /* XGETBV, AVX */
+  __asm__ volatile("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
+  if ((low & 6) != 6 || !__get_cpuid_count(7, 0, &a, &b, &c, &d) || !(b & (1u << 5))) return 0;
+  return (low & 0xe6) == 0xe6 && (b & (1u << 16)) && (b & (1u << 17)) && (b & (1u << 31)) ? 2 : 1;
+#else
+  return 0;
+#endif
+}
+"""
+
+_LANE_MATHS = r"""
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#ifdef JTIK_INSTRUCTIONS
+#define JTIK_CPU __attribute__((target(JTIK_INSTRUCTIONS)))
+#else
+#define JTIK_CPU
+#endif
+#define JTIK_INLINE static inline __attribute__((always_inline)) JTIK_CPU
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+typedef double V __attribute__((vector_size(8 * JTIK_LANES), may_alias));  /* numbers */
+typedef int64_t M __attribute__((vector_size(8 * JTIK_LANES), may_alias)); /* truth: all bits or none */
+
+#define ALL(x) ((x) - (V){0})
+JTIK_INLINE V of_bits(M m) { V r; memcpy(&r, &m, sizeof r); return r; }
+JTIK_INLINE M bits(V v) { M r; memcpy(&r, &v, sizeof r); return r; }
+JTIK_INLINE V choose(M m, V a, V b) { return of_bits((bits(a) & m) | (bits(b) & ~m)); }
+JTIK_INLINE V where(M m, V a) { return of_bits(bits(a) & m); }
+JTIK_INLINE V number(M m) { return where(m, ALL(1.0)); }
+JTIK_INLINE int any(M m) { int64_t r = 0; for (int i = 0; i < JTIK_LANES; ++i) r |= m[i]; return r != 0; }
+JTIK_INLINE V v_fabs(V x) { return of_bits(bits(x) & 0x7fffffffffffffffLL); }
+JTIK_INLINE V v_fmin(V x, V y) { return choose((x < y) | (y != y), x, y); }
+JTIK_INLINE V v_fmax(V x, V y) { return choose((x > y) | (y != y), x, y); }
+JTIK_INLINE V v_sign(V x) { return choose(x < 0, ALL(-1.0), choose(x > 0, ALL(1.0), x)); }
+JTIK_INLINE V v_sqrt(V x) { V r; for (int i = 0; i < JTIK_LANES; ++i) r[i] = sqrt(x[i]); return r; }
+#define ONE(f, x) ({ V a_ = (x), r_; for (int i_ = 0; i_ < JTIK_LANES; ++i_) r_[i_] = f(a_[i_]); r_; })
+#define TWO(f, x, y) \
+  ({ V a_ = (x), b_ = (y), r_; for (int i_ = 0; i_ < JTIK_LANES; ++i_) r_[i_] = f(a_[i_], b_[i_]); r_; })
+
+typedef struct { V sin, cos; } turn_of;
+
+JTIK_INLINE turn_of quarter_turns(V x) {
+  const V shift = ALL(0x1.8p+52); /* rounds to an integer, which the lowest bits then hold */
+  const V t = x * 0x1.45f306dc9c883p-1 + shift;
+  const M quarter = bits(t);
+  const V k = t - shift;
+  const V t1 = x - k * 0x1.921fb544p+0, t2 = k * 0x1.0b4611a6p-34, near = t1 - t2; /* the first part is exact */
+  const V r = near + (((t1 - near) - t2) - k * 0x1.3198a2e037073p-69);
+  const V u = r * r;
+  const V s = r + r * (u * (-0x1.5555555555555p-3 + u * (0x1.111111111111p-7 + u * (-0x1.a01a01a01993p-13 +
+              u * (0x1.71de3a545f9a2p-19 + u * (-0x1.ae6454110cefep-26 + u * (0x1.61217dac1ab99p-33 +
+              u * -0x1.ab1703bbf3a86p-41)))))));
+  const V half = u * 0.5, w = 1.0 - half;
+  const V c = w + (((1.0 - w) - half) + u * u * (0x1.5555555555555p-5 + u * (-0x1.6c16c16c16964p-10 +
+              u * (0x1.a01a019f4df82p-16 + u * (-0x1.27e4fa16e7de1p-22 + u * (0x1.1eeb67e9d96f4p-29 +
+              u * -0x1.907ce9abe9ed9p-37))))));
+  const M odd = -(quarter & 1);
+  turn_of end;
+  end.sin = of_bits(bits(choose(odd, c, s)) ^ ((quarter & 2) << 62));
+  end.cos = of_bits(bits(choose(odd, s, c)) ^ (((quarter + 1) & 2) << 62));
+  return end;
+}
+
+static __attribute__((noinline, cold)) JTIK_CPU void far_sin(V* x) { *x = ONE(sin, *x); }
+static __attribute__((noinline, cold)) JTIK_CPU void far_cos(V* x) { *x = ONE(cos, *x); }
+
+JTIK_INLINE V v_sin(V x) {
+  const M near = v_fabs(x) < 1e5;
+  V r = quarter_turns(x).sin;
+  if (__builtin_expect(any(~near), 0)) { V far = x; far_sin(&far); r = choose(near, r, far); }
+  return r;
+}
+JTIK_INLINE V v_cos(V x) {
+  const M near = v_fabs(x) < 1e5;
+  V r = quarter_turns(x).cos;
+  if (__builtin_expect(any(~near), 0)) { V far = x; far_cos(&far); r = choose(near, r, far); }
+  return r;
+}
+"""
+
+
+def lane_maths(level: Level) -> str:
+    """C of the arithmetic with the instructions of a level."""
+    instructions = [f'#define JTIK_INSTRUCTIONS "{level.instructions}"'] if level.instructions else []
+    return "\n".join([*instructions, f"#define JTIK_LANES {level.lanes}", _LANE_MATHS])

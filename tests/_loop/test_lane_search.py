@@ -1,0 +1,269 @@
+"""The search in lanes ends as the other searches do, reproducibly, and leaves to Python what it cannot do."""
+
+from __future__ import annotations
+
+import functools
+import os
+import signal
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import jtik
+from jtik._loop import lane_search, native_source
+from jtik.symbolic import lane_maths
+from jtik.symbolic.compile import plain_library
+from jtik.symbolic.lane_maths import Level
+from jtik_formulations import Damped, JointCentering
+
+from ..conftest import dh_arm, planar, slow
+
+COLUMNS = ("q", "converged", "position_error", "orientation_error", "iterations", "escapes", "restarts")
+
+
+def rotation_angle(R):
+    return np.linalg.norm([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]) / 2
+
+
+@functools.cache
+def solver(robot="panda", kind="pose", strategy="hybrid", criteria=None, count=0):
+    arm = planar(count) if count else jtik.Robot.builtin(robot)
+    task = jtik.FrameTask("tip" if count else arm.tip, kind)
+    return jtik.InverseKinematics(arm, task, strategy=strategy, criteria=criteria, compiled=True)
+
+
+def problems(ik, rng, count):
+    """Targets that can be reached, a tenth of them at a singularity or close to one, and where to begin."""
+    robot = ik.robot
+    made_of = np.array([robot.random_configuration(rng) for _ in range(count)])
+    made_of[::20, [1, 2, 4]] = 0.0
+    made_of[10::20, [1, 2, 4]] = 1e-7
+    poses = np.array([robot.pose(q) for q in np.clip(made_of, robot.lower, robot.upper)])
+    targets = poses[:, :2, 3].copy() if ik.tasks.tasks[0].kind == "position" else poses
+    return targets, np.array([robot.random_configuration(rng) for _ in range(count)])
+
+
+CASES = {
+    "panda": {"strategy": "damped"},
+    "ur5": {"robot": "ur5", "strategy": "hybrid"},
+    "ten links, with a criterion": {"count": 10, "kind": "position", "strategy": "hybrid"},
+}
+COUNTS = [60, *slow(5000)]
+
+
+@pytest.mark.parametrize("count", COUNTS)
+@pytest.mark.parametrize("case", CASES)
+def test_every_target_ends_with_the_same_status_and_is_reached(case, count, rng):
+    ik = solver(**CASES[case], criteria=JointCentering() if "criterion" in case else None)
+    targets, q0 = problems(ik, rng, count)
+    options = {"restarts": 20, "seed": 3}
+    one, lanes = (ik.solve_batch(targets, q0=q0, lanes=each, **options) for each in (False, True))
+    assert lanes.status == one.status
+    assert np.mean(lanes.restarts == one.restarts) > 0.98  # rounding can end an attempt a call earlier
+    assert np.median(np.abs(lanes.iterations - one.iterations)) == 0
+    close = (lanes.restarts == one.restarts) & one.converged
+    assert np.median(np.abs(lanes.q - one.q)[close].max(axis=1)) < 1e-6
+    robot = ik.robot
+    assert (lanes.q >= robot.lower - 1e-9).all()
+    assert (lanes.q <= robot.upper + 1e-9).all()
+    for q, target, converged in zip(lanes.q, targets, lanes.converged, strict=True):
+        pose = robot.pose(q)
+        wanted, place = (target, 2) if target.ndim == 1 else (target[:3, 3], 3)
+        if converged:
+            assert np.linalg.norm(pose[:place, 3] - wanted) <= 1e-6 + 1e-12
+            assert target.ndim == 1 or rotation_angle(pose[:3, :3].T @ target[:3, :3]) <= 1e-6 + 1e-12
+    assert lanes.converged.mean() > 0.9
+
+
+def same(a, b, rows=slice(None)):
+    for name in COLUMNS:
+        assert np.array_equal(getattr(a, name)[rows], getattr(b, name)), name
+
+
+def test_a_result_depends_neither_on_what_is_beside_it_nor_on_threads_nor_on_the_order(rng):
+    ik = solver(strategy="damped")
+    targets, q0 = problems(ik, rng, 70)
+    together = ik.solve_batch(targets, q0=q0, restarts=20, lanes=True)
+    same(together, ik.solve_batch(targets, q0=q0, restarts=20, lanes=True))
+    same(together, ik.solve_batch(targets, q0=q0, restarts=20, lanes=True, threads=2))
+    order = rng.permutation(len(targets))
+    same(together, ik.solve_batch(targets[order], q0=q0[order], restarts=20, lanes=True), order)
+    for i in (0, 33):
+        alone = ik.solve_batch(targets[i : i + 1], q0=q0[i : i + 1], restarts=20, lanes=True)
+        same(together, alone, slice(i, i + 1))
+
+
+LEVELS = {
+    "one lane": Level("", 1),
+    "two lanes": Level("", 2),
+    "four lanes": Level("", 4),
+    "AVX2": lane_maths.LEVELS[1],
+    "AVX-512": lane_maths.LEVELS[2],
+}
+
+
+@pytest.mark.parametrize("name", LEVELS)
+def test_a_result_does_not_depend_on_instructions_and_number_of_lanes(name, monkeypatch, rng):
+    level = LEVELS[name]
+    if level in lane_maths.LEVELS and lane_maths.LEVELS.index(level) > lane_search.highest_level():
+        pytest.skip("a processor without these instructions")
+    robot = dh_arm(5, 3)
+    targets = np.array([robot.pose(robot.random_configuration(rng))[:3, 3] for _ in range(40)])
+
+    def batch():
+        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "position"), strategy="damped")
+        return ik.solve_batch(targets, q0=np.full(5, 0.3), restarts=10, lanes=True)
+
+    expected = batch()
+    monkeypatch.setattr(lane_search, "LEVELS", [level] * len(lane_maths.LEVELS))
+    same(expected, batch())
+
+
+def test_what_is_unusual_is_left_to_python():
+    """A straight arm escapes from a saddle point; a target out of reach is diagnosed; limits of iterations hold."""
+    arm = planar(4)
+    ik = jtik.InverseKinematics(arm, jtik.FrameTask(kind="position"), strategy="hybrid")
+    targets = np.array([[2.0, 0.0], [9.0, 1.0], [1.5, 1.5], [4.0, 0.0], [0.0, 0.0]])
+    for restarts in (0, 5):
+        one, lanes = (ik.solve_batch(targets, q0=np.zeros(4), restarts=restarts, lanes=each) for each in (False, True))
+        assert lanes.status == one.status
+        assert np.array_equal(lanes.escapes, one.escapes)
+        assert lanes.q == pytest.approx(one.q, abs=1e-5)
+    assert lanes.status[1] is jtik.Status.LOCAL_MINIMUM
+    for limit in (0, 1, 3):
+        one, lanes = (
+            ik.solve_batch(targets, q0=np.full(4, 0.3), max_iterations=limit, lanes=each) for each in (False, True)
+        )
+        assert lanes.status == one.status
+        assert np.array_equal(lanes.iterations, one.iterations)
+        assert lanes.q == pytest.approx(one.q, abs=1e-9)
+
+
+def test_angles_of_many_turns(rng):
+    """Beyond the range of the reduction sine and cosine are those of the C library."""
+    arm = planar(3)
+    ik = jtik.InverseKinematics(arm, jtik.FrameTask(kind="position"), strategy="damped")
+    q0 = np.array([[2e5, -3e5, 1e6], [0.3, 0.4, 0.5], [9e4, -9.9e4, 1e5], [1e300, 0.1, 0.1]])
+    targets = np.array([[1.5, 1.0]] * 4)
+    one, lanes = (ik.solve_batch(targets, q0=q0, lanes=each) for each in (False, True))
+    assert lanes.status == one.status
+    assert np.array_equal(lanes.iterations[:3], one.iterations[:3])
+
+
+def test_live_numbers_are_read_where_they_are():
+    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask(kind="position"), criteria=JointCentering())
+    first = ik.solve_batch([[1.5, 1.5]], q0=[0.3, 0.4, 0.5], lanes=True)
+    ik.parameters["joint_centering.preferred"] = [1.0, -1.0, 1.0]
+    moved = ik.solve_batch([[1.5, 1.5]], q0=[0.3, 0.4, 0.5], lanes=True)
+    assert np.abs(moved.q - first.q).max() > 1e-2
+    assert moved.q == pytest.approx(ik.solve_batch([[1.5, 1.5]], q0=[0.3, 0.4, 0.5]).q, abs=1e-6)
+
+
+def test_a_signal_ends_it(monkeypatch):
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    ik, batch = solver(strategy="damped"), lane_search.LaneSearch.batch
+    calls = []
+
+    def with_signal(*arguments):
+        calls.append(0)
+        if len(calls) == 2:
+            threading.Timer(0.01, os.kill, [os.getpid(), signal.SIGINT]).start()
+        return batch(*arguments)
+
+    try:
+        monkeypatch.setattr(lane_search.LaneSearch, "batch", with_signal)
+        far = np.tile(np.eye(4), (200_000, 1, 1))
+        far[:, 0, 3] = 0.6
+        found = ik.solve_batch(far, lanes=True, restarts=3)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert not found.complete
+    assert 0 < len(found) < 200_000
+
+
+def test_a_search_that_takes_long_goes_on_in_python(monkeypatch, rng):
+    targets, q0 = rng.uniform(-4, 4, (30, 2)), np.full(4, 0.3)
+
+    def batch(lanes):
+        ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(kind="position"), strategy="hybrid")
+        return ik.solve_batch(targets, q0=q0, restarts=3, lanes=lanes)
+
+    one = batch(False)
+    monkeypatch.setattr(native_source, "BUDGET", 0.0)
+    monkeypatch.setattr(native_source, "CHECKED", 3)
+    same(one, batch(True))
+    assert 0 < one.converged.sum() < len(targets)
+
+
+@pytest.mark.parametrize("options", [{"strategy": "weighted_qp"}, {"strategy": "hybrid+qp", "criteria": "centering"}])
+def test_a_strategy_without_lanes_says_what_is_possible(options):
+    options = {**options, **({"criteria": JointCentering()} if "criteria" in options else {})}
+    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask(kind="position"), **options)
+    with pytest.raises(jtik.ArgumentError, match="lanes: given True; accepted: False; True where"):
+        ik.solve_batch([[1.0, 1.0]], lanes=True)
+    assert ik.solve_batch([[1.0, 1.0]]).converged is not None
+
+
+def test_targets_are_checked():
+    ik = solver(strategy="damped")
+    poses = np.array([np.eye(4)] * 3)
+    poses[1, 0, 3] = np.nan
+    with pytest.raises(jtik.ArgumentError, match=r"targets\[1\]"):
+        ik.solve_batch(poses, lanes=True)
+    with pytest.raises(jtik.ArgumentError, match="q0"):
+        ik.solve_batch(poses[:1], q0=np.full((1, 7), np.inf), lanes=True)
+
+
+SINES = """
+%s
+JTIK_CPU void JTIK_NAME_turns(const double* x, double* s, double* c, long long n) {
+  for (long long i = 0; i < n; i += 4) {
+    V v, a, b;
+    memcpy(&v, x + i, sizeof v);
+    a = v_sin(v);
+    b = v_cos(v);
+    memcpy(s + i, &a, sizeof a);
+    memcpy(c + i, &b, sizeof b);
+  }
+}
+"""
+
+
+def test_sine_and_cosine_are_within_two_units_of_the_last_place(rng):
+    import ctypes
+
+    loaded, name = plain_library(SINES % lane_maths.lane_maths(lane_maths.LEVELS[0]), lane_maths.EXACT)
+    near = np.arange(-64000, 64000) * (np.pi / 2)
+    x = np.concatenate([rng.uniform(-1e5, 1e5, 200_000), rng.uniform(-7, 7, 200_000), near[::5], [0.0, -0.0, 1e-300]])
+    x = np.concatenate([x, np.zeros(-len(x) % 4)])
+    s, c = np.zeros_like(x), np.zeros_like(x)
+    pointers = [each.ctypes.data_as(ctypes.c_void_p) for each in (x, s, c)]
+    getattr(loaded, f"{name}_turns")(*pointers, ctypes.c_longlong(len(x)))
+    exact = np.asarray(x, dtype=np.longdouble)
+    for found, expected in ((s, np.sin(exact)), (c, np.cos(exact))):
+        off = np.abs(found - expected) / np.spacing(np.abs(expected.astype(float)))
+        assert off.max() < 2.0
+    outside = np.array([1e6, -3e8, np.inf, np.nan])
+    s, c = np.zeros(4), np.zeros(4)
+    pointers = [each.ctypes.data_as(ctypes.c_void_p) for each in (outside, s, c)]
+    getattr(loaded, f"{name}_turns")(*pointers, ctypes.c_longlong(4))
+    with np.errstate(invalid="ignore"):
+        assert s == pytest.approx(np.sin(outside), abs=1e-15, nan_ok=True)
+        assert c == pytest.approx(np.cos(outside), abs=1e-15, nan_ok=True)
+
+
+def test_damped_without_backtracking_too(rng):
+    ik = solver(strategy=Damped(backtracking=False))
+    targets, q0 = problems(ik, rng, 40)
+    one, lanes = (ik.solve_batch(targets, q0=q0, restarts=20, lanes=each) for each in (False, True))
+    assert lanes.status == one.status
+
+
+def test_an_executor_solves_in_lanes_too(rng):
+    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(kind="position"), strategy="damped")
+    targets, q0 = rng.uniform(-2, 2, (30, 2)), np.full(4, 0.3)
+    with ThreadPoolExecutor(1) as pool:
+        spread = ik.solve_batch(targets, q0=q0, lanes=True, executor=pool, block=7)
+    same(spread, ik.solve_batch(targets, q0=q0, lanes=True))
