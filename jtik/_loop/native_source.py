@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from jtik._loop.full_turns import ROUNDING, TURN
 from jtik._step.inputs import SETTING, Inputs
 from jtik._step.stopping import OUTCOME, Code
@@ -170,17 +172,17 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_batch(void** at, const double* starts, 
 
 
 def source(state: VectorLayout) -> str:
-    """The C code for a step whose state has this layout; every index in it comes from the named structures."""
+    """The C code for a step whose state has this layout."""
+    integers = {"CHECKED": CHECKED, "LOOK": LOOK, "EXHAUSTED": EXHAUSTED, "UNREADABLE": UNREADABLE}
+    numbers = {"TURN": TURN, "ROUNDING": ROUNDING, "BUDGET": BUDGET}
+    return defined(indices(state) | integers | numbers) + _SOURCE
+
+
+def indices(state: VectorLayout) -> dict[str, int]:
+    """The codes of a call, and where it reads and writes what, for a step whose state has this layout."""
     first = 1  # q is argument 0
-    constants = {
-        "CHECKED": CHECKED,
-        "LOOK": LOOK,
-        "EXHAUSTED": EXHAUSTED,
-        "UNREADABLE": UNREADABLE,
-        "STALLED": Code.STALLED,
-        "SLOW": Code.SLOW,
-        "DONE": Code.DONE,
-        "UNSOLVED": Code.UNSOLVED,
+    return {
+        **{code.name: int(code) for code in Code},
         "PATIENCE": state.slices["patience"].start,
         "STATE": first + len(Inputs._fields),
         "TARGET": first + Inputs._fields.index("target"),
@@ -188,7 +190,8 @@ def source(state: VectorLayout) -> str:
         "ORIENTATION_TOLERANCE": SETTING.orientation_tolerance,
         **{name.upper(): index for name, index in OUTCOME._asdict().items()},
     }
-    numbers = {"TURN": TURN, "ROUNDING": ROUNDING, "BUDGET": BUDGET}
-    exact = "".join(f"\n#define JTIK_{name} {value!r}" for name, value in numbers.items())
-    defined = exact + "\n" + "\n".join(f"#define JTIK_{name} {int(value)}" for name, value in constants.items())
-    return f"\n{defined}\n{_SOURCE}"
+
+
+def defined(constants: Mapping[str, float]) -> str:
+    """Constants of C, each with the prefix ``JTIK_``; the same may be defined twice."""
+    return "\n" + "".join(f"#define JTIK_{name} {value!r}\n" for name, value in constants.items())

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from jtik._loop import native_source
+from jtik._loop import native_source, native_step_source
 from jtik._loop.full_turns import FullTurns
 from jtik._loop.runner import Runner
 from jtik._step.fused_step import Compiled, FusedStep, can_explore, fused_step
@@ -22,6 +22,7 @@ from jtik.qp import Backend
 from jtik.qp.call import PythonCall
 from jtik.strategy import Strategy
 from jtik.symbolic.compilation import Compilation
+from jtik.symbolic.compile import Beside
 from jtik.types import Array
 
 SOLVE, EVALUATED, TIMED = "solve", "evaluated", "timed"
@@ -47,6 +48,7 @@ class Runners:
         solve: the runner of `InverseKinematics.solve`.
         step_inputs: the inputs of `step`: those of the solver, with settings of their own.
         step_is_built: whether `step` uses the function that `solve` has built.
+        has_native_step: whether a step in generated C has a native step with it.
     """
 
     def __init__(
@@ -68,9 +70,10 @@ class Runners:
         self.turns = FullTurns(problem, bounds.lower, bounds.upper)
         lower, upper = self.turns.free
         self.search_inputs = memory.inputs._replace(lower=lower, upper=upper)
-        box = problem.once("box", lambda: box_function(bounds))
+        self._box_of_step = box = problem.once("box", lambda: box_function(bounds))
         if compilation:
             compilation.begin([box])  # while the step is compiled
+        self.has_native_step = problem.robot.nq == problem.robot.n
         self.solve = self._runner(self._fused(), self.search_inputs, SOLVE)
         if can_explore(problem, strategy):
             self.solve.explorer = lambda: self.exploring
@@ -212,7 +215,8 @@ class Runners:
         fused = self._made[name][0].fused
 
         def build() -> FusedStep:
-            beside = "" if name == TIMED else native_source.source(fused.state)
+            with using_casadi:
+                beside = self._beside(fused, timed=name == TIMED)
             return fused.one_library(compiled, beside, using_casadi)
 
         return self._problem.once(f"{name} in C", build)
@@ -223,6 +227,15 @@ class Runners:
         for runner in self._made[name]:
             runner.adopt(fused)
 
+    def _beside(self, fused: FusedStep, *, timed: bool = False) -> Beside:
+        """What is compiled with a fused step: the native step, and with one without a duration the search."""
+        search = "" if timed else native_source.source(fused.state)
+        if not self.has_native_step:
+            return Beside(search)
+        box, reader = self._box_of_step if timed else None, self._problem.tasks.matrix_reader
+        step = native_step_source.beside(fused, self._problem.robot.nq, len(self.memory.inputs.target), reader, box)
+        return step._replace(source=search + step.source)
+
     def _started(self, runner: Runner) -> Runner:
         runner.start(self._problem.robot.neutral)
         return runner
@@ -232,7 +245,7 @@ class Runners:
             fused = fused_step(self._problem, self._strategy, backend=self._backend, evaluated=evaluated)
             if self._compilation is None:
                 return fused
-            return fused.compiled(self._compilation, native_source.source(fused.state))
+            return fused.compiled(self._compilation, self._beside(fused))
 
         return self._problem.once(f"step, {evaluated=}", build, keep=_can_be_shared)
 
@@ -249,7 +262,9 @@ class Runners:
             fused = fused_step(
                 self._problem, self._strategy, backend=self._backend, timed=True, acceleration=self._braking
             )
-            return fused.compiled(self._compilation) if self._compilation else fused
+            if self._compilation is None:
+                return fused
+            return fused.compiled(self._compilation, self._beside(fused, timed=True))
 
         return self._problem.once("timed step", build, keep=_can_be_shared)
 
