@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from jtik._loop.array_layout import HEAD
 from jtik._loop.native_step_source import MEMORY
 from jtik._loop.runner import Runner
 from jtik.constraints.step_box import StepBox
@@ -26,21 +27,18 @@ class NativeStep:
         rests: whether what ends done is left to Python.
 
     Attributes:
-        call: the step: ``call(how, q, target)`` with bytes of q and of the target, or None for the target in memory. It
-            returns what `jtik._loop.native_step_source` describes.
-        numbers: ``how`` for a target that is given as numbers.
-        matrix: ``how`` for a matrix (4, 4).
-        shape: shape of q.
-        end: memory of where a usual step ended (nq,).
-        errors: memory of the norms of the errors there [m] and [rad].
+        call: the step: ``call(memory, id(q), id(target), id(end))``. Where q and target are arrays, it writes where it
+            ends into the array ``end`` (nq,), and returns what `jtik._loop.native_step_source` describes.
+        memory: address of what it works on.
+        errors: memory of the norms of the errors after a usual step [m] and [rad].
+        nq: number of entries of q.
     """
 
     def __init__(self, library: Library, runner: Runner, box: StepBox | None, *, rests: bool) -> None:
         function, inputs = library.function, runner.inputs
         arguments = np.zeros(function.sz_arg(), dtype=np.uintp)
         arguments[1 : 1 + len(inputs)] = [array.ctypes.data if array.size else 0 for array in inputs]
-        self.end, errors = np.zeros_like(runner.q[0]), np.zeros(2)
-        self.shape = self.end.shape
+        self.nq, errors = len(runner.q[0]), np.zeros(2)
         self.errors: Any = memoryview(errors.data)
         unused = np.zeros(1)
         memory: dict[str, Any] = {
@@ -54,24 +52,25 @@ class NativeStep:
             "state_after": runner.state[1],
             "outcome": runner.outcome,
             "errors": errors,
-            "end": self.end,
             "target": inputs.target,
             "began": box.q if box else unused,
             "last": box.last if box else unused,
             "clock": box.clock if box else unused,
             "lower": inputs.lower,
             "upper": inputs.upper,
-            "matrix": False,
+            "head": HEAD,
+            "array_type": id(np.ndarray),
+            "float_type": id(np.dtype(np.float64)),
             "rests": rests,
             "remembers": bool(box and box.remembers),
             "ahead": bool(box and box.ahead),
         }
-        own = [each.ctypes.data if isinstance(each, np.ndarray) else int(each) for each in (memory[k] for k in MEMORY)]
-        numbers, matrix = (np.array(own, dtype=np.uintp) for _ in range(2))
-        matrix[list(MEMORY).index("matrix")] = True
-        self.numbers, self.matrix = numbers.ctypes.data, matrix.ctypes.data
-        self._kept = memory, inputs, numbers, matrix, library
+        values = [memory[name] for name in MEMORY]
+        own = [each.ctypes.data if isinstance(each, np.ndarray) else int(each) for each in values]
+        table = np.array(own, dtype=np.uintp)
+        self.memory = table.ctypes.data
+        self._kept = table, memory, inputs, library
         # a call keeps the interpreter: it is short, and no controller waits for another thread after it
         self.call: Any = getattr(ctypes.PyDLL(library.path), f"{library.name}_step")
-        self.call.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_char_p]
+        self.call.argtypes = [ctypes.c_void_p] * 4
         self.call.restype = ctypes.c_longlong

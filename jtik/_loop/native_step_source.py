@@ -9,6 +9,7 @@ from jtik.qp.fast_path import NOT_WRITTEN
 from jtik.symbolic import Function
 from jtik.symbolic import function as function_of
 from jtik.symbolic.compile import Beside
+from jtik.task import TaskStack
 
 ACCEPTED, DONE = 1, 2
 """What the native step returns for a usual end, added up; see `USUAL`."""
@@ -16,8 +17,8 @@ ACCEPTED, DONE = 1, 2
 USUAL = ((False, False), (True, False), (False, True), (True, True))
 """Whether the step was accepted and whether nothing is left to do, by what the native step returns."""
 
-ENDED, AGAIN, NO_POSE = -1, -2, -3
-"""Otherwise: a call has ended in another way; it is to be repeated in Python; the matrix is none of a pose."""
+ENDED, AGAIN, UNREAD = -1, -2, -3
+"""Otherwise: a call has ended in another way; it is to be repeated in Python; q or the target is to be read there."""
 
 MEMORY = {
     "arguments": "const double**",
@@ -30,60 +31,98 @@ MEMORY = {
     "state_after": "double*",
     "outcome": "double*",
     "errors": "double*",
-    "end": "double*",
     "target": "double*",
     "began": "double*",
     "last": "double*",
     "clock": "double*",
     "lower": "double*",
     "upper": "double*",
-    "matrix": "long long",
+    "head": "long long",
+    "array_type": "const char*",
+    "float_type": "const char*",
     "rests": "long long",
     "remembers": "long long",
     "ahead": "long long",
 }
 """What the native step reads and writes besides its arguments, in this order, and the C type of each.
 
-- ``errors``, ``end``: errors and configuration after a usual step, in memory of their own.
+- ``errors``: the errors after a usual step, in memory of their own.
 - ``began`` to ``clock``: those of a `StepBox`; ``lower``, ``upper``: where it writes the box.
-- ``matrix``: whether a target is a matrix (4, 4), row by row, not numbers.
+- ``head``, ``array_type``, ``float_type``: what `jtik._loop.array_layout` tells of arrays.
 - ``rests``: whether what ends done is left to Python, which tests whether the criterion is minimal there.
 - ``remembers``, ``ahead``: those of the box.
 """
 
 _SOURCE = r"""
+#include <stddef.h>
 #include <string.h>
 
 typedef struct {
 JTIK_MEMORY
 } JTIK_NAME_memory;
 
-/* One step from q to the target; without one, to that in memory. It begins in the first memory of q and state, and a
-   usual one ends with the state there. */
-CASADI_SYMBOL_EXPORT long long JTIK_NAME_step(const JTIK_NAME_memory* at, const char* q, const char* target) {
+/* A NumPy array after the head of every object. */
+typedef struct {
+  char* data;
+  int dimensions;
+  const ptrdiff_t* shape;
+  const ptrdiff_t* strides;
+  void* base;
+  const char* type;
+} JTIK_NAME_array;
+
+/* The array of doubles that an object is; 0 where it is something else. */
+static const JTIK_NAME_array* JTIK_NAME_doubles(const JTIK_NAME_memory* at, const char* object) {
+  const JTIK_NAME_array* array = (const JTIK_NAME_array*)(object + at->head);
+  if (*(const char* const*)(object + at->head - sizeof(char*)) != at->array_type) return 0;
+  return array->type == at->float_type ? array : 0;
+}
+
+/* Copy a vector of this size; 0 where the array is none. */
+static int JTIK_NAME_copied(const JTIK_NAME_array* array, ptrdiff_t size, double* to) {
+  if (array->dimensions != 1 || array->shape[0] != size) return 0;
+  for (ptrdiff_t i = 0; i < size; ++i) memcpy(to + i, array->data + i * array->strides[0], sizeof(double));
+  return 1;
+}
+
+#if JTIK_READS
+/* Read a matrix (4, 4) as a target; 0 where the array is none, or is no pose. */
+static int JTIK_NAME_read(const JTIK_NAME_array* array, double* to) {
+  double T[16], target[JTIK_TARGET_SIZE], valid[1], w[JTIK_READER_W];
+  const double* arg[JTIK_READER_ARG] = {T};
+  double* res[JTIK_READER_RES] = {target, valid};
+  long long iw[JTIK_READER_IW];
+  if (array->dimensions != 2 || array->shape[0] != 4 || array->shape[1] != 4) return 0;
+  for (ptrdiff_t i = 0; i < 16; ++i) {
+    memcpy(T + i, array->data + i / 4 * array->strides[0] + i % 4 * array->strides[1], sizeof(double));
+  }
+  if (JTIK_NAME_matrix(arg, res, iw, w, 0) || !valid[0]) return 0;
+  memcpy(to, target, sizeof target);
+  return 1;
+}
+#endif
+
+/* One step from q to the target, which ends in the array "to" (nq,). It begins in the first memory of q and state, and
+   a usual one leaves the state there. */
+CASADI_SYMBOL_EXPORT long long JTIK_NAME_step(const JTIK_NAME_memory* at, const char* q, const char* target,
+                                              const char* to) {
   const double** arg = at->arguments;
   double** res = at->results;
+  const JTIK_NAME_array *from = JTIK_NAME_doubles(at, q), *goal = JTIK_NAME_doubles(at, target);
+  if (!from || !goal) return JTIK_UNREAD;
 #if JTIK_READS
-  if (target && at->matrix) {
-    double T[16], read[JTIK_TARGET_SIZE], valid[1], w[JTIK_READER_W];
-    const double* reader_arg[JTIK_READER_ARG] = {T};
-    double* reader_res[JTIK_READER_RES] = {read, valid};
-    long long iw[JTIK_READER_IW];
-    memcpy(T, target, sizeof T);
-    if (JTIK_NAME_matrix(reader_arg, reader_res, iw, w, 0) || !valid[0]) return JTIK_NO_POSE;
-    memcpy(at->target, read, sizeof read);
-  }
+  if (!JTIK_NAME_read(goal, at->target))
 #endif
-  if (target && !at->matrix) memcpy(at->target, target, JTIK_TARGET_SIZE * sizeof(double));
-  memcpy(at->q, q, JTIK_NQ * sizeof(double));
+  if (!JTIK_IS_VECTOR || !JTIK_NAME_copied(goal, JTIK_TARGET_SIZE, at->target)) return JTIK_UNREAD;
+  if (!JTIK_NAME_copied(from, JTIK_NQ, at->q)) return JTIK_UNREAD;
 #if JTIK_TIMED
   {
     double w[JTIK_BOX_W];
     const double* box_arg[JTIK_BOX_ARG] = {at->began, at->last, at->clock};
     double* box_res[JTIK_BOX_RES] = {at->lower, at->upper};
     long long iw[JTIK_BOX_IW];
-    memcpy(at->began, q, JTIK_NQ * sizeof(double));
-    if (JTIK_NAME_box(box_arg, box_res, iw, w, 0)) return JTIK_NO_POSE;
+    memcpy(at->began, at->q, JTIK_NQ * sizeof(double));
+    if (JTIK_NAME_box(box_arg, box_res, iw, w, 0)) return JTIK_UNREAD;
   }
 #if JTIK_MOMENTUM >= 0
   if (at->ahead) { /* where the last motion leads, within the box */
@@ -121,32 +160,31 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_step(const JTIK_NAME_memory* at, const 
 #endif
   at->errors[0] = at->outcome[JTIK_POSITION_ERROR];
   at->errors[1] = at->outcome[JTIK_ORIENTATION_ERROR];
-  memcpy(at->end, at->after, JTIK_NQ * sizeof(double));
+  memcpy(((const JTIK_NAME_array*)(to + at->head))->data, at->after, JTIK_NQ * sizeof(double));
   return accepted * JTIK_WAS_ACCEPTED + done * JTIK_WAS_DONE;
 }
 """
 
 
-def beside(fused: FusedStep, nq: int, target_size: int, reader: Function | None, box: Function | None) -> Beside:
+def beside(fused: FusedStep, tasks: TaskStack, box: Function | None) -> Beside:
     """The native step, compiled with the fused step that it calls.
 
     Args:
         fused: the fused step.
-        nq: number of entries of q.
-        target_size: number of numbers of a target.
-        reader: what reads a matrix as a target; None where there is none.
+        tasks: its tasks.
         box: gives the box of a step with a duration; None without one.
     """
-    reader, box = _named(reader, "matrix"), _named(box, "box")
+    reader, box = _named(tasks.matrix_reader, "matrix"), _named(box, "box")
     starts = {name: where.start for name, where in fused.state.slices.items()}
     constants = {
         **indices(fused.state),
         **_work("READER", reader),
         **_work("BOX", box),
         "READS": int(reader is not None),
+        "IS_VECTOR": int(tasks.target_is_vector),
         "TIMED": int(box is not None),
-        "NQ": nq,
-        "TARGET_SIZE": target_size,
+        "NQ": tasks.robot.nq,
+        "TARGET_SIZE": tasks.target_size,
         "STATE_SIZE": fused.state.size,
         "MOMENTUM": starts.get("momentum", -1),
         "VIOLATION": starts.get("violation", -1),
@@ -156,7 +194,7 @@ def beside(fused: FusedStep, nq: int, target_size: int, reader: Function | None,
         "WAS_DONE": DONE,
         "ENDED": ENDED,
         "AGAIN": AGAIN,
-        "NO_POSE": NO_POSE,
+        "UNREAD": UNREAD,
     }
     members = "\n".join(f"  {kind} {name};" for name, kind in MEMORY.items())
     functions = tuple(each for each in (reader, box) if each is not None)

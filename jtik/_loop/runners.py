@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from jtik._loop import native_source, native_step_source
+from jtik._loop import array_layout, native_source, native_step_source
 from jtik._loop.full_turns import FullTurns
 from jtik._loop.runner import Runner
 from jtik._step.fused_step import Compiled, FusedStep, can_explore, fused_step
@@ -73,7 +73,7 @@ class Runners:
         self._box_of_step = box = problem.once("box", lambda: box_function(bounds))
         if compilation:
             compilation.begin([box])  # while the step is compiled
-        self.has_native_step = problem.robot.nq == problem.robot.n
+        self.has_native_step = problem.robot.nq == problem.robot.n and array_layout.is_known()
         self.solve = self._runner(self._fused(), self.search_inputs, SOLVE)
         if can_explore(problem, strategy):
             self.solve.explorer = lambda: self.exploring
@@ -232,8 +232,7 @@ class Runners:
         search = "" if timed else native_source.source(fused.state)
         if not self.has_native_step:
             return Beside(search)
-        box, reader = self._box_of_step if timed else None, self._problem.tasks.matrix_reader
-        step = native_step_source.beside(fused, self._problem.robot.nq, len(self.memory.inputs.target), reader, box)
+        step = native_step_source.beside(fused, self._problem.tasks, self._box_of_step if timed else None)
         return step._replace(source=search + step.source)
 
     def _started(self, runner: Runner) -> Runner:

@@ -13,7 +13,7 @@ from jtik._loop.criterion_escape import StepEscape
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
 from jtik._loop.native_step import NativeStep
-from jtik._loop.native_step_source import AGAIN, NO_POSE, USUAL
+from jtik._loop.native_step_source import AGAIN, UNREAD, USUAL
 from jtik._loop.runner import Runner
 from jtik._loop.runners import TIMED, Runners
 from jtik._loop.saddle_escape import SaddleEscape
@@ -27,7 +27,8 @@ from jtik.robot import Robot
 from jtik.task import TaskStack
 from jtik.types import Array
 
-_ARRAY, _FLOAT = np.ndarray, np.dtype(np.float64)
+_FLOAT = np.dtype(np.float64)
+_empty = np.empty
 _new_tuple = tuple.__new__
 
 
@@ -66,7 +67,6 @@ class Stepping:
         self._exclusive = exclusive
         self._numeric = terms if terms.numeric else None
         self._targets = targets  # vectors are copied without a check; they are checked after a step that is not finite
-        self._numbers, self._matrix = targets.vector_shape, targets.matrix_shape
         self._untimed: Way | None = None
         self._timed: Way | None = None
         self._momentum = slice(0)  # where the state has it, with limits of acceleration
@@ -99,30 +99,20 @@ class Stepping:
             exclusive.busy = True
             way = (self._untimed or self._first()) if dt is None else (self._timed or self._first_timed())
             runner, box, native = way
-            if (
-                native is not None
-                and type(q) is _ARRAY
-                and type(target) is _ARRAY
-                and q.dtype is _FLOAT
-                and target.dtype is _FLOAT
-                and q.shape == native.shape
-            ):
-                shape = target.shape
-                how = native.matrix if shape == self._matrix else native.numbers if shape == self._numbers else 0
-                if how:
-                    if box is not None and dt is not None and dt is not box.dt:
-                        box.lasts(dt)
-                    started = q.tobytes()
-                    returned = native.call(how, started, target.tobytes())
-                    if returned >= 0:
-                        self._criterion_escape.rest = b""
-                        accepted, done = USUAL[returned]
-                        position, orientation = native.errors
-                        return _new_tuple(Step, (native.end.copy(), position, orientation, accepted, done, False))
-                    if returned != NO_POSE:
-                        if returned == AGAIN:
-                            runner.calls[0]()
-                        return self._ended(way, q, target, started)
+            if native is not None:
+                if box is not None and dt is not None and dt is not box.dt:
+                    box.lasts(dt)
+                end = _empty(native.nq)
+                returned = native.call(native.memory, id(q), id(target), id(end))
+                if returned >= 0:
+                    self._criterion_escape.rest = b""
+                    accepted, done = USUAL[returned]
+                    position, orientation = native.errors
+                    return _new_tuple(Step, (end, position, orientation, accepted, done, False))
+                if returned != UNREAD:
+                    if returned == AGAIN:
+                        runner.calls[0]()
+                    return self._ended(way, q, target, (box.q if box else runner.q[0]).tobytes())
             self._targets.copy(target)
             at = runner.at
             memory = runner.q[at]
