@@ -30,6 +30,7 @@ class NativeStep:
         call: the step: ``call(memory, id(q), id(target), id(end))``. Where q and target are arrays, it writes where it
             ends into the array ``end`` (nq,), and returns what `jtik._loop.native_step_source` describes.
         memory: address of what it works on.
+        target: memory of the numbers of the target; as a target it is the one that is there.
         errors: memory of the norms of the errors after a usual step [m] and [rad].
         nq: number of entries of q.
     """
@@ -40,6 +41,7 @@ class NativeStep:
         arguments[1 : 1 + len(inputs)] = [array.ctypes.data if array.size else 0 for array in inputs]
         self.nq, errors = len(runner.q[0]), np.zeros(2)
         self.errors: Any = memoryview(errors.data)
+        self.target = inputs.target
         unused = np.zeros(1)
         memory: dict[str, Any] = {
             "arguments": arguments,

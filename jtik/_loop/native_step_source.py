@@ -110,10 +110,11 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_step(const JTIK_NAME_memory* at, const 
   double** res = at->results;
   const JTIK_NAME_array *from = JTIK_NAME_doubles(at, q), *goal = JTIK_NAME_doubles(at, target);
   if (!from || !goal) return JTIK_UNREAD;
+  int read = goal->data == (char*)at->target;
 #if JTIK_READS
-  if (!JTIK_NAME_read(goal, at->target))
+  read = read || JTIK_NAME_read(goal, at->target);
 #endif
-  if (!JTIK_IS_VECTOR || !JTIK_NAME_copied(goal, JTIK_TARGET_SIZE, at->target)) return JTIK_UNREAD;
+  if (!read && !(JTIK_IS_VECTOR && !JTIK_NAME_copied(goal, JTIK_TARGET_SIZE, at->target))) return JTIK_UNREAD;
   if (!JTIK_NAME_copied(from, JTIK_NQ, at->q)) return JTIK_UNREAD;
 #if JTIK_TIMED
   {

@@ -104,6 +104,10 @@ class Stepping:
                     box.lasts(dt)
                 end = _empty(native.nq)
                 returned = native.call(native.memory, id(q), id(target), id(end))
+                if returned == UNREAD:
+                    self._targets.copy(target)
+                    start = self._read("q", q)
+                    returned = native.call(native.memory, id(start), id(native.target), id(end))
                 if returned >= 0:
                     self._criterion_escape.rest = b""
                     accepted, done = USUAL[returned]

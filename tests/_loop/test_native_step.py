@@ -64,21 +64,25 @@ def stepped(ik, q, target, dt):
     return (step.q.tolist(), *step[1:])
 
 
-def listed(target):
-    return {name: part.tolist() for name, part in target.items()} if isinstance(target, dict) else target.tolist()
+def in_python(ik):
+    """A copy with the same step in generated C, around which everything is Python."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(array_layout, "is_known", lambda: False)
+        return copy.copy(ik)
 
 
 def compared(ik, targets, *, dt, start=0.1, other=None, exactly=True):
-    """Steps along a path by arrays, which C reads, and by lists, which Python reads, on a copy.
+    """Steps along a path, beside those of another solver; those in Python by default.
 
     Returns:
         What the steps were.
     """
-    other = other or copy.copy(ik)
+    other = other or in_python(ik)
     q, kinds = ik.robot.neutral + start, set()
     for k, target in enumerate(targets):
         duration = dt and (2 * dt if k % 50 == 7 else dt)
-        one, two = stepped(ik, q, target, duration), stepped(other, q.tolist(), listed(target), duration)
+        given = (q.tolist(), target.tolist()) if k % 3 == 1 else (q, target)
+        one, two = stepped(ik, *given, duration), stepped(other, q, target, duration)
         if exactly or isinstance(one, str):
             assert one == two, k
         else:
@@ -89,6 +93,7 @@ def compared(ik, targets, *, dt, start=0.1, other=None, exactly=True):
             q = np.array(one[0])
             kinds.add(ESCAPED if one[5] else DONE if one[4] else TAKEN if one[3] else REFUSED)
     assert native(ik, dt)
+    assert not native(other, dt)
     return kinds
 
 
@@ -131,7 +136,7 @@ def test_vectors_are_read():
 @pytest.mark.parametrize("layout", ["columns first", "every second", "backwards"])
 def test_arrays_of_any_layout(hybrid, layout):
     ik, q, T = copy.copy(hybrid), hybrid.robot.neutral + 0.1, hybrid.robot.pose(hybrid.robot.neutral + 0.3, "tip")
-    expected = stepped(copy.copy(hybrid), q.tolist(), T.tolist(), 0.01)
+    expected = stepped(in_python(hybrid), q, T, 0.01)
     given = {
         "columns first": (q, np.asfortranarray(T)),
         "every second": (np.repeat(q, 2)[::2], np.repeat(np.repeat(T, 2, 0), 2, 1)[::2, ::2]),
@@ -183,12 +188,12 @@ def test_a_wrong_duration_is_refused_and_the_last_one_holds(hybrid):
     changing = np.array(0.01)
     first = ik.step(q, T, dt=changing)
     changing[()] = 0.02  # the same object
-    other = copy.copy(hybrid)
-    other.step(q.tolist(), T, dt=0.01)
+    other = in_python(hybrid)
+    other.step(q, T, dt=0.01)
     for wrong in (0.0, -1.0, np.nan, "x", True):
         with pytest.raises(jtik.ArgumentError, match="dt"):
             ik.step(q, T, dt=wrong)
-    assert stepped(ik, first.q, T, changing) == stepped(other, first.q.tolist(), T, 0.02)
+    assert stepped(ik, first.q, T, changing) == stepped(other, first.q, T, 0.02)
 
 
 def test_results_and_arguments_stay_as_they_are(hybrid):
@@ -204,13 +209,13 @@ def test_results_and_arguments_stay_as_they_are(hybrid):
 
 def test_a_reset_and_a_velocity_count(hybrid):
     q, T = hybrid.robot.neutral + 0.1, hybrid.robot.pose(hybrid.robot.neutral + 0.3, "tip")
-    one, two = copy.copy(hybrid), copy.copy(hybrid)
-    for ik, given in ((one, (q, T)), (two, (q.tolist(), T.tolist()))):
-        ik.step(*given, dt=0.01)
+    one, two = hybrid, in_python(hybrid)
+    for ik in (one, two):
+        ik.step(q, T, dt=0.01)
         ik.reset(velocity=np.full(7, 0.2))
-    assert stepped(one, q, T, 0.01) == stepped(two, q.tolist(), T.tolist(), 0.01)
+    assert stepped(one, q, T, 0.01) == stepped(two, q, T, 0.01)
     one.reset()
-    assert stepped(one, q, T, 0.01) == stepped(copy.copy(hybrid), q.tolist(), T.tolist(), 0.01)
+    assert stepped(one, q, T, 0.01) == stepped(in_python(hybrid), q, T, 0.01)
 
 
 def test_clearances_are_kept_where_obstacles_move():
@@ -218,25 +223,28 @@ def test_clearances_are_kept_where_obstacles_move():
     kept = jtik.Clearance(ObstacleAvoidance([jtik.Circle((2.0, 1.0), 0.5)]))
     task = jtik.FrameTask("tip", "position")
     ik = jtik.InverseKinematics(arm, task, strategy="hybrid+qp", clearances=kept, compiled=True)
-    other = copy.copy(ik)
+    other = in_python(ik)
     q, name = np.array([0.9, -0.4, 0.2, 0.1]), next(name for name in ik.parameters if name.endswith("centers"))
     for k in range(100):
         for each in (ik, other):
             each.parameters[name] = [[2.0 + 0.3 * np.sin(0.3 * k), 1.0]]
         target = np.array([3.0 - 0.02 * k, 0.5])
-        one, two = stepped(ik, q, target, 0.02), stepped(other, q.tolist(), target.tolist(), 0.02)
+        one, two = stepped(ik, q, target, 0.02), stepped(other, q, target, 0.02)
         assert one == two
         q = np.array(one[0])
     assert native(ik, 0.02)
 
 
-@pytest.mark.parametrize("known", [True, False])
-def test_without_the_layout_of_arrays_steps_are_made_in_python(monkeypatch, known):
-    monkeypatch.setattr(array_layout, "is_known", lambda: known)
-    ik = copy.copy(made())
-    q, T = ik.robot.neutral + 0.1, ik.robot.pose(ik.robot.neutral + 0.3, "tip")
-    ik.step(q, T, dt=0.01)
-    assert (native(ik, 0.01) is not None) == known
+def test_several_tasks_have_dicts_of_targets():
+    arm = dh_arm(limit=2.0)
+    tasks = [jtik.FrameTask("tip", "position", name="tip"), jtik.FrameTask("tip", "orientation", name="turn")]
+    ik = jtik.InverseKinematics(arm, tasks, strategy="damped", compiled=True)
+    other, q = in_python(ik), arm.neutral + 0.1
+    for T in path(arm, 60, 4):
+        one, two = (stepped(each, q, {"tip": T[:3, 3], "turn": T[:3, :3]}, None) for each in (ik, other))
+        assert one == two
+        q = np.array(one[0])
+    assert native(ik, None)
 
 
 def test_the_layout_of_arrays_is_known():
