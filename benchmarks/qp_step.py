@@ -3,7 +3,7 @@
 It compares strategies of jtik with mink, pink and placo, on one URDF, along one path of configurations and targets, in
 one process and interleaved. MuJoCo checks every answer: the remaining error, and violations of limits.
 
-    python benchmarks/qp_step.py [--compiled] [--path saturated] [--strategies newton+qp weighted_qp] [--cpu]
+    python benchmarks/qp_step.py [--compiled] [--path saturated] [--cold] [--strategies newton+qp weighted_qp]
 
 The other libraries are installed by
 
@@ -117,11 +117,13 @@ class Path:
         home: preferred posture, (n,).
         q: configurations, (n,) each.
         targets: target of each configuration, (4, 4).
+        rate: rate at which the posture is approached [1/s]; infinite as in the other libraries.
     """
 
     home: Array
     q: list[Array]
     targets: list[Array]
+    rate: float = 5.0
 
     @classmethod
     def tracked(cls, robot: jtik.Robot, home: Array) -> Path:
@@ -140,9 +142,9 @@ class Path:
 
     @classmethod
     def saturated(cls, robot: jtik.Robot, home: Array) -> Path:
-        """Configurations away from the preferred posture, so that velocity limits are active."""
+        """Configurations away from the preferred posture, to which a step goes at once: velocity limits are active."""
         q = _curve(robot, home, TARGETS)
-        return cls(home, q, [robot.pose(ahead) for ahead in [*q[1:], q[0]]])
+        return cls(home, q, [robot.pose(ahead) for ahead in [*q[1:], q[0]]], np.inf)
 
 
 def _curve(robot: jtik.Robot, home: Array, count: int) -> list[Array]:
@@ -161,7 +163,12 @@ def solver(robot: jtik.Robot, path: Path, strategy: str, *, compiled: bool) -> j
     """The problem for jtik."""
     chosen = WeightedQP(weight=POSTURE_COST**2) if strategy == "weighted_qp" else strategy
     ik = jtik.InverseKinematics(
-        robot, jtik.FrameTask(robot.tip, kind="pose"), criteria=JointCentering(), strategy=chosen, compiled=compiled
+        robot,
+        jtik.FrameTask(robot.tip, kind="pose"),
+        criteria=JointCentering(),
+        strategy=chosen,
+        compiled=compiled,
+        null_space_rate=path.rate,
     )
     ik.parameters["joint_centering.preferred"] = path.home
     return ik
@@ -279,9 +286,18 @@ PEERS: dict[str, Callable[[jtik.Robot, Path], Step]] = {
 }
 
 
-def path_time(step: Step, path: Path, clock: Clock) -> Callable[[], float]:
-    """Mean time of a step over the path [s], after one lap to fill the caches."""
+def path_time(step: Step, path: Path, clock: Clock, *, cold: bool = False) -> Callable[[], float]:
+    """Mean time of a step over the path [s], after one lap to fill the caches, or each after `other_work`."""
     pairs = list(zip(path.q, path.targets, strict=True))
+
+    def cold_batch() -> float:
+        seconds = 0.0
+        for q, target in pairs:
+            other_work()
+            begin = clock()
+            step(q, target)
+            seconds += clock() - begin
+        return seconds / len(pairs)
 
     def batch() -> float:
         for q, target in pairs:
@@ -291,7 +307,16 @@ def path_time(step: Step, path: Path, clock: Clock) -> Callable[[], float]:
             step(q, target)
         return (clock() - begin) / len(pairs)
 
-    return batch
+    return cold_batch if cold else batch
+
+
+_MEMORY = np.zeros(1 << 20)
+
+
+def other_work() -> None:
+    """What a controller does between two steps: other code, and 8 MB of memory."""
+    _MEMORY[:] += 1.0
+    json.loads(json.dumps({"names": PACKAGES, "values": np.linalg.solve(np.eye(20), _MEMORY[:20]).tolist()}))
 
 
 def step_alone(ik: jtik.InverseKinematics, path: Path, clock: Clock) -> Callable[[], float]:
@@ -410,6 +435,7 @@ def main() -> None:
         "--path", choices=list(PATHS), default="tracked", help="path of configurations (default %(default)s)"
     )
     parser.add_argument("--strategies", nargs="+", default=list(STRATEGIES))
+    parser.add_argument("--cold", action="store_true", help="other work between two steps; not for rows of calls alone")
     parser.add_argument("--cpu", action="store_true", help="processor time instead of wall time, for a busy machine")
     parser.add_argument("--json", metavar="FILE", help="also write the figures to FILE, '-' for standard output")
     arguments = parser.parse_args()
@@ -427,7 +453,7 @@ def main() -> None:
     def add(name: str, step: Step) -> None:
         left, beyond, active = checked(step, robot, path, pose)
         rows[name] = Row(name, left=left, beyond=beyond, active=active)
-        timers[name] = path_time(step, path, clock)
+        timers[name] = path_time(step, path, clock, cold=arguments.cold)
 
     for strategy in arguments.strategies:
         ik = solver(robot, path, strategy, compiled=arguments.compiled)

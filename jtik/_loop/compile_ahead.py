@@ -22,7 +22,7 @@ from jtik._step.fused_step import Compiled, FusedStep
 from jtik.symbolic import Function
 from jtik.symbolic.archives import Archive
 from jtik.symbolic.c_compiler import CompilerRuns
-from jtik.symbolic.compile import CompilerError, Library, compiler, library
+from jtik.symbolic.compile import Beside, CompilerError, Library, compiler, library
 
 PAYS = 1.0
 """Time that a step has run on the virtual machine when it is compiled [s]."""
@@ -126,7 +126,7 @@ LONGEST = 5.0
 """How long a fork, or the end of the interpreter, waits for the thread to leave CasADi [s]."""
 
 
-def _library(function: Function, beside: str, archive: Archive | None) -> Library:
+def _library(function: Function, beside: Beside, archive: Archive | None) -> Library:
     """A library, by a compiler that ends with the interpreter."""
     return library(function, beside, archive, runs=_runs, using_casadi=_using_casadi)
 

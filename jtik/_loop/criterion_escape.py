@@ -156,11 +156,15 @@ class StepEscape:
 
     While every call is done and begins where the last one ended, with the same target and parameters, the arm is at
     rest at the minimum that was found first.
+
+    Attributes:
+        possible: whether there is a criterion.
+        rest: the numbers of the rest, as bytes; assign b"" where a call was not done.
     """
 
     def __init__(self, criterion: CriterionEscape) -> None:
         self.possible, self._criterion = criterion.possible, criterion
-        self._rest = b""
+        self.rest = b""
 
     def escape(self, started: bytes, q: Array, inputs: Inputs[Array]) -> bool:
         """Move q, where a call that is done has ended, away from a saddle point or a maximum of H.
@@ -174,14 +178,10 @@ class StepEscape:
             Whether ``q`` was changed.
         """
         same = inputs.target.tobytes() + inputs.parameters.tobytes()
-        if started + same != self._rest:
+        if started + same != self.rest:
             share = float(inputs.settings[SETTING.null_space_share])
             if self._criterion.escape(q, inputs, min(STEP_LENGTH, STEP_SHARE * share)):
-                self._rest = b""
+                self.rest = b""
                 return True
-        self._rest = q.tobytes() + same
+        self.rest = q.tobytes() + same
         return False
-
-    def moves(self) -> None:
-        """Note that a call was not done."""
-        self._rest = b""

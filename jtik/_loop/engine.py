@@ -148,7 +148,7 @@ class Engine:
         by_level = len(problem.levels) > 1 and self.runners.respects_priority
         search_inputs = self.runners.search_inputs
         self.search = Search(robot, attempts, turns, search_inputs, has_criterion=has_criterion, by_level=by_level)
-        self._adopted(SOLVE)
+        self._search_in_c()
         self._ahead = ahead = CompileAhead(self.runners if compiled == "auto" else None, self._adopted)
         self._targets = targets = TargetMemory(tasks, self.memory.inputs.target)
         self.stepping = Stepping(
@@ -177,9 +177,15 @@ class Engine:
         )
 
     def _adopted(self, name: str) -> None:
+        """Let what uses a step use it in C, too."""
+        if name == SOLVE:
+            self._search_in_c()
+        self.stepping.adopted()
+
+    def _search_in_c(self) -> None:
         """Let searches run in C where the step of `solve` does."""
         library = self.runners.solve.fused.library
-        if name == SOLVE and library:
+        if library:
             has_criterion = self.problem.has_criterion
             turns = self.runners.turns
             self.search.native = NativeSearch(library, self.runners.solve, turns, has_criterion=has_criterion)

@@ -177,34 +177,30 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_batch(void** at, const double* starts, 
 
 def source(state: VectorLayout) -> str:
     """The C code for a step whose state has this layout."""
-    return f"\n{macros(state)}\n{_INCLUDED}{TURNED}{_SOURCE}"
+    return f"{macros(state)}{_INCLUDED}{TURNED}{_SOURCE}"
 
 
-def macros(state: VectorLayout, more: Mapping[str, int] | None = None) -> str:
-    """The numbers that the C code names: every index comes from the named structures.
+def macros(state: VectorLayout) -> str:
+    """The numbers that the C code names: every index comes from the named structures."""
+    integers = {"CHECKED": CHECKED, "LOOK": LOOK, "EXHAUSTED": EXHAUSTED, "UNREADABLE": UNREADABLE}
+    numbers = {"TURN": TURN, "ROUNDING": ROUNDING, "BUDGET": BUDGET}
+    return defined(indices(state) | integers | numbers)
 
-    Args:
-        state: layout of the state.
-        more: more of them.
-    """
+
+def indices(state: VectorLayout) -> dict[str, int]:
+    """The codes of a call, and where it reads and writes what, for a step whose state has this layout."""
     first = 1  # q is argument 0
-    constants = {
-        "CHECKED": CHECKED,
-        "LOOK": LOOK,
-        "EXHAUSTED": EXHAUSTED,
-        "UNREADABLE": UNREADABLE,
-        "STALLED": Code.STALLED,
-        "SLOW": Code.SLOW,
-        "DONE": Code.DONE,
-        "UNSOLVED": Code.UNSOLVED,
+    return {
+        **{code.name: int(code) for code in Code},
         "PATIENCE": state.slices["patience"].start,
         "STATE": first + len(Inputs._fields),
         "TARGET": first + Inputs._fields.index("target"),
         "POSITION_TOLERANCE": SETTING.position_tolerance,
         "ORIENTATION_TOLERANCE": SETTING.orientation_tolerance,
         **{name.upper(): index for name, index in OUTCOME._asdict().items()},
-        **(more or {}),
     }
-    numbers = {"TURN": TURN, "ROUNDING": ROUNDING, "BUDGET": BUDGET}
-    exact = [f"#define JTIK_{name} {value!r}" for name, value in numbers.items()]
-    return "\n".join([*exact, *(f"#define JTIK_{name} {int(value)}" for name, value in constants.items())])
+
+
+def defined(constants: Mapping[str, float]) -> str:
+    """Constants of C, each with the prefix ``JTIK_``; the same may be defined twice."""
+    return "\n" + "".join(f"#define JTIK_{name} {value!r}\n" for name, value in constants.items())

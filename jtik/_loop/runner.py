@@ -65,6 +65,11 @@ class Runner:
             for a in (0, 1)
         )
 
+    def settle(self) -> None:
+        """Let the first memory hold q and state, where the native step begins."""
+        if self.at:
+            self.q[0][:], self.state[0][:], self.at = self.q[1], self.state[1], 0
+
     def take_over(self, other: Runner) -> None:
         """Repeat the last call of another runner, from the same configuration and with the same state."""
         before = 1 - other.at

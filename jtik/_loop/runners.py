@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from jtik._loop import native_source
+from jtik._loop import array_layout, native_source, native_step_source
 from jtik._loop.full_turns import FullTurns
 from jtik._loop.lane_search import LaneSearch, lane_library
 from jtik._loop.runner import Runner
@@ -23,6 +23,7 @@ from jtik.qp import Backend
 from jtik.qp.call import PythonCall
 from jtik.strategy import Strategy
 from jtik.symbolic.compilation import Compilation
+from jtik.symbolic.compile import Beside
 from jtik.types import Array
 
 SOLVE, EVALUATED, TIMED, EXPLORING = "solve", "evaluated", "timed", "exploring"
@@ -49,6 +50,7 @@ class Runners:
         step_inputs: the inputs of `step`: those of the solver, with settings of their own.
         step_is_built: whether `step` uses the function that `solve` has built.
         explores: whether a solve has needed the runner that explores.
+        has_native_step: whether a step in generated C has a native step with it.
     """
 
     def __init__(
@@ -70,9 +72,10 @@ class Runners:
         self.turns = FullTurns(problem, bounds.lower, bounds.upper)
         lower, upper = self.turns.free
         self.search_inputs = memory.inputs._replace(lower=lower, upper=upper)
-        box = problem.once("box", lambda: box_function(bounds))
+        self._box_of_step = box = problem.once("box", lambda: box_function(bounds))
         if compilation:
             compilation.begin([box])  # while the step is compiled
+        self.has_native_step = problem.robot.nq == problem.robot.n and array_layout.is_known()
         self.solve = self._runner(self._fused(), self.search_inputs, SOLVE)
         if can_explore(problem, strategy):
             self.solve.explorer = lambda: self.exploring
@@ -232,7 +235,8 @@ class Runners:
         fused = self._made[name][0].fused
 
         def build() -> FusedStep:
-            beside = "" if name == TIMED else native_source.source(fused.state)
+            with using_casadi:
+                beside = self._beside(fused, timed=name == TIMED)
             return fused.one_library(compiled, beside, using_casadi)
 
         return self._problem.once(f"{name} in C", build)
@@ -243,6 +247,14 @@ class Runners:
         for runner in self._made[name]:
             runner.adopt(fused)
 
+    def _beside(self, fused: FusedStep, *, timed: bool = False) -> Beside:
+        """What is compiled with a fused step: the native step, and with one without a duration the search."""
+        search = "" if timed else native_source.source(fused.state)
+        if not self.has_native_step:
+            return Beside(search)
+        step = native_step_source.beside(fused, self._problem.tasks, self._box_of_step if timed else None)
+        return step._replace(source=search + step.source)
+
     def _started(self, runner: Runner) -> Runner:
         runner.start(self._problem.robot.neutral)
         return runner
@@ -252,7 +264,7 @@ class Runners:
             fused = fused_step(self._problem, self._strategy, backend=self._backend, evaluated=evaluated)
             if self._compilation is None:
                 return fused
-            return fused.compiled(self._compilation, native_source.source(fused.state))
+            return fused.compiled(self._compilation, self._beside(fused))
 
         return self._problem.once(f"step, {evaluated=}", build, keep=_can_be_shared)
 
@@ -269,7 +281,9 @@ class Runners:
             fused = fused_step(
                 self._problem, self._strategy, backend=self._backend, timed=True, acceleration=self._braking
             )
-            return fused.compiled(self._compilation) if self._compilation else fused
+            if self._compilation is None:
+                return fused
+            return fused.compiled(self._compilation, self._beside(fused, timed=True))
 
         return self._problem.once("timed step", build, keep=_can_be_shared)
 

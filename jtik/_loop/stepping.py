@@ -12,6 +12,8 @@ from jtik._loop.compile_ahead import CompileAhead
 from jtik._loop.criterion_escape import StepEscape
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
+from jtik._loop.native_step import NativeStep
+from jtik._loop.native_step_source import AGAIN, UNREAD, USUAL
 from jtik._loop.runner import Runner
 from jtik._loop.runners import TIMED, Runners
 from jtik._loop.saddle_escape import SaddleEscape
@@ -26,7 +28,12 @@ from jtik.task import TaskStack
 from jtik.types import Array
 
 _FLOAT = np.dtype(np.float64)
+_empty = np.empty
 _new_tuple = tuple.__new__
+
+
+Way = tuple[Runner, StepBox | None, NativeStep | None]
+"""How a step runs: its runner; the box of a step with a duration; the step in C, None on the virtual machine."""
 
 
 class Stepping:
@@ -54,15 +61,15 @@ class Stepping:
         self._ahead = ahead
         self.call = self._step_ahead if ahead.compiles else self.step
         self._robot, self._tasks, self._runners = robot, tasks, runners
-        self._read, self._vector = configurations.read, configurations.vector
+        self._read, self._shape = configurations.read, (robot.nq,) if configurations.vector else None
         self._escape, self._inspector = escape, inspector
-        self._criterion_escape = criterion_escape if criterion_escape.possible else None
+        self._criterion_escape = criterion_escape
         self._exclusive = exclusive
         self._numeric = terms if terms.numeric else None
         self._targets = targets  # vectors are copied without a check; they are checked after a step that is not finite
-        self._untimed: Runner | None = None
-        self._timed: tuple[Runner, StepBox] | None = None
-        self._momentum: list[Array] = []  # with limits of acceleration, in the two memories of the state
+        self._untimed: Way | None = None
+        self._timed: Way | None = None
+        self._momentum = slice(0)  # where the state has it, with limits of acceleration
         if runners.step_is_built:
             self._first()
 
@@ -90,62 +97,85 @@ class Stepping:
             raise in_use()
         try:
             exclusive.busy = True
-            if dt is None:
-                runner, box = self._untimed or self._first(), None
-            else:
-                runner, box = self._timed or self._first_timed()
+            way = (self._untimed or self._first()) if dt is None else (self._timed or self._first_timed())
+            runner, box, native = way
+            if native is not None:
+                if box is not None and dt is not None and dt is not box.dt:
+                    box.lasts(dt)
+                end = _empty(native.nq)
+                returned = native.call(native.memory, id(q), id(target), id(end))
+                if returned == UNREAD:
+                    self._targets.copy(target)
+                    start = self._read("q", q)
+                    returned = native.call(native.memory, id(start), id(native.target), id(end))
+                if returned >= 0:
+                    self._criterion_escape.rest = b""
+                    accepted, done = USUAL[returned]
+                    position, orientation = native.errors
+                    return _new_tuple(Step, (end, position, orientation, accepted, done, False))
+                if returned != UNREAD:
+                    if returned == AGAIN:
+                        runner.calls[0]()
+                    return self._ended(way, q, target, (box.q if box else runner.q[0]).tobytes())
             self._targets.copy(target)
             at = runner.at
             memory = runner.q[at]
-            if self._vector and type(q) is np.ndarray and q.dtype == _FLOAT and q.shape == memory.shape:
+            if type(q) is np.ndarray and q.dtype == _FLOAT and q.shape == self._shape:
                 memory[:] = q
             else:
                 memory[:] = self._read("q", q)
-            started = memory.tobytes() if self._criterion_escape else b""
+            started = memory.tobytes() if self._criterion_escape.possible else b""
             if box is not None and dt is not None:
                 box.narrow(memory, dt)
                 if box.ahead:
                     memory[:] = start = box.start()
-                    self._momentum[at][:] = box.displacement(start)
+                    runner.state[at][self._momentum] = box.displacement(start)
             if runner.violation is not None:  # obstacles, or the robot itself, may have moved between the calls
                 runner.state[at][runner.violation] = UNKNOWN
             runner.calls[at]()
-            if self._numeric is not None:
-                self._numeric.raise_interruption()
-            after = runner.q[1 - at]
-            position: float
-            orientation: float
-            code, tried, accepted, position, orientation, _ = runner.view
-            if tried:
-                runner.at = 1 - at
-            elif code == Code.NOT_FINITE:  # perhaps because of an argument that was copied without a check
-                self._read("q", q)
-                self._tasks.read_target(target)
-            moved, done, escaped = accepted == 1.0, code == 1.0, False
-            if code == Code.STALLED:
-                escaped = self._escape.escape(after, runner.inputs)
-                runner.restart(after)
-                moved = False
-                position, orientation = self._inspector.errors(after, runner.inputs)
-            if self._criterion_escape:
-                if not done:
-                    self._criterion_escape.moves()
-                elif self._criterion_escape.escape(started, after, runner.inputs):
-                    runner.restart(after)
-                    moved, done, escaped = False, False, True
-                    position, orientation = self._inspector.errors(after, runner.inputs)
-            if box is not None and not (moved or done or escaped):
-                after[:] = box.braked()
-                position, orientation = self._inspector.errors(after, runner.inputs)
-            if box is not None:
-                allowed = box.slowed(after)
-                if allowed is not after:
-                    after, done = allowed, False
-                    position, orientation = self._inspector.errors(allowed, runner.inputs)
-                box.moved(after)
-            return _new_tuple(Step, (after.copy(), position, orientation, moved, done, escaped))
+            return self._ended(way, q, target, started)
         finally:
             exclusive.busy = False
+
+    def _ended(self, way: Way, q: Any, target: Any, started: bytes) -> Step:
+        """The update of a call that has ended, from the bytes of the configuration with which it was made."""
+        runner, box, native = way
+        if self._numeric is not None:
+            self._numeric.raise_interruption()
+        at = runner.at
+        after = runner.q[1 - at]
+        position: float
+        orientation: float
+        code, tried, accepted, position, orientation, _ = runner.view
+        if tried:
+            runner.at = 1 - at
+        elif code == Code.NOT_FINITE:  # perhaps because of an argument that was copied without a check
+            self._read("q", q)
+            self._tasks.read_target(target)
+        moved, done, escaped = accepted == 1.0, code == 1.0, False
+        if code == Code.STALLED:
+            escaped = self._escape.escape(after, runner.inputs)
+            runner.restart(after)
+            moved = False
+            position, orientation = self._inspector.errors(after, runner.inputs)
+        if not done:
+            self._criterion_escape.rest = b""
+        elif self._criterion_escape.possible and self._criterion_escape.escape(started, after, runner.inputs):
+            runner.restart(after)
+            moved, done, escaped = False, False, True
+            position, orientation = self._inspector.errors(after, runner.inputs)
+        if box is not None:
+            if not (moved or done or escaped):
+                after[:] = box.braked()
+                position, orientation = self._inspector.errors(after, runner.inputs)
+            allowed = box.slowed(after)
+            if allowed is not after:
+                after, done = allowed, False
+                position, orientation = self._inspector.errors(allowed, runner.inputs)
+            box.moved(after)
+        if native is not None:
+            runner.settle()
+        return _new_tuple(Step, (after.copy(), position, orientation, moved, done, escaped))
 
     def reset(self) -> None:
         """Forget the state of the strategy and the last step."""
@@ -154,12 +184,11 @@ class Stepping:
             raise in_use()
         try:
             exclusive.busy = True
-            if self._untimed is not None:
-                self._untimed.start(self._robot.neutral)
-            if self._timed is not None:
-                runner, box = self._timed
-                runner.start(self._robot.neutral)
-                box.rest()
+            for way in (self._untimed, self._timed):
+                if way is not None:
+                    way[0].start(self._robot.neutral)
+                    if way[1] is not None:
+                        way[1].rest()
         finally:
             exclusive.busy = False
 
@@ -167,17 +196,30 @@ class Stepping:
         """Take a velocity (n,) [rad/s] as that of the last step with a time."""
         self._runners.timed_box[1].moves(velocity)
 
-    def _first(self) -> Runner:
-        self._untimed = self._runners.step
+    def adopted(self) -> None:
+        """Step in C what runs in generated C from now on."""
+        self._untimed, self._timed = (way and self._way(*way[:2]) for way in (self._untimed, self._timed))
+
+    def _first(self) -> Way:
+        self._untimed = self._way(self._runners.step, None)
         self._watch()
         return self._untimed
 
-    def _first_timed(self) -> tuple[Runner, StepBox]:
-        runner, box = self._timed = self._runners.timed_step
+    def _first_timed(self) -> Way:
+        runner, box = self._runners.timed_step
         if box.ahead:
-            self._momentum = [state[runner.fused.state.slices["momentum"]] for state in runner.state]
+            self._momentum = runner.fused.state.slices["momentum"]
+        self._timed = self._way(runner, box)
         self._watch()
         return self._timed
+
+    def _way(self, runner: Runner, box: StepBox | None) -> Way:
+        """How a step runs: in C where its function is in generated C."""
+        library = runner.fused.library
+        if library is None or not self._runners.has_native_step:
+            return runner, box, None
+        runner.settle()
+        return runner, box, NativeStep(library, runner, box, rests=self._criterion_escape.possible)
 
     def _watch(self) -> None:
         """Let a step that is built now be compiled, too, also where the other one has settled."""

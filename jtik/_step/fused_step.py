@@ -47,11 +47,11 @@ from jtik.symbolic import (
 )
 from jtik.symbolic.archives import Archive
 from jtik.symbolic.compilation import Compilation
-from jtik.symbolic.compile import Library, bind
+from jtik.symbolic.compile import NOTHING, Beside, Library, bind
 from jtik.types import Array
 
-Compiled: TypeAlias = Callable[[Function, str, Archive | None], Library]
-"""(function, more C, static library or None) -> shared library."""
+Compiled: TypeAlias = Callable[[Function, Beside, Archive | None], Library]
+"""(function, what is compiled with it, static library or None) -> shared library."""
 
 STRATEGY_PREFIX = "strategy."
 """Prefix of the names of the strategy's own state within the state of the step."""
@@ -107,14 +107,14 @@ class FusedStep:
         """Whether it is one function in generated C."""
         return self.parts is None or self.archive is not None
 
-    def compiled(self, compilation: Compilation, beside: str = "") -> FusedStep:
+    def compiled(self, compilation: Compilation, beside: Beside = NOTHING) -> FusedStep:
         """The same in generated C: one function, with the QP solver where its back end has a static library.
 
         A step that calls Python, or another solver, is several functions in C with these calls in between.
 
         Args:
             compilation: compiles it.
-            beside: more C to compile with it, where it is one function.
+            beside: what is compiled with it, where it is one function.
 
         Raises:
             CompilerError: without a compiler.
@@ -125,13 +125,13 @@ class FusedStep:
         return replace(self, function=parts.joined() if parts.fusible else parts, parts=parts)
 
     def one_library(
-        self, compiled: Compiled, beside: str = "", using_casadi: AbstractContextManager[Any] | None = None
+        self, compiled: Compiled, beside: Beside = NOTHING, using_casadi: AbstractContextManager[Any] | None = None
     ) -> FusedStep:
         """The same as one function in generated C, which it can be.
 
         Args:
             compiled: makes the library.
-            beside: more C to compile with it.
+            beside: what is compiled with it.
             using_casadi: is entered while CasADi is used here.
         """
         # in C a step whose QPs need no solver costs no more within the whole: there is no separate fast path

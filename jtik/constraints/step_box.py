@@ -104,6 +104,11 @@ class StepBox:
         lower: lower bounds of q (nq,).
         upper: upper bounds of q (nq,).
         ahead: whether a step starts where the last motion leads, rather than at q.
+        remembers: whether the box depends on the last step.
+        dt: the duration; that given last, where it was a float [s].
+        q: memory of where the step begins (nq,).
+        last: memory of the displacement of the last step (n,).
+        clock: memory of the duration, that of the last step [s], and the share of the last speed that a step keeps.
     """
 
     def __init__(
@@ -119,16 +124,16 @@ class StepBox:
         ahead: bool = True,
     ) -> None:
         self._bounds, self._robot = bounds, bounds.robot
-        self._remembers = bool((bounds.acceleration < math.inf).any())
-        self.ahead = self._remembers and ahead
+        self.remembers = bool((bounds.acceleration < math.inf).any())
+        self.ahead = self.remembers and ahead
         self._vector = self._robot.nq == self._robot.n
         self._unboxed = bounds.unboxed
-        self._q, self._last, self._clock = np.zeros(self._robot.nq), np.zeros(self._robot.n), np.ones(2)
-        self._dt, self._before = math.nan, 1.0
-        self._share, self._rate, self._decay = share, null_space_rate, 0.0
+        self.q, self.last, self.clock = np.zeros(self._robot.nq), np.zeros(self._robot.n), np.array([1.0, 1.0, 0.0])
+        self.dt: float = math.nan
+        self._share, self._rate = share, null_space_rate
         self._time = np.zeros(1) if time is None else time
         self.lower, self.upper = lower, upper
-        self._evaluate = bind(box, [self._q, self._last, self._clock], [lower, upper])
+        self._evaluate = bind(box, [self.q, self.last, self.clock[:2]], [lower, upper])
 
     def narrow(self, q: Array, dt: float) -> None:
         """Write the box of a step of ``dt`` [s] from ``q`` (nq,).
@@ -136,67 +141,78 @@ class StepBox:
         Raises:
             ArgumentError: when dt is not a positive number.
         """
-        if type(dt) is not float or dt != self._dt:
-            self._clock[0] = self._time[0] = self._dt = positive_number("dt", dt)
-            self._decay = math.exp(-BRAKING_RATE * self._dt) if self.ahead else 0.0
-            self._share[0] = 1.0 if math.isinf(self._rate) else -math.expm1(-self._rate * self._dt) * (1 - self._decay)
-        self._q[:] = q
+        if dt is not self.dt:
+            self.lasts(dt)
+        self.q[:] = q
         self._evaluate()
+
+    def lasts(self, dt: float) -> None:
+        """Take ``dt`` [s] as the duration of the steps to come.
+
+        Raises:
+            ArgumentError: when dt is not a positive number.
+        """
+        if type(dt) is not float or dt != self.dt:
+            self.dt = seconds = positive_number("dt", dt)
+            self.clock[0] = self._time[0] = seconds
+            self.clock[2] = decay = math.exp(-BRAKING_RATE * seconds) if self.ahead else 0.0
+            self._share[0] = 1.0 if math.isinf(self._rate) else -math.expm1(-self._rate * seconds) * (1 - decay)
+        else:
+            self.dt = dt
 
     def start(self) -> Array:
         """Where the step starts, (nq,): q, or with acceleration limits where the last motion leads (Q1)."""
         if not self.ahead:
-            return self._q
-        ahead = self._last * (self._decay * self._clock[0] / self._clock[1])
+            return self.q
+        ahead = self.last * (self.clock[2] * self.clock[0] / self.clock[1])
         if self._vector:
-            start: Array = np.clip(self._q + ahead, self.lower, self.upper)
+            start: Array = np.clip(self.q + ahead, self.lower, self.upper)
             return start
-        return self._inside(self._robot.integrate(self._q, ahead))
+        return self._inside(self._robot.integrate(self.q, ahead))
 
     def displacement(self, q: Array) -> Array:
         """The displacement from where the step begins to ``q`` (nq,), (n,)."""
         with np.errstate(invalid="ignore"):  # an infinite q, which is refused after the step
-            return q - self._q if self._vector else self._robot.difference(self._q, q)
+            return q - self.q if self._vector else self._robot.difference(self.q, q)
 
     def braked(self) -> Array:
         """The configuration of the box closest to q, (nq,): the strongest braking."""
-        return self._inside(self._q)
+        return self._inside(self.q)
 
     def moved(self, q: Array) -> None:
         """Remember that the step ended at ``q`` (nq,)."""
-        if not self._remembers:
+        if not self.remembers:
             return
         if self._vector:
-            np.subtract(q, self._q, self._last)
+            np.subtract(q, self.q, self.last)
         else:
-            self._last[:] = self._robot.difference(self._q, q)
-        if self._before != self._dt:
-            self._clock[1] = self._before = self._dt
+            self.last[:] = self._robot.difference(self.q, q)
+        self.clock[1] = self.clock[0]
 
     def rest(self) -> None:
         """Forget the last step: the robot is at rest."""
-        self._last[:] = 0
+        self.last[:] = 0
 
     def moves(self, velocity: Array) -> None:
         """Take a velocity (n,) [rad/s] as that of the last step."""
-        self._last[:], self._clock[1], self._before = velocity, 1.0, 1.0
+        self.last[:], self.clock[1] = velocity, 1.0
 
     def slowed(self, q: Array) -> Array:
         """``q`` (nq,), or the configuration before it at which no ball or free joint exceeds its limits (M7)."""
         if not self._unboxed.size:
             return q
-        displacement, base = self._robot.difference(self._q, q), np.zeros(self._robot.n)
+        displacement, base = self._robot.difference(self.q, q), np.zeros(self._robot.n)
         scalar_q, scalar_v = self._robot.scalar_q, self._robot.scalar_v
-        base[scalar_v] = self._inside(self._q)[scalar_q] - self._q[scalar_q]
-        last = self._last[self._unboxed] * (self._clock[0] / self._clock[1])
-        largest_step = self._bounds.velocity[self._unboxed] * self._dt
-        change = self._bounds.acceleration[self._unboxed] * self._dt**2
+        base[scalar_v] = self._inside(self.q)[scalar_q] - self.q[scalar_q]
+        last = self.last[self._unboxed] * (self.clock[0] / self.clock[1])
+        largest_step = self._bounds.velocity[self._unboxed] * self.clock[0]
+        change = self._bounds.acceleration[self._unboxed] * self.clock[0] ** 2
         low, high = (np.clip(end, last - change, last + change) for end in (-largest_step, largest_step))
         base[self._unboxed] = stay = np.clip(0.0, low, high)
         share = _share(displacement[self._unboxed] - stay, low - stay, high - stay)
         if share >= 1:
             return q
-        return self._inside(self._robot.integrate(self._q, base + share * (displacement - base)))
+        return self._inside(self._robot.integrate(self.q, base + share * (displacement - base)))
 
     def _inside(self, q: Array) -> Array:
         """q clamped to the box."""

@@ -11,7 +11,7 @@ from types import FrameType
 
 from jtik.symbolic.archives import Archive
 from jtik.symbolic.c_compiler import CompilerRuns
-from jtik.symbolic.compile import Library, library
+from jtik.symbolic.compile import NOTHING, Beside, Library, library
 from jtik.symbolic.operations import Function
 
 POLL = 0.1
@@ -77,12 +77,12 @@ class Compilation:
             if id(each) not in self._begun:
                 self._begun[id(each)] = each, self.begun(each)
 
-    def begun(self, function: Function, beside: str = "", archive: Archive | None = None) -> Future[Library]:
+    def begun(self, function: Function, beside: Beside = NOTHING, archive: Archive | None = None) -> Future[Library]:
         """The library of a function, which is compiled from now on.
 
         Args:
             function: the function to compile.
-            beside: more C source for the same library.
+            beside: what is compiled into the same library.
             archive: a static library that the C calls; None for none.
         """
         self._executor = self._executor or ThreadPoolExecutor(thread_name_prefix="jtik-compiler")
@@ -91,12 +91,12 @@ class Compilation:
         self._inform()
         return future
 
-    def library(self, function: Function, beside: str = "", archive: Archive | None = None) -> Library:
+    def library(self, function: Function, beside: Beside = NOTHING, archive: Archive | None = None) -> Library:
         """The library of a function, when it is compiled.
 
         Args:
             function: the function to compile.
-            beside: more C source for the same library.
+            beside: what is compiled into the same library.
             archive: a static library that the C calls; None for none.
 
         Raises:

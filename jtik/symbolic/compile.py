@@ -24,8 +24,17 @@ from jtik.symbolic.c_compiler import CompilerError, CompilerRuns, compile_librar
 from jtik.symbolic.operations import Function, c_source, external
 from jtik.types import Array
 
-__all__ = ["CompiledFunction", "CompilerError", "Library", "bind", "compiler", "library", "plain_library", "to_c"]
-
+__all__ = [
+    "Beside",
+    "CompiledFunction",
+    "CompilerError",
+    "Library",
+    "bind",
+    "compiler",
+    "library",
+    "plain_library",
+    "to_c",
+]
 
 T = TypeVar("T")
 
@@ -76,6 +85,23 @@ class CompiledFunction:
         )
 
 
+class Beside(NamedTuple):
+    """What is compiled with a function, into the same library.
+
+    Attributes:
+        source: more C; it calls the function JTIK_NAME.
+        functions: functions that it calls. The name of each begins with that of the function, which is replaced by
+            JTIK_NAME: ``jtik_step_box`` is JTIK_NAME_box.
+    """
+
+    source: str = ""
+    functions: tuple[Function, ...] = ()
+
+
+NOTHING = Beside()
+"""Nothing beside a function."""
+
+
 class Library(NamedTuple):
     """A function in generated C.
 
@@ -108,7 +134,7 @@ def to_c(function: Function) -> Function:
 
 def library(
     function: Function,
-    beside: str = "",
+    beside: Beside = NOTHING,
     archive: Archive | None = None,
     *,
     runs: CompilerRuns | None = None,
@@ -123,7 +149,7 @@ def library(
 
     Args:
         function: the function.
-        beside: more C source for the same library; it calls the function JTIK_NAME.
+        beside: what is compiled with it.
         archive: a static library that the C calls; None for none.
         runs: runs the compiler, and can end it.
         using_casadi: is entered while CasADi is used, not while the compiler runs.
@@ -133,7 +159,7 @@ def library(
     """
     using = using_casadi or nullcontext()
     with using:
-        source = c_source(function) + beside
+        source = c_source(function, *beside.functions) + beside.source
     return _library(source, function.name(), archive, runs, using, _loaded)
 
 

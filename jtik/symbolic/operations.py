@@ -210,10 +210,11 @@ def function(
     return casadi.Function(name, list(inputs), dense, *names, {"cse": cse})
 
 
-def c_source(function: Function) -> str:
-    """A ``function`` as C, all names prefixed with its own. Each thread has memory of its own for the solvers in it."""
+def c_source(function: Function, *others: Function) -> str:
+    """A ``function`` and ``others`` as C, names prefixed with its own. Each thread has memory for the solvers in it."""
     generator = casadi.CodeGenerator(function.name())
-    generator.add(function)
+    for each in (function, *others):
+        generator.add(each)
     return _OF_ALL_THREADS.sub(r"static JTIK_THREAD_LOCAL \1", _THREAD_LOCAL + str(generator.dump()))
 
 

@@ -14,7 +14,7 @@ from jtik.arguments import instances
 from jtik.errors import ArgumentError
 from jtik.result.deprecated import RenamedAttribute
 from jtik.robot import Kinematics, Robot
-from jtik.symbolic import Expression, jacobian, symbol, symvar, vertcat
+from jtik.symbolic import Expression, Function, jacobian, symbol, symvar, vertcat
 from jtik.task.base import Task
 from jtik.types import Array
 
@@ -77,6 +77,11 @@ class TaskStack:
         return len(self.tasks) == 1 and self.tasks[0].target_is_vector(self.robot)
 
     plain = RenamedAttribute("target_is_vector")
+
+    @cached_property
+    def matrix_reader(self) -> Function | None:
+        """The function that reads a matrix (4, 4) as the target of the only task, as `Task.matrix_reader` gives it."""
+        return self.tasks[0].matrix_reader(self.robot) if len(self.tasks) == 1 else None
 
     def read_target(self, target: Any) -> Array:
         """The numbers of one target, or of a dict from task name to target, shape (target_size,).
