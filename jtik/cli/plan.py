@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import asyncio
 import contextlib
+import gc
 import os
 import signal
 import sys
@@ -64,6 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
         **chosen,
     )
     server = Server(Desk(planner.loop), port=port)
+    leave_alone()
 
     def ready() -> None:
         print(f"the planner is at {server.url} (Ctrl-C ends it)", flush=True)
@@ -78,6 +80,12 @@ def run(arguments: argparse.Namespace) -> int:
         sys.stderr.flush()
         os._exit(0)  # the interpreter would wait for the threads
     return 0
+
+
+def leave_alone() -> None:
+    """Have the garbage collector leave alone what there is: to look at all of it takes longer than a period."""
+    gc.collect()
+    gc.freeze()
 
 
 def _work_goes_on(others: set[threading.Thread]) -> bool:

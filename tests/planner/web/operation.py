@@ -1,7 +1,8 @@
 """Two operators at the same planner, each in a browser of its own: one guides the target, the other one changes things.
 
-By hand, with the figures as JSON: ``python -m tests.planner.web.operation --seconds 600 [--robot panda] [--alone]``.
-The planner is a process of its own, so that its memory and its periods are those of a planner.
+By hand, with the figures as JSON: ``python -m tests.planner.web.operation --seconds 600 [--robot panda] [--alone]
+[--apart]``. The planner is a process of its own, so that its memory and its periods are those of a planner; with
+``--apart`` it has the machine's first processor, and the browsers have the second one.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ MEASURE = """() => {
     window.latency = [];
     window.drawn = [];
     const { canvas } = planner.view;
-    canvas.addEventListener("pointermove", (event) => {
+    for (const kind of ["pointermove", "pointerrawupdate"]) canvas.addEventListener(kind, (event) => {
         if (event.buttons) moves.push([event.timeStamp, event.offsetX, event.offsetY]);
     }, true);
     canvas.addEventListener("pointerup", () => (moves.length = 0), true);
@@ -39,6 +40,7 @@ MEASURE = """() => {
         window.drawn.push(now);
         if (window.drawn.length > 4000) window.drawn.splice(0, 2000);
         const [u, v] = planner.view.toScreen([...planner.state.frame.position]);
+        moves.sort((a, b) => a[0] - b[0]);
         const at = moves.findLastIndex((move) => Math.hypot(move[1] - u, move[2] - v) < 1.5);
         if (at >= 0) window.latency.push(now - moves[at][0]);
         moves.splice(0, at + 1);
@@ -52,6 +54,7 @@ MEASURE = """() => {
 def serve(robot: str, seconds: float) -> None:
     """The process of the planner: serves, and prints figures when its input ends."""
     import jtik
+    from jtik.cli.plan import leave_alone
     from jtik.planner import Planner
 
     scene = jtik.Scene({"ball": jtik.Sphere((0.45, 0.45, 0.35), 0.08)})
@@ -66,6 +69,7 @@ def serve(robot: str, seconds: float) -> None:
         tick(now)
 
     planner.loop.tick = timed  # type: ignore[method-assign]
+    leave_alone()
     with planner:
         print(planner.serve().url, flush=True)
         memory, seen, end = [], -1, time.monotonic() + seconds + 600
@@ -114,16 +118,21 @@ def _quantiles(values: Any) -> list[float]:
 class Browser:
     """A browser that shows the planner, in the thread that made it."""
 
-    def __init__(self, url: str, complaints: list[str]) -> None:
+    def __init__(self, url: str, complaints: list[str], *, processors: set[int] | None = None) -> None:
         from playwright.sync_api import sync_playwright
 
         command = next(filter(None, map(shutil.which, CHROMIUM)))
+        own = os.sched_getaffinity(0) if processors else None
+        if processors:
+            os.sched_setaffinity(0, processors)  # of this thread; processes that it starts take it over
         self._playwright = sync_playwright().start()
         options = ["--no-sandbox", "--enable-unsafe-swiftshader", "--enable-precise-memory-info"]
         self._browser = self._playwright.chromium.launch(executable_path=command, args=options)
         self.page = self._browser.new_context(viewport={"width": 1440, "height": 900}).new_page()
         self.page.on("pageerror", lambda error: complaints.append(str(error)))
         self.page.on("console", lambda line: complaints.append(line.text) if line.type == "error" else None)
+        if own is not None:
+            os.sched_setaffinity(0, own)
         self.page.goto(url)
         self.page.wait_for_function("() => window.planner?.view && planner.state.frame && planner.state.status")
         box = self.page.locator("#view").bounding_box()
@@ -248,8 +257,12 @@ def change(browser: Browser, generator: np.random.Generator, end: float) -> dict
     }
 
 
-def operate(seconds: float, *, robot: str = "planar", seed: int = 0, alone: bool = False) -> dict[str, Any]:
+def operate(
+    seconds: float, *, robot: str = "planar", seed: int = 0, alone: bool = False, apart: bool = False
+) -> dict[str, Any]:
     """Operate a planner from two browsers, or from the one that guides alone, and give what was measured."""
+    if apart:
+        os.sched_setaffinity(0, {0})  # the planner takes it over
     command = [sys.executable, "-m", "tests.planner.web.operation", "--serve", "--robot", robot]
     path = os.pathsep.join([str(ROOT), str(ROOT / "formulations"), *filter(None, sys.path)])
     pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
@@ -265,7 +278,7 @@ def operate(seconds: float, *, robot: str = "planar", seed: int = 0, alone: bool
 
         def work(what: Any, number: int) -> None:
             try:
-                with contextlib.closing(Browser(url, complaints)) as browser:
+                with contextlib.closing(Browser(url, complaints, processors={1} if apart else None)) as browser:
                     results.update(what(browser, np.random.default_rng([seed, number]), end))
             except BaseException as error:
                 failed.append(error)
@@ -295,8 +308,10 @@ if __name__ == "__main__":
     parser.add_argument("--seconds", type=float, default=30.0)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--alone", action="store_true", help="without the one who changes things")
+    parser.add_argument("--apart", action="store_true", help="planner and browsers on a processor each")
     given = parser.parse_args()
     if given.serve:
         serve(given.robot, given.seconds)
     else:
-        print(json.dumps(operate(given.seconds, robot=given.robot, seed=given.seed, alone=given.alone), indent=1))
+        options = {"robot": given.robot, "seed": given.seed, "alone": given.alone, "apart": given.apart}
+        print(json.dumps(operate(given.seconds, **options), indent=1))

@@ -1,7 +1,7 @@
 // WebGL with one shader. Every solid is a unit mesh, scaled, stretched along z and placed by a pose; lines are ribbons
-// of constant width in pixels.
+// of constant width in pixels. Back faces are left out: in software every pixel costs.
 
-import { cross, dot, IDENTITY, multiply, norm, sub, unit } from "./math.js";
+import { add, cross, dot, IDENTITY, multiply, norm, sub, unit } from "./math.js";
 
 const VERTEX = `
 attribute vec3 position;
@@ -27,21 +27,25 @@ uniform float lit, fade;
 uniform vec3 eye;
 varying vec3 facing;
 varying vec3 place;
+const vec3 LAMP = vec3(0.342, -0.440, 0.830);
 void main() {
-  vec3 n = normalize(facing + vec3(0.0, 0.0, 1e-6));
-  vec3 e = normalize(eye - place);
-  float lamp = max(0.0, dot(n, normalize(vec3(0.35, -0.45, 0.85))));
-  float rim = max(0.0, dot(n, e));
-  float light = 0.64 + 0.12 * n.z + 0.26 * lamp + 0.10 * rim;
-  float shine = pow(max(0.0, dot(reflect(-e, n), normalize(vec3(0.35, -0.45, 0.85)))), 24.0);
-  vec3 shown = mix(colour.rgb, colour.rgb * light + 0.12 * shine, lit);
+  vec3 shown = colour.rgb;
+  if (lit > 0.0) {
+    vec3 n = normalize(facing + vec3(0.0, 0.0, 1e-6));
+    vec3 e = normalize(eye - place);
+    float lamp = max(0.0, dot(n, LAMP));
+    float light = 0.64 + 0.12 * n.z + 0.26 * lamp + 0.10 * max(0.0, dot(n, e));
+    float shine = pow(max(0.0, dot(reflect(-e, n), LAMP)), 24.0);
+    shown = mix(shown, shown * light + 0.12 * shine, lit);
+  }
   float alpha = colour.a * (fade > 0.0 ? clamp(1.25 - length(place.xy) / fade, 0.0, 1.0) : 1.0);
   gl_FragColor = vec4(shown * alpha, alpha);
 }`;
 
 export class Renderer {
   constructor(canvas) {
-    const gl = canvas.getContext("webgl", { antialias: true, premultipliedAlpha: true });
+    this.software = inSoftware();
+    const gl = canvas.getContext("webgl", { antialias: !this.software, premultipliedAlpha: true });
     if (gl === null) throw new Error("this browser has no WebGL, which the spatial view needs");
     this.gl = gl;
     this.large = gl.getExtension("OES_element_index_uint") !== null; // meshes of any size
@@ -58,7 +62,7 @@ export class Renderer {
     gl.useProgram(program);
     this.at = Object.fromEntries(["pose", "view", "size", "stretch", "colour", "lit", "fade", "eye"].map((name) => [name, gl.getUniformLocation(program, name)]));
     this.attributes = ["position", "normal", "end"].map((name) => gl.getAttribLocation(program, name));
-    this.meshes = { capsule: this.mesh(capsule()), box: this.mesh(box()), cylinder: this.mesh(cylinder()), ring: this.mesh(ring()), cone: this.mesh(cone()) };
+    this.meshes = { capsule: this.mesh(this.software ? capsule(8, 18) : capsule(12, 32)), box: this.mesh(box()), cylinder: this.mesh(cylinder()), ring: this.mesh(ring()), cone: this.mesh(cone()) };
     this.ribbon = { buffer: gl.createBuffer(), count: 0 };
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.BLEND);
@@ -69,8 +73,8 @@ export class Renderer {
     const { gl } = this;
     const buffer = gl.createBuffer();
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(vertices), gl.STATIC_DRAW);
-    return { buffer, count: vertices.length / 7 };
+    gl.bufferData(gl.ARRAY_BUFFER, outward(new Float32Array(vertices)), gl.STATIC_DRAW);
+    return { buffer, count: vertices.length / 7, closed: true };
   }
 
   // A mesh of corners, position and normal (6 numbers each), and the corners of its triangles.
@@ -85,7 +89,8 @@ export class Renderer {
     return { buffer, index, count: triangles.length };
   }
 
-  begin(width, height, background, view, eye) {
+  // A picture begins: `shown` is the height at which its pixels are seen.
+  begin(width, height, shown, background, view, eye) {
     const { gl } = this;
     gl.viewport(0, 0, width, height);
     gl.clearColor(...background, 1);
@@ -93,7 +98,7 @@ export class Renderer {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.uniformMatrix4fv(this.at.view, false, view);
     gl.uniform3fv(this.at.eye, eye);
-    this.frame = { width, height, view, eye };
+    this.frame = { shown, eye };
   }
 
   // What is drawn from here on lies on top of what was drawn before.
@@ -103,7 +108,7 @@ export class Renderer {
 
   draw(mesh, pose, size, colour, { stretch = 0, alpha = 1, lit = 1, fade = 0 } = {}) {
     const { gl, at } = this;
-    const { buffer, index, count } = typeof mesh === "string" ? this.meshes[mesh] : mesh;
+    const { buffer, index, count, closed } = typeof mesh === "string" ? this.meshes[mesh] : mesh;
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     [[3, 0], [3, 12], [1, 24]].forEach(([width, offset], k) => {
       if (this.attributes[k] < 0) return;
@@ -118,6 +123,8 @@ export class Renderer {
     gl.uniform1f(at.lit, lit);
     gl.uniform1f(at.fade, fade);
     gl.depthMask(alpha === 1);
+    if (closed) gl.enable(gl.CULL_FACE);
+    else gl.disable(gl.CULL_FACE);
     if (!index) return gl.drawArrays(gl.TRIANGLES, 0, count);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, index);
     gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
@@ -127,8 +134,8 @@ export class Renderer {
   lines(pairs, colour, width, options = {}) {
     if (pairs.length === 0) return;
     const { gl } = this;
-    const { height, eye } = this.frame;
-    const perPixel = (2 * Math.tan(FIELD / 2)) / height;
+    const { shown, eye } = this.frame;
+    const perPixel = (2 * Math.tan(FIELD / 2)) / shown;
     const data = [];
     for (const [a, b] of pairs) {
       const along = sub(b, a);
@@ -151,6 +158,28 @@ export class Renderer {
 
 export const FIELD = 0.72; // angle of view [rad]
 
+// Whether pictures are drawn by the processor: a context that is made for its name alone says so.
+function inSoftware() {
+  const gl = document.createElement("canvas").getContext("webgl");
+  const named = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = named ? gl.getParameter(named.UNMASKED_RENDERER_WEBGL) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
+
+// The corners of each triangle in the order that shows its outer face, where its normals point.
+function outward(vertices) {
+  for (let at = 0; at < vertices.length; at += 21) {
+    const [a, b, c] = [0, 7, 14].map((k) => add([...vertices.subarray(at + k, at + k + 3)], [0, 0, vertices[at + k + 6]]));
+    const normal = [3, 4, 5].map((k) => vertices[at + k] + vertices[at + 7 + k] + vertices[at + 14 + k]);
+    if (dot(cross(sub(b, a), sub(c, a)), normal) >= 0) continue;
+    const second = vertices.slice(at + 7, at + 14);
+    vertices.copyWithin(at + 7, at + 14, at + 21);
+    vertices.set(second, at + 14);
+  }
+  return vertices;
+}
+
 // Triangles as 7 numbers a vertex: position, normal, and 1 at the stretched end.
 function surface(rows, columns, point) {
   const out = [];
@@ -165,7 +194,7 @@ function surface(rows, columns, point) {
 
 const TURN = 2 * Math.PI;
 
-function capsule(rows = 8, columns = 18) {
+function capsule(rows, columns) {
   const half = rows / 2;
   return surface(rows + 1, columns, (i, j) => {
     const upper = i > half;

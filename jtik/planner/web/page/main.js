@@ -19,13 +19,17 @@ window.planner = { state, send, select }; // for scripts and tests that drive th
 
 let view = null;
 let dirty = true;
+let last = 0; // when a picture was drawn [ms]
+const REST = 300; // after which nothing is said to move [ms]
 const redraw = () => (dirty = true);
 const host = byId("view");
 
-function draw() {
+function draw(now) {
   pollGamepad(view);
+  if (view && !dirty && now - last > REST) view.rest?.();
   if (view && dirty) {
     dirty = false;
+    last = now;
     view.draw();
     state.drawn = (state.drawn ?? 0) + 1;
   }

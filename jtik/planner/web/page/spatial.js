@@ -22,16 +22,36 @@ export class SpatialView {
     this.size = [1, 1];
     this.hot = null;
     this.meshes = null; // what `showMeshes` has loaded, while it is shown
+    this.resting = false; // whether the picture has twice the pixels
   }
 
   resize(width, height) {
-    const ratio = Math.min(2, devicePixelRatio || 1);
     const first = this.size[0] === 1;
+    this.size = [width, height];
+    this.setPixels(false);
+    if (first) this.fit();
+  }
+
+  setPixels(resting) {
+    const [width, height] = this.size;
+    const ratio = (resting ? 2 : 1) * Math.min(2, devicePixelRatio || 1);
+    this.resting = resting;
     this.canvas.width = Math.round(width * ratio);
     this.canvas.height = Math.round(height * ratio);
     Object.assign(this.canvas.style, { width: `${width}px`, height: `${height}px` });
-    this.size = [width, height];
-    if (first) this.fit();
+  }
+
+  // Nothing moves: draws the picture with twice the pixels where the processor draws, which has no time to smooth edges
+  // while something moves.
+  rest() {
+    if (this.resting || !this.renderer.software || (devicePixelRatio || 1) > 1) return;
+    this.setPixels(true);
+    this.picture();
+  }
+
+  draw() {
+    if (this.resting) this.setPixels(false);
+    this.picture();
   }
 
   fit() {
@@ -82,9 +102,9 @@ export class SpatialView {
     return { at: [...state.frame.position], turning: oriented(), chosen: null };
   }
 
-  draw() {
+  picture() {
     const { renderer, canvas } = this;
-    renderer.begin(canvas.width, canvas.height, rgb("bg"), this.camera(), this.eye());
+    renderer.begin(canvas.width, canvas.height, this.size[1], rgb("bg"), this.camera(), this.eye());
     if (state.frame === null) return;
     this.arm(state.frame.poses);
     for (const each of obstacles()) if (each.gain > 0) this.obstacle(each);
@@ -109,7 +129,8 @@ export class SpatialView {
     const end = count * step;
     const lines = [];
     for (let k = -count; k <= count; k++) {
-      if (k !== 0) lines.push([[-end, k * step, 0], [end, k * step, 0]], [[k * step, -end, 0], [k * step, end, 0]]);
+      const half = Math.sqrt(Math.max(0, end * end - k * k * step * step)); // they fade out on a circle
+      if (k !== 0 && half > 0) lines.push([[-half, k * step, 0], [half, k * step, 0]], [[k * step, -half, 0], [k * step, half, 0]]);
     }
     renderer.lines(lines, rgb("grid"), 1.2, { alpha: 0.99, fade: 1.3 * reach });
     renderer.lines([[[-end, 0, 0], [0, 0, 0]], [[0, 0, 0], [end, 0, 0]], [[0, -end, 0], [0, 0, 0]], [[0, 0, 0], [0, end, 0]]], rgb("axis"), 1.6, { alpha: 0.99, fade: 1.3 * reach });
