@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-EARLY = 0.3
+EARLY = 0.2
 """Share of a period by which an edit may begin the next period before it is due."""
 
-PULL = 0.1
+PULL = 0.05
 """Largest share of a period by which one edit shifts the periods."""
 
 
@@ -33,9 +33,11 @@ class Schedule:
         return max(0.0, self._due - now)
 
     def asked(self, now: float) -> float:
-        """An edit has come: how long to wait until the next period may begin [s]; 0 for one that may begin."""
-        wait = max(0.0, self._due - EARLY * self._period - now)
-        offset = (now - self._due) / self._period + EARLY / 2  # 0 in the middle of the time in which one may begin
+        """An edit has come: how long to wait until the next period begins [s]; 0 where the edit begins it."""
+        wait = self.wait(now)
+        if wait <= EARLY * self._period:
+            wait = 0.0
+        offset = (now - self._due) / self._period + EARLY / 2  # 0 in the middle of the time in which one begins
         wanted = self._shift + offset
         pull = max(-PULL, min(PULL, wanted - round(wanted) - self._shift))
         self._shift += pull
