@@ -67,7 +67,7 @@ def test_late_periods_are_left_out(ended: float, late: int, wait: float) -> None
 
 
 def answered(edits: list[float], until: float) -> tuple[list[float], list[float]]:
-    """When periods of 1 s begin while edits come at these times [s], as the loop waits; and how long each edit waits."""
+    """When periods of 1 s begin while edits come at these times [s], and how long each edit waits."""
     schedule, now, begun, taken = Schedule(1.0, 0.0), 0.0, [], 0
     while now < until:
         due = now + schedule.wait(now)

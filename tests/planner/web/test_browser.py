@@ -35,7 +35,7 @@ def scene(planner):
 def test_the_page_opens_and_draws_without_a_complaint(page):
     assert page.title().startswith("planar10")
     assert page.js("() => planner.state.setup.robot.joints.length") == 10
-    wait_for(lambda: page.js("() => planner.state.drawn") > 5)
+    wait_for(lambda: page.js("() => planner.state.drawn") > 1)
     wait_for(lambda: page.text("#status") not in ("", "connecting"))
     assert page.text("#link") == "connected"
     colours = page.js("""() => {

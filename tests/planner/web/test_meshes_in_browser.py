@@ -47,7 +47,7 @@ def seen(page, planner):
 
 
 def test_the_switch_shows_the_meshes_which_move_with_the_arm(page, planner):
-    wait_for(lambda: page.js("() => planner.state.drawn") > 3)
+    wait_for(lambda: page.js("() => planner.state.drawn") > 1)
     asked = sum(url.endswith("/meshes") for url in page.requested)
     assert asked == 0
     assert not seen(page, planner)

@@ -33,7 +33,7 @@ def angle(a, b):
 
 
 def test_the_robot_is_drawn(page):
-    wait_for(lambda: page.js("() => planner.state.drawn") > 3)
+    wait_for(lambda: page.js("() => planner.state.drawn") > 1)
     colours = page.js("""() => {
         planner.view.draw();
         const gl = planner.view.renderer.gl;
@@ -46,6 +46,19 @@ def test_the_robot_is_drawn(page):
     }""")
     assert colours[0] > 200
     assert colours[1] == 0
+
+
+def test_edges_are_smooth_at_rest_where_the_processor_draws(page):
+    pixels = "() => planner.view.canvas.width / planner.view.canvas.clientWidth"
+    if not page.js("() => planner.view.renderer.software"):
+        pytest.skip("this browser draws with a graphics card")
+    wait_for(lambda: round(page.js(pixels)) == 2)
+    assert (
+        round(page.js("() => (planner.view.draw(), planner.view.canvas.width / planner.view.canvas.clientWidth)")) == 1
+    )
+    page.js("() => planner.emit('overlays')")  # the view is drawn again, and comes to rest
+    wait_for(lambda: round(page.js(pixels)) == 2)
+    assert page.js("() => planner.view.renderer.gl.getError()") == 0
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])

@@ -62,7 +62,8 @@ export class Renderer {
     gl.useProgram(program);
     this.at = Object.fromEntries(["pose", "view", "size", "stretch", "colour", "lit", "fade", "eye"].map((name) => [name, gl.getUniformLocation(program, name)]));
     this.attributes = ["position", "normal", "end"].map((name) => gl.getAttribLocation(program, name));
-    this.meshes = { capsule: this.mesh(this.software ? capsule(8, 18) : capsule(12, 32)), box: this.mesh(box()), cylinder: this.mesh(cylinder()), ring: this.mesh(ring()), cone: this.mesh(cone()) };
+    this.meshes = { capsule: null, box: this.mesh(box()), cylinder: this.mesh(cylinder()), ring: this.mesh(ring()), cone: this.mesh(cone()) };
+    this.capsules = [this.mesh(capsule(8, 18)), this.mesh(capsule(14, 40))];
     this.ribbon = { buffer: gl.createBuffer(), count: 0 };
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.BLEND);
@@ -89,9 +90,10 @@ export class Renderer {
     return { buffer, index, count: triangles.length };
   }
 
-  // A picture begins: `shown` is the height at which its pixels are seen.
-  begin(width, height, shown, background, view, eye) {
+  // A picture begins: `shown` is the height at which its pixels are seen; a `fine` one has rounder solids.
+  begin(width, height, shown, fine, background, view, eye) {
     const { gl } = this;
+    this.meshes.capsule = this.capsules[fine ? 1 : 0];
     gl.viewport(0, 0, width, height);
     gl.clearColor(...background, 1);
     gl.depthMask(true);

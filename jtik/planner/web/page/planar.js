@@ -106,19 +106,27 @@ export class PlanarView {
       pen.stroke();
     };
     pen.fillStyle = colours.muted;
+    const label = (value, u, v) => {
+      pen.strokeStyle = colours.bg; // so that no line goes through it
+      pen.lineWidth = 4;
+      pen.strokeText(value, u, v);
+      pen.fillText(value, u, v);
+      pen.lineWidth = 1;
+    };
+    const number = (value) => value.toFixed(digits).replace("-", "−");
     const digits = Math.max(0, -Math.floor(Math.log10(spacing) + 1e-9));
     for (let k = Math.ceil(left / spacing); k * spacing < right; k++) {
       const [u] = this.toScreen([k * spacing, 0]);
       line([u, 0], [u, this.size[1]], k === 0);
-      if (u > 40 && u < this.size[0] - 40) pen.fillText((k * spacing).toFixed(digits).replace("-", "−"), u, this.size[1] - 6);
+      if (u > 40 && u < this.size[0] - 40) label(number(k * spacing), u, this.size[1] - 6);
     }
     pen.textAlign = "left";
     for (let k = Math.ceil(low / spacing); k * spacing < top; k++) {
       const [, v] = this.toScreen([0, k * spacing]);
       line([0, v], [this.size[0], v], k === 0);
-      if (v > 40 && v < this.size[1] - 24) pen.fillText((k * spacing).toFixed(digits).replace("-", "−"), 6, v - 3);
+      if (v > 40 && v < this.size[1] - 24) label(number(k * spacing), 6, v - 3);
     }
-    pen.fillText("m", 6, this.size[1] - 6);
+    label("m", 6, this.size[1] - 6);
   }
 
   obstacle({ name, obstacle: o, gain }) {

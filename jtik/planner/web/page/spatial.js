@@ -104,7 +104,7 @@ export class SpatialView {
 
   picture() {
     const { renderer, canvas } = this;
-    renderer.begin(canvas.width, canvas.height, this.size[1], rgb("bg"), this.camera(), this.eye());
+    renderer.begin(canvas.width, canvas.height, this.size[1], this.resting || !renderer.software, rgb("bg"), this.camera(), this.eye());
     if (state.frame === null) return;
     this.arm(state.frame.poses);
     for (const each of obstacles()) if (each.gain > 0) this.obstacle(each);
