@@ -101,11 +101,11 @@ def words(report: Report, *, moving: bool, guided: bool) -> str:
         return "follows the target"
     if report.reached:
         return "on target; the criterion still falls" if moving else "at rest on the target"
-    if moving:
+    of_all, of_free = report.relative_gradient
+    if moving and of_free > FALLS:
         return "on the way to the target"
     if report.active_clearances:
         return Status.BLOCKED.value
-    of_all, of_free = report.relative_gradient
     if of_free > FALLS:
         return Status.STALLED.value
     return Status.LIMITS.value if of_all > FALLS else Status.LOCAL_MINIMUM.value

@@ -103,7 +103,8 @@ function readFrame(buffer) {
     poses: data.subarray(q + nq, q + nq + 7 * frames),
     received: performance.now(),
   };
-  if (state.frame.recording && !before?.recording) clearPath();
+  const another = before !== null && tick < before.tick; // session, of a planner that was started again
+  if (another || (state.frame.recording && !before?.recording)) clearPath();
   if (before?.recording && !state.frame.recording) state.recorded = true;
   if (state.frame.mode === "live") walk(state.frame);
   if (before?.mode !== state.frame.mode || before?.recording !== state.frame.recording) emit("mode");
