@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-EARLY = 0.2
+EARLY = 0.12
 """Share of a period by which an edit may begin the next period before it is due."""
 
-PULL = 0.05
+PULL = 0.04
 """Largest share of a period by which one edit shifts the periods."""
 
 
