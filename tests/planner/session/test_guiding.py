@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
 from jtik.planner.edits.messages import HoldTarget, Jog, MoveTarget, SetLimits, SetTargetSpeed
 from jtik.planner.session.loop import DT
+from jtik.planner.session.measure import words
 from tests.planner.operator import ROBOT, START, Operator
 
 
@@ -83,6 +87,14 @@ def test_a_target_out_of_reach_is_told_and_followed_as_far_as_possible(operator:
     assert "out of reach" in status.words or "singular" in status.words
     operator.does(MoveTarget((2.0, 1.0)), seconds=8)
     assert operator.loop.status.error < 1e-4
+
+
+@pytest.mark.parametrize(("gradient", "said"), [(1e-2, "on the way"), (1e-6, "out of reach")])
+def test_an_arm_that_moves_is_on_the_way_only_while_the_error_falls(gradient: float, said: str) -> None:
+    report: Any = SimpleNamespace(
+        finite=True, reached=False, active_clearances=(), relative_gradient=(gradient, gradient)
+    )
+    assert said in words(report, moving=True, guided=False)
 
 
 def test_a_target_of_another_dimension_is_refused(operator: Operator) -> None:

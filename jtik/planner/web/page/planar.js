@@ -97,7 +97,6 @@ export class PlanarView {
     const [right, low] = this.toWorld(this.size);
     pen.lineWidth = 1;
     pen.font = "11px system-ui, sans-serif";
-    pen.textAlign = "center";
     const line = (from, to, axis) => {
       pen.strokeStyle = axis ? colours.axis : colours.grid;
       pen.beginPath();
@@ -106,27 +105,26 @@ export class PlanarView {
       pen.stroke();
     };
     pen.fillStyle = colours.muted;
-    const label = (value, u, v) => {
-      pen.strokeStyle = colours.bg; // so that no line goes through it
-      pen.lineWidth = 4;
-      pen.strokeText(value, u, v);
-      pen.fillText(value, u, v);
-      pen.lineWidth = 1;
-    };
-    const number = (value) => value.toFixed(digits).replace("-", "−");
+    const labels = []; // above all lines
     const digits = Math.max(0, -Math.floor(Math.log10(spacing) + 1e-9));
+    const number = (value) => value.toFixed(digits).replace("-", "−");
     for (let k = Math.ceil(left / spacing); k * spacing < right; k++) {
       const [u] = this.toScreen([k * spacing, 0]);
       line([u, 0], [u, this.size[1]], k === 0);
-      if (u > 40 && u < this.size[0] - 40) label(number(k * spacing), u, this.size[1] - 6);
+      if (u > 40 && u < this.size[0] - 40) labels.push([number(k * spacing), u, this.size[1] - 6, "center"]);
     }
-    pen.textAlign = "left";
     for (let k = Math.ceil(low / spacing); k * spacing < top; k++) {
       const [, v] = this.toScreen([0, k * spacing]);
       line([0, v], [this.size[0], v], k === 0);
-      if (v > 40 && v < this.size[1] - 24) label(number(k * spacing), 6, v - 3);
+      if (v > 40 && v < this.size[1] - 24) labels.push([number(k * spacing), 6, v - 3, "left"]);
     }
-    label("m", 6, this.size[1] - 6);
+    pen.strokeStyle = colours.bg; // no line goes through them
+    pen.lineWidth = 4;
+    for (const [text, u, v, align] of [...labels, ["m", 6, this.size[1] - 6, "left"]]) {
+      pen.textAlign = align;
+      pen.strokeText(text, u, v);
+      pen.fillText(text, u, v);
+    }
   }
 
   obstacle({ name, obstacle: o, gain }) {
