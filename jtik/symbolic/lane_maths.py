@@ -123,6 +123,10 @@ JTIK_INLINE V v_cos(V x) {
 
 
 def lane_maths(level: Level) -> str:
-    """C of the arithmetic with the instructions of a level."""
+    """C of the arithmetic.
+
+    Args:
+        level: the instructions that it uses, and the number of lanes.
+    """
     instructions = [f'#define JTIK_INSTRUCTIONS "{level.instructions}"'] if level.instructions else []
     return "\n".join([*instructions, f"#define JTIK_LANES {level.lanes}", _LANE_MATHS])

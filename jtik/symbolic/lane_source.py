@@ -67,7 +67,11 @@ _OTHERS = {*_COMPARED, *_JOINED, "NOT", "IF_ELSE_ZERO", "CONST", "INPUT", "OUTPU
 
 
 def has_lanes(function: Function) -> bool:
-    """Whether `lane_source` can write a function: one of scalar instructions alone, which it knows."""
+    """Whether `lane_source` can write a function: one of scalar instructions alone, which it knows.
+
+    Args:
+        function: the function.
+    """
     if not function.is_a("SXFunction"):
         return False
     known = _NUMBERS.keys() | _OTHERS
