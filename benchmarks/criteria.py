@@ -70,14 +70,14 @@ def parts_of(ik: jtik.InverseKinematics, *, timed: bool = True) -> dict[str, Cos
     problem, runner = ik._engine.problem, ik._engine.runners.solve
     at, goal, parameters = problem.symbols()
     kinematics = [problem.residual(at, goal), problem.residual_jacobian(at, goal)]
-    H = problem.criterion(at, parameters)
+    H, gradient = problem.criterion_gradient(at, parameters)
     q, inputs = np.asarray(ik.robot.home, dtype=float), runner.inputs
     target, live = np.asarray(inputs.target), ik.parameters.memory
     at_q = ik.robot.at(at)
     places = vertcat(*[at_q.position(frame) for frame in ik.robot.moving_frames])
     frames = function("frames", [at], [places, jacobian(places, at)])
     alone = function("kinematics", [at, goal], kinematics)
-    both = function("with_gradient", [at, goal, parameters], [*kinematics, H, problem.gradient(H, at)])
+    both = function("with_gradient", [at, goal, parameters], [*kinematics, H, gradient])
     return {
         "kinematics": cost(alone, [q, target], timed=timed),
         "with H, gradient": cost(both, [q, target, live], timed=timed),
