@@ -1,7 +1,8 @@
 """Cost of criteria: instructions and time of a step, growth with links, obstacles and criteria, and time to build.
 
-Instructions are those of CasADi's virtual machine, and do not depend on the load of the machine; times do, and are
-processor time. The exponent of a growth is the slope between the two largest sizes, in logarithms.
+Instructions are those of CasADi's virtual machine, and do not depend on the load of the machine; a call of a large
+function counts as one. Times depend on the load, and are processor time. The exponent of a growth is the slope between
+the two largest sizes, in logarithms.
 
     python benchmarks/criteria.py                       # everything, some minutes
     python benchmarks/criteria.py --only step growth
@@ -169,7 +170,16 @@ def builds() -> None:
         "ten links, 16 slots, links": lambda: planar(10, ObstacleAvoidance([], capacity=16, bodies="links")),
         "Panda, 16 slots, joints": lambda: panda(ObstacleBarrier([], capacity=16)),
         "Panda, 16 slots, its capsules": lambda: panda(ObstacleBarrier([], capacity=16, bodies="shapes")),
+        **{
+            f"Panda, 16 slots for {kind} obstacles, its capsules": lambda kind=kind: panda(
+                ObstacleBarrier([], capacity={kind: 16}, bodies="shapes")
+            )
+            for kind in ("capsule", "box", "half_space", "cylinder")
+        },
         "Panda, self-collision": lambda: panda(SelfCollision()),
+        "Panda, 8 boxes, 8 half-spaces, its capsules, and self-collision": lambda: panda(
+            [ObstacleBarrier([], capacity={"box": 8, "half_space": 8}, bodies="shapes"), SelfCollision()]
+        ),
     }
     print("\n| processor time [s] | the solver | its first solve |\n| --- | --- | --- |")
     panda(JointCentering())  # loads modules

@@ -15,13 +15,13 @@ from jtik.arguments import name as read_name
 from jtik.criterion.short_repr import call_text
 from jtik.errors import ArgumentError
 from jtik.geometry import ABSENT, Obstacle, Scene, Slot, Slots
+from jtik.geometry.pair_functions import distances_of, distances_with_gradients
 from jtik.geometry.slots import read_counts
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import (
     Expression,
     diag,
     gradient,
-    horzcat,
     if_else,
     jacobian,
     reshape,
@@ -129,8 +129,8 @@ class ObstacleCriterion(Criterion):
         field = self.slots(kinematics.robot).at(parameters)
         found = []
         for body in bodies_of(kinematics, self._bodies):
-            row = [body.thinner(slot.distances.of(*body.points)) for slot in field]
-            found.append([_present(d, slot.gain) for d, slot in zip(row, field, strict=True)])
+            row = body.thinner(distances_of(body.points, [slot.distances for slot in field]))
+            found.append([_present(row[j], slot.gain) for j, slot in enumerate(field)])
         return found
 
     def linearized(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> tuple[Expression, Expression]:
@@ -138,12 +138,12 @@ class ObstacleCriterion(Criterion):
         field, distances, rows = self.slots(kinematics.robot).at(parameters), [], []
         present = None if (gains := _gains(field)) is None else diag(gains > 0)
         for body in bodies_of(kinematics, self._bodies):
-            found = [slot.distances.with_gradients(*body.points) for slot in field]
-            pairs = zip(found, field, strict=True)
-            distances += [_present(body.thinner(d), slot.gain) for (d, _), slot in pairs]
+            row, gradients = distances_with_gradients(body.points, [slot.distances for slot in field])
+            row = body.thinner(row)
+            distances += [_present(row[j], slot.gain) for j, slot in enumerate(field)]
             rates = 0
-            for i, point in enumerate(body.points):
-                rates += horzcat(*(gradients[i] for _, gradients in found)).T @ jacobian(point, kinematics.q)
+            for point, each in zip(body.points, gradients, strict=True):
+                rates += each.T @ jacobian(point, kinematics.q)
             rows.append(rates if present is None else present @ rates)
         return vertcat(*distances), vertcat(*rows)
 
@@ -172,7 +172,7 @@ class ObstacleCriterion(Criterion):
         field = self.slots(kinematics.robot).at(parameters)
         rows = []
         for body in bodies_of(kinematics, self._bodies):
-            rows.append(body.thinner(horzcat(*(slot.distances.of(*body.points) for slot in field))))
+            rows.append(body.thinner(distances_of(body.points, [slot.distances for slot in field])))
         return parameters["gain"] * self.potential(vertcat(*rows), _gains(field), parameters)
 
     def value_and_gradient(
@@ -180,13 +180,13 @@ class ObstacleCriterion(Criterion):
     ) -> tuple[Expression, Expression]:
         """The forces of all obstacles on each body, and one sweep along the robot that adds them up."""
         field, bodies = self.slots(kinematics.robot).at(parameters), bodies_of(kinematics, self._bodies)
-        found = [[slot.distances.with_gradients(*body.points) for slot in field] for body in bodies]
-        rows = [body.thinner(horzcat(*(d for d, _ in row))) for body, row in zip(bodies, found, strict=True)]
-        distances, gain = vertcat(*rows), parameters["gain"]
-        slopes, forces = self.slopes(distances, _gains(field), parameters), Forces()
-        for k, (body, row) in enumerate(zip(bodies, found, strict=True)):
-            for i, point in enumerate(body.points):
-                forces.add(point, horzcat(*(gradients[i] for _, gradients in row)) @ slopes[k, :].T)
+        obstacles = [slot.distances for slot in field]
+        found = [distances_with_gradients(body.points, obstacles) for body in bodies]
+        distances = vertcat(*(body.thinner(row) for body, (row, _) in zip(bodies, found, strict=True)))
+        slopes, forces, gain = self.slopes(distances, _gains(field), parameters), Forces(), parameters["gain"]
+        for k, (body, (_, gradients)) in enumerate(zip(bodies, found, strict=True)):
+            for point, each in zip(body.points, gradients, strict=True):
+                forces.add(point, each @ slopes[k, :].T)
         return gain * self.potential(distances, _gains(field), parameters), gain * forces.gradient(kinematics.q)
 
     def rounding(self, robot: Robot, parameters: Mapping[str, Expression]) -> list[list[Expression]]:
