@@ -12,6 +12,7 @@ import numpy as np
 from jtik.constraints.clearance import Clearance
 from jtik.constraints.measure import pair_names, rounding_of
 from jtik.criterion import CriterionTerms
+from jtik.criterion.overriding import belongs_to
 from jtik.robot import UNWEIGHTED, Kinematics, Robot, WeightedCoordinates
 from jtik.strategy.curvature import lagrangian_hessian
 from jtik.symbolic import (
@@ -119,8 +120,9 @@ class SymbolicProblem:
             own = self.terms.own(clearance, parameters)
             measured = clearance.of_measure(self.robot, own)
             bodies = clearance.measure.distances(kinematics, measured)
-            own_rows = getattr(clearance.measure, "linearized", None)
-            found = own_rows(kinematics, measured) if callable(own_rows) else None
+            measure: Any = clearance.measure
+            own_rows = belongs_to(measure, "linearized", "distances")
+            found = measure.linearized(kinematics, measured) if own_rows else None
             linearized.append((sum(map(len, bodies)), found))
             rounded = rounding_of(clearance.measure, self.robot, measured, bodies)
             self.pairs += pair_names(clearance, self.robot, bodies)

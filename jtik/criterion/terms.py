@@ -13,6 +13,7 @@ from jtik.criterion.base import Criteria, Criterion, CriterionSum
 from jtik.criterion.least_squares import LeastSquares, ResidualCriterion
 from jtik.criterion.numeric import NumericCriterion
 from jtik.criterion.numeric_function import NumericFunction
+from jtik.criterion.overriding import belongs_to
 from jtik.criterion.parameters import Check, Parameters, Parametric, checks_of, first_values
 from jtik.criterion.tracing import traced
 from jtik.errors import ArgumentError
@@ -115,7 +116,8 @@ class CriterionTerms:
         has_own = False
         for name, _, criterion in self.named:
             own, weight = self._own(name, criterion, column), self.parameters.take(column, f"{name}.weight")
-            found = criterion.value_and_gradient(kinematics, own)
+            has_its_own = belongs_to(criterion, "value_and_gradient", "value")
+            found = criterion.value_and_gradient(kinematics, own) if has_its_own else None
             if found is None:
                 derived = derived + weight * criterion.value(kinematics, own)
             else:
