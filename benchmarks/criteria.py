@@ -1,7 +1,8 @@
 """Cost of criteria: instructions and time of a step, growth with links, obstacles and criteria, and time to build.
 
-Instructions are those of CasADi's virtual machine, and do not depend on the load of the machine; times do, and are
-processor time. The exponent of a growth is the slope between the two largest sizes, in logarithms.
+Instructions are those of CasADi's virtual machine, and do not depend on the load of the machine; a call of a large
+function counts as one. Times depend on the load, and are processor time. The exponent of a growth is the slope between
+the two largest sizes, in logarithms.
 
     python benchmarks/criteria.py                       # everything, some minutes
     python benchmarks/criteria.py --only step growth
@@ -70,14 +71,14 @@ def parts_of(ik: jtik.InverseKinematics, *, timed: bool = True) -> dict[str, Cos
     problem, runner = ik._engine.problem, ik._engine.runners.solve
     at, goal, parameters = problem.symbols()
     kinematics = [problem.residual(at, goal), problem.residual_jacobian(at, goal)]
-    H = problem.criterion(at, parameters)
+    H, gradient = problem.criterion_gradient(at, parameters)
     q, inputs = np.asarray(ik.robot.home, dtype=float), runner.inputs
     target, live = np.asarray(inputs.target), ik.parameters.memory
     at_q = ik.robot.at(at)
     places = vertcat(*[at_q.position(frame) for frame in ik.robot.moving_frames])
     frames = function("frames", [at], [places, jacobian(places, at)])
     alone = function("kinematics", [at, goal], kinematics)
-    both = function("with_gradient", [at, goal, parameters], [*kinematics, H, problem.gradient(H, at)])
+    both = function("with_gradient", [at, goal, parameters], [*kinematics, H, gradient])
     return {
         "kinematics": cost(alone, [q, target], timed=timed),
         "with H, gradient": cost(both, [q, target, live], timed=timed),
@@ -169,7 +170,16 @@ def builds() -> None:
         "ten links, 16 slots, links": lambda: planar(10, ObstacleAvoidance([], capacity=16, bodies="links")),
         "Panda, 16 slots, joints": lambda: panda(ObstacleBarrier([], capacity=16)),
         "Panda, 16 slots, its capsules": lambda: panda(ObstacleBarrier([], capacity=16, bodies="shapes")),
+        **{
+            f"Panda, 16 slots for {kind} obstacles, its capsules": lambda kind=kind: panda(
+                ObstacleBarrier([], capacity={kind: 16}, bodies="shapes")
+            )
+            for kind in ("capsule", "box", "half_space", "cylinder")
+        },
         "Panda, self-collision": lambda: panda(SelfCollision()),
+        "Panda, 8 boxes, 8 half-spaces, its capsules, and self-collision": lambda: panda(
+            [ObstacleBarrier([], capacity={"box": 8, "half_space": 8}, bodies="shapes"), SelfCollision()]
+        ),
     }
     print("\n| processor time [s] | the solver | its first solve |\n| --- | --- | --- |")
     panda(JointCentering())  # loads modules

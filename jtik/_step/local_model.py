@@ -191,9 +191,9 @@ def _curvature(squared: Expression, n: int, remaining: Expression, residual: Exp
 def _parts(problem: SymbolicProblem, q: Expression, target: Expression, parameters: Expression) -> list[Expression]:
     """The `Linearized.parts`."""
     at = symbol("at", problem.robot.nq)
-    H = problem.criterion(at, parameters)
+    H, gradient = problem.criterion_gradient(at, parameters)
     J = _movable(problem, problem.residual_jacobian(at, target))
-    gradient = _movable(problem, problem.gradient(H, at).T).T
+    gradient = _movable(problem, gradient.T).T
     parts = [problem.residual(at, target), J, H, gradient]
     if problem.unshifted:
         parts.append(problem.unshifted(at, target))

@@ -12,6 +12,7 @@ import numpy as np
 from jtik.constraints.clearance import Clearance
 from jtik.constraints.measure import pair_names, rounding_of
 from jtik.criterion import CriterionTerms
+from jtik.criterion.overriding import belongs_to
 from jtik.robot import UNWEIGHTED, Kinematics, Robot, WeightedCoordinates
 from jtik.strategy.curvature import lagrangian_hessian
 from jtik.symbolic import (
@@ -116,11 +117,16 @@ class SymbolicProblem:
     def _measure(self, kinematics: Kinematics, parameters: Expression) -> None:
         """Distances of all clearances, their Jacobian, and for each of them safe, aim, influence, gain and radius."""
         distances, figures, restored = [], [], list[bool]()
+        linearized = list[tuple[int, tuple[Expression, Expression] | None]]()
         self.pairs = list[str]()
         for clearance in self.clearances:
             own = self.terms.own(clearance, parameters)
             measured = clearance.of_measure(self.robot, own)
             bodies = clearance.measure.distances(kinematics, measured)
+            measure: Any = clearance.measure
+            own_rows = belongs_to(measure, "linearized", "distances")
+            found = measure.linearized(kinematics, measured) if own_rows else None
+            linearized.append((sum(map(len, bodies)), found))
             rounded = rounding_of(clearance.measure, self.robot, measured, bodies)
             self.pairs += pair_names(clearance, self.robot, bodies)
             row = (own["safe"], own["safe"] + clearance.margin, own["influence"], clearance.gain)
@@ -133,8 +139,15 @@ class SymbolicProblem:
         self.restored = np.array(restored)
         self.distances = function("distances", [q, parameters], [d])
         d = self.distances(q, parameters)  # where each value is computed once
-        J = jacobian(d, q) @ self.robot.tangent(q)
-        self.clearance = function("clearance", [q, parameters], [d, J, vertcat(*figures)], cse=False)
+        columns, jacobians, start = [], [], 0
+        for count, found in linearized:
+            derived = d[start : start + count]
+            columns.append(derived if found is None else found[0])
+            jacobians.append(jacobian(derived, q) if found is None else found[1])
+            start += count
+        J, shared = vertcat(*jacobians) @ self.robot.tangent(q), any(found for _, found in linearized)
+        outputs = [vertcat(*columns), J, vertcat(*figures)]
+        self.clearance = function("clearance", [q, parameters], outputs, cse=shared)
 
     def symbols(self) -> tuple[Expression, Expression, Expression]:
         """Fresh symbols for q, target and parameters."""
@@ -192,6 +205,21 @@ class SymbolicProblem:
     def gradient(self, expression: Expression, q: Expression) -> Expression:
         """Derivative of a scalar with respect to the velocity, T(q)' (d/dq)', as a column, in reverse mode."""
         return self.robot.tangent(q).T @ gradient(expression, q)
+
+    def criterion_gradient(self, q: Expression, parameters: Expression) -> tuple[Expression, Expression]:
+        """H, and its derivative with respect to the velocity as a column, of first order only."""
+        made = self.once("criterion_gradient", self._criterion_gradient)
+        if made is None:
+            H = self.criterion(q, parameters)
+            return H, self.gradient(H, q)
+        H, slope = made(q, parameters)
+        return H, self.robot.tangent(q).T @ slope
+
+    def _criterion_gradient(self) -> Function | None:
+        """(q, parameters) -> H, dH/dq; None where no criterion has a gradient of its own."""
+        q, _, parameters = self.symbols()
+        found = self.terms.value_and_gradient(self.robot.at(q), parameters)
+        return None if found is None else function("criterion_gradient", [q, parameters], list(found))
 
     def report(self) -> Function:
         """(q, target, parameters) -> error, its Jacobian, value of each criterion, dH/dv, residual, its Jacobian."""

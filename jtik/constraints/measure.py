@@ -23,6 +23,9 @@ class Measure(Protocol):
     steps near an obstacle. It returns infinity where the set is a half-space, and None for a distance of another kind,
     which a `Clearance` refuses. Without the method the radius is 0.
 
+    A method ``linearized(kinematics, parameters)`` may return all distances as one column (k, 1), body by body, with
+    their Jacobian by q (k, nq), where these take fewer operations than what CasADi derives.
+
     Methods ``body_names(robot)`` and ``obstacle_names(robot)`` may return names for reports, or ``pair_names(robot)``
     one for each distance.
 

@@ -132,6 +132,23 @@ class Criterion(_Algebra, metaclass=ConstructedABC):
             parameters: expressions of the live parameters by name.
         """
 
+    def value_and_gradient(
+        self, kinematics: Kinematics, parameters: Mapping[str, Expression]
+    ) -> tuple[Expression, Expression] | None:
+        """H and dH/dq (nq, 1), where these take fewer operations than what CasADi derives from `value`.
+
+        A step uses them for its gradient; second derivatives are those of `value`. `jtik.testing.check_criterion`
+        compares both.
+
+        Args:
+            kinematics: the robot at a configuration of symbols.
+            parameters: expressions of the live parameters by name.
+
+        Returns:
+            Both, or None where the gradient is derived from `value`.
+        """
+        return None
+
     def __call__(self, q: Any, robot: Robot, **parameters: Any) -> Any:
         """H at q. It is compiled once for each criterion and robot.
 

@@ -13,11 +13,12 @@ from jtik.criterion.base import Criteria, Criterion, CriterionSum
 from jtik.criterion.least_squares import LeastSquares, ResidualCriterion
 from jtik.criterion.numeric import NumericCriterion
 from jtik.criterion.numeric_function import NumericFunction
+from jtik.criterion.overriding import belongs_to
 from jtik.criterion.parameters import Check, Parameters, Parametric, checks_of, first_values
 from jtik.criterion.tracing import traced
 from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
-from jtik.symbolic import Expression, function, symbol, vertcat, zeros
+from jtik.symbolic import Expression, function, gradient, symbol, vertcat, zeros
 
 
 @dataclass(frozen=True)
@@ -103,6 +104,25 @@ class CriterionTerms:
             H = traced(name, call, (kinematics.q, column))
             result.append(self.parameters.take(column, f"{name}.weight") * H)
         return result
+
+    def value_and_gradient(self, kinematics: Kinematics, column: Expression) -> tuple[Expression, Expression] | None:
+        """H and dH/dq (nq, 1) of the weighted sum; None where no criterion has a gradient of its own.
+
+        Args:
+            kinematics: the robot at a configuration of symbols.
+            column: all parameters, as ``parameters.symbols()`` returns them.
+        """
+        H, derived, slope = zeros(1), zeros(1), zeros(self.robot.nq)
+        has_own = False
+        for name, _, criterion in self.named:
+            own, weight = self._own(name, criterion, column), self.parameters.take(column, f"{name}.weight")
+            has_its_own = belongs_to(criterion, "value_and_gradient", "value")
+            found = criterion.value_and_gradient(kinematics, own) if has_its_own else None
+            if found is None:
+                derived = derived + weight * criterion.value(kinematics, own)
+            else:
+                has_own, H, slope = True, H + weight * found[0], slope + weight * found[1]
+        return (H + derived, slope + gradient(derived, kinematics.q)) if has_own else None
 
     @cached_property
     def numeric(self) -> tuple[NumericFunction, ...]:

@@ -23,8 +23,8 @@ from jtik.geometry.distances import (
 )
 from jtik.geometry.enclosing import bounds, enclosing_balls, enclosing_segment
 from jtik.geometry.flat import HalfSpace, Polygon
-from jtik.geometry.kinds import Distances
 from jtik.geometry.obstacles import Obstacle, centers_and_radii
+from jtik.geometry.pair_functions import Distances
 from jtik.geometry.polygons import Sides, point_to_polygon, segment_to_polygon
 from jtik.geometry.scene import Scene
 from jtik.geometry.segments import closest_points, segment_distances, segment_to_segment

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from jtik.geometry.centers import CENTER, beside
 from jtik.symbolic import TINY, Expression, dot, fabs, fmax, fmin, if_else, sqrt, sumsqr, without_derivative
+from jtik.symbolic.held import Hold, not_held
 
 HALVINGS = 22
 """Bisections for the closest point of a segment: to 2.4e-7 of its length, and one Newton step follows."""
@@ -53,18 +54,19 @@ class Axis:
         return height, vector - height * self.direction
 
 
-def point_to_cylinder(point: Expression, axis: Axis) -> Expression:
+def point_to_cylinder(point: Expression, axis: Axis, hold: Hold = not_held) -> Expression:
     """Signed distance [m] from a point (3, 1) to a cylinder; negative inside.
 
     Args:
         point: the point (3, 1) [m].
         axis: the cylinder.
+        hold: marks what first derivatives may leave out, see `jtik.symbolic.held`.
     """
     height, across = axis.split(point - axis.center)
-    return _depth(sqrt(sumsqr(across) + CENTER**2) - axis.radius, fabs(height) - axis.half)
+    return _depth(sqrt(sumsqr(across) + CENTER**2) - axis.radius, fabs(height) - axis.half, hold)
 
 
-def segment_to_cylinder(start: Expression, end: Expression, axis: Axis) -> Expression:
+def segment_to_cylinder(start: Expression, end: Expression, axis: Axis, hold: Hold = not_held) -> Expression:
     """Signed distance [m] from the point of a segment that is closest to a cylinder, or deepest in it.
 
     The closest point is found by a fixed number of bisections and one Newton step: outside the distance is exact to
@@ -74,6 +76,7 @@ def segment_to_cylinder(start: Expression, end: Expression, axis: Axis) -> Expre
         start: start of the segment (3, 1) [m].
         end: its end.
         axis: the cylinder.
+        hold: marks what first derivatives may leave out, see `jtik.symbolic.held`.
     """
     height, across = axis.split(start - axis.center)
     rise, drift = axis.split(end - start)
@@ -105,11 +108,16 @@ def segment_to_cylinder(start: Expression, end: Expression, axis: Axis) -> Expre
     curvature = curvature + (above > 0) * rise**2
     moved = fmin(fmax(-rate / (curvature + FLAT * (rise**2 + drift_squared) + TINY), -(0.5**HALVINGS)), 0.5**HALVINGS)
     share = fmin(fmax(share + moved, 0), 1)
-    closest = start + share * (end - start)
-    return point_to_cylinder(closest, axis)
+    closest = start + hold(share) * (end - start)
+    return point_to_cylinder(closest, axis, hold)
 
 
-def _depth(beside: Expression, above: Expression) -> Expression:
+def _depth(beside: Expression, above: Expression, hold: Hold) -> Expression:
     """Signed distance of what is so far beyond the side and beyond the ends."""
-    outside = sqrt(fmax(beside, 0) ** 2 + fmax(above, 0) ** 2 + CENTER**2)
-    return outside + fmin(fmax(beside, above), 0)
+    if hold is not_held:
+        outside = sqrt(fmax(beside, 0) ** 2 + fmax(above, 0) ** 2 + CENTER**2)
+        return outside + fmin(fmax(beside, above), 0)
+    outside = sqrt((hold(beside > 0) * beside) ** 2 + (hold(above > 0) * above) ** 2 + CENTER**2)
+    first = hold((beside > above) + (beside >= above)) / 2  # equal ones count alike
+    inside = hold((beside < 0) * (above < 0))
+    return outside + inside * (first * beside + (1 - first) * above)

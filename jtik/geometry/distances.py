@@ -8,6 +8,7 @@ from __future__ import annotations
 from jtik.geometry.centers import CENTER
 from jtik.geometry.segments import segment_to_segment
 from jtik.symbolic import TINY, Expression, dot, fabs, fmax, fmin, sqrt, sumsqr
+from jtik.symbolic.held import Hold, not_held
 
 
 def point_to_ball(point: Expression, center: Expression, radius: Expression) -> Expression:
@@ -21,7 +22,9 @@ def point_to_ball(point: Expression, center: Expression, radius: Expression) -> 
     return sqrt(sumsqr(point - center) + CENTER**2) - radius
 
 
-def segment_to_ball(start: Expression, end: Expression, center: Expression, radius: Expression) -> Expression:
+def segment_to_ball(
+    start: Expression, end: Expression, center: Expression, radius: Expression, hold: Hold = not_held
+) -> Expression:
     """Signed distance [m] from the closest point of a segment to the surface of a ball; negative inside.
 
     Args:
@@ -29,10 +32,11 @@ def segment_to_ball(start: Expression, end: Expression, center: Expression, radi
         end: its end.
         center: centre of the ball (d, 1) [m].
         radius: its radius [m].
+        hold: marks what first derivatives may leave out, see `jtik.symbolic.held`.
     """
     along = end - start
-    parameter = fmin(fmax(dot(center - start, along) / (sumsqr(along) + TINY), 0), 1)
-    return point_to_ball(start + parameter * along, center, radius)
+    share = fmin(fmax(dot(center - start, along) / (sumsqr(along) + TINY), 0), 1)
+    return point_to_ball(start + hold(share) * along, center, radius)
 
 
 def point_to_half_space(point: Expression, origin: Expression, normal: Expression) -> Expression:
@@ -46,7 +50,9 @@ def point_to_half_space(point: Expression, origin: Expression, normal: Expressio
     return dot(normal, point - origin)
 
 
-def segment_to_half_space(start: Expression, end: Expression, origin: Expression, normal: Expression) -> Expression:
+def segment_to_half_space(
+    start: Expression, end: Expression, origin: Expression, normal: Expression, hold: Hold = not_held
+) -> Expression:
     """Signed distance [m] from the deeper end of a segment to a half-space with a unit normal; negative inside.
 
     Args:
@@ -54,11 +60,15 @@ def segment_to_half_space(start: Expression, end: Expression, origin: Expression
         end: its end.
         origin: a point of the boundary (d, 1) [m].
         normal: unit normal that points out of the half-space (d, 1).
+        hold: marks what first derivatives may leave out, see `jtik.symbolic.held`.
     """
-    return dot(normal, start - origin) + fmin(dot(normal, end - start), 0)
+    rise = dot(normal, end - start)
+    return dot(normal, start - origin) + (fmin(rise, 0) if hold is not_held else hold(rise < 0) * rise)
 
 
-def point_to_capsule(point: Expression, start: Expression, end: Expression, radius: Expression) -> Expression:
+def point_to_capsule(
+    point: Expression, start: Expression, end: Expression, radius: Expression, hold: Hold = not_held
+) -> Expression:
     """Signed distance [m] from a point to the surface of a capsule; negative inside.
 
     Args:
@@ -66,12 +76,18 @@ def point_to_capsule(point: Expression, start: Expression, end: Expression, radi
         start: start of the capsule's axis (d, 1) [m].
         end: its end.
         radius: radius of the capsule [m].
+        hold: marks what first derivatives may leave out, see `jtik.symbolic.held`.
     """
-    return segment_to_ball(start, end, point, radius)
+    return segment_to_ball(start, end, point, radius, hold)
 
 
 def segment_to_capsule(
-    start: Expression, end: Expression, axis_start: Expression, axis_end: Expression, radius: Expression
+    start: Expression,
+    end: Expression,
+    axis_start: Expression,
+    axis_end: Expression,
+    radius: Expression,
+    hold: Hold = not_held,
 ) -> Expression:
     """Signed distance [m] between a segment and the surface of a capsule; negative where they overlap.
 
@@ -84,14 +100,16 @@ def segment_to_capsule(
         axis_start: start of the capsule's axis (d, 1) [m].
         axis_end: its end.
         radius: radius of the capsule [m].
+        hold: marks what first derivatives may leave out, see `jtik.symbolic.held`.
     """
-    distance = segment_to_segment(start, end, axis_start, axis_end)
+    distance = segment_to_segment(start, end, axis_start, axis_end, first_order=hold is not not_held)
     if start.shape[0] == 2:
-        distance = distance + fmin(_gap(start, end, axis_start, axis_end), 0)
+        gap = _gap(start, end, axis_start, axis_end, hold)
+        distance = distance + (fmin(gap, 0) if hold is not_held else hold(gap < 0) * gap)
     return distance - radius
 
 
-def _gap(start: Expression, end: Expression, other_start: Expression, other_end: Expression) -> Expression:
+def _gap(start: Expression, end: Expression, other_start: Expression, other_end: Expression, hold: Hold) -> Expression:
     """The larger separation of two segments in the plane along the normal of one of them; negative if they cross."""
     u, v = end - start, other_end - other_start
     between = (other_start + other_end - start - end) / 2
@@ -100,4 +118,7 @@ def _gap(start: Expression, end: Expression, other_start: Expression, other_end:
         length = sqrt(sumsqr(along) + TINY)
         across = fabs(between[0] * along[1] - between[1] * along[0])
         separations.append((across - fabs(other[0] * along[1] - other[1] * along[0]) / 2) / length)
-    return fmax(*separations)
+    if hold is not_held:
+        return fmax(*separations)
+    first = hold((separations[0] > separations[1]) + (separations[0] >= separations[1])) / 2  # equal ones count alike
+    return first * separations[0] + (1 - first) * separations[1]

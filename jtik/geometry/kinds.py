@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
 from jtik.errors import ArgumentError
-from jtik.geometry.boxes import in_axes, point_to_box, segment_to_box
+from jtik.geometry.boxes import point_to_box, segment_to_box
+from jtik.geometry.centers import beside
 from jtik.geometry.cylinders import Axis, point_to_cylinder, segment_to_cylinder
 from jtik.geometry.distances import (
     point_to_ball,
@@ -22,34 +22,12 @@ from jtik.geometry.distances import (
     segment_to_half_space,
 )
 from jtik.geometry.flat import HalfSpace, Polygon
+from jtik.geometry.pair_functions import Distances
 from jtik.geometry.polygons import Sides, corners, point_to_polygon, segment_to_polygon
 from jtik.geometry.solids import Ball, Box, Capsule, Circle, Cylinder, Solid, Sphere
-from jtik.symbolic import TINY, Expression, cos, if_else, sin, sqrt, stack, sumsqr
+from jtik.symbolic import TINY, Expression, cos, if_else, reshape, sin, sqrt, stack, sumsqr, vec
+from jtik.symbolic.held import Hold, not_held
 from jtik.types import Array
-
-
-@dataclass(frozen=True)
-class Distances:
-    """Distances to one obstacle as expressions.
-
-    Attributes:
-        point: signed distance [m] of a point (d, 1) [m].
-        segment: signed distance [m] of a segment between two points.
-        rounding: radius of the ball that rounds the obstacle [m]: it is all points within it of a convex set, a number
-            or an expression; infinity for a half-space.
-    """
-
-    point: Callable[[Expression], Expression]
-    segment: Callable[[Expression, Expression], Expression]
-    rounding: Expression = 0.0
-
-    def of(self, *points: Expression) -> Expression:
-        """Signed distance [m] of a body without thickness: of one point (d, 1), or of the segment between two.
-
-        Args:
-            points: the point, or start and end of the segment, (d, 1) [m] each.
-        """
-        return self.point(*points) if len(points) == 1 else self.segment(*points)
 
 
 class Kind(ABC):
@@ -80,8 +58,20 @@ class Kind(ABC):
         """The numbers of an obstacle, in the order of ``parameters``."""
 
     @abstractmethod
+    def distance(self, points: Sequence[Expression], *figures: Expression, hold: Hold = not_held) -> Expression:
+        """Signed distance [m] of one point (d, 1), or of the segment between two, to an obstacle of these figures."""
+
+    def figures(self, *numbers: Expression) -> tuple[Expression, ...]:
+        """What the distances to an obstacle of these numbers are computed from, columns: the numbers themselves."""
+        return numbers
+
+    def rounding(self, *numbers: Expression) -> Expression:
+        """Radius of the ball that rounds an obstacle of these numbers [m]; infinity for a half-space."""
+        return 0.0
+
     def distances(self, *numbers: Expression) -> Distances:
         """The distances to an obstacle of these numbers: scalars and columns, in the order of ``parameters``."""
+        return Distances(self.name, self.distance, self.figures(*numbers), self.rounding(*numbers))
 
     def values(self, obstacles: Sequence[Solid], dimension: int, corner_count: int) -> dict[str, Array]:
         """The values of its parameters for these obstacles."""
@@ -112,14 +102,16 @@ class BallKind(Kind):
         """Centre and radius."""
         return obstacle.center, obstacle.radius
 
-    def distances(self, *numbers: Expression) -> Distances:
-        """Of a ball."""
-        center, radius = numbers
-        return Distances(
-            lambda point: point_to_ball(point, center, radius),
-            lambda start, end: segment_to_ball(start, end, center, radius),
-            radius,
-        )
+    def distance(self, points: Sequence[Expression], *figures: Expression, hold: Hold = not_held) -> Expression:
+        """To a ball."""
+        center, radius = figures
+        if len(points) == 1:
+            return point_to_ball(points[0], center, radius)
+        return segment_to_ball(points[0], points[1], center, radius, hold)
+
+    def rounding(self, *numbers: Expression) -> Expression:
+        """Its radius."""
+        return numbers[1]
 
 
 class CapsuleKind(Kind):
@@ -136,14 +128,13 @@ class CapsuleKind(Kind):
         """Ends and radius."""
         return obstacle.start, obstacle.end, obstacle.radius
 
-    def distances(self, *numbers: Expression) -> Distances:
-        """Of a capsule."""
-        first, last, radius = numbers
-        return Distances(
-            lambda point: point_to_capsule(point, first, last, radius),
-            lambda start, end: segment_to_capsule(start, end, first, last, radius),
-            radius,
-        )
+    def distance(self, points: Sequence[Expression], *figures: Expression, hold: Hold = not_held) -> Expression:
+        """To a capsule."""
+        return _of(points, point_to_capsule, segment_to_capsule)(*points, *figures, hold)
+
+    def rounding(self, *numbers: Expression) -> Expression:
+        """Its radius."""
+        return numbers[2]
 
 
 class BoxKind(Kind):
@@ -164,18 +155,18 @@ class BoxKind(Kind):
         """A quaternion is not zero."""
         return "quaternions (w, x, y, z) that are not zero" if row.size == 4 and not row.any() else None
 
-    def distances(self, *numbers: Expression) -> Distances:
-        """Of a box."""
+    def figures(self, *numbers: Expression) -> tuple[Expression, ...]:
+        """A point beside its centre, half edges, and the entries of the rotation matrix."""
         center, half, turned = numbers
-        rotation = _rotation(turned)
+        return beside(center), half, vec(_rotation(turned))
 
-        def local(point: Expression) -> Expression:
-            return in_axes(point, center, rotation)
-
-        return Distances(
-            lambda point: point_to_box(local(point), half),
-            lambda start, end: segment_to_box(local(start), local(end), half),
-        )
+    def distance(self, points: Sequence[Expression], *figures: Expression, hold: Hold = not_held) -> Expression:
+        """To a box."""
+        center, half, entries = figures
+        size = half.shape[0]
+        rotation = reshape(entries, size, size)
+        local = [rotation.T @ (point - center) for point in points]
+        return _of(points, point_to_box, segment_to_box)(*local, half, hold)
 
 
 class HalfSpaceKind(Kind):
@@ -196,15 +187,21 @@ class HalfSpaceKind(Kind):
         """A normal is not zero."""
         return None if row.any() else "normals that are not zero"
 
-    def distances(self, *numbers: Expression) -> Distances:
-        """Of a half-space."""
+    def figures(self, *numbers: Expression) -> tuple[Expression, ...]:
+        """A point of the boundary and the unit normal."""
         origin, normal = numbers
-        unit = normal / sqrt(sumsqr(normal) + TINY)
-        return Distances(
-            lambda point: point_to_half_space(point, origin, unit),
-            lambda start, end: segment_to_half_space(start, end, origin, unit),
-            math.inf,
-        )
+        return origin, normal / sqrt(sumsqr(normal) + TINY)
+
+    def distance(self, points: Sequence[Expression], *figures: Expression, hold: Hold = not_held) -> Expression:
+        """To a half-space."""
+        origin, normal = figures
+        if len(points) == 1:
+            return point_to_half_space(points[0], origin, normal)
+        return segment_to_half_space(points[0], points[1], origin, normal, hold)
+
+    def rounding(self, *numbers: Expression) -> Expression:
+        """Infinity."""
+        return math.inf
 
 
 class PolygonKind(Kind):
@@ -239,12 +236,10 @@ class PolygonKind(Kind):
             return COUNTERCLOCKWISE
         return None if np.array_equal(polygon.vertices, vertices[~repeated]) else COUNTERCLOCKWISE
 
-    def distances(self, *numbers: Expression) -> Distances:
-        """Of a convex polygon."""
-        sides = Sides(corners(numbers[0]))
-        return Distances(
-            lambda point: point_to_polygon(point, sides), lambda start, end: segment_to_polygon(start, end, sides)
-        )
+    def distance(self, points: Sequence[Expression], *figures: Expression, hold: Hold = not_held) -> Expression:
+        """To a convex polygon."""
+        sides = Sides(corners(figures[0]))
+        return _of(points, point_to_polygon, segment_to_polygon)(*points, sides, hold)
 
 
 class CylinderKind(Kind):
@@ -261,16 +256,25 @@ class CylinderKind(Kind):
         """Ends of the axis and radius."""
         return obstacle.start, obstacle.end, obstacle.radius
 
-    def distances(self, *numbers: Expression) -> Distances:
-        """Of a cylinder."""
+    def figures(self, *numbers: Expression) -> tuple[Expression, ...]:
+        """Those of its axis."""
         axis = Axis.between(*numbers)
-        return Distances(
-            lambda point: point_to_cylinder(point, axis), lambda start, end: segment_to_cylinder(start, end, axis)
-        )
+        return axis.center, axis.direction, axis.half, axis.radius
+
+    def distance(self, points: Sequence[Expression], *figures: Expression, hold: Hold = not_held) -> Expression:
+        """To a cylinder."""
+        return _of(points, point_to_cylinder, segment_to_cylinder)(*points, Axis(*figures), hold)
 
 
 KINDS: tuple[Kind, ...] = (BallKind(), CapsuleKind(), BoxKind(), HalfSpaceKind(), PolygonKind(), CylinderKind())
 """The kinds of obstacles, in the order of the slots."""
+
+
+def _of(
+    points: Sequence[Expression], point: Callable[..., Expression], segment: Callable[..., Expression]
+) -> Callable[..., Expression]:
+    """The function for one point, or that for a segment."""
+    return point if len(points) == 1 else segment
 
 
 COUNTERCLOCKWISE = "in each row the corners x0, y0, x1, y1, ... of a convex polygon with an area, counterclockwise"

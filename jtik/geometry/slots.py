@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 from jtik.arguments import array_of, flag, instances, integer, mapping
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.geometry.flat import Polygon
-from jtik.geometry.kinds import KINDS, Distances, Kind
+from jtik.geometry.kinds import KINDS, Kind
+from jtik.geometry.pair_functions import Distances
 from jtik.geometry.solids import Solid
 from jtik.symbolic import Expression
 from jtik.types import Array

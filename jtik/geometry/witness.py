@@ -11,7 +11,8 @@ from jtik.errors import ArgumentError
 from jtik.geometry.kinds import KINDS
 from jtik.geometry.slots import ACCEPTED
 from jtik.geometry.solids import Solid
-from jtik.symbolic import dot, function, gradient, is_symbolic, ratio, symbol, vertcat
+from jtik.symbolic import dot, function, is_symbolic, ratio, symbol, vertcat
+from jtik.symbolic.held import value_and_gradients
 
 
 class Witness(NamedTuple):
@@ -57,8 +58,8 @@ def witness(obstacle: Solid, *points: Any, radius: float = 0.0) -> Witness:
     ends = [_point(f"points[{i}]", each, size) for i, each in enumerate(points)]
     symbols = [symbol(f"point{i}", size) for i in range(len(ends))]
     rows = [vertcat(*np.ravel(each).tolist()) for each in kind.numbers(obstacle)]
-    distance = kind.distances(*rows).of(*symbols)
-    gradients = [gradient(distance, each) for each in symbols]
+    figures = kind.figures(*rows)
+    distance, gradients = value_and_gradients(lambda hold: kind.distance(symbols, *figures, hold=hold), symbols)
     normal = sum(gradients[1:], start=gradients[0])
     place = symbols[0]
     if len(symbols) == 2:

@@ -139,6 +139,7 @@ class _Graph:
         joined = function("joined", [each for _, each in symbols], [each for _, each in outputs])
         graph = cls([], {}, [], results, later, [], set(), [], {})
         memory: dict[int, int] = {}
+        written = joined.instructions_sx()
         for at in range(joined.n_instructions()):
             operation = joined.instruction_id(at)
             if operation == OP_OUTPUT:
@@ -148,7 +149,7 @@ class _Graph:
             operands: tuple[int, ...] = ()
             if operation == OP_CALL:
                 operands = tuple(memory[place] for place in joined.instruction_input(at))
-                call = Call(joined.instructions_sx().nz[at].which_function(), operands)
+                call = Call(written.nz[at].which_function(), operands)
                 for entry, place in enumerate(joined.instruction_output(at)):
                     if place >= 0:  # of an output that is used
                         graph.calls[len(graph.nodes)] = call, entry

@@ -193,6 +193,7 @@ def function(
     output_names: Sequence[str] = (),
     *,
     cse: bool = True,
+    inline: bool = True,
 ) -> Function:
     """A ``casadi.Function`` with dense outputs.
 
@@ -204,10 +205,11 @@ def function(
         output_names: names of the outputs; give both or neither.
         cse: whether common subexpressions are eliminated. It takes most of the time of building a large function, and
             makes each call faster by a tenth or less where the expression was written once.
+        inline: whether an expression that the function is applied to is a copy of its outputs rather than a call.
     """
     dense = [casadi.densify(output) for output in outputs]
     names = [list(input_names), list(output_names)] if input_names else []
-    return casadi.Function(name, list(inputs), dense, *names, {"cse": cse})
+    return casadi.Function(name, list(inputs), dense, *names, {"cse": cse, "never_inline": not inline})
 
 
 def c_source(function: Function, *others: Function) -> str:

@@ -23,6 +23,7 @@ from jtik.task import FrameTask
 from jtik.testing.common import require
 from jtik.testing.configurations import configurations
 from jtik.testing.criterion_derivatives import check_gradient, check_hessian
+from jtik.testing.own_gradient import check_own_gradient, own_gradient
 from jtik.testing.residual_form import check_residual_form
 from jtik.types import Array
 
@@ -43,6 +44,7 @@ def check_criterion(
     - It is one scalar expression of q and of these parameters, and it depends on each of them.
     - It and its gradient are finite at every sample, and the same at every evaluation.
     - The gradient agrees with central differences, and the second derivatives with differences of the gradient.
+    - Its `jtik.Criterion.value_and_gradient`, where it has one, agrees with both.
     - In residual form (`jtik.criterion.ResidualCriterion`) H is 1/2 |r|^2, and the Jacobian of r is finite and agrees
       with the gradient, A' r.
     - Where it can be found by name, it can be pickled, and has the same value afterwards.
@@ -83,7 +85,7 @@ def check_criterion(
     evaluate = CompiledFunction(function("criterion", [q, parameters], [H, along]))
     second = jacobian(along, q) @ robot.tangent(q)
     curvature = CompiledFunction(function("curvature", [q, parameters], [second]))
-    memory = terms.parameters.memory
+    memory, first_order = terms.parameters.memory, own_gradient(terms)
 
     def value_at(at: Array) -> float:
         return float(evaluate(at, memory)[0][0, 0])
@@ -100,6 +102,8 @@ def check_criterion(
             f"{who} has different values in two evaluations at q = {sample.tolist()}",
         )
         check_gradient(who, robot, sample, analytic, value_at)
+        if first_order is not None:
+            check_own_gradient(who, sample, value[0], analytic, first_order(sample, memory))
         if k < SECOND_DERIVATIVES:
             check_hessian(who, robot, sample, curvature(sample, memory)[0].copy(), gradient_at)
         if isinstance(criterion, ResidualCriterion):

@@ -11,11 +11,10 @@ from jtik import register_criterion
 from jtik.arguments import non_negative_number, positive_number
 from jtik.errors import ArgumentError
 from jtik.geometry import Obstacle
-from jtik.robot import Kinematics
 from jtik.symbolic import Expression, fmax
 from jtik_formulations.bibliography import KHATIB_1986
 from jtik_formulations.criteria._parts.bodies import BodyChoice
-from jtik_formulations.criteria._parts.obstacle_criterion import ObstacleCriterion
+from jtik_formulations.criteria._parts.obstacle_criterion import ObstacleCriterion, total
 
 
 @register_criterion("khatib_potential")
@@ -82,16 +81,18 @@ class KhatibPotential(ObstacleCriterion):
         """Gain and influence."""
         return {"gain": self._gain, "influence": self._influence}
 
-    def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
+    def potential(
+        self, distances: Expression, gains: Expression | None, parameters: Mapping[str, Expression]
+    ) -> Expression:
         """gain / 2 * sum of (1/d - 1/influence)^2, continued below the floor by its second-order expansion."""
         floor = self._floor
         away = 1 / fmax(parameters["influence"], floor)
         # derivatives at the floor, K4
         slope, curvature = (1 / floor - away) / floor**2, (3 / floor - 2 * away) / floor**3
 
-        def potential(distance: Expression) -> Expression:
+        def one(distance: Expression) -> Expression:
             safe = fmax(distance, floor)
             below = safe - distance
             return fmax(1 / safe - away, 0) ** 2 / 2 + below * (slope + curvature / 2 * below)
 
-        return parameters["gain"] * self.total(kinematics, parameters, potential)
+        return total(one(distances), gains)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import ClassVar
 
 from numpy.typing import ArrayLike
@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 from jtik import register_criterion
 from jtik.arguments import non_negative_number, positive_number
 from jtik.geometry import Obstacle
-from jtik.robot import Kinematics
-from jtik.symbolic import Expression, fmax, log
+from jtik.symbolic import Expression, diag, fmax, log, sum1, vec
 from jtik_formulations.bibliography import DAS_1988
 from jtik_formulations.criteria._parts.bodies import BodyChoice
 from jtik_formulations.criteria._parts.obstacle_criterion import ObstacleCriterion
@@ -84,27 +83,34 @@ class ObstacleAvoidance(ObstacleCriterion):
         """The gain."""
         return {"gain": self._gain}
 
-    def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
-        """-gain * sum of ln d, continued below the floor by its second-order expansion."""
-        bodies, gains = self.measured(kinematics, parameters)
+    def potential(
+        self, distances: Expression, gains: Expression | None, parameters: Mapping[str, Expression]
+    ) -> Expression:
+        """The sum of -ln d, continued below the floor by its second-order expansion."""
+        safe = fmax(distances, self._floor)
+        below = safe - distances
         if gains is None:
-            return parameters["gain"] * self._potential(bodies)
+            safe, below = vec(safe.T), vec(below.T)
         # the terms of one obstacle together: one multiplication by its gain
-        columns = zip(gains, zip(*bodies, strict=True), strict=True)
-        return parameters["gain"] * sum((gain * self._potential([each]) for gain, each in columns), 0)
+        continued = sum1(below) * (1 / self._floor) + sum1(below**2) * (0.5 / self._floor**2)
+        terms = continued - _sum_of_logarithms(safe)
+        return terms if gains is None else terms @ gains
 
-    def _potential(self, rows: Iterable[Sequence[Expression]]) -> Expression:
-        """The sum of -ln d."""
-        logarithms: Expression = 0
-        first: Expression = 0
-        second: Expression = 0
-        for distances in rows:
-            for start in range(0, len(distances), _FACTORS):
-                product: Expression = 1
-                for distance in distances[start : start + _FACTORS]:
-                    safe = fmax(distance, self._floor)
-                    below = safe - distance
-                    product, first, second = product * safe, first + below, second + below**2
-                logarithms = logarithms + log(product)
-        continued = first * (1 / self._floor) + second * (0.5 / self._floor**2)
-        return continued - logarithms
+    def slopes(
+        self, distances: Expression, gains: Expression | None, parameters: Mapping[str, Expression]
+    ) -> Expression:
+        """-1 / d, continued linearly below the floor."""
+        safe = fmax(distances, self._floor)
+        slopes = (safe - distances) * (-1 / self._floor**2) - 1 / safe
+        return slopes if gains is None else slopes @ diag(gains)
+
+
+def _sum_of_logarithms(positive: Expression) -> Expression:
+    """The sum of the logarithms of each column, a row."""
+    total: Expression = 0
+    for start in range(0, positive.shape[0], _FACTORS):
+        product = positive[start, :]
+        for row in range(start + 1, min(start + _FACTORS, positive.shape[0])):
+            product = product * positive[row, :]
+        total = total + log(product)
+    return total

@@ -11,11 +11,10 @@ from numpy.typing import ArrayLike
 from jtik import register_criterion
 from jtik.arguments import non_negative_number, positive_number
 from jtik.geometry import Obstacle
-from jtik.robot import Kinematics
 from jtik.symbolic import Expression, fmax, fmin, log
 from jtik_formulations.bibliography import LI_2020
 from jtik_formulations.criteria._parts.bodies import BodyChoice
-from jtik_formulations.criteria._parts.obstacle_criterion import ObstacleCriterion
+from jtik_formulations.criteria._parts.obstacle_criterion import ObstacleCriterion, total
 from jtik_formulations.criteria._parts.scalars import number_between
 
 SMALLEST_RANGE = 1e-6
@@ -84,17 +83,19 @@ class ObstacleBarrier(ObstacleCriterion):
         """Gain and influence."""
         return {"gain": self._gain, "influence": self._influence}
 
-    def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
+    def potential(
+        self, distances: Expression, gains: Expression | None, parameters: Mapping[str, Expression]
+    ) -> Expression:
         """-gain * sum of (1 - x)^2 ln x, continued below the floor by its second-order expansion."""
         per_length, x0 = 1 / fmax(parameters["influence"], SMALLEST_RANGE), self._floor
         # minus the first derivative, and half of the second one, at the floor (B2)
         slope = -2 * (1 - x0) * math.log(x0) + (1 - x0) ** 2 / x0
         half_curvature = (-2 * math.log(x0) + 4 * (1 - x0) / x0 + ((1 - x0) / x0) ** 2) / 2
 
-        def potential(distance: Expression) -> Expression:
+        def one(distance: Expression) -> Expression:
             x = distance * per_length
             inner = fmin(fmax(x, x0), 1)
             below = fmax(x0 - x, 0)
             return below * (slope + half_curvature * below) - (1 - inner) ** 2 * log(inner)
 
-        return parameters["gain"] * self.total(kinematics, parameters, potential)
+        return total(one(distances), gains)

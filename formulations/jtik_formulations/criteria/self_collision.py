@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from functools import cache
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,8 +18,13 @@ from jtik.errors import ArgumentError
 from jtik.geometry import segment_to_capsule, segment_to_segment
 from jtik.robot import CollisionBody, CollisionPairs, Kinematics, Robot
 from jtik.robot.collisions import BodyKind, PairNames, pair_names
-from jtik.symbolic import Expression, fmax, if_else
+from jtik.symbolic import Expression, Function, fmax, function, if_else, jacobian, symbol, vertcat
+from jtik.symbolic.held import Hold, not_held, value_and_gradients
 from jtik_formulations.bibliography import DIETRICH_2012
+from jtik_formulations.criteria._parts.forces import Forces
+
+NamedPoints: TypeAlias = tuple[tuple[str, Expression], ...]
+"""Points (d, 1) [m] of a robot with a name for each."""
 
 ABSENT = 1e9
 """Distance [m] of a pair with gain 0: farther than any influence reaches, and a finite number."""
@@ -158,24 +165,79 @@ class SelfCollision(Criterion):
             total = total + parameters["gains"][i] * near**2 * near
         return parameters["gain"] * total
 
+    def value_and_gradient(
+        self, kinematics: Kinematics, parameters: Mapping[str, Expression]
+    ) -> tuple[Expression, Expression]:
+        """The forces of each pair on the ends of its bodies, and one sweep along the robot that adds them up."""
+        inverse = 1 / fmax(parameters["influence"], SHORTEST_RANGE)
+        total, forces = 0, Forces()
+        for i, (points, (distance, *gradients)) in enumerate(self._with_gradients(kinematics)):
+            near, gain = fmax(1 - distance * inverse, 0), parameters["gains"][i]
+            total = total + gain * near**2 * near
+            slope = gain * near**2 * (-3 * inverse)
+            for (_, point), each in zip(points, gradients, strict=True):
+                forces.add(point, slope * each)
+        return parameters["gain"] * total, parameters["gain"] * forces.gradient(kinematics.q)
+
+    def linearized(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> tuple[Expression, Expression]:
+        """All `distances` (k, 1), and their Jacobian by q (k, nq)."""
+        gains, rates = parameters["gains"], dict[str, Expression]()
+        distances, rows = [], []
+        for i, (points, (distance, *gradients)) in enumerate(self._with_gradients(kinematics)):
+            row = 0
+            for (name, point), each in zip(points, gradients, strict=True):
+                if name not in rates:
+                    rates[name] = jacobian(point, kinematics.q)
+                row += each.T @ rates[name]
+            distances.append(if_else(gains[i] > 0, distance, ABSENT))
+            rows.append((gains[i] > 0) * row)
+        return vertcat(*distances), vertcat(*rows)
+
     def _measured(self, kinematics: Kinematics, *, first_order: bool = False) -> list[Expression]:
-        """The distance of each pair; the ends of each body are built once."""
-        ends: dict[str, tuple[Expression, Expression]] = {}
-        found = []
+        """The distance of each pair."""
+        measure = _pair_function(kinematics.robot.dimension, "first_order" if first_order else "value")
+        return [measure(*(point for _, point in points)) - radius for points, radius in self._ends(kinematics)]
+
+    def _with_gradients(self, kinematics: Kinematics) -> Iterator[tuple[NamedPoints, list[Expression]]]:
+        """For each pair the ends of both bodies, its distance, and the gradient of the distance by each end."""
+        measure = _pair_function(kinematics.robot.dimension, "gradients")
+        for points, radius in self._ends(kinematics):
+            distance, *gradients = measure(*(point for _, point in points))
+            yield points, [distance - radius, *gradients]
+
+    def _ends(self, kinematics: Kinematics) -> Iterator[tuple[NamedPoints, float]]:
+        """For each pair the ends of both bodies with a name, each built once, and the sum of the radii [m]."""
+        ends: dict[str, NamedPoints] = {}
         for pair in self._bodies_of(kinematics.robot):
             for body in pair:
                 if body.name not in ends:
-                    ends[body.name] = body.ends(kinematics)
-            axes, radius = (*ends[pair[0].name], *ends[pair[1].name]), pair[0].radius + pair[1].radius
-            if kinematics.robot.dimension == 2:
-                found.append(segment_to_capsule(*axes, radius))
-            else:
-                found.append(segment_to_segment(*axes, first_order=first_order) - radius)
-        return found
+                    names = (f"{body.name} start", f"{body.name} end")
+                    ends[body.name] = tuple(zip(names, body.ends(kinematics), strict=True))
+            yield (*ends[pair[0].name], *ends[pair[1].name]), pair[0].radius + pair[1].radius
 
     def _bodies_of(self, robot: Robot) -> list[tuple[CollisionBody, CollisionBody]]:
         pairs = self.pairs(robot)
         return [(pairs.bodies[pair.first], pairs.bodies[pair.second]) for pair in pairs]
+
+
+@cache
+def _pair_function(dimension: int, form: str) -> Function:
+    """(start, end, other start, other end) -> distance of two segments, with its gradients in the form "gradients".
+
+    In the form "first_order" only its first derivatives are right. It is called, not copied, where it is used.
+    """
+    points = [symbol(f"point{i}", dimension) for i in range(4)]
+
+    def distance(hold: Hold) -> Expression:
+        if dimension == 2:
+            start, end, other_start, other_end = points
+            return segment_to_capsule(start, end, other_start, other_end, 0.0, hold)
+        return segment_to_segment(*points, first_order=form != "value")
+
+    if form == "gradients":
+        value, slopes = value_and_gradients(distance, points)
+        return function("pair_gradients", points, [value, *slopes], inline=False)
+    return function(f"pair_{form}", points, [distance(not_held)], inline=False)
 
 
 _DEFAULTS = {

@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 from jtik import register_criterion
 from jtik.arguments import non_negative_number, positive_number
 from jtik.geometry import ABSENT, Obstacle
-from jtik.robot import Kinematics
-from jtik.symbolic import TINY, Expression, exp, fmax, fmin, if_else, log
+from jtik.symbolic import TINY, Expression, exp, fmax, horzcat, if_else, log, mmin, sum1, vec
 from jtik_formulations.bibliography import KREISSELMEIER_1979
 from jtik_formulations.criteria._parts.bodies import BodyChoice
 from jtik_formulations.criteria._parts.obstacle_criterion import ObstacleCriterion
@@ -80,18 +79,17 @@ class SoftClearance(ObstacleCriterion):
         """Gain and smoothing."""
         return {"gain": self._gain, "smoothing": self._smoothing}
 
-    def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
+    def potential(
+        self, distances: Expression, gains: Expression | None, parameters: Mapping[str, Expression]
+    ) -> Expression:
         """gain * smoothing * ln sum of exp(-d / smoothing); 0 where every obstacle is absent."""
         smoothing = fmax(parameters["smoothing"], SMALLEST_SMOOTHING)
-        bodies, gains = self.measured(kinematics, parameters)
-        weights = [1.0] * len(bodies[0]) if gains is None else gains
-        pairs = [(d, weight) for body in bodies for d, weight in zip(body, weights, strict=True)]
+        weights: Expression = 1
         if gains is not None:
-            pairs = [(if_else(weight > 0, d, ABSENT), weight) for d, weight in pairs]
-        smallest = pairs[0][0]
-        for d, _ in pairs[1:]:
-            smallest = fmin(smallest, d)
+            weights = horzcat(*[gains] * distances.shape[0]).T
+            distances = if_else(weights > 0, distances, ABSENT)
+        smallest = mmin(distances)
         # relative to the smallest one, so that no exponential overflows; its derivative cancels
-        total = sum((weight * exp((smallest - d) / smoothing) for d, weight in pairs), 0)
-        H = parameters["gain"] * (smoothing * log(total + TINY) - smallest)
+        total = sum1(vec(weights * exp((smallest - distances) / smoothing)))
+        H = smoothing * log(total + TINY) - smallest
         return H if gains is None else if_else(smallest < ABSENT, H, 0)

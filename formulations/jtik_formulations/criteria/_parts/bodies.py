@@ -30,6 +30,10 @@ class Body:
     points: tuple[Expression, ...]
     radius: float = 0.0
 
+    def thinner(self, distances: Expression) -> Expression:
+        """Distances [m] of its surface, from those of its points."""
+        return distances - self.radius if self.radius else distances
+
 
 def bodies_of(kinematics: Kinematics, choice: str) -> list[Body]:
     """The bodies that ``bodies=`` names.

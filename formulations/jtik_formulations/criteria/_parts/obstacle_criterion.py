@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from abc import abstractmethod
+from collections.abc import Iterable, Mapping, Sequence
 from typing import ClassVar
 
 from numpy.typing import ArrayLike
@@ -13,10 +14,23 @@ from jtik.arguments import choice, instances, integer
 from jtik.arguments import name as read_name
 from jtik.criterion.short_repr import call_text
 from jtik.errors import ArgumentError
-from jtik.geometry import ABSENT, Obstacle, Scene, Slots
+from jtik.geometry import ABSENT, Obstacle, Scene, Slot, Slots
+from jtik.geometry.pair_functions import distances_of, distances_with_gradients
 from jtik.geometry.slots import read_counts
 from jtik.robot import Kinematics, Robot
-from jtik.symbolic import Expression, if_else
+from jtik.symbolic import (
+    Expression,
+    diag,
+    gradient,
+    if_else,
+    jacobian,
+    reshape,
+    substitute,
+    sum1,
+    symbol,
+    vec,
+    vertcat,
+)
 from jtik.types import Array
 from jtik_formulations.criteria._parts.bodies import (
     CHOICES,
@@ -25,6 +39,7 @@ from jtik_formulations.criteria._parts.bodies import (
     names_of_bodies,
     radii_of_bodies,
 )
+from jtik_formulations.criteria._parts.forces import Forces
 
 ACCEPTED = "jtik.Point, Circle, Sphere, Capsule, Box, Cylinder, HalfSpace or Polygon"
 
@@ -111,35 +126,68 @@ class ObstacleCriterion(Criterion):
 
     def distances(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> list[list[Expression]]:
         """Signed distance [m] of each body (outer list) to each obstacle (inner list); 1e9 of one that is absent."""
-        measured, gains = self.measured(kinematics, parameters)
-        if gains is None:
-            return measured
-        return [[if_else(g > 0, d, ABSENT) for d, g in zip(body, gains, strict=True)] for body in measured]
-
-    def measured(
-        self, kinematics: Kinematics, parameters: Mapping[str, Expression]
-    ) -> tuple[list[list[Expression]], list[Expression] | None]:
-        """The distances, also to absent obstacles, and the gain of each obstacle, or None where there are none."""
-        slots = self.slots(kinematics.robot)
-        field = slots.at(parameters)
+        field = self.slots(kinematics.robot).at(parameters)
         found = []
         for body in bodies_of(kinematics, self._bodies):
-            distances = [slot.distances.of(*body.points) for slot in field]
-            found.append([d - body.radius for d in distances] if body.radius else distances)
-        return found, [slot.gain for slot in field] if slots.gains else None
+            row = body.thinner(distances_of(body.points, [slot.distances for slot in field]))
+            found.append([_present(row[j], slot.gain) for j, slot in enumerate(field)])
+        return found
 
-    def total(
-        self,
-        kinematics: Kinematics,
-        parameters: Mapping[str, Expression],
-        potential: Callable[[Expression], Expression],
+    def linearized(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> tuple[Expression, Expression]:
+        """All `distances`, body by body (k, 1), and their Jacobian by q (k, nq)."""
+        field, distances, rows = self.slots(kinematics.robot).at(parameters), [], []
+        present = None if (gains := _gains(field)) is None else diag(gains > 0)
+        for body in bodies_of(kinematics, self._bodies):
+            row, gradients = distances_with_gradients(body.points, [slot.distances for slot in field])
+            row = body.thinner(row)
+            distances += [_present(row[j], slot.gain) for j, slot in enumerate(field)]
+            rates = 0
+            for point, each in zip(body.points, gradients, strict=True):
+                rates += each.T @ jacobian(point, kinematics.q)
+            rows.append(rates if present is None else present @ rates)
+        return vertcat(*distances), vertcat(*rows)
+
+    @abstractmethod
+    def potential(
+        self, distances: Expression, gains: Expression | None, parameters: Mapping[str, Expression]
     ) -> Expression:
-        """The sum of a potential of the distance over all pairs, the terms of each obstacle multiplied by its gain."""
-        bodies, gains = self.measured(kinematics, parameters)
-        if gains is None:
-            return sum((potential(d) for body in bodies for d in body), 0)
-        columns = zip(gains, zip(*bodies, strict=True), strict=True)
-        return sum((gain * sum((potential(d) for d in column), 0) for gain, column in columns), 0)
+        """H without its gain as a function of the distances.
+
+        Args:
+            distances: distance [m] of each body to each obstacle, also to absent ones (bodies, obstacles).
+            gains: the gain of each obstacle (obstacles, 1), None where there are none.
+            parameters: expressions of the live parameters by name.
+        """
+
+    def slopes(
+        self, distances: Expression, gains: Expression | None, parameters: Mapping[str, Expression]
+    ) -> Expression:
+        """The derivatives of `potential` with respect to the distances, derived by CasADi; arguments are the same."""
+        symbols = symbol("distances", *distances.shape)
+        slopes = gradient(self.potential(symbols, gains, parameters), vec(symbols))
+        return substitute(reshape(slopes, *distances.shape), symbols, distances)
+
+    def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
+        """The gain times the potential of the distances."""
+        field = self.slots(kinematics.robot).at(parameters)
+        rows = []
+        for body in bodies_of(kinematics, self._bodies):
+            rows.append(body.thinner(distances_of(body.points, [slot.distances for slot in field])))
+        return parameters["gain"] * self.potential(vertcat(*rows), _gains(field), parameters)
+
+    def value_and_gradient(
+        self, kinematics: Kinematics, parameters: Mapping[str, Expression]
+    ) -> tuple[Expression, Expression]:
+        """The forces of all obstacles on each body, and one sweep along the robot that adds them up."""
+        field, bodies = self.slots(kinematics.robot).at(parameters), bodies_of(kinematics, self._bodies)
+        obstacles = [slot.distances for slot in field]
+        found = [distances_with_gradients(body.points, obstacles) for body in bodies]
+        distances = vertcat(*(body.thinner(row) for body, (row, _) in zip(bodies, found, strict=True)))
+        slopes, forces, gain = self.slopes(distances, _gains(field), parameters), Forces(), parameters["gain"]
+        for k, (body, (_, gradients)) in enumerate(zip(bodies, found, strict=True)):
+            for point, each in zip(body.points, gradients, strict=True):
+                forces.add(point, each @ slopes[k, :].T)
+        return gain * self.potential(distances, _gains(field), parameters), gain * forces.gradient(kinematics.q)
 
     def rounding(self, robot: Robot, parameters: Mapping[str, Expression]) -> list[list[Expression]]:
         """For each distance the radius [m] that a `jtik.Clearance` needs: of the obstacle and of the body together.
@@ -160,3 +208,18 @@ class ObstacleCriterion(Criterion):
     def obstacle_names(self, robot: Robot) -> list[str]:
         """Names of the obstacles of `distances`, in their order."""
         return list(self.slots(robot).names)
+
+
+def _gains(field: Sequence[Slot]) -> Expression | None:
+    """The gain of each obstacle (obstacles, 1); None where obstacles have none."""
+    return None if any(slot.gain is None for slot in field) else vertcat(*(slot.gain for slot in field))
+
+
+def _present(distance: Expression, gain: Expression | None) -> Expression:
+    """The distance to an obstacle, 1e9 of one with the gain 0."""
+    return distance if gain is None else if_else(gain > 0, distance, ABSENT)
+
+
+def total(pairs: Expression, gains: Expression | None) -> Expression:
+    """The sum of an expression for each pair (bodies, obstacles), those of each obstacle multiplied by its gain."""
+    return sum1(vec(pairs)) if gains is None else sum1(pairs) @ gains
