@@ -152,7 +152,7 @@ class Search:
                 if end.code is None:
                     if self._by_level:
                         ends.add(number, self._errors(runner), runner.q[runner.at])
-                    number = last + 1
+                    number += 1  # where its time was over, further ones of this block are left
                     continue
                 finished, ended = end.finished, Ended(end.code, end.calls, 0)
                 if finished and end.code is Code.DONE and self._attempts.can_go_on(runner.q[runner.at]):

@@ -12,7 +12,11 @@ Hold: TypeAlias = Callable[[Expression], Expression]
 
 
 def not_held(part: Expression) -> Expression:
-    """The part itself, which derivatives go through."""
+    """The part itself, which derivatives go through.
+
+    Args:
+        part: part of an expression.
+    """
     return part
 
 

@@ -9,7 +9,11 @@ import numpy as np
 import pytest
 
 import jtik
+<<<<<<< HEAD
 from jtik._loop import native_search
+=======
+from jtik._loop import native_source
+>>>>>>> w-driver
 from jtik_formulations import Damped, JointCentering
 
 from ..conftest import dh_arm, planar
@@ -44,6 +48,15 @@ def test_every_target_ends_the_same(strategy, restarts, rng):
     for _ in range(40):
         target, q0 = ARM.pose(ARM.random_configuration(rng)), ARM.random_configuration(rng)
         options = {"q0": q0, "restarts": restarts, "seed": 4, "max_iterations": 300}
+        same(native.solve(target, **options), plain.solve(target, **options))
+
+
+def test_a_call_whose_time_is_over_leaves_no_attempt_out(rng, monkeypatch):
+    monkeypatch.setattr(native_source, "BUDGET", 0.0)
+    native, plain = pair(strategy="hybrid")
+    for _ in range(20):
+        target, q0 = ARM.pose(ARM.random_configuration(rng)), ARM.random_configuration(rng)
+        options = {"q0": q0, "restarts": 20, "seed": 4, "max_iterations": 300}
         same(native.solve(target, **options), plain.solve(target, **options))
 
 

@@ -33,7 +33,9 @@ def made(strategy="hybrid", *, kind="pose", compiled=True, **options):
     """A solver with limits of position, velocity and acceleration, and a criterion; the same for the same arguments."""
     options = {"criteria": JointCentering(), "limits": jtik.Limits(acceleration=5.0)} | options
     task = jtik.FrameTask("tip", kind=kind)
-    return jtik.InverseKinematics(dh_arm(limit=2.0), task, strategy=strategy, compiled=compiled, **options)
+    ik = jtik.InverseKinematics(dh_arm(limit=2.0), task, strategy=strategy, compiled=compiled, **options)
+    ik.warm_up()  # its copies in Python share what it compiles, not the other way round
+    return ik
 
 
 @pytest.fixture
