@@ -12,7 +12,7 @@ Hold: TypeAlias = Callable[[Expression], Expression]
 
 
 def not_held(part: Expression) -> Expression:
-    """The part itself, which derivatives go through."""
+    """``part`` itself, which derivatives go through."""
     return part
 
 
