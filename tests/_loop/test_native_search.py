@@ -9,11 +9,7 @@ import numpy as np
 import pytest
 
 import jtik
-<<<<<<< HEAD
-from jtik._loop import native_search
-=======
-from jtik._loop import native_source
->>>>>>> w-driver
+from jtik._loop import native_search, native_source
 from jtik_formulations import Damped, JointCentering
 
 from ..conftest import dh_arm, planar
