@@ -114,7 +114,7 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_step(const JTIK_NAME_memory* at, const 
 #if JTIK_READS
   read = read || JTIK_NAME_read(goal, at->target);
 #endif
-  if (!read && !(JTIK_IS_VECTOR && !JTIK_NAME_copied(goal, JTIK_TARGET_SIZE, at->target))) return JTIK_UNREAD;
+  if (!read && !(JTIK_IS_VECTOR && JTIK_NAME_copied(goal, JTIK_TARGET_SIZE, at->target))) return JTIK_UNREAD;
   if (!JTIK_NAME_copied(from, JTIK_NQ, at->q)) return JTIK_UNREAD;
 #if JTIK_TIMED
   {

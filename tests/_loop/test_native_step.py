@@ -10,6 +10,7 @@ import pytest
 
 import jtik
 from jtik._loop import array_layout
+from jtik._loop.target_memory import TargetMemory
 from jtik.symbolic.compile import CompilerError, compiler
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
@@ -130,9 +131,44 @@ def test_refusals_rest_and_escapes_are_those_of_python(hybrid, dt):
     assert {TAKEN, DONE} <= kinds
 
 
-def test_vectors_are_read():
-    ik = copy.copy(made("damped", kind="position", criteria=None))
+def test_vectors_are_read_in_c(monkeypatch):
+    ik, read = copy.copy(made("damped", kind="position", criteria=None)), []
     compared(ik, (T[:3, 3].copy() for T in path(ik.robot, 200, 3)), dt=0.01)
+    monkeypatch.setattr(TargetMemory, "copy", lambda self, target: read.append(target))
+    ik.step(ik.robot.neutral, np.array([0.5, 0.2, 0.4]), dt=0.01)
+    assert not read
+
+
+VECTORS = {
+    "a pose": lambda T: T,
+    "another pose": lambda T: np.diag([1.0, -1.0, -1.0, 1.0]) @ T,
+    "two numbers": lambda T: np.ones(2),
+    "no numbers": lambda T: np.zeros(0),
+    "a number": lambda T: np.array(0.5),
+    "a row": lambda T: np.ones((1, 3)),
+    "a column": lambda T: np.ones((3, 1)),
+    "too many": lambda T: np.ones(4),
+    "three numbers": lambda T: np.array([0.5, 0.2, 0.1]),
+    "three of single precision": lambda T: np.array([0.5, 0.2, 0.1], np.float32),
+    "every second": lambda T: np.array([0.5, 9.0, 0.2, 9.0, 0.1])[::2],
+    "NaN": lambda T: np.array([0.5, np.nan, 0.1]),
+    "a pose with NaN": lambda T: np.where(np.arange(16).reshape(4, 4) == 3, np.nan, T),
+    "three rows": lambda T: T[:3],
+    "no rotation": lambda T: 2 * T,
+}
+
+
+@pytest.mark.parametrize("kind", ["position", "planar position", "planar pose"])
+def test_a_target_that_is_no_vector_is_read_or_refused_by_python(kind):
+    """A step never goes to the target of the one before."""
+    arm = planar(5) if "planar" in kind else dh_arm(limit=2.0)
+    task = jtik.FrameTask("tip", kind.split()[-1])
+    ik = jtik.InverseKinematics(arm, task, strategy="damped", compiled=True)
+    other, q = in_python(ik), arm.neutral + 0.1
+    for name, given in VECTORS.items():
+        target = given(arm.pose(q + 0.2, "tip"))
+        assert stepped(ik, q, target, None) == stepped(other, q, target, None), name
+    assert native(ik, None)
 
 
 @pytest.mark.parametrize("layout", ["columns first", "every second", "backwards"])
