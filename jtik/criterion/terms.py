@@ -15,7 +15,7 @@ from jtik.criterion.numeric import NumericCriterion
 from jtik.criterion.numeric_function import NumericFunction
 from jtik.criterion.overriding import belongs_to
 from jtik.criterion.parameters import Check, Parameters, Parametric, checks_of, first_values
-from jtik.criterion.tracing import traced
+from jtik.criterion.tracing import traced, traced_gradient
 from jtik.errors import ArgumentError
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, function, gradient, symbol, vertcat, zeros
@@ -111,17 +111,24 @@ class CriterionTerms:
         Args:
             kinematics: the robot at a configuration of symbols.
             column: all parameters, as ``parameters.symbols()`` returns them.
+
+        Raises:
+            CriterionError: as from `values`, also where a criterion returns anything else than both or None.
         """
-        H, derived, slope = zeros(1), zeros(1), zeros(self.robot.nq)
-        has_own = False
-        for name, _, criterion in self.named:
-            own, weight = self._own(name, criterion, column), self.parameters.take(column, f"{name}.weight")
-            has_its_own = belongs_to(criterion, "value_and_gradient", "value")
-            found = criterion.value_and_gradient(kinematics, own) if has_its_own else None
-            if found is None:
-                derived = derived + weight * criterion.value(kinematics, own)
-            else:
-                has_own, H, slope = True, H + weight * found[0], slope + weight * found[1]
+        theirs = [belongs_to(criterion, "value_and_gradient", "value") for _, _, criterion in self.named]
+        if not any(theirs):
+            return None
+        H, slope = zeros(1), zeros(self.robot.nq)
+        values, has_own, symbols = self.values(kinematics, column), False, (kinematics.q, column)
+        for k, (name, _, criterion) in enumerate(self.named):
+            if theirs[k]:
+                own, weight = self._own(name, criterion, column), self.parameters.take(column, f"{name}.weight")
+                call = lambda c=criterion, p=own: c.value_and_gradient(kinematics, p)  # noqa: E731
+                found = traced_gradient(name, call, symbols, self.robot.nq)
+                if found is not None:
+                    values[k], has_own = zeros(1), True
+                    H, slope = H + weight * found[0], slope + weight * found[1]
+        derived = sum(values, zeros(1))
         return (H + derived, slope + gradient(derived, kinematics.q)) if has_own else None
 
     @cached_property

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import traceback
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -92,6 +92,31 @@ def traced(name: str, call: Callable[[], Any], symbols: Iterable[Expression], *,
     if foreign:
         raise CriterionError(name, f"depends on symbols that are not its own: {', '.join(foreign)}")
     return H
+
+
+def traced_gradient(
+    name: str, call: Callable[[], Any], symbols: Sequence[Expression], nq: int
+) -> tuple[Expression, Expression] | None:
+    """H and dH/dq (nq, 1) that ``call`` returns; None where it returns None.
+
+    Args:
+        name: name of the criterion, for the error message.
+        call: evaluates `jtik.Criterion.value_and_gradient` on symbols.
+        symbols: the expressions whose symbols both may depend on.
+        nq: number of entries of q.
+
+    Raises:
+        CriterionError: as from `traced`, or for anything else than both.
+    """
+    found = _called(name, call)
+    if found is None:
+        return None
+    if not isinstance(found, tuple | list) or len(found) != 2:
+        raise CriterionError(name, f"value_and_gradient must return H and its gradient, or None, not {short(found)}")
+    H, slope = traced(name, lambda: found[0], symbols), traced(name, lambda: found[1], symbols, residual=True)
+    if slope.shape != (nq, 1):
+        raise CriterionError(name, f"value_and_gradient must return a gradient of {nq} entries, not {slope.shape[0]}")
+    return H, slope
 
 
 def _called(name: str, call: Callable[[], Any]) -> Any:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import jtik
-from jtik.symbolic import sumsqr
+from jtik.criterion import CriterionError
+from jtik.symbolic import sumsqr, symbol
 from jtik.testing import check_criterion
 
 
@@ -48,3 +50,41 @@ class Cubes(Squares):
 
 def test_a_subclass_with_another_value_has_the_gradient_of_that():
     check_criterion(Cubes(), ARM, samples=2)
+
+
+class Answers(Squares):
+    """It returns anything."""
+
+    def __init__(self, answer):
+        super().__init__()
+        self.answer = answer
+
+    def value(self, kinematics, parameters):
+        return sumsqr(kinematics.q)
+
+    def value_and_gradient(self, kinematics, parameters):
+        return self.answer(kinematics.q)
+
+
+@pytest.mark.parametrize(
+    ("answer", "message"),
+    [
+        (lambda q: sumsqr(q), "H and its gradient"),
+        (lambda q: (q, 2 * q), "a scalar"),
+        (lambda q: (sumsqr(q), 2 * q[:2]), "3 entries"),
+        (lambda q: (sumsqr(q), symbol("other", 3)), "not its own"),
+        (lambda q: (sumsqr(q), float(q[0])), "CasADi cannot trace"),
+        (lambda q: [sumsqr(q), 2 * q.T], None),
+        (lambda q: (np.sin(q[0]) + sumsqr(q) - np.sin(q[0]), 2 * q), None),
+        (lambda q: None, None),
+    ],
+)
+def test_what_is_no_value_and_gradient_is_refused(answer, message):
+    def build():
+        return jtik.InverseKinematics(ARM, jtik.FrameTask("tip", "position"), criteria=Answers(answer))
+
+    if message is None:
+        assert build().solve([1.0, 1.0], q0=[0.1, 0.2, 0.3]).converged
+        return
+    with pytest.raises(CriterionError, match=message):
+        build()
