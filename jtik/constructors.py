@@ -1,7 +1,7 @@
 """Constructors whose errors list their arguments.
 
 A call that does not fit the arguments of a constructor is a bare TypeError of Python, which names what is wrong and not
-what is accepted. With one of these metaclasses, or with `lists_arguments` on a function, it is a `CallError`. A call
+what is accepted. With this metaclass, or with `lists_arguments` on a function, it is a `CallError`. A call
 that fits costs nothing but one more call.
 """
 
@@ -13,19 +13,32 @@ import inspect
 from abc import ABCMeta
 from collections.abc import Callable, Mapping
 from inspect import Parameter, Signature
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from jtik.errors import CallError
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-class Constructed(type):
-    """Metaclass of a class that lists the arguments of its constructor for a call that does not fit them."""
+if TYPE_CHECKING:
+    _Base = ABCMeta
+else:
+    _Base = type(Protocol)
+
+
+class Constructed(_Base):
+    """Metaclass of a class that lists the arguments of its constructor for a call that does not fit them.
+
+    A class of a user may have a `typing.Protocol` or an `abc.ABC` as another base.
+    """
+
+    # the isinstance of an abstract class; that of a protocol asks for attributes, which other classes lack
+    __instancecheck__ = ABCMeta.__instancecheck__
+    __subclasscheck__ = ABCMeta.__subclasscheck__
 
     if not TYPE_CHECKING:  # a type checker reads the constructor itself
 
-        def __call__(cls, *args, **kwargs):
+        def __call__(cls, *args, **kwargs):  # noqa: N805
             """Make an object, or say what the constructor accepts."""
             try:
                 return super().__call__(*args, **kwargs)
@@ -36,15 +49,11 @@ class Constructed(type):
             raise error
 
         @property
-        def __signature__(cls) -> Signature:
+        def __signature__(cls) -> Signature:  # noqa: N805
             """The arguments of the constructor, for `inspect.signature`, which would show those of ``__call__``."""
-            if cls.__init__ is object.__init__:
-                return Signature()
-            return _bound(cls.__init__)
-
-
-class ConstructedABC(Constructed, ABCMeta):
-    """The same of an abstract class."""
+            if cls.__init__ is not object.__init__:
+                return _bound(cls.__init__)
+            return Signature() if cls.__new__ is object.__new__ else _bound(cls.__new__)
 
 
 def lists_arguments(function: F) -> F:
@@ -109,10 +118,9 @@ def _alternatives(cls: type) -> dict[str, Signature]:
     found = {}
     for name in dir(cls):
         method = inspect.getattr_static(cls, name)
-        if name[0] != "_" and isinstance(method, classmethod):
-            signature = _bound(method.__func__)
-            if method.__func__.__annotations__.get("return") in ("Self", cls.__name__):
-                found[f"{cls.__name__}.{name}"] = signature
+        made = method.__func__ if isinstance(method, classmethod) and name[0] != "_" else None
+        if inspect.isfunction(made) and made.__annotations__.get("return") in ("Self", cls.__name__):
+            found[f"{cls.__name__}.{name}"] = _bound(made)
     return found
 
 

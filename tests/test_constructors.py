@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import abc
 import dataclasses
 import inspect
 import pickle
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import pytest
@@ -112,3 +114,40 @@ def test_signatures_and_copies_are_those_of_the_constructor():
     assert next(iter(inspect.signature(jtik.Robot.planar).parameters)) == "links"
     box = pickle.loads(pickle.dumps(jtik.Box.at((0, 0), (1, 2), 0.3)))
     assert np.array_equal(box.half, (1, 2))
+
+
+class Drawable(Protocol):
+    """What a user's own code asks of a class."""
+
+    def draw(self) -> str: ...
+
+
+@pytest.mark.parametrize("kind", [jtik.Circle, jtik.Limits, jtik.Robot, jtik.InverseKinematics, jtik.FrameTask])
+@pytest.mark.parametrize("other", [abc.ABC, Drawable])
+def test_other_bases_are_possible(kind, other):
+    made = type(kind)("Mine", (kind, other), {"draw": lambda self: "drawn"})
+    assert issubclass(made, kind)
+    assert other in made.__mro__
+    circle = jtik.Circle((0, 0), 1)
+    assert not isinstance(circle, made)
+    assert isinstance(circle, kind) is (kind is jtik.Circle)
+    if kind is jtik.Limits:
+        assert isinstance(made(velocity=1.0), kind)
+        with pytest.raises(CallError, match=r"speed: given to Mine.*accepted: Mine\(.*velocity=..."):
+            made(speed=1.0)
+
+
+def test_constructors_of_any_form_are_listed():
+    class New(metaclass=Constructed):
+        def __new__(cls, size: float) -> New:
+            return super().__new__(cls)
+
+    class Wrapped(metaclass=Constructed):
+        parse = classmethod(int)
+
+        def __init__(self, size: float) -> None: ...
+
+    for each in (New, Wrapped):
+        assert list(inspect.signature(each).parameters) == ["size"]
+        with pytest.raises(CallError, match=r"accepted: \w+\(size\)"):
+            each(length=1.0)

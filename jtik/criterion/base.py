@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jtik.arguments import number, several
-from jtik.constructors import Constructed, ConstructedABC
+from jtik.constructors import Constructed
 from jtik.criterion import evaluation
 from jtik.criterion.criteria_argument import hint, registered
 from jtik.criterion.tracing import CriterionError
@@ -64,7 +64,7 @@ class _Algebra:
         return _weighted((own / ratio, criterion) for own, criterion in _terms(self))
 
 
-class Criterion(_Algebra, metaclass=ConstructedABC):
+class Criterion(_Algebra, metaclass=Constructed):
     """A function H(q) to minimise. Subclass it where a decorated function is not enough.
 
     Criteria add and scale: ``1.0 * A() + 0.3 * B()``. A larger weight makes a criterion count more. A negative weight

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from jtik.arguments import finite_array, flag, instance, integer, mapping, number, positive_number, several, text
 from jtik.arguments import name as read_name
-from jtik.constructors import Constructed, ConstructedABC
+from jtik.constructors import Constructed
 from jtik.errors import ArgumentError, UnknownNameError
 from jtik.problems.plain_values import frozen_array, frozen_target, plain_target
 from jtik.robot import Robot
@@ -136,7 +136,7 @@ class Case(metaclass=Constructed):
 
 
 @dataclass(frozen=True)
-class ProblemSet(Sequence[Case], metaclass=ConstructedABC):
+class ProblemSet(Sequence[Case], metaclass=Constructed):
     """An ordered set of cases with unique names.
 
     ``problems[3]`` and ``problems["reachable-003"]`` are cases. ``problems[:10]`` and the sum of two sets are sets.

@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from jtik.arguments import positive_number
-from jtik.constructors import ConstructedABC
+from jtik.constructors import Constructed
 from jtik.errors import JtikError
 from jtik.symbolic import Function, has_conic
 from jtik.symbolic.archives import Archive
@@ -73,7 +73,7 @@ class NumericQP:
         return bool(finite) and not any(np.isnan(bound).any() for bound in bounds)
 
 
-class _BackendBase(metaclass=ConstructedABC):
+class _BackendBase(metaclass=Constructed):
     """What both kinds of back end have in common.
 
     Attributes:

@@ -11,6 +11,7 @@ from jtik.symbolic import (
     MX,
     Expression,
     Function,
+    dot,
     either,
     fmax,
     fmin,
@@ -20,6 +21,8 @@ from jtik.symbolic import (
     if_else,
     is_finite,
     logic_and,
+    logic_not,
+    logic_or,
     norm,
     ratio,
     sumsqr,
@@ -82,19 +85,20 @@ def _quadratic_program(m: int, n: int) -> Function:
     J, t, lower, upper = given = _symbols(m, n)
     space, size = RowSpace(J), norm(t)
     rows, wanted = space.unit_basis, space.unit_basis @ (t / size)
-    # a reflection that turns the wanted motion along the first row
-    length = norm(wanted)
-    sign = if_else(wanted[0] >= 0, 1, -1)
-    mirror = vertcat(wanted[0] + sign * length, *[wanted[i] for i in range(1, m)])
+    # a reflection that turns the wanted motion along the first independent row; it leaves dependent rows zero
+    first, before = list[Expression](), zeros(1)
+    for independent in space.independent:
+        first.append(logic_and(independent, logic_not(before)))
+        before = logic_or(before, independent)
+    chosen, length = vertcat(*first), norm(wanted)
+    sign = if_else(dot(chosen, wanted) >= 0, 1, -1)
+    mirror = wanted + sign * length * chosen
     turned = rows - (2 / sumsqr(mirror) * mirror) @ (mirror.T @ rows)
-    along, across = -sign * turned[0, :], turned[1:, :]
+    matrix = turned - (1 + sign) * chosen @ (chosen.T @ turned)
     low, high = (space.dependent_bounds(side) for side in (-1, 1))
-    rest = range(1, m)
-    bounds = [vertcat(*[low[i] for i in rest], -inf), vertcat(*[high[i] for i in rest], length)]
-    bounds += [lower / size, upper / size]
-    return function(
-        "data", given, [identity(n) + zeros(n, n), -t / size - PENALTY * along.T, vertcat(across, along), *bounds]
-    )
+    bounds = [if_else(chosen, -inf, low), if_else(chosen, length, high), lower / size, upper / size]
+    along = chosen.T @ matrix
+    return function("data", given, [identity(n) + zeros(n, n), -t / size - PENALTY * along.T, matrix, *bounds])
 
 
 def _finish(m: int, n: int) -> Function:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from jtik.constructors import ConstructedABC
+from jtik.constructors import Constructed
 from jtik.strategy.evaluation import Evaluation
 from jtik.strategy.model import LocalModel
 from jtik.strategy.options import read_options
@@ -73,7 +73,7 @@ class Update:
     relaxed: Mapping[tuple[str, str], Expression] = field(default_factory=dict)
 
 
-class Strategy(metaclass=ConstructedABC):
+class Strategy(metaclass=Constructed):
     """A strategy of redundancy resolution. Subclasses are frozen, keyword-only dataclasses.
 
     Most strategies derive from `Composition` (a task displacement and a null-space displacement) or from `Programmed`

@@ -19,7 +19,7 @@ from typing import Any, ClassVar, get_args
 
 import numpy as np
 
-from jtik.constructors import ConstructedABC
+from jtik.constructors import Constructed
 from jtik.strategy.acceptance import Acceptance, final_verdict
 from jtik.strategy.backtracking import path_backtracking
 from jtik.strategy.base import Shape, State, Strategy, Update, take_renamed
@@ -34,7 +34,7 @@ from jtik.symbolic.factorization import RowVector
 from jtik.types import Array
 
 
-class TaskStep(metaclass=ConstructedABC):
+class TaskStep(metaclass=Constructed):
     """The part of a composition that moves the end effector."""
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
@@ -65,7 +65,7 @@ class TaskStep(metaclass=ConstructedABC):
         return {}
 
 
-class SecondaryTerm(Part, metaclass=ConstructedABC):
+class SecondaryTerm(Part, metaclass=Constructed):
     """The part of a composition that lowers H without moving the end effector, to first order.
 
     Attributes:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from jtik._loop.options import Until
 from jtik.constraints.clearance import Clearance
-from jtik.constructors import ConstructedABC
+from jtik.constructors import Constructed
 from jtik.criterion.base import Criterion, CriterionSum
 from jtik.result.solution import Trace
 from jtik.robot import Robot
@@ -124,7 +124,7 @@ class PreparedContender(ABC):
         return self.solve(target, q0), None
 
 
-class Contender(metaclass=ConstructedABC):
+class Contender(metaclass=Constructed):
     """A solver that can take part in a study. It must be picklable, for the processes of an executor.
 
     Attributes:

@@ -189,6 +189,11 @@ class RowSpace:
         """Orthonormal rows of the row space, (m, n); zeros for dependent ones."""
         return vertcat(*[(sqrt(i) * b).T for i, b in zip(self._inverse, self._basis, strict=True)])
 
+    @property
+    def independent(self) -> Sequence[Expression]:
+        """For each row 1 if it is independent of the rows before it, else 0."""
+        return self._independent
+
     def dependent_bounds(self, side: int) -> Expression:
         """Bounds (m, 1) that make ``unit_basis @ x`` zero and leave the zero rows free.
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, ClassVar
 
-from jtik.constructors import ConstructedABC
+from jtik.constructors import Constructed
 from jtik.robot import Kinematics, Robot
 from jtik.symbolic import Expression, Function, symbol
 from jtik.types import Array
@@ -31,7 +31,7 @@ class TaskRows:
     jacobian: Expression | None = None
 
 
-class Task(metaclass=ConstructedABC):
+class Task(metaclass=Constructed):
     """A task: an error that the solver reduces to zero. Subclass it with an error and the numbers of a target.
 
     Attributes:

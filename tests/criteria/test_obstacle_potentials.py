@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import jtik
+from jtik.symbolic import norm, sumsqr
 from jtik_formulations import KhatibPotential, ObstacleAvoidance, ObstacleBarrier, SoftClearance
 
 from ..conftest import EXACT, dh_arm, differences, planar
@@ -156,3 +157,28 @@ def test_arguments_out_of_range(build, argument):
     with pytest.raises(jtik.ArgumentError) as caught:
         build()
     assert caught.value.argument == argument
+
+
+class Springs(ObstacleAvoidance):
+    """Another potential, whose slopes are not those of the class."""
+
+    name = "springs"
+
+    def potential(self, distances, gains, parameters):
+        return sumsqr(distances)
+
+
+@jtik.criterion
+def springs(q, robot):
+    """The same without a class."""
+    return sum((norm(robot.position(q, frame) - np.array([2.0, 1.0])) - 0.3) ** 2 for frame in robot.moving_frames)
+
+
+def test_a_subclass_with_another_potential_has_the_gradient_of_that():
+    arm, q = planar(4), np.array([0.3, 0.2, 0.4, 0.1])
+    ends = []
+    for criterion in (Springs([jtik.Circle((2.0, 1.0), 0.3)]), springs):
+        ik = jtik.InverseKinematics(arm, jtik.FrameTask("tip", "position"), criteria=criterion, limits=False)
+        ends.append(ik.solve(arm.position(q, "tip"), q0=q))
+    assert [end.status for end in ends] == 2 * [jtik.Status.CONVERGED]
+    assert ends[0].cost == pytest.approx(ends[1].cost, abs=1e-9)

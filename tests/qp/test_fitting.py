@@ -63,6 +63,29 @@ def test_the_direction_is_kept_and_the_share_is_that_of_the_linear_program(m, n,
         assert share == pytest.approx(largest_share(J, wanted, lower, upper), abs=TOLERANCE)
 
 
+@pytest.mark.parametrize("of", ["zero", "repeated"])
+@pytest.mark.parametrize("row", [0, 1, 2])
+@pytest.mark.parametrize(("m", "n"), [(3, 3), (3, 7), (6, 7)])
+def test_a_row_that_gives_no_direction_does_not_matter(m, n, row, of, rng):
+    """As the row along x of an arm that moves in the y-z plane, whichever row it is."""
+    compared = 0
+    for _ in range(20):
+        J = rng.normal(size=(m, n))
+        J[row] = 0.0 if of == "zero" else J[row - 1]
+        t = np.linalg.pinv(J) @ rng.normal(size=m)
+        limit = np.abs(t).max() * rng.uniform(0.2, 1.0, n)
+        wanted = J @ t
+        most = largest_share(J, wanted, -limit, limit)
+        if most < 0.02:  # blocked: the joints are clipped
+            continue
+        compared += 1
+        x = fitted(J, t, -limit, limit)
+        share = (J @ x) @ wanted / (wanted @ wanted)
+        assert np.linalg.norm(J @ x - share * wanted) <= TOLERANCE * np.linalg.norm(wanted)
+        assert share == pytest.approx(most, abs=TOLERANCE)
+    assert compared >= 10
+
+
 @pytest.mark.parametrize(("m", "n"), [(2, 4), (3, 7), (6, 7), (6, 6)])
 def test_few_saturated_joints_need_no_solver(m, n, rng):
     """Also beside joints that cannot move and rows that depend on others; wherever it is found, it is the solution."""

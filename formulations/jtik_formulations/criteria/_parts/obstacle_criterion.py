@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from jtik import Criterion
 from jtik.arguments import choice, instances, integer
 from jtik.arguments import name as read_name
+from jtik.criterion.overriding import belongs_to
 from jtik.criterion.short_repr import call_text
 from jtik.errors import ArgumentError
 from jtik.geometry import ABSENT, Obstacle, Scene, Slot, Slots
@@ -183,7 +184,9 @@ class ObstacleCriterion(Criterion):
         obstacles = [slot.distances for slot in field]
         found = [distances_with_gradients(body.points, obstacles) for body in bodies]
         distances = vertcat(*(body.thinner(row) for body, (row, _) in zip(bodies, found, strict=True)))
-        slopes, forces, gain = self.slopes(distances, _gains(field), parameters), Forces(), parameters["gain"]
+        # those of a subclass that replaces the potential are derived from it
+        own = type(self) if belongs_to(self, "slopes", "potential") else ObstacleCriterion
+        slopes, forces, gain = own.slopes(self, distances, _gains(field), parameters), Forces(), parameters["gain"]
         for k, (body, (_, gradients)) in enumerate(zip(bodies, found, strict=True)):
             for point, each in zip(body.points, gradients, strict=True):
                 forces.add(point, each @ slopes[k, :].T)
