@@ -160,7 +160,7 @@ def test_arguments_out_of_range(build, argument):
 
 
 class Springs(ObstacleAvoidance):
-    """Another potential, whose slopes are not those of the class."""
+    """Another potential, whose gradient is not that of the class."""
 
     name = "springs"
 

@@ -96,13 +96,13 @@ class ObstacleAvoidance(ObstacleCriterion):
         terms = continued - _sum_of_logarithms(safe)
         return terms if gains is None else terms @ gains
 
-    def slopes(
+    def potential_gradient(
         self, distances: Expression, gains: Expression | None, parameters: Mapping[str, Expression]
     ) -> Expression:
         """-1 / d, continued linearly below the floor."""
         safe = fmax(distances, self._floor)
-        slopes = (safe - distances) * (-1 / self._floor**2) - 1 / safe
-        return slopes if gains is None else slopes @ diag(gains)
+        derivatives = (safe - distances) * (-1 / self._floor**2) - 1 / safe
+        return derivatives if gains is None else derivatives @ diag(gains)
 
 
 def _sum_of_logarithms(positive: Expression) -> Expression:

@@ -235,8 +235,8 @@ def _pair_function(dimension: int, form: str) -> Function:
         return segment_to_segment(*points, first_order=form != "value")
 
     if form == "gradients":
-        value, slopes = value_and_gradients(distance, points)
-        return function("pair_gradients", points, [value, *slopes], inline=False)
+        value, gradients = value_and_gradients(distance, points)
+        return function("pair_gradients", points, [value, *gradients], inline=False)
     return function(f"pair_{form}", points, [distance(not_held)], inline=False)
 
 

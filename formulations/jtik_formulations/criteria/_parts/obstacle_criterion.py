@@ -160,13 +160,13 @@ class ObstacleCriterion(Criterion):
             parameters: expressions of the live parameters by name.
         """
 
-    def slopes(
+    def potential_gradient(
         self, distances: Expression, gains: Expression | None, parameters: Mapping[str, Expression]
     ) -> Expression:
         """The derivatives of `potential` with respect to the distances, derived by CasADi; arguments are the same."""
         symbols = symbol("distances", *distances.shape)
-        slopes = gradient(self.potential(symbols, gains, parameters), vec(symbols))
-        return substitute(reshape(slopes, *distances.shape), symbols, distances)
+        derivatives = gradient(self.potential(symbols, gains, parameters), vec(symbols))
+        return substitute(reshape(derivatives, *distances.shape), symbols, distances)
 
     def value(self, kinematics: Kinematics, parameters: Mapping[str, Expression]) -> Expression:
         """The gain times the potential of the distances."""
@@ -185,11 +185,12 @@ class ObstacleCriterion(Criterion):
         found = [distances_with_gradients(body.points, obstacles) for body in bodies]
         distances = vertcat(*(body.thinner(row) for body, (row, _) in zip(bodies, found, strict=True)))
         # those of a subclass that replaces the potential are derived from it
-        own = type(self) if belongs_to(self, "slopes", "potential") else ObstacleCriterion
-        slopes, forces, gain = own.slopes(self, distances, _gains(field), parameters), Forces(), parameters["gain"]
+        own = type(self) if belongs_to(self, "potential_gradient", "potential") else ObstacleCriterion
+        derivatives = own.potential_gradient(self, distances, _gains(field), parameters)
+        forces, gain = Forces(), parameters["gain"]
         for k, (body, (_, gradients)) in enumerate(zip(bodies, found, strict=True)):
             for point, each in zip(body.points, gradients, strict=True):
-                forces.add(point, each @ slopes[k, :].T)
+                forces.add(point, each @ derivatives[k, :].T)
         return gain * self.potential(distances, _gains(field), parameters), gain * forces.gradient(kinematics.q)
 
     def rounding(self, robot: Robot, parameters: Mapping[str, Expression]) -> list[list[Expression]]:
