@@ -110,6 +110,6 @@ def _of_one(form: Form, count: int, size: int, gradients: bool) -> Function:
     points = [symbol(f"point{i}", size) for i in range(count)]
     figures = [symbol(f"figure{i}", rows) for i, rows in enumerate(sizes)]
     if gradients:
-        value, gradients = value_and_gradients(lambda hold: distance(points, *figures, hold=hold), points)
-        return function("gradients", [*points, *figures], [value, *gradients])
+        value, derivatives = value_and_gradients(lambda hold: distance(points, *figures, hold=hold), points)
+        return function("gradients", [*points, *figures], [value, *derivatives])
     return function("distance", [*points, *figures], [distance(points, *figures)])
