@@ -138,7 +138,9 @@ class TestComparison:
         monkeypatch.setattr(claim, "HERE", tmp_path)
         wrong = replace(script, compute=lambda quick: list(self.ROWS), statements=lambda rows: {"pigs fly": False})
         assert wrong.main("An example.", ["--accept", "--out", str(tmp_path / "out")]) == 1
-        assert "pigs fly" in capsys.readouterr().err
+        output = capsys.readouterr()
+        assert "pigs fly" in output.err
+        assert "now run" in output.out
         fine = replace(wrong, statements=lambda rows: {"pigs walk": True})
         assert fine.main("An example.", ["--out", str(tmp_path / "out")]) == 0
         off = replace(fine, compute=lambda quick: [{**self.ROWS[0], "share": 60.0}, self.ROWS[1]])
