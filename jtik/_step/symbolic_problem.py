@@ -219,7 +219,10 @@ class SymbolicProblem:
         """(q, parameters) -> H, dH/dq; None where no criterion has a gradient of its own."""
         q, _, parameters = self.symbols()
         found = self.terms.value_and_gradient(self.robot.at(q), parameters)
-        return None if found is None else function("criterion_gradient", [q, parameters], list(found))
+        if found is None:
+            return None
+        # the function that it is written into shares its subexpressions
+        return function("criterion_gradient", [q, parameters], list(found), cse=False)
 
     def report(self) -> Function:
         """(q, target, parameters) -> error, its Jacobian, value of each criterion, dH/dv, residual, its Jacobian."""
