@@ -17,8 +17,9 @@ from jtik_formulations import ObstacleBarrier
 from ..conftest import planar
 from .conftest import problem_of
 
-TWICE = 0.1
-"""Share of the graph of a criterion that may be there twice: the kinematics of task and criterion."""
+TWICE = 0.2
+"""Share of the graph of a criterion that may be there twice: the kinematics of task and criterion, and a seventh for
+what its value and its gradient have in common."""
 
 OF_ROWS = 0.3
 """Share of that of clearances: parts of their Jacobian. A path that is checked twice makes it 0.6."""
