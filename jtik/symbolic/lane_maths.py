@@ -3,7 +3,11 @@
 A *lane* is one of the numbers of a vector register. Every operation is that of one number, lane by lane: a result does
 not depend on the number of lanes or on what the others hold. Sine and cosine are by reduction to a quarter turn, in
 three parts of pi / 2, and minimax polynomials; beyond 1e5, where the reduction loses digits, and for what is not finite
-they are the C library's.
+they are the C library's. The arc tangent is by reduction to an eighth turn and a polynomial; where both arguments are
+zero, and for very small, very large or other numbers that the reduction cannot divide, it is the C library's.
+
+One function computes the sines and cosines of many angles in a loop: the length of straight code, not the number of its
+operations, decides how fast it runs.
 """
 
 from __future__ import annotations
@@ -26,8 +30,8 @@ class Level(NamedTuple):
 LEVELS = (Level("", 4), Level("avx2", 4), Level("avx512f,avx512dq,avx512vl", 8))
 """From those that every processor has to the fastest; all give the same numbers."""
 
-EXACT = ("-ffp-contract=off",)
-"""Options with which it is compiled: a product and a sum are rounded twice at every level."""
+EXACT = ("-ffp-contract=off", "-fno-math-errno")
+"""Options with which it is compiled: a product and a sum are rounded twice at every level; a root sets no errno."""
 
 PROBE = r"""
 #if defined(__x86_64__)
@@ -104,19 +108,47 @@ JTIK_INLINE turn_of quarter_turns(V x) {
   return end;
 }
 
-static __attribute__((noinline, cold)) JTIK_CPU void far_sin(V* x) { *x = ONE(sin, *x); }
-static __attribute__((noinline, cold)) JTIK_CPU void far_cos(V* x) { *x = ONE(cos, *x); }
-
-JTIK_INLINE V v_sin(V x) {
-  const M near = v_fabs(x) < 1e5;
-  V r = quarter_turns(x).sin;
-  if (__builtin_expect(any(~near), 0)) { V far = x; far_sin(&far); r = choose(near, r, far); }
-  return r;
+static __attribute__((noinline, cold)) JTIK_CPU void far_turns(int n, const V* x, V* s, V* c) {
+  for (int i = 0; i < n; ++i) {
+    const M near = v_fabs(x[i]) < 1e5;
+    s[i] = choose(near, s[i], ONE(sin, x[i]));
+    c[i] = choose(near, c[i], ONE(cos, x[i]));
+  }
 }
-JTIK_INLINE V v_cos(V x) {
-  const M near = v_fabs(x) < 1e5;
-  V r = quarter_turns(x).cos;
-  if (__builtin_expect(any(~near), 0)) { V far = x; far_cos(&far); r = choose(near, r, far); }
+
+/* Sine and cosine of n angles. */
+static __attribute__((noinline)) JTIK_CPU void v_turns(int n, const V* x, V* s, V* c) {
+  M near = ~(M){0};
+  for (int i = 0; i < n; ++i) {
+    const turn_of end = quarter_turns(x[i]);
+    s[i] = end.sin;
+    c[i] = end.cos;
+    near &= v_fabs(x[i]) < 1e5;
+  }
+  if (any(~near)) far_turns(n, x, s, c);
+}
+
+static __attribute__((noinline, cold)) JTIK_CPU void far_atan2(const V* y, V* x) { *x = TWO(atan2, *y, *x); }
+
+JTIK_INLINE V v_atan2(V y, V x) {
+  const V ax = v_fabs(x), ay = v_fabs(y);
+  const M steep = ay > ax;
+  const V n = choose(steep, ax, ay), d = choose(steep, ay, ax);
+  const M usual = (d > 1e-300) & (d < 1e300), beyond = n > d * 0x1.a827999fcef32p-2; /* an eighth of a half turn */
+  const V t = choose(beyond, n - d, n) / choose(beyond, n + d, d), u = t * t;
+  V r = t + t * (u * (-0x1.5555555555555p-2 + u * (0x1.999999999934ap-3 + u * (-0x1.24924924360cbp-3 +
+        u * (0x1.c71c7185314cbp-4 + u * (-0x1.745d0b26b83e7p-4 + u * (0x1.3b1262d95579ep-4 +
+        u * (-0x1.10fa75382537fp-4 + u * (0x1.dfe61e80903d2p-5 + u * (-0x1.a098bb6ba4941p-5 +
+        u * (0x1.41603647c7a7cp-5 + u * -0x1.3a2b7a07caea9p-6)))))))))));
+  r = choose(beyond, 0x1.921fb54442d18p-1 + (r + 0x1.1a62633145c07p-55), r);
+  r = choose(steep, 0x1.921fb54442d18p+0 - (r - 0x1.1a62633145c07p-54), r);
+  r = choose(bits(x) < 0, 0x1.921fb54442d18p+1 - (r - 0x1.1a62633145c07p-53), r);
+  r = of_bits(bits(r) | (bits(y) & INT64_MIN));
+  if (__builtin_expect(any(~usual), 0)) {
+    V far = x;
+    far_atan2(&y, &far);
+    r = choose(usual, r, far);
+  }
   return r;
 }
 """

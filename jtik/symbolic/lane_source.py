@@ -37,7 +37,7 @@ _ONE = (
     "log1p",
     "expm1",
 )
-_TWO = ("atan2", "pow", "fmod", "copysign", "hypot")
+_TWO = ("pow", "fmod", "copysign", "hypot")
 """Functions of the C library, called for each lane."""
 
 _NUMBERS = {
@@ -53,8 +53,7 @@ _NUMBERS = {
     "SQRT": "v_sqrt({0})",
     "FABS": "v_fabs({0})",
     "SIGN": "v_sign({0})",
-    "SIN": "v_sin({0})",
-    "COS": "v_cos({0})",
+    "ATAN2": "v_atan2({0}, {1})",
     "FMIN": "v_fmin({0}, {1})",
     "FMAX": "v_fmax({0}, {1})",
     **{name.upper(): f"ONE({name}, {{0}})" for name in _ONE},
@@ -63,7 +62,9 @@ _NUMBERS = {
 }
 """C of an operation on numbers, by its name."""
 
-_OTHERS = {*_COMPARED, *_JOINED, "NOT", "IF_ELSE_ZERO", "CONST", "INPUT", "OUTPUT"}
+_TURNS = {"SIN": "s", "COS": "c"}
+
+_OTHERS = {*_COMPARED, *_JOINED, *_TURNS, "NOT", "IF_ELSE_ZERO", "CONST", "INPUT", "OUTPUT"}
 
 
 def has_lanes(function: Function) -> bool:
@@ -86,7 +87,8 @@ def lane_source(function: Function, name: str, shared: Collection[int]) -> str:
         name: the name.
         shared: numbers of the inputs that are the same for all lanes: ``const double*`` instead of ``const V*``.
     """
-    lines: list[str] = []
+    parts = [_Part()]  # each begins with the sines and cosines of angles that the one before has computed
+    part_of: dict[str, int] = {}  # of a variable
     held: dict[int, str] = {}  # the variable that a place of the work vector holds
     masks: set[str] = set()
 
@@ -101,14 +103,22 @@ def lane_source(function: Function, name: str, shared: Collection[int]) -> str:
     for i in range(function.n_instructions()):
         operation, variable = _NAMES[function.instruction_id(i)], f"a{i}"
         out, own = list(function.instruction_output(i)), list(function.instruction_input(i))
+        at = 0 if operation == "INPUT" else max((part_of[held[place]] for place in own), default=0)
         if operation == "OUTPUT":
-            lines.append(f"out{out[0]}[{out[1]}] = {number(own[0])};")
+            parts[at].lines.append(f"out{out[0]}[{out[1]}] = {number(own[0])};")
             continue
         if operation == "INPUT":
             read = f"in{own[0]}[{own[1]}]"
             value = f"ALL({read})" if own[0] in shared else read
         elif operation == "CONST":
             value = f"ALL({_literal(function.instruction_constant(i))})"
+        elif operation in _TURNS:
+            angles = parts[at].angles
+            angle = angles.setdefault(number(own[0]), len(angles))
+            value = f"{_TURNS[operation]}{at}[{angle}]"
+            at += 1
+            if at == len(parts):
+                parts.append(_Part())
         elif operation in _COMPARED:
             value = f"{number(own[0])} {_COMPARED[operation]} {number(own[1])}"
         elif operation in _JOINED:
@@ -121,11 +131,34 @@ def lane_source(function: Function, name: str, shared: Collection[int]) -> str:
             value = _NUMBERS[operation].format(*map(number, own))
         if operation in _COMPARED or operation in _JOINED or operation == "NOT":
             masks.add(variable)
-        lines.append(f"const {'M' if variable in masks else 'V'} {variable} = {value};")
-        held[out[0]] = variable
+        parts[at].lines.append(f"const {'M' if variable in masks else 'V'} {variable} = {value};")
+        held[out[0]], part_of[variable] = variable, at
+    lines = [line for k, part in enumerate(parts) for line in part.source(k)]
     inputs = [f"const {'double' if k in shared else 'V'}* restrict in{k}" for k in range(function.n_in())]
     outputs = [f"V* restrict out{k}" for k in range(function.n_out())]
     return f"static JTIK_CPU void {name}({', '.join(inputs + outputs)}) {{\n" + "\n".join(lines) + "\n}\n"
+
+
+class _Part:
+    """A part of the code, and the angles whose sines and cosines are computed at its end.
+
+    Attributes:
+        lines: the code.
+        angles: the position of each angle in the call.
+    """
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+        self.angles: dict[str, int] = {}
+
+    def source(self, number: int) -> list[str]:
+        """The code of part ``number``, and the call."""
+        count = len(self.angles)
+        if not count:
+            return self.lines
+        angles = f"const V x{number}[{count}] = {{{', '.join(self.angles)}}};"
+        call = f"V s{number}[{count}], c{number}[{count}]; v_turns({count}, x{number}, s{number}, c{number});"
+        return [*self.lines, angles, call]
 
 
 def _literal(value: float) -> str:
