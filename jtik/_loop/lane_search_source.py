@@ -15,8 +15,32 @@ _INCLUDED = """
 """
 
 _SOURCE = r"""
-/* What a search that is in a lane has done; row: of its target, -1 where there is none. */
-typedef struct { long long row, number, calls, iterations; double since; } lane;
+/* What a search that is in a lane has done; row: of its target, -1 where there is none; the latest start of a bank and
+   its distance. */
+typedef struct { long long row, number, calls, iterations; double since; long long start; double distance; } lane;
+
+/* The start that follows the latest one of a lane in the order of their distances from the target, then of the bank. */
+static JTIK_CPU void JTIK_NAME_follow(lane* own, const double* target, const V* bank, long long count) {
+  const V latest = ALL(own->distance);
+  V least = ALL(INFINITY);
+  M which = {0}, at = {0};
+  for (int i = 0; i < JTIK_LANES; ++i) at[i] = i;
+  for (long long b = 0; b < count / JTIK_LANES; ++b, at += JTIK_LANES) {
+    V distance = bank[b];
+    for (int j = 0; j < JTIK_NT; ++j) distance += bank[(j + 1) * (count / JTIK_LANES) + b] * target[j];
+    const M later = (distance > latest) | ((distance == latest) & (at > (int64_t)own->start));
+    const M closer = later & (distance < least);
+    least = choose(closer, distance, least);
+    which = bits(choose(closer, of_bits(at), of_bits(which)));
+  }
+  own->distance = INFINITY;
+  for (int i = 0; i < JTIK_LANES; ++i) {
+    if (least[i] < own->distance || (least[i] == own->distance && which[i] < own->start)) {
+      own->distance = least[i];
+      own->start = which[i];
+    }
+  }
+}
 
 /* The start of an attempt in lane i. */
 static JTIK_CPU void JTIK_NAME_begin(double* q, double* state, const double* start, const double* initial,
@@ -38,6 +62,8 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
   long long* tallies = (long long*)table[5]; /* code, iterations, restarts */
   const long long count = (long long)table[6], stride = (long long)table[8];
   double* work = (double*)table[9]; /* aligned as vectors are */
+  const V* bank = (const V*)table[10];
+  const long long size = (long long)table[11];
   const double* const* shared = (const double* const*)at[0];
   const double* initial = (const double*)at[9];
   const double* settings = (const double*)at[10];
@@ -97,7 +123,12 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
           } else if (own->number < last) {
             ++own->number;
             own->calls = 0;
-            const double* start = starts + (own->number - first) * JTIK_NQ;
+            if (size) {
+              double own_target[JTIK_NT];
+              for (int j = 0; j < JTIK_NT; ++j) own_target[j] = target[j * JTIK_LANES + i];
+              JTIK_NAME_follow(own, own_target, bank, size);
+            }
+            const double* start = starts + (size ? own->start : own->number - first) * JTIK_NQ;
             JTIK_NAME_begin(q[here], state[here], start, initial, patience, i);
           } else {
             returned = JTIK_EXHAUSTED;
@@ -127,7 +158,7 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
         }
         for (int j = 0; j < JTIK_NT; ++j) target[j * JTIK_LANES + i] = targets[next * JTIK_NT + j];
         JTIK_NAME_begin(q[here], state[here], start, initial, patience, i);
-        *own = (lane){next++, 0, 0, 0, JTIK_NAME_seconds()};
+        *own = (lane){next++, 0, 0, 0, JTIK_NAME_seconds(), -1, -INFINITY};
         ++active;
       }
     }

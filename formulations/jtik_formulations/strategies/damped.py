@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from jtik import register_strategy
 from jtik.strategy import LocalModel, Positive
@@ -44,6 +44,10 @@ class Damped(DampedLeastSquares):
     def explores(self, has_criterion: bool) -> bool:
         """With backtracking, but beside a secondary term that is added without a test of the merit function."""
         return self.explore and self.backtracking and not (has_criterion and self.secondary.bounds_itself)
+
+    def in_lanes(self) -> Damped:
+        """The same without backtracking."""
+        return replace(self, backtracking=False)
 
     def damping_of(self, model: LocalModel) -> Expression:
         """Damping times V; less in an exploring step."""
