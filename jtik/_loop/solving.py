@@ -236,7 +236,7 @@ class Solving:
     def track(self, targets: Iterable[Any], q0: Any, dt: float, options: Options, progress: Progress) -> Trajectory:
         """Follow a path of targets, as `InverseKinematics.track` describes it."""
         given, _ = read_targets(self._tasks, targets)
-        if not given:
+        if not len(given):
             raise ArgumentError("targets", "none", "at least one target")
         exclusive = self._exclusive
         if exclusive.busy:
