@@ -10,6 +10,9 @@ from jtik.symbolic import Function
 from jtik.symbolic.lane_maths import Level, lane_maths
 from jtik.symbolic.lane_source import lane_source
 
+SIDE_BY_SIDE = 4
+"""Vectors of distances that are summed at the same time."""
+
 _INCLUDED = """
 #include <time.h>
 """
@@ -22,16 +25,23 @@ typedef struct { long long row, number, calls, iterations; double since; long lo
 /* The start that follows the latest one of a lane in the order of their distances from the target, then of the bank. */
 static JTIK_CPU void JTIK_NAME_follow(lane* own, const double* target, const V* bank, long long count) {
   const V latest = ALL(own->distance);
+  const long long stride = count / JTIK_LANES;
   V least = ALL(INFINITY);
   M which = {0}, at = {0};
   for (int i = 0; i < JTIK_LANES; ++i) at[i] = i;
-  for (long long b = 0; b < count / JTIK_LANES; ++b, at += JTIK_LANES) {
-    V distance = bank[b];
-    for (int j = 0; j < JTIK_NT; ++j) distance += bank[(j + 1) * (count / JTIK_LANES) + b] * target[j];
-    const M later = (distance > latest) | ((distance == latest) & (at > (int64_t)own->start));
-    const M closer = later & (distance < least);
-    least = choose(closer, distance, least);
-    which = bits(choose(closer, of_bits(at), of_bits(which)));
+  for (long long b = 0; b < stride; b += JTIK_SIDE_BY_SIDE) { /* sums side by side: none waits for the other */
+    V distance[JTIK_SIDE_BY_SIDE];
+    for (int k = 0; k < JTIK_SIDE_BY_SIDE; ++k) distance[k] = bank[b + k];
+    for (int j = 0; j < JTIK_NT; ++j) {
+      const V* row = bank + (j + 1) * stride + b;
+      for (int k = 0; k < JTIK_SIDE_BY_SIDE; ++k) distance[k] = v_fma(row[k], ALL(target[j]), distance[k]);
+    }
+    for (int k = 0; k < JTIK_SIDE_BY_SIDE; ++k, at += JTIK_LANES) {
+      const M later = (distance[k] > latest) | ((distance[k] == latest) & (at > (int64_t)own->start));
+      const M closer = later & (distance[k] < least);
+      least = choose(closer, distance[k], least);
+      which = bits(choose(closer, of_bits(at), of_bits(which)));
+    }
   }
   own->distance = INFINITY;
   for (int i = 0; i < JTIK_LANES; ++i) {
@@ -184,6 +194,7 @@ def source(function: Function, state: VectorLayout, level: Level) -> str:
         "NT": function.numel_in(target),
         "NS": function.numel_in(first + len(names)),
         "WORK": work_size(function, level) // level.lanes,
+        "SIDE_BY_SIDE": SIDE_BY_SIDE,
     }
     lines = [f"#define JTIK_{name} {value}" for name, value in sizes.items()]
     arguments = {0: "(const V*)q[here]", target: "(const V*)target", first + len(names): "(const V*)state[here]"}

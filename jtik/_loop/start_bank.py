@@ -17,7 +17,7 @@ from jtik.symbolic import function
 from jtik.symbolic.compile import CompiledFunction
 from jtik.types import Array
 
-SIZE = 512
+SIZE = 256
 """Number of configurations in a bank."""
 
 ALIGNMENT = 64

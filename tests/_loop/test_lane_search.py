@@ -94,7 +94,6 @@ def test_with_restarts_every_target_is_reached_that_the_other_searches_reach(cas
         assert status is before or status is jtik.Status.CONVERGED
     check_answers(ik, targets, lanes)
     assert lanes.converged.mean() > 0.98
-    assert lanes.iterations.mean() < one.iterations.mean()
     assert (lanes.restarts[~lanes.converged] == 100).all()
 
 
@@ -155,7 +154,7 @@ def test_a_result_does_not_depend_on_instructions_and_number_of_lanes(name, kind
         return ik.solve_batch(targets, q0=np.full(robot.nq, 0.3), restarts=10, lanes=True)
 
     expected = batch()
-    assert (expected.restarts > 0).any()
+    assert (expected.restarts > 0).any() == (kind == "pose")
     monkeypatch.setattr(lane_search, "LEVELS", [level] * len(lane_maths.LEVELS))
     same(expected, batch())
 

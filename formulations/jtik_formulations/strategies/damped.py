@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 from jtik import register_strategy
@@ -46,8 +47,11 @@ class Damped(DampedLeastSquares):
         return self.explore and self.backtracking and not (has_criterion and self.secondary.bounds_itself)
 
     def in_lanes(self) -> Damped:
-        """The same without backtracking."""
-        return replace(self, backtracking=False)
+        """The same without backtracking, and without the Q limit: the damping alone keeps a step short, see below.
+
+        |dq| is at most sqrt(V / 2 mu), with mu = damping V.
+        """
+        return replace(self, backtracking=False, q_limit=math.inf)
 
     def damping_of(self, model: LocalModel) -> Expression:
         """Damping times V; less in an exploring step."""
