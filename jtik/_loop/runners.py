@@ -11,7 +11,7 @@ import numpy as np
 
 from jtik._loop import array_layout, native_source, native_step_source
 from jtik._loop.full_turns import FullTurns
-from jtik._loop.lane_search import LaneSearch, lane_library
+from jtik._loop.lane_search import LaneLibrary, LaneSearch, lane_library
 from jtik._loop.restarts import RestartConfigurations
 from jtik._loop.runner import Runner
 from jtik._loop.start_bank import StartBanks
@@ -217,10 +217,14 @@ class Runners:
         ordered = restarts and not problem.has_criterion and not RestartConfigurations(problem.robot).depend_on_start
         own = self._strategy
         strategy: Strategy = CheckedCall(own, own, "in_lanes")(Strategy) if ordered else own  # type: ignore[type-abstract]
+
+        def replaceable() -> LaneLibrary | None:
+            return lane_library(fused_step(problem, strategy, replaceable=True))
+
         if strategy is own or self._backend is not None:
             library = problem.once("lanes", lambda: lane_library(self.solve.fused))
         else:
-            library = problem.once("lanes with restarts", lambda: lane_library(fused_step(problem, strategy)))
+            library = problem.once("lanes with restarts", replaceable)
         if library is None:
             return None
         banks = problem.once("starts in lanes", lambda: StartBanks(problem)) if ordered else None
