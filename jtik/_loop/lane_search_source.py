@@ -20,7 +20,7 @@ _INCLUDED = """
 _SOURCE = r"""
 /* What a search that is in a lane has done; row: of its target, -1 where there is none; the latest start of a bank and
    its distance. */
-typedef struct { long long row, number, calls, iterations; double since; long long start; double distance; } lane;
+typedef struct { long long row, number, iterations; double since; long long start; double distance; } lane;
 
 /* The start that follows the latest one of a lane in the order of their distances from the target, then of the bank. */
 static JTIK_CPU void JTIK_NAME_follow(lane* own, const double* target, const V* bank, long long count) {
@@ -82,23 +82,22 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
   double* target = state[1] + JTIK_NS * JTIK_LANES;
   double* outcome = target + JTIK_NT * JTIK_LANES;
   const int several = starts != 0;
-  const double end = JTIK_NAME_seconds() + JTIK_BUDGET;
+  double now = JTIK_NAME_seconds();
+  const double end = now + JTIK_BUDGET;
   lane lanes[JTIK_LANES];
   long long next = 0, active = 0, steps = 0;
   int here = 0, open = 1;
+  M calls = {0}; /* of each attempt */
 #define OF(name) outcome[JTIK_##name * JTIK_LANES + i]
-  for (int i = 0; i < JTIK_LANES; ++i) {
-    lanes[i].row = -1;
-    lanes[i].calls = 0;
-  }
+  for (int i = 0; i < JTIK_LANES; ++i) lanes[i].row = -1;
   memset(work, 0, JTIK_WORK * JTIK_LANES * sizeof(double));
   for (int started = 0;; started = 1) {
     M over = {0};
     if (started) {
       JTIK_NAME_step(JTIK_ARGUMENTS, (V*)q[1 - here], (V*)state[1 - here], (V*)outcome);
       here = 1 - here;
-      over = ((const V*)outcome)[JTIK_CODE] != 0.0;
-      for (int i = 0; i < JTIK_LANES; ++i) over[i] |= -(int64_t)(++lanes[i].calls >= limit);
+      calls += 1;
+      over = (((const V*)outcome)[JTIK_CODE] != 0.0) | (calls >= (int64_t)limit);
       if (++steps % JTIK_CHECKED == 0 && JTIK_NAME_seconds() > end + JTIK_BUDGET) { /* Python goes on with them */
         for (int i = 0; i < JTIK_LANES; ++i) {
           if (lanes[i].row >= 0) tallies[3 * lanes[i].row] = JTIK_LOOK;
@@ -106,6 +105,8 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
         return next;
       }
       if (!any(over)) continue;
+      now = JTIK_NAME_seconds();
+      open = now < end;
     }
     for (int i = 0; i < JTIK_LANES; ++i) {
       lane* own = lanes + i;
@@ -114,7 +115,7 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
       int finished = 0;
       if (own->row >= 0) {
         const long long code = (long long)OF(CODE);
-        long long k = own->calls;
+        long long k = calls[i];
         double* found = ends + own->row * JTIK_NQ;
         if (code == JTIK_UNSOLVED || (code == JTIK_STALLED && (k == 1 || !several)) ||
             (code == JTIK_SLOW && !several)) {
@@ -132,7 +133,7 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
             finished = 1;
           } else if (own->number < last) {
             ++own->number;
-            own->calls = 0;
+            calls[i] = 0;
             if (size) {
               double own_target[JTIK_NT];
               for (int j = 0; j < JTIK_NT; ++j) own_target[j] = target[j * JTIK_LANES + i];
@@ -146,8 +147,6 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
           }
         }
         if (finished) {
-          const double now = JTIK_NAME_seconds();
-          open = now < end;
           tallies[3 * own->row] = returned;
           tallies[3 * own->row + 1] = own->iterations;
           tallies[3 * own->row + 2] = own->number;
@@ -168,7 +167,8 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
         }
         for (int j = 0; j < JTIK_NT; ++j) target[j * JTIK_LANES + i] = targets[next * JTIK_NT + j];
         JTIK_NAME_begin(q[here], state[here], start, initial, patience, i);
-        *own = (lane){next++, 0, 0, 0, JTIK_NAME_seconds(), -1, -INFINITY};
+        *own = (lane){next++, 0, 0, now, -1, -INFINITY};
+        calls[i] = 0;
         ++active;
       }
     }
