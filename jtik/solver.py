@@ -222,9 +222,13 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver, metaclass=Constr
             threads: number of threads of this process that solve at the same time, with the same numbers. They share
                 the work that runs in generated C; a step on the virtual machine, and what a solve leaves to Python, use
                 one at a time.
-            lanes: whether several targets are solved side by side in vector registers, two to four times faster.
-                Results differ by rounding from those of `solve`; they depend neither on what is solved beside them nor
-                on ``threads``. It compiles C when it is first used, whatever ``compiled`` is.
+            lanes: whether several targets are solved side by side in vector registers, several times faster. With
+                restarts and without a criterion it is a search of its own: attempts after the one from ``q0`` begin at
+                drawn configurations in the order of their distance from the target, and "damped" takes steps without
+                backtracking; so postures differ from those of `solve`. What it does not reach is left to the search
+                of `solve`. Otherwise results differ from those of `solve` by rounding. Results depend neither on what
+                is solved beside them nor on ``threads`` nor on the width of the registers. It compiles C when it is
+                first used, whatever ``compiled`` is.
             save: a ``.npz`` file that is written while the batch runs. If it exists, the batch goes on from it.
 
         Raises:

@@ -106,14 +106,16 @@ def _several(q: Any) -> bool:
     return not isinstance(q, Mapping) and len(shape_of(q) or ()) > 1
 
 
-def read_targets(tasks: TaskStack, targets: Iterable[Any]) -> tuple[Sequence[Any], Array]:
+def read_targets(tasks: TaskStack, targets: Iterable[Any]) -> tuple[Sequence[Any] | Array, Array]:
     """The targets as they were given, and the numbers of each, (k, size); all are checked.
 
     Raises:
         ArgumentError: naming the target, such as ``targets[3]``.
     """
-    given: Sequence[Any] = several("targets", targets, "a list of targets, or an array with one target a row")
-    table = tasks.read_table(targets if type(targets) is np.ndarray else given)
+    given: Any = targets
+    if type(targets) is not np.ndarray or not targets.ndim:
+        given = several("targets", targets, "a list of targets, or an array with one target a row")
+    table = tasks.read_table(given)
     if table is not None:
         return given, table
     numbers = []

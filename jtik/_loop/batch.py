@@ -78,8 +78,10 @@ class BatchRows(NamedTuple):
             empty = np.zeros(0), np.zeros((0, nq)), np.zeros(0, dtype=bool), np.zeros((0, 2)), np.zeros((0, 3))
             numbers, q, converged, errors, counts = empty
             return cls(numbers.astype(np.int64), q, converged, errors, counts.astype(np.int64), np.zeros(0), {})
-        order = np.argsort(np.concatenate([part.numbers for part in parts]))
-        columns = [np.concatenate(column)[order] for column in zip(*[part[:-1] for part in parts], strict=True)]
+        joined = [np.concatenate(column) for column in zip(*[part[:-1] for part in parts], strict=True)]
+        numbers = joined[0]
+        sorts = bool((numbers[1:] < numbers[:-1]).any())
+        columns = [column[np.argsort(numbers)] for column in joined] if sorts else joined
         return cls._make([*columns, {i: each for part in parts for i, each in part.diagnose.items()}])
 
 

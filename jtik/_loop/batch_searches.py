@@ -92,8 +92,9 @@ class BatchSearches:
             return self._row(i, found, targets.given[i], options, seconds - begin)
 
         while at < len(chosen):
-            own = starts if len(starts) == 1 else starts[chosen[at:]]
-            blocks = self._search.find_all(targets.numbers[chosen[at:]], own, search_options, threads, lanes)
+            left: Any = slice(None) if len(chosen) - at == len(targets.numbers) else chosen[at:]
+            own = starts if len(starts) == 1 else starts[left]
+            blocks = self._search.find_all(targets.numbers[left], own, search_options, threads, lanes)
             if blocks is None:
                 yield row(int(chosen[at]), None, 0.0)
                 at += 1

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from jtik._loop.inspection import Inspection
 from jtik.constraints.limits import AT_LIMIT
 from jtik.result.status import Status
 from jtik.robot import Robot
 from jtik.types import Array
+
+if TYPE_CHECKING:
+    from jtik._loop.inspection import Inspection
 
 
 class Jump:

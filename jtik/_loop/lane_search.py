@@ -5,6 +5,10 @@ ends it takes the next target. What a lane holds does not change what the others
 of the C library, so that results differ from those of the other searches by rounding. What is unusual is left to the
 search in Python, as by the native search, and so is a search that goes on for more than a tenth of a second after all
 others of its call: Ctrl-C is obeyed then.
+
+With restarts, and without a criterion, it is a search of its own: the steps are those of `Strategy.in_lanes`, and the
+restarts come in the order of their distance from the target (`jtik._loop.start_bank`). Where none of them reaches it,
+the search in Python begins anew.
 """
 
 from __future__ import annotations
@@ -19,6 +23,7 @@ from jtik._loop.full_turns import FullTurns
 from jtik._loop.lane_search_source import source, work_size
 from jtik._loop.native_search import NativeBatch
 from jtik._loop.runner import Runner
+from jtik._loop.start_bank import StartBank, StartBanks, aligned
 from jtik._step.fused_step import FusedStep
 from jtik.symbolic import Function
 from jtik.symbolic.compile import plain_library
@@ -29,21 +34,20 @@ from jtik.types import Array
 MOST_ROWS = 16384
 """Most targets of one call: at its end some lanes have nothing to do."""
 
-ALIGNMENT = 64
-"""Alignment of vectors in memory [bytes]."""
-
 
 class LaneLibrary(NamedTuple):
     """The search in lanes for one step.
 
     Attributes:
         function: the step.
+        first_state: the state that a search begins with.
         level: the instructions that it uses.
         loaded: its shared library.
         name: the beginning of its names.
     """
 
     function: Function
+    first_state: Array
     level: Level
     loaded: ctypes.CDLL
     name: str
@@ -63,7 +67,7 @@ def lane_library(fused: FusedStep) -> LaneLibrary | None:
         return None
     level = LEVELS[highest_level()]
     loaded, name = plain_library(source(function, fused.state, level), EXACT)
-    return LaneLibrary(function, level, loaded, name)
+    return LaneLibrary(function, fused.first_state, level, loaded, name)
 
 
 @cache
@@ -85,27 +89,35 @@ class LaneSearch:
         runner: the runner of solves, whose parameters, limits and settings are read where they are.
         turns: the joints that can turn all the way round.
         has_criterion: whether there is a criterion.
+        banks: the restarts by their distance from the target; None for those of all searches.
 
     Attributes:
         runner: the runner.
+        banks: as given.
     """
 
-    def __init__(self, library: LaneLibrary, runner: Runner, turns: FullTurns, *, has_criterion: bool) -> None:
-        self.runner, self._arguments = runner, (library, runner, turns)
+    def __init__(
+        self,
+        library: LaneLibrary,
+        runner: Runner,
+        turns: FullTurns,
+        *,
+        has_criterion: bool,
+        banks: StartBanks | None = None,
+    ) -> None:
+        self.runner, self.banks, self._arguments = runner, banks, (library, runner, turns)
         self._has_criterion = has_criterion
         self._nq = len(runner.q[0])
         inputs = runner.inputs
         pointers = np.array([0, *(array.ctypes.data if array.size else 0 for array in inputs)], dtype=np.uintp)
-        self._q0, self._first_state = np.zeros(self._nq), runner.first_state.copy()
+        self._q0, self._first_state = np.zeros(self._nq), library.first_state.copy()
         limits = [turns.indices, turns.lower, turns.upper]
         at = np.zeros(20, dtype=np.uintp)  # where the native search has them
         at[[0, 9, 10, 12]] = [each.ctypes.data for each in (pointers, self._first_state, inputs.settings, self._q0)]
         at[13:17] = [self._nq, len(self._first_state), len(turns.indices), int(has_criterion)]
         at[17:20] = [each.ctypes.data for each in limits]
-        work = np.zeros(work_size(library.function, library.level) + ALIGNMENT // 8)
-        skipped = -work.ctypes.data % ALIGNMENT
-        self._work = work.ctypes.data + skipped
-        self._at, self._kept = at, (pointers, work, limits, inputs)
+        self._work = aligned(work_size(library.function, library.level))
+        self._at, self._kept = at, (pointers, limits, inputs)
         self._call = getattr(library.loaded, f"{library.name}_lanes")
         integer, pointer = ctypes.c_longlong, ctypes.c_void_p
         self._call.argtypes = [pointer, pointer, integer, integer, integer, ctypes.c_double, pointer]
@@ -113,7 +125,7 @@ class LaneSearch:
 
     def beside(self) -> LaneSearch:
         """A search on memory of its own, for another thread."""
-        return LaneSearch(*self._arguments, has_criterion=self._has_criterion)
+        return LaneSearch(*self._arguments, has_criterion=self._has_criterion, banks=self.banks)
 
     def batch(
         self,
@@ -124,13 +136,16 @@ class LaneSearch:
         last: int,
         limit: int,
         patience: float,
+        bank: StartBank | None = None,
     ) -> NativeBatch:
-        """As `jtik._loop.native_search.NativeSearch.batch`."""
+        """As `jtik._loop.native_search.NativeSearch.batch`; ``starts`` are those of ``bank``, where there is one."""
         found = NativeBatch.of(min(len(targets), MOST_ROWS), self._nq)
         count = len(found.q)
         arrays = [np.ascontiguousarray(targets[:count]), np.ascontiguousarray(q0), *found]
         sizes = [count, targets.shape[1], self._nq if len(q0) > 1 else 0]
-        table = np.array([*(each.ctypes.data for each in arrays), *sizes, self._work], dtype=np.uintp)
+        order = [bank.coefficients.ctypes.data, len(bank.configurations)] if bank else [0, 0]
+        addresses = [each.ctypes.data for each in arrays]
+        table = np.array([*addresses, *sizes, self._work.ctypes.data, *order], dtype=np.uintp)
         starts_at = None if starts is None else starts.ctypes.data
         done = self._call(self._at.ctypes.data, starts_at, first, max(last, 0), limit, patience, table.ctypes.data)
         return found.first(done)

@@ -10,13 +10,47 @@ from jtik.symbolic import Function
 from jtik.symbolic.lane_maths import Level, lane_maths
 from jtik.symbolic.lane_source import lane_source
 
+SIDE_BY_SIDE = 4
+"""Vectors of distances that are summed at the same time."""
+
 _INCLUDED = """
 #include <time.h>
 """
 
 _SOURCE = r"""
-/* What a search that is in a lane has done; row: of its target, -1 where there is none. */
-typedef struct { long long row, number, calls, iterations; double since; } lane;
+/* What a search that is in a lane has done; row: of its target, -1 where there is none; the latest start of a bank and
+   its distance. */
+typedef struct { long long row, number, iterations; double since; long long start; double distance; } lane;
+
+/* The start that follows the latest one of a lane in the order of their distances from the target, then of the bank. */
+static JTIK_CPU void JTIK_NAME_follow(lane* own, const double* target, const V* bank, long long count) {
+  const V latest = ALL(own->distance);
+  const long long stride = count / JTIK_LANES;
+  V least = ALL(INFINITY);
+  M which = {0}, at = {0};
+  for (int i = 0; i < JTIK_LANES; ++i) at[i] = i;
+  for (long long b = 0; b < stride; b += JTIK_SIDE_BY_SIDE) { /* sums side by side: none waits for the other */
+    V distance[JTIK_SIDE_BY_SIDE];
+    for (int k = 0; k < JTIK_SIDE_BY_SIDE; ++k) distance[k] = bank[b + k];
+    for (int j = 0; j < JTIK_NT; ++j) {
+      const V* row = bank + (j + 1) * stride + b;
+      for (int k = 0; k < JTIK_SIDE_BY_SIDE; ++k) distance[k] = v_fma(row[k], ALL(target[j]), distance[k]);
+    }
+    for (int k = 0; k < JTIK_SIDE_BY_SIDE; ++k, at += JTIK_LANES) {
+      const M later = (distance[k] > latest) | ((distance[k] == latest) & (at > (int64_t)own->start));
+      const M closer = later & (distance[k] < least);
+      least = choose(closer, distance[k], least);
+      which = bits(choose(closer, of_bits(at), of_bits(which)));
+    }
+  }
+  own->distance = INFINITY;
+  for (int i = 0; i < JTIK_LANES; ++i) {
+    if (least[i] < own->distance || (least[i] == own->distance && which[i] < own->start)) {
+      own->distance = least[i];
+      own->start = which[i];
+    }
+  }
+}
 
 /* The start of an attempt in lane i. */
 static JTIK_CPU void JTIK_NAME_begin(double* q, double* state, const double* start, const double* initial,
@@ -38,6 +72,8 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
   long long* tallies = (long long*)table[5]; /* code, iterations, restarts */
   const long long count = (long long)table[6], stride = (long long)table[8];
   double* work = (double*)table[9]; /* aligned as vectors are */
+  const V* bank = (const V*)table[10];
+  const long long size = (long long)table[11];
   const double* const* shared = (const double* const*)at[0];
   const double* initial = (const double*)at[9];
   const double* settings = (const double*)at[10];
@@ -46,23 +82,22 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
   double* target = state[1] + JTIK_NS * JTIK_LANES;
   double* outcome = target + JTIK_NT * JTIK_LANES;
   const int several = starts != 0;
-  const double end = JTIK_NAME_seconds() + JTIK_BUDGET;
+  double now = JTIK_NAME_seconds();
+  const double end = now + JTIK_BUDGET;
   lane lanes[JTIK_LANES];
   long long next = 0, active = 0, steps = 0;
   int here = 0, open = 1;
+  M calls = {0}; /* of each attempt */
 #define OF(name) outcome[JTIK_##name * JTIK_LANES + i]
-  for (int i = 0; i < JTIK_LANES; ++i) {
-    lanes[i].row = -1;
-    lanes[i].calls = 0;
-  }
+  for (int i = 0; i < JTIK_LANES; ++i) lanes[i].row = -1;
   memset(work, 0, JTIK_WORK * JTIK_LANES * sizeof(double));
   for (int started = 0;; started = 1) {
     M over = {0};
     if (started) {
       JTIK_NAME_step(JTIK_ARGUMENTS, (V*)q[1 - here], (V*)state[1 - here], (V*)outcome);
       here = 1 - here;
-      over = ((const V*)outcome)[JTIK_CODE] != 0.0;
-      for (int i = 0; i < JTIK_LANES; ++i) over[i] |= -(int64_t)(++lanes[i].calls >= limit);
+      calls += 1;
+      over = (((const V*)outcome)[JTIK_CODE] != 0.0) | (calls >= (int64_t)limit);
       if (++steps % JTIK_CHECKED == 0 && JTIK_NAME_seconds() > end + JTIK_BUDGET) { /* Python goes on with them */
         for (int i = 0; i < JTIK_LANES; ++i) {
           if (lanes[i].row >= 0) tallies[3 * lanes[i].row] = JTIK_LOOK;
@@ -70,6 +105,8 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
         return next;
       }
       if (!any(over)) continue;
+      now = JTIK_NAME_seconds();
+      open = now < end;
     }
     for (int i = 0; i < JTIK_LANES; ++i) {
       lane* own = lanes + i;
@@ -78,7 +115,7 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
       int finished = 0;
       if (own->row >= 0) {
         const long long code = (long long)OF(CODE);
-        long long k = own->calls;
+        long long k = calls[i];
         double* found = ends + own->row * JTIK_NQ;
         if (code == JTIK_UNSOLVED || (code == JTIK_STALLED && (k == 1 || !several)) ||
             (code == JTIK_SLOW && !several)) {
@@ -96,8 +133,13 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
             finished = 1;
           } else if (own->number < last) {
             ++own->number;
-            own->calls = 0;
-            const double* start = starts + (own->number - first) * JTIK_NQ;
+            calls[i] = 0;
+            if (size) {
+              double own_target[JTIK_NT];
+              for (int j = 0; j < JTIK_NT; ++j) own_target[j] = target[j * JTIK_LANES + i];
+              JTIK_NAME_follow(own, own_target, bank, size);
+            }
+            const double* start = starts + (size ? own->start : own->number - first) * JTIK_NQ;
             JTIK_NAME_begin(q[here], state[here], start, initial, patience, i);
           } else {
             returned = JTIK_EXHAUSTED;
@@ -105,8 +147,6 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
           }
         }
         if (finished) {
-          const double now = JTIK_NAME_seconds();
-          open = now < end;
           tallies[3 * own->row] = returned;
           tallies[3 * own->row + 1] = own->iterations;
           tallies[3 * own->row + 2] = own->number;
@@ -127,7 +167,8 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
         }
         for (int j = 0; j < JTIK_NT; ++j) target[j * JTIK_LANES + i] = targets[next * JTIK_NT + j];
         JTIK_NAME_begin(q[here], state[here], start, initial, patience, i);
-        *own = (lane){next++, 0, 0, 0, JTIK_NAME_seconds()};
+        *own = (lane){next++, 0, 0, now, -1, -INFINITY};
+        calls[i] = 0;
         ++active;
       }
     }
@@ -153,6 +194,7 @@ def source(function: Function, state: VectorLayout, level: Level) -> str:
         "NT": function.numel_in(target),
         "NS": function.numel_in(first + len(names)),
         "WORK": work_size(function, level) // level.lanes,
+        "SIDE_BY_SIDE": SIDE_BY_SIDE,
     }
     lines = [f"#define JTIK_{name} {value}" for name, value in sizes.items()]
     arguments = {0: "(const V*)q[here]", target: "(const V*)target", first + len(names): "(const V*)state[here]"}

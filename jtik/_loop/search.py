@@ -281,8 +281,11 @@ class Search:
         native = lanes or self.native
         if native is None or (len(q0) > 1 and self._restarts.depend_on_start):
             return None
-        starts, first, last = self._starts(0, options, q0[0], None)
-        if starts is not None and len(targets) >= MANY:  # it pays to draw more than those that most targets need
+        bank = lanes.banks.of(options.seed) if lanes and lanes.banks else None
+        starts, first, last = bank.starts if bank else self._starts(0, options, q0[0], None)
+        if (
+            starts is not None and bank is None and len(targets) >= MANY
+        ):  # it pays to draw more than those that most targets need
             blocks = [starts]
             while last < min(options.restarts, MANY):
                 more, _, last = self._starts(last + 1, options, q0[0], None)
@@ -293,7 +296,8 @@ class Search:
 
         def solve(search: NativeSearch | LaneSearch, begin: int, end: int) -> NativeBatch:
             own = q0[begin:] if len(q0) > 1 else q0
-            return search.batch(targets[begin:end], own, starts, first, last, options.limit, patience)
+            arguments = targets[begin:end], own, starts, first, last, options.limit, patience
+            return search.batch(*arguments, bank) if isinstance(search, LaneSearch) else search.batch(*arguments)
 
         threads = min(threads, MOST_THREADS, max(len(targets) // SMALLEST, 1))
         if threads == 1:

@@ -80,7 +80,7 @@ class Solving:
         self._memory, self._targets, self._ahead = runners.memory, targets, ahead
         self._target = self._memory.inputs.target
         self._options, self._kinds, self._prepared = tuple[Any, ...](), list[type](), tuple[Any, ...]()
-        self._lanes: LaneSearch | None = None
+        self._lanes: dict[bool, LaneSearch] = {}
         self._batch = BatchSearches(
             search,
             self._memory,
@@ -179,7 +179,7 @@ class Solving:
             exclusive.busy = True
             starts = self._configurations.starts(q0, len(numbers))
             search_options = self._read_options(options)
-            in_lanes = self._in_lanes() if lanes else None
+            in_lanes = self._in_lanes(search_options.restarts > 0) if lanes else None
             identity = None if save is None else (solver.identity, list(numbers), list(starts), options)
             file = BatchFile(save, identity, len(numbers), self._robot.nq)
             pool = None
@@ -203,18 +203,20 @@ class Solving:
         finally:
             exclusive.busy = False
 
-    def _in_lanes(self) -> LaneSearch:
-        """The search in lanes, which is compiled when it is first used.
+    def _in_lanes(self, restarts: bool) -> LaneSearch:
+        """The search in lanes, with restarts or without, which is compiled when it is first used.
 
         Raises:
             ArgumentError: where the strategy has none.
             CompilerError: without a compiler.
         """
-        self._lanes = self._lanes or self._runners.lanes()
-        if self._lanes is None:
-            accepted = "False; True where a step is expressions alone: no quadratic program, nothing computed in Python"
-            raise ArgumentError("lanes", True, accepted)
-        return self._lanes
+        if restarts not in self._lanes:
+            made = self._runners.lanes(restarts=restarts)
+            if made is None:
+                only = "True where a step is expressions alone: no quadratic program, nothing computed in Python"
+                raise ArgumentError("lanes", True, f"False; {only}")
+            self._lanes[restarts] = made
+        return self._lanes[restarts]
 
     def solve_numbers(self, numbers: Array, starts: Array, options: Options, lanes: bool) -> BatchRows:
         """The rows of targets that are numbers, as another process can read them."""
@@ -224,7 +226,7 @@ class Solving:
         try:
             exclusive.busy = True
             search_options, targets = self._read_options(options), BatchTargets(numbers, numbers, starts)
-            in_lanes = self._in_lanes() if lanes else None
+            in_lanes = self._in_lanes(search_options.restarts > 0) if lanes else None
             chosen = np.arange(len(numbers))
             parts = list(self._batch.rows(chosen, targets, options, search_options, 1, in_lanes))
             return BatchRows.joined(parts, self._robot.nq).settled()
@@ -234,7 +236,7 @@ class Solving:
     def track(self, targets: Iterable[Any], q0: Any, dt: float, options: Options, progress: Progress) -> Trajectory:
         """Follow a path of targets, as `InverseKinematics.track` describes it."""
         given, _ = read_targets(self._tasks, targets)
-        if not given:
+        if not len(given):
             raise ArgumentError("targets", "none", "at least one target")
         exclusive = self._exclusive
         if exclusive.busy:

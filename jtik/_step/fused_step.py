@@ -152,6 +152,7 @@ def fused_step(
     timed: bool = False,
     explores: bool = False,
     acceleration: Array | None = None,
+    replaceable: bool = False,
 ) -> FusedStep:
     """Join problem and strategy into one function, or into those between which quadratic programs are solved.
 
@@ -167,6 +168,8 @@ def fused_step(
         explores: whether it explores where V has stopped falling, for a strategy that does; see `can_explore`.
         acceleration: limits of acceleration of a timed step (n,), which then brakes towards its target; None without
             any.
+        replaceable: whether a restart replaces an attempt that does not soon reach the target. Then the step has a
+            cheaper model, and an attempt ends on the target, without progress, or where V is not finite.
 
     Raises:
         StrategyError: when a method of the strategy raises or returns what cannot be used.
@@ -188,6 +191,7 @@ def fused_step(
     by_level = CheckedCall(strategy, strategy, "respects_priority").flag()
     start = start_of_step(state, q)
     flags = {"uses_qp": uses_qp, "timed": timed, "by_level": by_level, "explores": explores}
+    flags["replaceable"] = replaceable
     at = linearized(problem, start, inputs, state, qps, acceleration=acceleration, **flags)
     model, active = at.model, at.active_set
     exploration = Exploration.of(model, state, q) if explores else None
@@ -200,8 +204,10 @@ def fused_step(
     compromise = None if timed else update.compromise_residual  # a timed step follows its target all the same
     stop = Stop(problem, model, settings, active, update.stationarity_residual, restoration, compromise, at.has_slope)
     progress = Progress.of(model, state, stop)
+    if replaceable:
+        stop.stationary = 0
 
-    finite = _finite(model, q)
+    finite = is_finite(model.here.V_to_target) if replaceable else _finite(model, q)
     if problem.has_criterion:  # on the target only the criterion is left
         finite = logic_and(finite, logic_or(at.has_slope, logic_not(stop.reached_before)))
     stops = logic_or(stop.stationary, progress.slow)
@@ -229,6 +235,9 @@ def fused_step(
         *errors, V = [if_else(accepted, after, before) for after, before in pairs]  # type: ignore[assignment]
 
     after, stalled = progress.after(model, state, update, accepted, stop, restoration, evaluated=evaluated)
+    if replaceable:
+        after |= {name: state[name] for name in ("refused", "stagnant")}
+        stalled = 0
     after["neighbourhood"] = model.neighbourhood
     if timed:
         after["remaining"] = if_else(accepted, update.candidate.length, model.here.length)

@@ -17,6 +17,7 @@ from jtik.strategy import Evaluation, LocalModel
 from jtik.symbolic import (
     TINY,
     Expression,
+    Function,
     fmax,
     horzcat,
     if_else,
@@ -78,6 +79,7 @@ def linearized(
     by_level: bool = False,
     acceleration: Array | None = None,
     explores: bool = False,
+    replaceable: bool = False,
 ) -> Linearized:
     """The problem at ``start`` (nq, 1), clamped to the limits.
 
@@ -92,13 +94,16 @@ def linearized(
         by_level: whether the strategy respects levels of priority.
         acceleration: limits of acceleration of a timed step (n,); None without any.
         explores: whether it is the step that takes over where V has stopped falling.
+        replaceable: whether a restart replaces what does not soon reach the target: a cheaper model is enough.
     """
     limits, settings = (inputs.lower, inputs.upper), Settings.of(inputs.settings)
-    parts = _parts(problem, clamped(start, *limits, problem.bounded), inputs.target, inputs.parameters)
+    of_residual = problem.near_jacobian() if replaceable else problem.residual_jacobian
+    parts = _parts(problem, of_residual, clamped(start, *limits, problem.bounded), inputs.target, inputs.parameters)
     at = [symbol(f"at{i}", *part.shape) for i, part in enumerate(parts)] if qps else parts
     q, whole, J, H, gradient = at[:5]
     residual, unshifted = whole, at[5] if problem.unshifted else None
-    nearer, coordinates = None if timed else NearerTarget.of(problem, whole, by_level=by_level), problem.coordinates
+    nearer = None if timed or replaceable else NearerTarget.of(problem, whole, by_level=by_level)
+    coordinates = problem.coordinates
     if nearer and nearer.weights_differ and explores and not by_level:
         scale = nearer.joint_scale(J, state["explored"] > 0)
         coordinates, change = coordinates.scaled(scale), WeightedCoordinates(scale)
@@ -188,11 +193,17 @@ def _curvature(squared: Expression, n: int, remaining: Expression, residual: Exp
     return LEFT_OUT * remaining * sqrt(squared / n) + RETURN * sumsqr(residual) / 2 + SINGULAR * squared
 
 
-def _parts(problem: SymbolicProblem, q: Expression, target: Expression, parameters: Expression) -> list[Expression]:
-    """The `Linearized.parts`."""
+def _parts(
+    problem: SymbolicProblem,
+    of_residual: Function,
+    q: Expression,
+    target: Expression,
+    parameters: Expression,
+) -> list[Expression]:
+    """The `Linearized.parts`, with this Jacobian of the residual."""
     at = symbol("at", problem.robot.nq)
     H, gradient = problem.criterion_gradient(at, parameters)
-    J = _movable(problem, problem.residual_jacobian(at, target))
+    J = _movable(problem, of_residual(at, target))
     gradient = _movable(problem, gradient.T).T
     parts = [problem.residual(at, target), J, H, gradient]
     if problem.unshifted:

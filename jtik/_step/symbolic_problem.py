@@ -92,6 +92,7 @@ class SymbolicProblem:
         self.unshifted = self._unshifted(q, target)
         self.error_jacobian = function("error_jacobian", [q, target], [rows.jacobian])
         self.residual_jacobian = function("residual_jacobian", [q, target], [self.factor.T @ rows.jacobian])
+        self._near_jacobian = [q, target], self.factor.T @ rows.near_jacobian
         self.least_squares = terms.least_squares()
         self.clearances = clearances
         if clearances:
@@ -201,6 +202,11 @@ class SymbolicProblem:
     def has_criterion(self) -> bool:
         """Whether there is a criterion."""
         return len(self.terms.named) > 0
+
+    def near_jacobian(self) -> Function:
+        """(q, target) -> a cheaper matrix (m, n) that approaches the residual's Jacobian near the target."""
+        arguments, J = self._near_jacobian
+        return self.once("near_jacobian", lambda: function("near_jacobian", arguments, [J]))
 
     def gradient(self, expression: Expression, q: Expression) -> Expression:
         """Derivative of a scalar with respect to the velocity, T(q)' (d/dq)', as a column, in reverse mode."""

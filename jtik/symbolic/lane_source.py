@@ -2,12 +2,17 @@
 
 CasADi's own C is one number at a time. Here each instruction of the function becomes an operation on vectors, assigned
 once; a truth value stays a mask for as long as it is used as one. All branches are evaluated, as in CasADi's C.
+
+A product that only a sum or a difference uses is one operation with it, rounded once. The difference of two products
+stays as it is: that of equal products is exactly zero.
 """
 
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Collection
+from dataclasses import dataclass
 
 import casadi
 
@@ -37,7 +42,7 @@ _ONE = (
     "log1p",
     "expm1",
 )
-_TWO = ("atan2", "pow", "fmod", "copysign", "hypot")
+_TWO = ("pow", "fmod", "copysign", "hypot")
 """Functions of the C library, called for each lane."""
 
 _NUMBERS = {
@@ -53,8 +58,7 @@ _NUMBERS = {
     "SQRT": "v_sqrt({0})",
     "FABS": "v_fabs({0})",
     "SIGN": "v_sign({0})",
-    "SIN": "v_sin({0})",
-    "COS": "v_cos({0})",
+    "ATAN2": "v_atan2({0}, {1})",
     "FMIN": "v_fmin({0}, {1})",
     "FMAX": "v_fmax({0}, {1})",
     **{name.upper(): f"ONE({name}, {{0}})" for name in _ONE},
@@ -63,7 +67,9 @@ _NUMBERS = {
 }
 """C of an operation on numbers, by its name."""
 
-_OTHERS = {*_COMPARED, *_JOINED, "NOT", "IF_ELSE_ZERO", "CONST", "INPUT", "OUTPUT"}
+_TURNS = {"SIN": "s", "COS": "c"}
+
+_OTHERS = {*_COMPARED, *_JOINED, *_TURNS, "NOT", "IF_ELSE_ZERO", "CONST", "INPUT", "OUTPUT"}
 
 
 def has_lanes(function: Function) -> bool:
@@ -86,29 +92,44 @@ def lane_source(function: Function, name: str, shared: Collection[int]) -> str:
         name: the name.
         shared: numbers of the inputs that are the same for all lanes: ``const double*`` instead of ``const V*``.
     """
-    lines: list[str] = []
+    assigned: list[_Assignment] = []
+    angles: list[dict[str, int]] = []  # whose sines and cosines are computed after each part of the code
+    part_of: dict[str, int] = {}  # of a variable
     held: dict[int, str] = {}  # the variable that a place of the work vector holds
     masks: set[str] = set()
+    uses: Counter[str] = Counter()
+
+    def variable_at(place: int) -> str:
+        uses[held[place]] += 1
+        return held[place]
 
     def number(place: int) -> str:
-        variable = held[place]
+        variable = variable_at(place)
         return f"number({variable})" if variable in masks else variable
 
     def truth(place: int) -> str:
-        variable = held[place]
+        variable = variable_at(place)
         return variable if variable in masks else f"({variable} != 0.0)"
 
     for i in range(function.n_instructions()):
         operation, variable = _NAMES[function.instruction_id(i)], f"a{i}"
         out, own = list(function.instruction_output(i)), list(function.instruction_input(i))
+        part = 0 if operation == "INPUT" else max((part_of[held[place]] for place in own), default=0)
+        operands: list[str] = []
         if operation == "OUTPUT":
-            lines.append(f"out{out[0]}[{out[1]}] = {number(own[0])};")
+            assigned.append(_Assignment(part, f"out{out[0]}[{out[1]}]", number(own[0])))
             continue
         if operation == "INPUT":
             read = f"in{own[0]}[{own[1]}]"
             value = f"ALL({read})" if own[0] in shared else read
         elif operation == "CONST":
             value = f"ALL({_literal(function.instruction_constant(i))})"
+        elif operation in _TURNS:
+            if part == len(angles):
+                angles.append({})
+            angle = angles[part].setdefault(number(own[0]), len(angles[part]))
+            value = f"{_TURNS[operation]}{part}[{angle}]"
+            part += 1
         elif operation in _COMPARED:
             value = f"{number(own[0])} {_COMPARED[operation]} {number(own[1])}"
         elif operation in _JOINED:
@@ -118,14 +139,69 @@ def lane_source(function: Function, name: str, shared: Collection[int]) -> str:
         elif operation == "IF_ELSE_ZERO":
             value = f"where({truth(own[0])}, {number(own[1])})"
         else:
-            value = _NUMBERS[operation].format(*map(number, own))
+            value, operands = _NUMBERS[operation], [number(place) for place in own]
         if operation in _COMPARED or operation in _JOINED or operation == "NOT":
             masks.add(variable)
-        lines.append(f"const {'M' if variable in masks else 'V'} {variable} = {value};")
-        held[out[0]] = variable
+        kind = "const M " if variable in masks else "const V "
+        assigned.append(_Assignment(part, kind + variable, value, tuple(operands), operation))
+        held[out[0]], part_of[variable] = variable, part
+    lines: list[list[str]] = [[] for _ in range(len(angles) + 1)]
+    for each in _fused(assigned, uses):
+        lines[each.part].append(f"{each.variable} = {each.value.format(*each.operands)};")
+    for k, own_angles in enumerate(angles):
+        count = len(own_angles)
+        lines[k].append(f"const V x{k}[{count}] = {{{', '.join(own_angles)}}};")
+        lines[k].append(f"V s{k}[{count}], c{k}[{count}]; v_turns({count}, x{k}, s{k}, c{k});")
     inputs = [f"const {'double' if k in shared else 'V'}* restrict in{k}" for k in range(function.n_in())]
     outputs = [f"V* restrict out{k}" for k in range(function.n_out())]
-    return f"static JTIK_CPU void {name}({', '.join(inputs + outputs)}) {{\n" + "\n".join(lines) + "\n}\n"
+    body = "\n".join(line for part_lines in lines for line in part_lines)
+    return f"static JTIK_CPU void {name}({', '.join(inputs + outputs)}) {{\n{body}\n}}\n"
+
+
+@dataclass(frozen=True)
+class _Assignment:
+    """The value of a variable.
+
+    Attributes:
+        part: the part of the code: the sines and cosines that the parts before need are known.
+        variable: the variable, with its type.
+        value: its value as C, with a field for each operand.
+        operands: the operands of an arithmetic operation.
+        operation: name of the operation.
+    """
+
+    part: int
+    variable: str
+    value: str
+    operands: tuple[str, ...] = ()
+    operation: str = ""
+
+
+def _fused(assigned: list[_Assignment], uses: Counter[str]) -> list[_Assignment]:
+    """The assignments with products fused into the sums and differences that alone use them.
+
+    Args:
+        assigned: the assignments, each after those that it uses.
+        uses: how often each variable is used.
+    """
+    factors = {each.variable.split()[-1]: each.operands for each in assigned if each.operation == "MUL"}
+    gone: set[str] = set()
+    found: list[_Assignment] = []
+    for each in assigned:
+        product = sign = ""
+        if each.operation in ("ADD", "SUB"):
+            sign = "-" if each.operation == "SUB" else ""
+            once = [operand for operand in each.operands if operand in factors and uses[operand] == 1]
+            if once and not (sign and all(operand in factors for operand in each.operands)):
+                product = once[-1]
+        if product:
+            gone.add(product)
+            is_second = each.operands[1] == product
+            value = f"v_fma({sign}{{0}}, {{1}}, {{2}})" if is_second else f"v_fma({{0}}, {{1}}, {sign}{{2}})"
+            operands = (*factors[product], each.operands[0 if is_second else 1])
+            each = _Assignment(each.part, each.variable, value, operands, "FMA")
+        found.append(each)
+    return [each for each in found if each.variable.split()[-1] not in gone]
 
 
 def _literal(value: float) -> str:

@@ -24,11 +24,14 @@ class TaskRows:
         linear: for each row, True for a length [m] and False for an angle [rad].
         jacobian: derivative of the error with respect to the velocity, (m, n), where there is a simpler expression
             than CasADi derives; None otherwise.
+        near_jacobian: a cheaper matrix (m, n) that approaches ``jacobian`` where the error approaches zero; None for
+            none.
     """
 
     error: Expression
     linear: tuple[bool, ...]
     jacobian: Expression | None = None
+    near_jacobian: Expression | None = None
 
 
 class Task(metaclass=Constructed):

@@ -148,6 +148,7 @@ class PlacementTask(WeightedTask):
         rows = self._kept(robot)
         R, p = self.placement(kinematics)
         split = 0 if self.kind == "orientation" else robot.dimension
+        near = None
         if self.error == "logarithm" and self.kind != "orientation":
             error, J = self._logarithm(kinematics, target, R, p)
         else:
@@ -158,10 +159,12 @@ class PlacementTask(WeightedTask):
                 parts.append(_orientation_error(R, target[split:], robot.dimension))
             error = vertcat(*parts)
             J = self._jacobian(kinematics, target, error) if robot.dimension == 3 else None
+            near = None if J is None else self._near_jacobian(kinematics, target)
         return TaskRows(
             error=vertcat(*[error[row] for row in rows]),
             linear=tuple(row < split for row in rows),
             jacobian=None if J is None else vertcat(*[J[row, :] for row in rows]),
+            near_jacobian=None if near is None else vertcat(*[near[row, :] for row in rows]),
         )
 
     def _jacobian(self, kinematics: Kinematics, target: Expression, error: Expression) -> Expression | None:
@@ -171,6 +174,17 @@ class PlacementTask(WeightedTask):
             return None if J is None else J[:3, :]
         R_target = reshape(target[-9:], 3, 3)
         angular = rotation.log_rate(error[-3:]) @ R_target.T @ J[3:, :]
+        return angular if self.kind == "orientation" else vertcat(J[:3, :], angular)
+
+    def _near_jacobian(self, kinematics: Kinematics, target: Expression) -> Expression | None:
+        """The same without the derivative of the logarithm by the rotation, which leaves the logarithm as it is.
+
+        So J'e is that of the Jacobian, where a task has all rows of the rotation.
+        """
+        J = self.geometric_jacobian(kinematics)
+        if J is None or self.kind == "position":
+            return None
+        angular = reshape(target[-9:], 3, 3).T @ J[3:, :]
         return angular if self.kind == "orientation" else vertcat(J[:3, :], angular)
 
     def _logarithm(

@@ -28,12 +28,14 @@ class StackRows:
         linear: for each row, True for a length [m] and False for an angle [rad].
         jacobian: derivative of the errors with respect to the velocity, (m, n).
         levels: the indices of the rows of each level of priority, the highest level first.
+        near_jacobian: a cheaper matrix (m, n) that approaches ``jacobian`` where the error approaches zero.
     """
 
     error: Expression
     linear: tuple[bool, ...]
     jacobian: Expression
     levels: tuple[tuple[int, ...], ...]
+    near_jacobian: Expression
 
 
 @dataclass(frozen=True)
@@ -169,6 +171,7 @@ class TaskStack:
         """
         errors: list[Expression] = []
         jacobians: list[Expression] = []
+        near: list[Expression] = []
         linear: list[bool] = []
         rows_of: dict[int, list[int]] = {}
         start, tangent = 0, self.robot.tangent(kinematics.q)
@@ -180,9 +183,10 @@ class TaskStack:
             linear.extend(rows.linear)
             own = rows.jacobian
             jacobians.append(jacobian(rows.error, kinematics.q) @ tangent if own is None else own)
+            near.append(jacobians[-1] if rows.near_jacobian is None else rows.near_jacobian)
             start += size
         levels = tuple(tuple(rows_of[priority]) for priority in sorted(rows_of))
-        return StackRows(vertcat(*errors), tuple(linear), vertcat(*jacobians), levels)
+        return StackRows(vertcat(*errors), tuple(linear), vertcat(*jacobians), levels, vertcat(*near))
 
     def held_target(self, kinematics: Kinematics, target: Expression) -> Expression:
         """The numbers of the targets that ``kinematics.q`` meets; those of ``target`` for tasks that do not say.

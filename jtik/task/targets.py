@@ -97,20 +97,39 @@ def matrix_reader(kind: Kind) -> Function:
     return function("read_matrix", [memory], [numbers, logic_and(is_pose, is_rotation)])
 
 
+MATRICES = 1024
+"""Matrices that are checked at once: their entries stay in the cache of a processor."""
+
+_ENTRIES = {"position": [3, 7, 11], "orientation": [0, 4, 8, 1, 5, 9, 2, 6, 10]}
+"""The numbers of a target, as entries of a matrix (4, 4) row by row."""
+
+
 def read_matrices(targets: Array, kind: Kind) -> Array | None:
     """The numbers of `read_fast` of many matrices (k, 4, 4), (k, size); None where one of them is not valid."""
-    columns = targets[:, :3, :3].transpose(0, 2, 1)
-    numbers = [targets[:, :3, 3]] if kind != "orientation" else []
-    if kind != "position":
-        numbers.append(columns.reshape(-1, 9))
-    table: Array = np.concatenate(numbers, axis=1)
+    rows = targets.reshape(-1, 16)
+    entries = _ENTRIES["position"] + _ENTRIES["orientation"] if kind == "pose" else _ENTRIES[kind]
+    table = np.empty((len(rows), len(entries)))
+    for begin in range(0, len(rows), MATRICES):
+        part = np.ascontiguousarray(rows[begin : begin + MATRICES].T)
+        if not _are_poses(part, with_rotation=kind != "position"):
+            return None
+        table[begin : begin + MATRICES] = part[entries].T
+    return table
+
+
+def _are_poses(entries: Array, *, with_rotation: bool) -> bool:
+    """Whether matrices, whose entries are the rows (16, k), are finite poses."""
     with np.errstate(all="ignore"):
-        x, y, z = columns[:, 0], columns[:, 1], columns[:, 2]
-        valid = (targets[:, 3] == (0, 0, 0, 1)).all() and np.isfinite(targets[:, :3, 3].sum(axis=1)).all()
+        if not np.isfinite(entries.sum()) or not (entries[12:] == [[0], [0], [0], [1]]).all():
+            return False
+        if not with_rotation:
+            return True
+        x, y, z = ((entries[i], entries[i + 4], entries[i + 8]) for i in range(3))
         for a, b, inner in ((x, x, 1), (y, y, 1), (z, z, 1), (x, y, 0), (y, z, 0), (z, x, 0)):
-            valid = valid and (np.abs((a * b).sum(axis=1) - inner) <= ROTATION_TOLERANCE).all()
-        valid = valid and ((np.cross(x, y) * z).sum(axis=1) > 0).all()
-    return table if valid else None
+            if not np.abs(a[0] * b[0] + a[1] * b[1] + a[2] * b[2] - inner).max() <= ROTATION_TOLERANCE:
+                return False
+        volume = z[0] * (x[1] * y[2] - x[2] * y[1]) + z[1] * (x[2] * y[0] - x[0] * y[2])
+        return bool((volume + z[2] * (x[0] * y[1] - x[1] * y[0]) > 0).all())
 
 
 def read_placement(target: Any, kind: Kind, dimension: int, accepted: str) -> Array:

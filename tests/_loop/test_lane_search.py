@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import functools
 import os
 import signal
@@ -53,28 +54,62 @@ CASES = {
 COUNTS = [60, *slow(5000)]
 
 
+def check_answers(ik, targets, found):
+    """Every answer that counts is on target and within the limits, by the robot's own forward kinematics."""
+    robot = ik.robot
+    assert (found.q >= robot.lower - 1e-9).all()
+    assert (found.q <= robot.upper + 1e-9).all()
+    for q, target, converged in zip(found.q, targets, found.converged, strict=True):
+        pose = robot.pose(q)
+        wanted, place = (target, 2) if target.ndim == 1 else (target[:3, 3], 3)
+        if converged:
+            assert np.linalg.norm(pose[:place, 3] - wanted) <= 1e-6 + 1e-12
+            assert target.ndim == 1 or rotation_angle(pose[:3, :3].T @ target[:3, :3]) <= 1e-6 + 1e-12
+
+
 @pytest.mark.parametrize("count", COUNTS)
 @pytest.mark.parametrize("case", CASES)
-def test_every_target_ends_with_the_same_status_and_is_reached(case, count, rng):
-    ik = solver(**CASES[case], criteria=JointCentering() if "criterion" in case else None)
+def test_without_restarts_or_with_a_criterion_every_target_ends_as_in_the_other_searches(case, count, rng):
+    criteria = JointCentering() if "criterion" in case else None
+    ik = solver(**CASES[case], criteria=criteria)
     targets, q0 = problems(ik, rng, count)
-    options = {"restarts": 20, "seed": 3}
+    options = {"restarts": 20 if criteria else 0, "seed": 3}
     one, lanes = (ik.solve_batch(targets, q0=q0, lanes=each, **options) for each in (False, True))
     assert lanes.status == one.status
     assert np.mean(lanes.restarts == one.restarts) > 0.98  # rounding can end an attempt a call earlier
     assert np.median(np.abs(lanes.iterations - one.iterations)) == 0
     close = (lanes.restarts == one.restarts) & one.converged
     assert np.median(np.abs(lanes.q - one.q)[close].max(axis=1)) < 1e-6
+    check_answers(ik, targets, lanes)
+    assert lanes.converged.mean() > (0.9 if criteria else 0.4)
+
+
+@pytest.mark.parametrize("count", COUNTS)
+@pytest.mark.parametrize("case", ["panda", "ur5"])
+def test_with_restarts_every_target_is_reached_that_the_other_searches_reach(case, count, rng):
+    ik = solver(**CASES[case])
+    targets, q0 = problems(ik, rng, count)
+    one, lanes = (ik.solve_batch(targets, q0=q0, lanes=each, restarts=100, seed=3) for each in (False, True))
+    for before, status in zip(one.status, lanes.status, strict=True):
+        assert status is before or status is jtik.Status.CONVERGED
+    check_answers(ik, targets, lanes)
+    assert lanes.converged.mean() > 0.98
+    assert (lanes.restarts[~lanes.converged] == 100).all()
+
+
+def test_pressed_joints_stay_within_their_limits(rng):
+    """Targets of configurations on their limits: most joints of an answer are pressed against a limit on the way."""
+    ik = solver(strategy="damped")
     robot = ik.robot
-    assert (lanes.q >= robot.lower - 1e-9).all()
-    assert (lanes.q <= robot.upper + 1e-9).all()
-    for q, target, converged in zip(lanes.q, targets, lanes.converged, strict=True):
-        pose = robot.pose(q)
-        wanted, place = (target, 2) if target.ndim == 1 else (target[:3, 3], 3)
-        if converged:
-            assert np.linalg.norm(pose[:place, 3] - wanted) <= 1e-6 + 1e-12
-            assert target.ndim == 1 or rotation_angle(pose[:3, :3].T @ target[:3, :3]) <= 1e-6 + 1e-12
-    assert lanes.converged.mean() > 0.9
+    made_of = np.where(rng.random((60, 7)) < 0.4, robot.lower, robot.upper)
+    inside = rng.random((60, 7)) < 0.5
+    made_of[inside] = rng.uniform(robot.lower, robot.upper, (60, 7))[inside]
+    targets = np.array([robot.pose(q) for q in made_of])
+    found = ik.solve_batch(targets, restarts=100, lanes=True)
+    assert (found.q >= robot.lower).all()
+    assert (found.q <= robot.upper).all()
+    check_answers(ik, targets, found)
+    assert found.converged.mean() > 0.9
 
 
 def same(a, b, rows=slice(None)):
@@ -104,19 +139,22 @@ LEVELS = {
 }
 
 
+@pytest.mark.parametrize("kind", ["position", "pose"])
 @pytest.mark.parametrize("name", LEVELS)
-def test_a_result_does_not_depend_on_instructions_and_number_of_lanes(name, monkeypatch, rng):
+def test_a_result_does_not_depend_on_instructions_and_number_of_lanes(name, kind, monkeypatch, rng):
     level = LEVELS[name]
     if level in lane_maths.LEVELS and lane_maths.LEVELS.index(level) > lane_search.highest_level():
         pytest.skip("a processor without these instructions")
-    robot = dh_arm(5, 3)
-    targets = np.array([robot.pose(robot.random_configuration(rng))[:3, 3] for _ in range(40)])
+    robot = dh_arm(5, 3) if kind == "position" else jtik.Robot.builtin("panda")
+    poses = np.array([robot.pose(robot.random_configuration(rng)) for _ in range(40)])
+    targets = poses[:, :3, 3] if kind == "position" else poses
 
     def batch():
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "position"), strategy="damped")
-        return ik.solve_batch(targets, q0=np.full(5, 0.3), restarts=10, lanes=True)
+        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), strategy="damped")
+        return ik.solve_batch(targets, q0=np.full(robot.nq, 0.3), restarts=10, lanes=True)
 
     expected = batch()
+    assert (expected.restarts > 0).any() == (kind == "pose")
     monkeypatch.setattr(lane_search, "LEVELS", [level] * len(lane_maths.LEVELS))
     same(expected, batch())
 
@@ -222,36 +260,62 @@ JTIK_CPU void JTIK_NAME_turns(const double* x, double* s, double* c, long long n
   for (long long i = 0; i < n; i += 4) {
     V v, a, b;
     memcpy(&v, x + i, sizeof v);
-    a = v_sin(v);
-    b = v_cos(v);
+    v_turns(1, &v, &a, &b);
     memcpy(s + i, &a, sizeof a);
     memcpy(c + i, &b, sizeof b);
+  }
+}
+JTIK_CPU void JTIK_NAME_angles(const double* y, const double* x, double* r, long long n) {
+  for (long long i = 0; i < n; i += 4) {
+    V a, b;
+    memcpy(&a, y + i, sizeof a);
+    memcpy(&b, x + i, sizeof b);
+    a = v_atan2(a, b);
+    memcpy(r + i, &a, sizeof a);
   }
 }
 """
 
 
-def test_sine_and_cosine_are_within_two_units_of_the_last_place(rng):
-    import ctypes
+def pointers(*arrays):
+    return [each.ctypes.data_as(ctypes.c_void_p) for each in arrays]
 
+
+def test_sine_and_cosine_are_within_two_units_of_the_last_place(rng):
     loaded, name = plain_library(SINES % lane_maths.lane_maths(lane_maths.LEVELS[0]), lane_maths.EXACT)
     near = np.arange(-64000, 64000) * (np.pi / 2)
     x = np.concatenate([rng.uniform(-1e5, 1e5, 200_000), rng.uniform(-7, 7, 200_000), near[::5], [0.0, -0.0, 1e-300]])
     x = np.concatenate([x, np.zeros(-len(x) % 4)])
     s, c = np.zeros_like(x), np.zeros_like(x)
-    pointers = [each.ctypes.data_as(ctypes.c_void_p) for each in (x, s, c)]
-    getattr(loaded, f"{name}_turns")(*pointers, ctypes.c_longlong(len(x)))
+    getattr(loaded, f"{name}_turns")(*pointers(x, s, c), ctypes.c_longlong(len(x)))
     exact = np.asarray(x, dtype=np.longdouble)
     for found, expected in ((s, np.sin(exact)), (c, np.cos(exact))):
         off = np.abs(found - expected) / np.spacing(np.abs(expected.astype(float)))
         assert off.max() < 2.0
     outside = np.array([1e6, -3e8, np.inf, np.nan])
     s, c = np.zeros(4), np.zeros(4)
-    pointers = [each.ctypes.data_as(ctypes.c_void_p) for each in (outside, s, c)]
-    getattr(loaded, f"{name}_turns")(*pointers, ctypes.c_longlong(4))
+    getattr(loaded, f"{name}_turns")(*pointers(outside, s, c), ctypes.c_longlong(4))
     with np.errstate(invalid="ignore"):
         assert s == pytest.approx(np.sin(outside), abs=1e-15, nan_ok=True)
         assert c == pytest.approx(np.cos(outside), abs=1e-15, nan_ok=True)
+
+
+def test_the_arc_tangent_is_within_three_units_of_the_last_place(rng):
+    loaded, name = plain_library(SINES % lane_maths.lane_maths(lane_maths.LEVELS[0]), lane_maths.EXACT)
+    angle = np.concatenate([rng.uniform(-np.pi, np.pi, 200_000), np.arange(-16, 17) * np.pi / 16])
+    length = 10.0 ** rng.uniform(-12, 12, len(angle))
+    special = [0.0, -0.0, 1.0, -1.0, 1e-305, -1e-305, 1e305, np.inf, -np.inf, np.nan]
+    y, x = (np.concatenate([length * f(angle), np.array(pair)]) for f, pair in
+            ((np.sin, np.repeat(special, len(special))), (np.cos, np.tile(special, len(special)))))  # fmt: skip
+    y, x = (np.concatenate([each, np.ones(-len(each) % 4)]) for each in (y, x))
+    found = np.zeros_like(x)
+    getattr(loaded, f"{name}_angles")(*pointers(y, x, found), ctypes.c_longlong(len(x)))
+    expected = np.arctan2(y.astype(np.longdouble), x.astype(np.longdouble))
+    assert np.array_equal(np.isnan(found), np.isnan(expected))
+    assert np.array_equal(np.signbit(found), np.signbit(expected.astype(float)))
+    known = ~np.isnan(expected)
+    off = np.abs(found - expected)[known] / np.spacing(np.abs(expected.astype(float)))[known]
+    assert off.max() < 3.0
 
 
 def test_damped_without_backtracking_too(rng):

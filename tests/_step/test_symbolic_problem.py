@@ -151,3 +151,26 @@ class TestClearances:
     @pytest.mark.parametrize("restore", [False, True])
     def test_each_distance_is_restored_as_its_clearance_is(self, restore):
         assert self.problem(restore=restore).restored.tolist() == [restore] * 4
+
+
+class TestNearJacobian:
+    """The cheaper Jacobian of attempts that a restart replaces."""
+
+    @pytest.mark.parametrize("kind", ["position", "orientation", "pose"])
+    @pytest.mark.parametrize("name", ["dh", "ball", "floating"])
+    def test_it_has_the_same_gradient_and_is_the_jacobian_on_target(self, name, kind, rng):
+        robot = ROBOTS[name]()
+        task = jtik.FrameTask("tip", kind, stiffness=0.06 if kind == "orientation" else 2.0)
+        problem = problem_of(robot, task)
+        q, other = (robot.random_configuration(rng) for _ in range(2))
+        for target, on_target in ((robot.pose(other), False), (robot.pose(q), True)):
+            numbers = problem.tasks.read_target(target[:3, 3] if kind == "position" else target)
+            near, J = (np.array(each(q, numbers)) for each in (problem.near_jacobian(), problem.residual_jacobian))
+            r = column(problem.residual, q, numbers)
+            assert near.T @ r == pytest.approx(J.T @ r, rel=1e-9, abs=1e-9)
+            assert (np.abs(near - J).max() < 1e-7) == (on_target or kind == "position")
+
+    def test_a_task_without_one_has_its_jacobian(self, rng):
+        problem = problem_of(planar(3), jtik.FrameTask("tip", "pose"))
+        q, target = rng.uniform(-1, 1, 3), np.array([1.0, 2.0, 0.3])
+        assert np.array_equal(np.array(problem.near_jacobian()(q, target)), problem.residual_jacobian(q, target).full())

@@ -117,3 +117,18 @@ def test_a_lost_solve_ends_at_the_limit_with_its_last_error():
 def test_options_are_checked(option, value):
     with pytest.raises(jtik.ArgumentError, match=option):
         Damped(**{option: value})
+
+
+def test_a_step_in_lanes_is_that_without_backtracking_and_as_short_as_its_damping_makes_it(rng):
+    """|dq| is at most sqrt(V / 2 mu) = sqrt(1 / 2 damping), however far the target and near a singular pose."""
+    strategy = Damped(damping=0.2).in_lanes()
+    assert strategy == Damped(damping=0.2, backtracking=False, q_limit=math.inf)
+    ik = solver(planar(5), strategy)
+    for q, target in ((rng.uniform(-2, 2, 5), rng.uniform(-50, 50, 2)), (np.full(5, 1e-6), np.array([4.9, 0.0]))):
+        assert np.linalg.norm(ik.step(q, target).q - q) <= math.sqrt(1 / 0.4) + 1e-9
+
+
+def test_other_strategies_are_their_own_in_lanes():
+    for name in ("hybrid", "newton", "transpose"):
+        strategy = jtik.strategies[name]()
+        assert strategy.in_lanes() is strategy

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 from jtik import register_strategy
 from jtik.strategy import LocalModel, Positive
@@ -44,6 +45,13 @@ class Damped(DampedLeastSquares):
     def explores(self, has_criterion: bool) -> bool:
         """With backtracking, but beside a secondary term that is added without a test of the merit function."""
         return self.explore and self.backtracking and not (has_criterion and self.secondary.bounds_itself)
+
+    def in_lanes(self) -> Damped:
+        """The same without backtracking, and without the Q limit: the damping alone keeps a step short, see below.
+
+        |dq| is at most sqrt(V / 2 mu), with mu = damping V.
+        """
+        return replace(self, backtracking=False, q_limit=math.inf)
 
     def damping_of(self, model: LocalModel) -> Expression:
         """Damping times V; less in an exploring step."""

@@ -1,0 +1,93 @@
+"""The starts of a search in lanes: reproducible, within the limits, in the order of their distance from a target."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import jtik
+from jtik._loop.start_bank import SIZE, StartBanks
+from jtik._step.stopping import Code
+from jtik._step.symbolic_problem import SymbolicProblem
+from jtik.symbolic.compile import CompiledFunction
+
+from ..conftest import planar
+
+
+def problem(robot, **task):
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", **task))
+    found: SymbolicProblem = ik._solving._runners._problem
+    return ik, found
+
+
+def test_the_same_seed_draws_the_same_starts_within_the_limits():
+    _, of = problem(jtik.Robot.builtin("panda"), kind="pose")
+    banks = StartBanks(of)
+    first, other = banks.of(3), banks.of(4)
+    again = StartBanks(of).of(3)
+    assert np.array_equal(first.configurations, again.configurations)
+    assert np.array_equal(first.coefficients, again.coefficients)
+    assert not np.array_equal(first.configurations, other.configurations)
+    assert first.configurations.shape == (SIZE, 7)
+    assert (first.configurations >= of.robot.lower).all()
+    assert (first.configurations <= of.robot.upper).all()
+
+
+def test_the_first_starts_are_those_of_every_other_search():
+    ik, of = problem(jtik.Robot.builtin("panda"), kind="pose")
+    starts, first, last = ik._solving._search._restarts.block(5, 1, np.zeros(7))
+    assert (first, last) == (1, len(starts))
+    assert np.array_equal(StartBanks(of).of(5).configurations[: len(starts)], starts)
+
+
+@pytest.mark.parametrize("stiffness", [1.0, [1, 1, 1, 0.06, 0.06, 0.06], [4, 1, 9, 0.3, 0.3, 0.3]])
+def test_distances_are_about_V(stiffness, rng):
+    """For nearby poses to a few per cent; the order of all is about that of V."""
+    robot = jtik.Robot.builtin("panda")
+    ik, of = problem(robot, kind="pose", stiffness=stiffness)
+    bank, residual = StartBanks(of).of(0), CompiledFunction(of.residual)
+    target = ik.tasks.read_target(robot.pose(robot.random_configuration(rng)))
+    V = np.array([np.sum(residual(q, target)[0] ** 2) / 2 for q in bank.configurations])
+    found = bank.distances(target)
+    nearest = np.argsort(found)[:10]
+    assert np.mean(np.searchsorted(np.sort(V), V[nearest])) < 40  # of 512
+    assert np.corrcoef(np.argsort(np.argsort(V)), np.argsort(np.argsort(found)))[0, 1] > 0.9
+
+
+def test_distances_of_positions_are_exact(rng):
+    robot = planar(4)
+    _, of = problem(robot, kind="position")
+    bank = StartBanks(of).of(0)
+    target = np.array([1.5, -0.5])
+    expected = [np.sum((robot.pose(q)[:2, 3] - target) ** 2) / 2 for q in bank.configurations]
+    assert bank.distances(target) + np.sum(target**2) / 2 == pytest.approx(np.array(expected), abs=1e-12)
+
+
+def test_a_restart_begins_at_the_nearest_start():
+    """Attempts of one iteration: the target of a configuration of the bank is reached by the first restart alone."""
+    robot = jtik.Robot.builtin("panda")
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose"), strategy="damped")
+    bank = StartBanks(ik._solving._runners._problem).of(2)
+    chosen = [0, 17, SIZE - 1]
+    targets = [robot.pose(bank.configurations[k]) for k in chosen]
+    found = ik.solve_batch(targets, restarts=1, max_iterations=1, seed=2, lanes=True)
+    assert found.converged.all()
+    assert found.restarts.tolist() == [1, 1, 1]
+    assert np.array_equal(found.q, bank.configurations[chosen])
+
+
+@pytest.mark.parametrize("k", [1, 2, 3, 40, SIZE])
+def test_restarts_follow_in_the_order_of_their_distances(k, rng):
+    """Where only the k-th nearest configuration is on target, and attempts have one iteration, k restarts are made."""
+    robot = jtik.Robot.builtin("panda")
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose"), strategy="damped")
+    bank = StartBanks(ik._solving._runners._problem).of(0)
+    answer = robot.random_configuration(rng)
+    target = ik.tasks.read_target(robot.pose(answer))
+    order = np.argsort(bank.distances(target), kind="stable")
+    elsewhere = np.tile(robot.neutral, (SIZE, 1))
+    elsewhere[order[k - 1]] = answer
+    other = bank._replace(configurations=elsewhere)
+    found = ik._solving._in_lanes(True).batch(target[None], robot.neutral[None], *other.starts, 1, 4.0, other)
+    assert found.tallies[0].tolist() == [Code.DONE, k, k]
+    assert np.array_equal(found.q[0], answer)
