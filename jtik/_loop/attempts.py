@@ -14,8 +14,8 @@ from jtik._loop.criterion_escape import Escapes
 from jtik._loop.full_turns import FullTurns
 from jtik._loop.runner import Runner
 from jtik._loop.trace_recorder import TraceRecorder
-from jtik._step.exploration import STUCK
 from jtik._step.inputs import Inputs, Settings
+from jtik._step.solve_progress import STUCK
 from jtik._step.stopping import OUTCOME, Code
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.result.length import length

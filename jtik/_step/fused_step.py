@@ -199,7 +199,7 @@ def fused_step(
     restoration = model.restoration if model.clearance and model.clearance.restores else None
     compromise = None if timed else update.compromise_residual  # a timed step follows its target all the same
     stop = Stop(problem, model, settings, active, update.stationarity_residual, restoration, compromise, at.has_slope)
-    progress = Progress.of(model, state, stop)
+    progress = Progress.of(model, state, stop, active)
 
     finite = _finite(model, q)
     if problem.has_criterion:  # on the target only the criterion is left
