@@ -90,7 +90,8 @@ class TestPatience:
     def test_of_an_attempt_that_a_restart_replaces_a_slower_fall_is_progress_while_no_limit_is_active(self, patience):
         for share, options in ((FREE_FALL, {}), (FALL, {"limits_task": 1}), (FALL, {"timed": True})):
             falls, keeps = (share - 1e-9) ** 2, (share + 1e-9) ** 2
-            states = [state for state, _ in run([(1.0, 1, 1), (keeps, 1, 1), (falls, 1, 1)], patience=patience, **options)]
+            steps = [(1.0, 1, 1), (keeps, 1, 1), (falls, 1, 1)]
+            states = [state for state, _ in run(steps, patience=patience, **options)]
             assert [state["without_progress"].item() for state in states] == [0, 1, 0]
 
     def test_where_exploring_is_to_begin_it_is_none(self):
