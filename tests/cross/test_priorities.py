@@ -119,7 +119,7 @@ def test_a_highest_level_out_of_reach_is_said_where_it_is_and_nowhere_else(facto
 
 @pytest.mark.slow
 @pytest.mark.parametrize("factor", [1.5, 10.0, 1e3, 1e9])
-def test_within_limits_a_solve_of_levels_out_of_reach_does_not_go_in_circles(factor):
+def test_within_limits_a_solve_of_levels_out_of_reach_comes_to_rest(factor):
     """It ends where the position alone is closest, at limits, and no turn beside that position is nearer."""
     robot, rng = jtik.Robot.builtin("panda"), np.random.default_rng(2)
     q0, direction = robot.random_configuration(rng), rng.normal(size=3)
@@ -128,7 +128,8 @@ def test_within_limits_a_solve_of_levels_out_of_reach_does_not_go_in_circles(fac
     solution = jtik.InverseKinematics(robot, TASKS, strategy="lexicographic_qp").solve(target, q0=q0)
     assert solution.status is Status.LIMITS
     alone = jtik.InverseKinematics(robot, TASKS[0]).solve(target["hand"], q0=solution.q)
-    assert np.linalg.norm(robot.position(solution.q) - robot.position(alone.q)) < 2e-4
+    assert np.linalg.norm(robot.position(solution.q) - robot.position(alone.q)) < 1e-9
+    assert solution.iterations < 100
     beside = {"hand": robot.position(solution.q), "wrist": target["wrist"]}
     assert angle(robot, solution.q, target) < optimum(robot, solution.q, beside) + 1e-4
 
