@@ -12,16 +12,26 @@ from numpy.typing import NDArray
 from jtik._loop.continuum import Continuum
 from jtik._loop.criterion_escape import Escapes
 from jtik._loop.full_turns import FullTurns
+from jtik._loop.level_newton import LevelNewton
 from jtik._loop.runner import Runner
 from jtik._loop.trace_recorder import TraceRecorder
-from jtik._step.exploration import STUCK
 from jtik._step.inputs import Inputs, Settings
+from jtik._step.solve_progress import STUCK
 from jtik._step.stopping import OUTCOME, Code
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.result.length import length
 from jtik.symbolic import function
 from jtik.symbolic.compile import CompiledFunction
 from jtik.types import Array
+
+PAUSE = 2.0 * STUCK
+"""Calls without progress after which an attempt with levels of priority is interrupted first."""
+
+NEAR = 0.02
+"""Largest fall of the highest level's V, relative to |J| |r|, for which a solve has nearly arrived [rad]."""
+
+ROUNDING = 1e-9
+"""Relative error of such an error."""
 
 MAX_ESCAPES = 20
 """Largest number of escapes of an attempt."""
@@ -58,6 +68,7 @@ class Attempts:
         self._problem, self._escapes, self._turns, self._inputs = problem, escapes, turns, inputs
         self._linear = np.array(problem.linear, dtype=bool)
         self.continuum = Continuum(problem, turns)
+        self._levels = LevelNewton(problem)
 
     @cached_property
     def _criterion(self) -> CompiledFunction:
@@ -138,6 +149,15 @@ class Attempts:
                 ended = self.go_on(explorer, limit, recorder, calls=k - 1)
                 explorer.hand_back(runner)
                 return ended._replace(escapes=escapes + ended.escapes)
+            if code is Code.SLOW and runner.pauses and patience == math.inf:
+                runner.at, k = at, k - 1
+                if recorder is not None:
+                    recorder.discard()
+                if self._rests(runner):
+                    return Ended(Code.STALLED, k, escapes)
+                runner.wait()
+                code = Code.CONTINUE
+                continue
             if code is Code.DONE:
                 patience = math.inf  # the attempt has reached the target: no restart replaces it
             replaceable = patience < math.inf  # an attempt that a restart can replace only escapes where it began
@@ -156,6 +176,28 @@ class Attempts:
             break
         runner.at = at
         return Ended(code, k, escapes)
+
+    def _rests(self, runner: Runner) -> bool:
+        """Lead a runner's q to where all levels of priority rest, if the highest is about as near as it can be."""
+        q = runner.q[runner.at]
+        before = self.level_errors(q)[0]
+        if before == 0.0:
+            return False
+        rest = q.copy()
+        if not self._levels.reach(rest, runner.inputs):
+            return False
+        after = self.level_errors(rest)[0]
+        fall = (before - after) * (before + after) / 2
+        near = -ROUNDING * before**2 <= fall <= NEAR * self._levels.scale(q, runner.inputs)
+        if near:
+            q[:] = rest
+            error, residual = (each[:, 0] for each in self._error(q, self._inputs.target))
+            errors = length(error[self._linear]), length(error[~self._linear])
+            runner.outcome[[OUTCOME.position_error, OUTCOME.orientation_error, OUTCOME.V]] = (
+                *errors,
+                residual @ residual / 2,
+            )
+        return near
 
     def can_go_on(self, q: Array, target: Array | None = None) -> bool:
         """Whether q, on target and stationary, is a saddle point or a maximum of the criterion.
@@ -203,7 +245,9 @@ def within_tolerances(error: Array, linear: NDArray[np.bool_], inputs: Inputs[Ar
 
 
 def patience_of(runner: Runner, patience: float) -> float:
-    """Calls without progress after which the step ends an attempt: also where exploring is to begin."""
+    """Calls without progress after which the step ends an attempt: also where it is interrupted."""
+    if patience == math.inf and runner.pauses:
+        return PAUSE
     return STUCK if patience == math.inf and runner.explorer is not None else patience
 
 

@@ -33,6 +33,7 @@ class Runner:
         at: which memory holds q.
         evaluated: whether the outcome of a call has the errors where its step ends, not where it starts.
         explorer: gives the runner that takes over where V has stopped falling, of a strategy that explores; or None.
+        pauses: whether a solve is interrupted where V has stopped falling, for what the loop can do there.
         violation: where the state has the smallest violation of the clearances so far; None without any to restore.
     """
 
@@ -40,6 +41,7 @@ class Runner:
         self.fused, self.inputs = fused, inputs
         self.first_state = fused.first_state
         self.explorer: Callable[[], Runner] | None = None
+        self.pauses = False
         self.evaluated = "V" not in fused.state.slices
         self._patience = fused.state.slices["patience"].start
         self.violation = fused.state.slices["violation"].start if "violation" in fused.state.slices else None
@@ -95,6 +97,10 @@ class Runner:
         self.state[0][:] = self.first_state
         self.state[0][self._patience] = patience
         self.at = 0
+
+    def wait(self) -> None:
+        """Double the calls without progress after which the attempt is interrupted again."""
+        self.state[self.at][self._patience] *= 2
 
     def restart(self, q: ArrayLike) -> None:
         """Begin anew after a step that ended in stagnation. What is left of the error stays known: it damps the steps.

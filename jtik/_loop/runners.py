@@ -82,6 +82,7 @@ class Runners:
         self.solve = self._runner(self._fused(), self.search_inputs, SOLVE)
         if can_explore(problem, strategy):
             self.solve.explorer = lambda: self.exploring
+        self.solve.pauses = self._pauses
         self._box_function = problem.once("compiled box", lambda: compilation.to_c(box)) if compilation else box
         self.step_is_built = strategy.evaluates_candidate(problem.has_criterion) or bool(problem.clearances)
         self.step_inputs = memory.inputs._replace(settings=np.array(Settings()))
@@ -90,6 +91,13 @@ class Runners:
     def respects_priority(self) -> bool:
         """Whether the strategy respects levels of priority."""
         return self._strategy.respects_priority()
+
+    @property
+    def _pauses(self) -> bool:
+        """Whether a solve is interrupted for levels of priority out of reach."""
+        problem = self._problem
+        several = len(problem.levels) > 1 and self.respects_priority
+        return several and not problem.has_criterion and not problem.clearances
 
     @property
     def acceleration(self) -> Array:
@@ -194,7 +202,9 @@ class Runners:
             return fused_step(problem, self._strategy, backend=self._backend, recorded=recorded, explores=explores)
 
         name = f"search step, {recorded=}, {explores=}"
-        return self._runner(problem.once(name, build, keep=_can_be_shared), self.search_inputs)
+        runner = self._runner(problem.once(name, build, keep=_can_be_shared), self.search_inputs)
+        runner.pauses = self._pauses
+        return runner
 
     def _runner(self, fused: FusedStep, inputs: Inputs[Array], name: str | None = None) -> Runner:
         if name is None:

@@ -32,7 +32,7 @@ from jtik._step.stopping import OUTCOME, Code
 from jtik.robot import Robot
 from jtik.types import Array
 
-PATIENCE = 4.0
+PATIENCE = 3.0
 """Calls without progress after which an attempt that a restart can replace ends."""
 
 MANY = 1000

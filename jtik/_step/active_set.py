@@ -107,9 +107,18 @@ class ActiveSet:
     @cached_property
     def task_gradient_norm(self) -> Expression:
         """Norm of dV/dv over the joints that the task itself does not push outward at a limit."""
+        return fmax(sumsqr(self._task_gradient) - self._squared_outward, 0) ** 0.5
+
+    @property
+    def limits_task(self) -> Expression:
+        """1 where the task itself pushes a joint outward at a limit, else 0."""
+        return self._squared_outward > 0
+
+    @cached_property
+    def _squared_outward(self) -> Expression:
+        """Squared norm of the part of dV/dv that `task_gradient_norm` leaves out."""
         pairs = zip(self._pushed, self._problem.bounded, strict=True)
-        of_active = sum(if_else(pushed, self._task_gradient[j] ** 2, 0) for pushed, (_, j) in pairs)
-        return fmax(sumsqr(self._task_gradient) - of_active, 0) ** 0.5
+        return sum(if_else(pushed, self._task_gradient[j] ** 2, 0) for pushed, (_, j) in pairs)
 
     @cached_property
     def _sides(self) -> list[Expression]:

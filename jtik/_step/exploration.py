@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 
 from jtik._step.active_set import clamped
-from jtik._step.solve_progress import FALL
+from jtik._step.solve_progress import FALL, STUCK
 from jtik._step.stopping import Code
 from jtik.strategy import Evaluation, LocalModel
 from jtik.strategy.merit import SUFFICIENT
@@ -25,9 +25,6 @@ from jtik.types import Array
 
 EXPLORATION = 100.0
 """Most exploring steps of an attempt."""
-
-STUCK = 10
-"""Calls without progress after which exploring begins: more than the patience of an attempt that a restart replaces."""
 
 
 def initial_exploration(nq: int) -> dict[str, Array]:

@@ -203,7 +203,7 @@ def fused_step(
     restoration = model.restoration if model.clearance and model.clearance.restores else None
     compromise = None if timed else update.compromise_residual  # a timed step follows its target all the same
     stop = Stop(problem, model, settings, active, update.stationarity_residual, restoration, compromise, at.has_slope)
-    progress = Progress.of(model, state, stop)
+    progress = Progress.of(model, state, stop, active)
     if replaceable:
         stop.stationary = 0
 

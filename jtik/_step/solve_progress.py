@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jtik._step.active_set import ActiveSet
 from jtik._step.checked_update import CheckedUpdate
 from jtik._step.stopping import Code, Stop
 from jtik.strategy import FeasibilityRestoration, LocalModel
@@ -28,6 +29,12 @@ STAGNATIONS = 20
 
 FALL = 0.8
 """An error below this share of the smallest so far is progress; ``patience`` limits the calls without progress."""
+
+FREE_FALL = 0.97
+"""The same in an attempt that a restart can replace, while the task pushes no joint outward at a limit."""
+
+STUCK = 10
+"""Calls without progress after which exploring begins: more than the patience of an attempt that a restart replaces."""
 
 UNKNOWN = 1e300
 """Smallest V before the first call: larger than any V."""
@@ -51,7 +58,7 @@ class Progress:
     """Progress up to the configuration of the step.
 
     Attributes:
-        falls: 1 if V has fallen below `FALL` squared times the smallest V so far.
+        falls: 1 if V has fallen below `FALL` squared, or `FREE_FALL` squared, times the smallest V so far.
         without_progress: number of calls in a row in which it has not.
         slow: 1 if this number has reached the patience of the attempt.
     """
@@ -61,9 +68,17 @@ class Progress:
     slow: Expression
 
     @classmethod
-    def of(cls, model: LocalModel, state: Mapping[str, Expression], stop: Stop) -> Progress:
+    def of(
+        cls, model: LocalModel, state: Mapping[str, Expression], stop: Stop, active: ActiveSet | None = None
+    ) -> Progress:
         """The progress up to here, before the step is tried."""
-        falls = FALL**2 * state["best"] > model.here.V_to_target
+        share: Expression = FALL**2
+        if not model.timed:
+            free = state["patience"] < STUCK
+            if active:
+                free = logic_and(free, logic_not(active.limits_task))
+            share += free * (FREE_FALL**2 - FALL**2)
+        falls = share * state["best"] > model.here.V_to_target
         without_progress = if_else(falls, 0, state["without_progress"] + 1)
         return cls(
             falls, without_progress, logic_and(without_progress >= state["patience"], logic_not(stop.reached_before))

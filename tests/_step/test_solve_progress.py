@@ -12,10 +12,12 @@ import pytest
 from jtik._step.solve_progress import (
     CYCLING,
     FALL,
+    FREE_FALL,
     REFUSALS,
     STAGNANT,
     STAGNATIONS,
     STEEP,
+    STUCK,
     UNKNOWN,
     Progress,
     initial_progress,
@@ -37,6 +39,8 @@ def run(
     clearance=None,
     H=None,
     near=0,
+    timed=False,
+    limits_task=0,
 ):
     """States and codes of successive steps, each given as (V before, V after, accepted); H is (before, after)."""
     state = initial_progress(evaluated=evaluated) | {"patience": np.full(1, patience)}
@@ -45,10 +49,12 @@ def run(
     for V, after, accepted in steps:
         here, candidate = (SimpleNamespace(V=casadi.SX(v), H=h) for v, h in zip((V, after), H or (0, 0), strict=True))
         here.V_to_target, here.decrease = here.V, lambda there, V=V: V - there.V
-        model = SimpleNamespace(here=here, clearance=clearance, has_criterion=H is not None, near_target=near)
+        model = SimpleNamespace(
+            here=here, clearance=clearance, has_criterion=H is not None, near_target=near, timed=timed
+        )
         update = SimpleNamespace(candidate=candidate, progress=progress)
         columns = {name: casadi.SX(value) for name, value in state.items()}
-        at = Progress.of(model, columns, stop)
+        at = Progress.of(model, columns, stop, SimpleNamespace(limits_task=limits_task))
         next_state, stalled = at.after(model, columns, update, accepted, stop, None, evaluated=evaluated)
         assert set(next_state) == set(state)
         state = {name: np.atleast_1d(numbers(value)) for name, value in next_state.items()}
@@ -79,6 +85,18 @@ class TestPatience:
         states = [state for state, _ in run([(1.0, 1, 1), (keeps, 1, 1), (falls, 1, 1), (2.0, 1, 1)])]
         assert [state["without_progress"].item() for state in states] == [0, 1, 0, 1]
         assert [state["best"].item() for state in states] == [1, 1, falls, falls]
+
+    @pytest.mark.parametrize("patience", [3, STUCK - 1])
+    def test_of_an_attempt_that_a_restart_replaces_a_slower_fall_is_progress_while_no_limit_is_active(self, patience):
+        for share, options in ((FREE_FALL, {}), (FALL, {"limits_task": 1}), (FALL, {"timed": True})):
+            falls, keeps = (share - 1e-9) ** 2, (share + 1e-9) ** 2
+            steps = [(1.0, 1, 1), (keeps, 1, 1), (falls, 1, 1)]
+            states = [state for state, _ in run(steps, patience=patience, **options)]
+            assert [state["without_progress"].item() for state in states] == [0, 1, 0]
+
+    def test_where_exploring_is_to_begin_it_is_none(self):
+        slowly = [(1.0, 1, 1), ((FREE_FALL - 1e-9) ** 2, 1, 1)]
+        assert run(slowly, patience=STUCK)[-1][0]["without_progress"].item() == 1
 
     def test_a_solve_is_slow_after_so_many_calls_without_progress(self):
         steps = [(1.0, 0.9, 1)] * 5

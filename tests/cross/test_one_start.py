@@ -91,10 +91,11 @@ def test_at_least_as_often_as_a_plain_damped_loop_that_wraps(arm):
 @pytest.mark.slow
 @pytest.mark.parametrize("strategy", ["hybrid", "damped"])
 def test_a_ur5_needs_five_searches_for_four_goals_at_most(strategy):
-    """From one list of starts for all goals; with ``restarts=`` attempts are shorter, and more of them begin."""
+    """From one list of starts for all goals; with ``restarts=`` attempts are shorter, and a few more of them begin."""
     robot = universal("ur5", math.pi)
     ik = jtik.InverseKinematics(robot, jtik.FrameTask(kind="pose"), strategy=strategy)
     starts, searches, iterations = [q for q, _ in problems(robot, 100)], 0, 0
+    attempts = 0
     goals = [target for _, target in problems(robot, 200)]
     for target in goals:
         for q0 in starts:
@@ -103,6 +104,8 @@ def test_a_ur5_needs_five_searches_for_four_goals_at_most(strategy):
                 break
         else:
             pytest.fail("no start leads to the goal")
-        iterations += ik.solve(target, q0=starts[0], restarts=99).iterations
+        solution = ik.solve(target, q0=starts[0], restarts=99)
+        iterations, attempts = iterations + solution.iterations, attempts + solution.restarts + 1
     assert searches <= 1.25 * len(goals)
-    assert iterations <= 30 * len(goals)
+    assert attempts <= 1.5 * len(goals)
+    assert iterations <= 27 * len(goals)

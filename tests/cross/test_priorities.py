@@ -117,6 +117,23 @@ def test_a_highest_level_out_of_reach_is_said_where_it_is_and_nowhere_else(facto
     assert said[3] == 0
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("factor", [1.5, 10.0, 1e3, 1e9])
+def test_within_limits_a_solve_of_levels_out_of_reach_comes_to_rest(factor):
+    """It ends where the position alone is closest, at limits, and no turn beside that position is nearer."""
+    robot, rng = jtik.Robot.builtin("panda"), np.random.default_rng(2)
+    q0, direction = robot.random_configuration(rng), rng.normal(size=3)
+    target = {"hand": 1.2 * factor * direction / np.linalg.norm(direction)}
+    target["wrist"] = robot.pose(robot.random_configuration(rng))
+    solution = jtik.InverseKinematics(robot, TASKS, strategy="lexicographic_qp").solve(target, q0=q0)
+    assert solution.status is Status.LIMITS
+    alone = jtik.InverseKinematics(robot, TASKS[0]).solve(target["hand"], q0=solution.q)
+    assert np.linalg.norm(robot.position(solution.q) - robot.position(alone.q)) < 1e-9
+    assert solution.iterations < 100
+    beside = {"hand": robot.position(solution.q), "wrist": target["wrist"]}
+    assert angle(robot, solution.q, target) < optimum(robot, solution.q, beside) + 1e-4
+
+
 def test_stopped_on_the_way_it_is_not_claimed(rng):
     robot = dh_arm(5, 3)
     ik = jtik.InverseKinematics(robot, TASKS, strategy="task_priority")
