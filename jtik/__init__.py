@@ -36,30 +36,30 @@ import importlib
 import warnings
 from typing import TYPE_CHECKING, Any
 
-from jtik.constraints import Clearance, Limits
 from jtik.criterion import Criterion, CriterionError, CriterionSum, criterion
 from jtik.errors import ArgumentError, JtikError, MissingExtraError, RobotFileError, UnknownNameError
-from jtik.geometry import Box, Capsule, Circle, Cylinder, HalfSpace, Point, Polygon, Scene, Sphere
-from jtik.registry import (
-    PluginError,
-    citations,
-    criteria,
-    register_criterion,
-    register_secondary,
-    register_strategy,
-    secondaries,
-    strategies,
-)
-from jtik.result import Jog, Relaxation, Solution, SolutionBatch, Status, Step, Trace, Trajectory
-from jtik.robot import Joint, JointType, Robot
-from jtik.solver import InverseKinematics
-from jtik.strategy import Strategy, StrategyError
-from jtik.task import AxisTask, CenterOfMassTask, FrameTask, LookAtTask, RelativeFrameTask, Task
 
 if TYPE_CHECKING:
     from jtik import interop, planner, plotting, problems, study, testing
+    from jtik.constraints import Clearance, Limits
+    from jtik.geometry import Box, Capsule, Circle, Cylinder, HalfSpace, Point, Polygon, Scene, Sphere
+    from jtik.registry import (
+        PluginError,
+        citations,
+        criteria,
+        register_criterion,
+        register_secondary,
+        register_strategy,
+        secondaries,
+        strategies,
+    )
+    from jtik.result import Jog, Relaxation, Solution, SolutionBatch, Status, Step, Trace, Trajectory
+    from jtik.robot import Joint, JointType, Robot
+    from jtik.solver import InverseKinematics
+    from jtik.strategy import Strategy, StrategyError
     from jtik.study.compare import compare
     from jtik.study.comparison import Comparison
+    from jtik.task import AxisTask, CenterOfMassTask, FrameTask, LookAtTask, RelativeFrameTask, Task
     from jtik.viewer import view
 
 __version__ = "0.2.0"
@@ -124,10 +124,51 @@ __all__ = [
     "view",
 ]
 
-_LAZY = {"compare": "jtik.study.compare", "Comparison": "jtik.study.comparison", "view": "jtik.viewer"}
-"""Names that are imported when they are first used, and the modules that have them."""
+_MODULES = {
+    "constraints": ("Clearance", "Limits"),
+    "geometry": ("Box", "Capsule", "Circle", "Cylinder", "HalfSpace", "Point", "Polygon", "Scene", "Sphere"),
+    "registry": (
+        "PluginError",
+        "citations",
+        "criteria",
+        "register_criterion",
+        "register_secondary",
+        "register_strategy",
+        "secondaries",
+        "strategies",
+    ),
+    "result": ("Jog", "Relaxation", "Solution", "SolutionBatch", "Status", "Step", "Trace", "Trajectory"),
+    "robot": ("Joint", "JointType", "Robot"),
+    "solver": ("InverseKinematics",),
+    "strategy": ("Strategy", "StrategyError"),
+    "study.compare": ("compare",),
+    "study.comparison": ("Comparison",),
+    "task": ("AxisTask", "CenterOfMassTask", "FrameTask", "LookAtTask", "RelativeFrameTask", "Task"),
+    "viewer": ("view",),
+}
+"""Modules that are imported when a name of theirs is first used. Not `jtik.criterion`: its import would hide the
+decorator of the same name."""
 
-_LAZY_MODULES = ("interop", "planner", "plotting", "problems", "study", "testing")
+_LAZY = {name: f"jtik.{module}" for module, names in _MODULES.items() for name in names}
+
+_LAZY_MODULES = (
+    "constraints",
+    "geometry",
+    "interop",
+    "planner",
+    "plotting",
+    "problems",
+    "qp",
+    "registry",
+    "result",
+    "robot",
+    "solver",
+    "strategy",
+    "study",
+    "task",
+    "testing",
+    "viewer",
+)
 
 _RENAMED = {"GaveWay": "Relaxation"}
 """Former names and the present ones; they go after one release."""
@@ -139,7 +180,7 @@ if not TYPE_CHECKING:  # a type checker then still finds misspelled names
         if name in _RENAMED:
             new = _RENAMED[name]
             warnings.warn(f"jtik.{name} is now jtik.{new}", DeprecationWarning, stacklevel=2)
-            return globals()[new]
+            name = new
         if name in _LAZY_MODULES:
             return importlib.import_module(f"jtik.{name}")
         if name in _LAZY:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import os
+import sys
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence, Set
 from numbers import Real
@@ -289,8 +290,9 @@ def _numeric(argument: str, value: object, accepted: str) -> NDArray[Any]:
 
 
 def _numeric_or_none(value: object) -> NDArray[Any] | None:
-    if isinstance(value, np.ma.MaskedArray):
-        return None if np.ma.is_masked(value) else _numeric_or_none(np.asarray(value.data))
+    masked = sys.modules.get("numpy.ma")  # without it no array is a masked one
+    if masked is not None and isinstance(value, masked.MaskedArray):
+        return None if masked.is_masked(value) else _numeric_or_none(np.asarray(value.data))
     try:
         raw = np.asarray(value)
     except Exception:  # ragged, an expression, or what an object of another library raises

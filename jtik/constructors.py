@@ -7,7 +7,6 @@ that fits costs nothing but one more call.
 
 from __future__ import annotations
 
-import difflib
 import functools
 import inspect
 from abc import ABCMeta
@@ -108,6 +107,8 @@ def _misfit(
     if not unknown:
         missing = problem.removeprefix("missing a required argument: ")
         return CallError(name, f"no {missing}" if missing != problem else problem, accepted)
+    import difflib
+
     close = [match for each in unknown for match in difflib.get_close_matches(each, parameters, n=1)]
     hint = f"; did you mean {' and '.join(close)}?" if close else ""
     return CallError(", ".join(unknown), f"to {name}, which has no argument of this name", accepted + hint)

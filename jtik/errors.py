@@ -6,7 +6,6 @@ as attributes. Its message contains what would have been accepted.
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable
 
 
@@ -57,6 +56,8 @@ class UnknownNameError(JtikError, KeyError):
     """
 
     def __init__(self, kind: str, name: str, known: Iterable[str], hint: str = "") -> None:
+        import difflib
+
         self.kind = kind
         self.name = name
         self.known = tuple(known)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable
-from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,6 +31,8 @@ from jtik.task import Task
 from jtik.task.reduction import joints_of
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     import qpsolvers
 
 

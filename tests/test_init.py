@@ -37,9 +37,61 @@ def test_import_loads_numpy_and_casadi_and_nothing_else() -> None:
     """)
     tops, subpackages, heavy = (line.split() for line in loaded.splitlines())
     assert {top for top in tops if not top.startswith("swig_runtime_data")} == {"casadi", "jtik", "numpy"}
-    for late in ("cli", "demo", "interop", "plotting", "problems", "study", "testing", "viewer"):
+    for late in ("cli", "demo", "interop", "plotting", "problems", "qp", "registry", "solver", "strategy", "study"):
+        assert f"jtik.{late}" not in subpackages
+    for late in ("testing", "viewer", "_step", "_loop"):
         assert f"jtik.{late}" not in subpackages
     assert set(heavy) <= {"ctypes"}  # numpy needs it
+
+
+FIRST_ANSWER = """
+    import sys
+    import jtik
+    arm = jtik.Robot.builtin("panda")
+    ik = jtik.InverseKinematics(arm, jtik.FrameTask("tip"), strategy={strategy!r})
+    assert ik.solve(arm.pose(arm.home), q0=arm.home + 0.1).converged
+"""
+
+
+@pytest.mark.parametrize("strategy", ["hybrid", "weighted_qp"])
+def test_a_first_answer_loads_what_it_uses(strategy: str) -> None:
+    """No other robot or strategy, no solver of quadratic programs but CasADi's, and nothing that reads packages."""
+    loaded = set(run(FIRST_ANSWER.format(strategy=strategy) + "    print(*sys.modules)").split())
+    assert "jtik.robot.gallery.panda" in loaded
+    assert f"jtik_formulations.strategies.{strategy}" in loaded
+    others = ("jtik.robot.gallery.gen3", "jtik_formulations.strategies.sns", "jtik_formulations.criteria.isotropy")
+    late = ("qpsolvers", "scipy", "mink", "osqp", "email", "json", "hashlib", "importlib.metadata", "numpy.ma")
+    assert not loaded & {*others, *late}
+
+
+def test_warming_up_loads_the_second_solver() -> None:
+    """So that a step whose program DAQP of CasADi gives up is as fast as the others."""
+    run(
+        FIRST_ANSWER.format(strategy="weighted_qp")
+        + """
+    assert "qpsolvers" not in sys.modules
+    ik.warm_up()
+    assert {"qpsolvers", "daqp"} <= set(sys.modules)
+    """
+    )
+
+
+@pytest.mark.parametrize("module", ["qp", "strategy", "task", "result", "registry", "constraints", "solver"])
+def test_a_public_module_is_there_when_it_is_named(module: str) -> None:
+    run(f"""
+        import jtik
+        assert jtik.{module}.__name__ == "jtik.{module}"
+        assert {module!r} in dir(jtik)
+    """)
+
+
+def test_the_decorator_is_not_hidden_by_its_module() -> None:
+    run("""
+        import jtik
+        import jtik.criterion.decorator
+        from jtik.criterion import criterion
+        assert jtik.criterion is criterion
+    """)
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import subprocess
 import sys
 import textwrap
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 
 import jtik
+import jtik_formulations
 from jtik.registry import Registry, supporting_clearances, table
 from jtik.strategy import SecondaryTerm
 
@@ -116,6 +118,38 @@ class TestBuiltIns:
         assert {"hybrid", "newton", "transpose"} <= set(caught.value.known)
         with pytest.raises(jtik.UnknownNameError, match="unknown criterion"):
             jtik.criteria["laziness"]
+
+    @pytest.mark.parametrize(
+        ("registry", "name", "module"),
+        [
+            ("strategies", "newton", "strategies.newton"),
+            ("criteria", "isotropy", "criteria.isotropy"),
+            ("secondaries", "qp", "strategies.qp_secondary"),
+        ],
+    )
+    def test_a_name_loads_the_module_of_the_same_name_alone(self, registry, name, module):
+        run(f"""
+        import jtik, sys
+        jtik.{registry}[{name!r}]
+        assert "jtik_formulations.{module}" in sys.modules
+        assert "jtik_formulations.strategies.sns" not in sys.modules
+        assert "jtik_formulations.criteria.manipulability" not in sys.modules
+        """)
+
+    @pytest.mark.parametrize("name", ["sugihara", "mink"])
+    def test_a_name_is_found_in_a_module_of_another_name(self, name):
+        run(f"import jtik; assert jtik.strategies[{name!r}].name == {name!r}")
+
+    def test_every_registered_class_is_exported(self):
+        """Only those are found in a new process."""
+        root = Path(jtik_formulations.__file__).parent
+        for path in root.rglob("[a-z]*.py"):
+            importlib.import_module(".".join(["jtik_formulations", *path.relative_to(root).with_suffix("").parts]))
+        classes = {**jtik.strategies, **jtik.criteria, **jtik.secondaries}.values()
+        built_in = {each.__name__ for each in classes if each.__module__.startswith("jtik_formulations.")}
+        assert built_in <= set(jtik_formulations.__all__)
+        assert set(jtik_formulations.__all__) == set(jtik_formulations._MODULES)
+        assert all(name in dir(jtik_formulations) for name in jtik_formulations.__all__)
 
     def test_asking_whether_a_name_is_there_raises_nothing(self):
         assert "hybird" not in jtik.strategies

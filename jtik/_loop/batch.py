@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik._loop.batch_file import BatchFile
-from jtik._loop.batch_pool import BatchPool
 from jtik._loop.native_search import NativeBatch
 from jtik.progress import Progress, watched
 from jtik.result.batch import SolutionBatch
 from jtik.result.report import Report
 from jtik.result.status import Status
 from jtik.types import Array
+
+if TYPE_CHECKING:
+    from jtik._loop.batch_file import BatchFile
+    from jtik._loop.batch_pool import BatchPool
 
 
 class BatchRows(NamedTuple):

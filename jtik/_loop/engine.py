@@ -113,12 +113,12 @@ class Engine:
         }
         self._options |= {"null_space_rate": null_space_rate, "weights": weights}
         self._strategy = strategy
+        self._backend: Backend | None = None
         if clearances and not CheckedCall(strategy, strategy, "supports_clearances").flag():
             given = f"{list(clearances)!r} with strategy={strategy!r}"
             raise ArgumentError("clearances", given, supporting_clearances())
-        backend: Backend | None = None
         if CheckedCall(strategy, strategy, "uses_qp").flag(problem.has_criterion or bool(clearances)):
-            backend = backend_of(solver)
+            self._backend = backend_of(solver)
         elif solver is not None:
             accepted = f"None, as {type(strategy).__name__} solves no quadratic program here"
             if CheckedCall(strategy, strategy, "uses_qp").flag(True):
@@ -132,7 +132,7 @@ class Engine:
         self.runners = Runners(
             problem,
             strategy,
-            backend,
+            self._backend,
             bounds=bounds,
             memory=self.memory,
             compilation=compiler,
@@ -206,6 +206,8 @@ class Engine:
             builds = [self.stepping.warm_up, lambda: self.runners.track, self._escape.warm_up, self._inspector.warm_up]
             if self.runners.solve.explorer:
                 builds.append(self.runners.solve.explorer)
+            if self._backend:
+                builds.append(self._backend.warm_up)
             with counted(progress, "building") as report, self._compilation.shown(report, len(builds)):
                 for build in builds:
                     build()

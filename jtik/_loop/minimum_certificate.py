@@ -5,8 +5,10 @@ from __future__ import annotations
 from concurrent.futures import CancelledError, Future
 from functools import cached_property
 
+import numpy as np
+
 from jtik._step.inputs import Inputs
-from jtik._step.strict_minimum import strict_minimum
+from jtik._step.strict_minimum import UNROLLED, strict_minimum
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.symbolic import Function
 from jtik.symbolic.compilation import Compilation
@@ -19,14 +21,15 @@ class MinimumCertificate:
 
     Args:
         problem: the problem.
-        compilation: compiles it as generated C, from now on, where H is minimised; None for the virtual machine.
+        compilation: compiles it as generated C, from now on, where H is minimised; None for the virtual machine. That
+            of many joints stays there: it has as many entries as their number squared, and is evaluated once a solve.
     """
 
     def __init__(self, problem: SymbolicProblem, compilation: Compilation | None) -> None:
         self._problem = problem
         self._last = (b"", False)  # a search and the status of its end ask for the same configuration
         self._built: Future[Library] | None = None
-        if compilation and problem.has_criterion:
+        if compilation and problem.has_criterion and problem.robot.n <= UNROLLED:
             self._built = problem.once("compiled strict_minimum", lambda: compilation.begun(self._symbolic))
 
     @property
@@ -50,5 +53,15 @@ class MinimumCertificate:
         """Whether H certainly has a strict minimum at q, on target and stationary."""
         key = b"".join([part.tobytes() for part in (q, *inputs)])
         if key != self._last[0]:
-            self._last = key, bool(self._function(q, *inputs)[0][0, 0])
+            holds, *matrix = self._function(q, *inputs)
+            self._last = key, bool(holds[0, 0]) and all(map(_is_positive_definite, matrix))
         return self._last[1]
+
+
+def _is_positive_definite(M: Array) -> bool:
+    """Whether a symmetric matrix (n, n) is positive definite; one that is not finite is not."""
+    try:
+        np.linalg.cholesky(M)
+    except np.linalg.LinAlgError:
+        return False
+    return bool(np.isfinite(M).all())

@@ -6,13 +6,15 @@ import math
 import os
 import sys
 import warnings
-from concurrent.futures import Executor
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from jtik._loop.search import SearchOptions
 from jtik._step.inputs import Settings
 from jtik.arguments import flag, integer, positive_number, positive_or_infinite
 from jtik.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
 
 Until = Literal["stationary", "reached"]
 Compiled: TypeAlias = bool | Literal["auto"]
@@ -108,6 +110,8 @@ def read_search_options(
 
 def read_executor(executor: object) -> Executor | None:
     """An executor or None. Raises ArgumentError for anything else."""
+    from concurrent.futures import Executor
+
     if executor is None or isinstance(executor, Executor):
         return executor
     raise ArgumentError("executor", executor, "a concurrent.futures.Executor, or None")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterable, Iterator
-from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -17,8 +16,6 @@ from numpy.typing import NDArray
 from jtik._loop.arguments import ConfigurationReader, read_targets
 from jtik._loop.arrivals import SearchResult
 from jtik._loop.batch import BatchRows, collect, solved
-from jtik._loop.batch_file import BatchFile
-from jtik._loop.batch_pool import BatchPool
 from jtik._loop.batch_searches import BatchSearches, BatchTargets
 from jtik._loop.compile_ahead import CompileAhead
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
@@ -47,6 +44,8 @@ from jtik.result.trajectory import Trajectory
 from jtik.types import Array
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from jtik._loop.copying import FixedSolver
 
 Options = tuple[int, int | None, int, int, float | None, float, float, float, str]
@@ -170,6 +169,9 @@ class Solving:
         save: str | Path | None,
     ) -> SolutionBatch:
         """Solve for each target by itself, as `InverseKinematics.solve_batch` describes it."""
+        from jtik._loop.batch_file import BatchFile
+        from jtik._loop.batch_pool import BatchPool
+
         given, numbers = read_targets(self._tasks, targets)
         progress = read_progress(progress)
         exclusive = self._exclusive

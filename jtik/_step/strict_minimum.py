@@ -16,6 +16,7 @@ from jtik.symbolic import (
     LDL,
     Expression,
     Function,
+    densify,
     diag,
     fmax,
     function,
@@ -36,8 +37,16 @@ PENALTY = 1e8
 """Weight of J'J, relative to |J|^2, beside the Hessian, relative to its norm: rounding of it is below `FLAT`."""
 
 
+UNROLLED = 12
+"""Most velocity entries for which the function itself factorises M, by a cubic number of operations."""
+
+
 def strict_minimum(problem: SymbolicProblem) -> Function:
-    """(q, inputs) -> 1 where H certainly has a strict minimum on the self-motion at a stationary q, else 0."""
+    """(q, inputs) -> 1 where H certainly has a strict minimum on the self-motion at a stationary q, else 0.
+
+    Beyond `UNROLLED` velocity entries it has a second output, a matrix: the minimum is certain where this is positive
+    definite as well.
+    """
     nq, n = problem.robot.nq, problem.robot.n
     q, target, parameters = problem.symbols()
     inputs = Inputs(target, parameters, symbol("lower", nq), symbol("upper", nq), symbol("settings", len(Settings())))
@@ -64,8 +73,8 @@ def strict_minimum(problem: SymbolicProblem) -> Function:
     inside = diag(free)
     M = inside @ (ratio(1, norm(vec(W))) * W) @ inside + ratio(PENALTY, squared_length(J_free)) * gram(J_free)
     M = M + identity(n) - inside - FLAT * identity(n)
-    holds = logic_and(holds, LDL.of(M).positive_definite)
-    return function("strict_minimum", [q, *inputs], [holds], cse=False)  # it takes longest
+    outputs = [logic_and(holds, LDL.of(M).positive_definite)] if n <= UNROLLED else [holds, densify(M)]
+    return function("strict_minimum", [q, *inputs], outputs, cse=False)  # it takes longest
 
 
 def _limits(problem: SymbolicProblem, q: Expression, inputs: Inputs[Expression]) -> tuple[Expression, ...]:

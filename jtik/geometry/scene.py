@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from os import PathLike
 from types import MappingProxyType
@@ -15,7 +13,7 @@ from numpy.typing import ArrayLike
 from jtik import arguments
 from jtik.constructors import Constructed
 from jtik.errors import ArgumentError, UnknownNameError
-from jtik.geometry.scene_data import from_json, obstacle_from, obstacle_to, read_table, to_toml
+from jtik.geometry.scene_data import from_json, from_toml, obstacle_from, obstacle_to, read_table, to_json, to_toml
 from jtik.geometry.slots import ACCEPTED, read_gains
 from jtik.geometry.solids import Solid
 from jtik.types import Array
@@ -194,7 +192,7 @@ class Scene(metaclass=Constructed):
         if file.suffix not in (".toml", ".json"):
             raise ArgumentError("path", str(file), FILES)
         data = self.to_dict()
-        text = to_toml(data) if file.suffix == ".toml" else json.dumps(data, indent=2) + "\n"
+        text = to_toml(data) if file.suffix == ".toml" else to_json(data)
         try:
             content = text.encode("utf-8")
         except UnicodeEncodeError as error:  # before the file is opened, which would empty it
@@ -218,7 +216,7 @@ class Scene(metaclass=Constructed):
             raise ArgumentError("path", str(file), FILES)
         try:
             text = file.read_text(encoding="utf-8-sig")
-            data = tomllib.loads(text) if file.suffix == ".toml" else from_json(text)
+            data = from_toml(text) if file.suffix == ".toml" else from_json(text)
         except (ValueError, RecursionError) as error:  # what both readers raise, and a text in another encoding
             raise ArgumentError(str(file), f"{error}", f"a {file.suffix[1:].upper()} file of a scene") from error
         return cls._from(f"{file}: ", data)

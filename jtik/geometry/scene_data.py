@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -88,6 +87,8 @@ def read_table(
 
 def from_json(text: str) -> Any:
     """The data of a JSON text. Raises ValueError where it is none, or has a key twice in one object."""
+    import json
+
     return json.loads(text, object_pairs_hook=_distinct)
 
 
@@ -99,8 +100,24 @@ def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return found
 
 
+def to_json(data: Mapping[str, Any]) -> str:
+    """The JSON of a scene."""
+    import json
+
+    return json.dumps(data, indent=2) + "\n"
+
+
+def from_toml(text: str) -> dict[str, Any]:
+    """The data of a TOML text. Raises ValueError where it is none."""
+    import tomllib
+
+    return tomllib.loads(text)
+
+
 def to_toml(data: Mapping[str, Any]) -> str:
     """The TOML of a scene: tables of texts, numbers and lists of numbers, whose JSON is TOML, too."""
+    import json
+
     lines = []
     for section, rows in data.items():
         if not rows:

@@ -86,6 +86,11 @@ class _BackendBase(metaclass=Constructed):
     accuracy: float
     fallback: CalledBackend | None = None
 
+    def warm_up(self) -> None:
+        """Load what is otherwise loaded when a first QP is solved."""
+        if self.fallback:
+            self.fallback.warm_up()
+
 
 class FusedBackend(_BackendBase):
     """A back end that CasADi calls, so that the step stays one function.

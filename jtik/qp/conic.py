@@ -46,7 +46,7 @@ class Conic(FusedBackend):
         self.archive = archive_of(name)
         self._options = {**_DEFAULTS.get(name, {}), **options}
         if name == "daqp" and not options:  # CasADi's own copy fails on one QP in some thousands that this one solves
-            self.fallback = QPSolversBackend("daqp", primal_tol=1e-8)
+            self.fallback = _RequiredDAQP()
 
     def __repr__(self) -> str:
         return f"Conic({self.name!r})"
@@ -61,6 +61,13 @@ class Conic(FusedBackend):
             return conic(f"qp_{self.name}", self.name, n, rows, {"error_on_fail": False, **self._options})
         except RuntimeError as error:
             raise BackendError(self.name, _reason(error, self._options)) from error
+
+
+class _RequiredDAQP(QPSolversBackend):
+    """DAQP of its own package, which jtik requires, so that nothing is loaded before it solves a QP."""
+
+    def __init__(self) -> None:
+        self.name, self.accuracy, self._options = "daqp", PLUGINS["daqp"], {"primal_tol": 1e-8}
 
 
 def _reason(error: RuntimeError, options: Mapping[str, Any]) -> str:

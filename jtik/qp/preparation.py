@@ -12,6 +12,7 @@ from jtik.qp.call import QPCall, called, output_memory
 from jtik.qp.recorder import Preparation
 from jtik.symbolic import MX, Expression, Function, either, function
 from jtik.symbolic.compile import bind
+from jtik.symbolic.operations import SELDOM
 from jtik.types import Array
 
 
@@ -35,12 +36,12 @@ class PreparationCall:
     def of(cls, preparation: Preparation, known: Sequence[Expression]) -> PreparationCall:
         """From a preparation written in the symbols ``known``."""
         qp, solution = preparation.solution.qp, preparation.solution
-        name = f"jtik_{qp.name}"
+        seldom = f"{SELDOM}{qp.name}"
         symbols = [solution.x, solution.row_multipliers, solution.box_multipliers]
         return cls(
-            function(f"{name}_needed", known, [preparation.needed]),
-            function(f"{name}_data", known, [*qp.data(), *qp.penalties]),
-            function(f"{name}_finish", [*known, *symbols], preparation.results),
+            function(f"jtik_{qp.name}_needed", known, [preparation.needed]),
+            function(f"{seldom}_data", known, [*qp.data(), *qp.penalties]),
+            function(f"{seldom}_finish", [*known, *symbols], preparation.results),
             QPCall.of(qp),
         )
 

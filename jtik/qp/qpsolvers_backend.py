@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from importlib.metadata import metadata
 from typing import Any
 
 import numpy as np
@@ -68,6 +67,10 @@ class QPSolversBackend(CalledBackend):
 
     def __repr__(self) -> str:
         return f"QPSolversBackend({self.name!r})"
+
+    def warm_up(self) -> None:
+        """Load qpsolvers and the solver, by a small QP."""
+        self.solver(1, 1).solve(trial_qp())
 
     def solver(self, n: int, rows: int) -> QPSolver:
         """A solver that separates equalities from inequalities at each call."""
@@ -147,5 +150,7 @@ def _sparse(problem: Any) -> Any:
 
 def _installable() -> list[str]:
     """Names of the solvers that can be installed as extras of qpsolvers."""
+    from importlib.metadata import metadata
+
     extras = metadata("qpsolvers").get_all("Provides-Extra") or []
     return [extra for extra in extras if "-" not in extra]

@@ -9,13 +9,15 @@ from jtik.criterion.base import Criterion
 from jtik.registry.mapping import Registry
 from jtik.strategy import SecondaryTerm, Strategy
 
-strategies: Registry[Strategy] = Registry("strategy", Strategy, "jtik.strategies")
+strategies: Registry[Strategy] = Registry("strategy", Strategy, "jtik.strategies", ("strategies.{}",))
 """All registered strategies by name."""
 
-criteria: Registry[Criterion] = Registry("criterion", Criterion, "jtik.criteria")
+criteria: Registry[Criterion] = Registry("criterion", Criterion, "jtik.criteria", ("criteria.{}",))
 """All registered criteria by name."""
 
-secondaries: Registry[SecondaryTerm] = Registry("secondary term", SecondaryTerm, "jtik.secondaries")
+secondaries: Registry[SecondaryTerm] = Registry(
+    "secondary term", SecondaryTerm, "jtik.secondaries", ("strategies.{}", "strategies.{}_secondary")
+)
 """All registered null-space terms by name; ``strategy="newton+qp"`` pairs one with a strategy."""
 
 S = TypeVar("S", bound=type[Strategy])

@@ -1,8 +1,8 @@
-"""A mapping from name to class. Reading it loads the built-in classes, and a third party's class when looked up."""
+"""A mapping from name to class, each of which is loaded when it is looked up."""
 
 from __future__ import annotations
 
-import importlib
+import importlib.util
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Generic, TypeVar
@@ -22,18 +22,21 @@ class Registry(Mapping[str, type[T]], Generic[T]):
 
     The name of a built-in class loads no code of third parties, and the name of a third party's class loads that class
     only. What lists all names (iteration, ``len``, ``repr``) loads all plugins. A plugin that cannot be loaded is
-    left out: the first listing in a process warns of it, and only its own name raises PluginError.
+    left out: the first listing in a process warns of it, and only its own name raises PluginError. The name of a
+    built-in class loads its module alone where that has the same name.
 
     Args:
         kind: what the classes are, for errors.
         base: the class that all of them derive from.
         group: the entry-point group in which distributions name theirs.
+        modules: names of the modules that may have the built-in class of a name, ``{}``.
     """
 
-    def __init__(self, kind: str, base: type, group: str) -> None:
+    def __init__(self, kind: str, base: type, group: str, modules: tuple[str, ...] = ()) -> None:
         self._kind = kind
         self._base: type[Any] = base
         self._title = group.rpartition(".")[2]
+        self._modules = modules
         self._classes: dict[str, type[T]] = {}
         self._plugins = Plugins(group, self.add)
         self._warned: set[tuple[str, str]] = set()
@@ -140,10 +143,23 @@ class Registry(Mapping[str, type[T]], Generic[T]):
         return f"{self._title}: {len(self._classes)}{f', and {broken} broken' if broken else ''}", rows
 
     def _load_built_in(self) -> None:
-        importlib.import_module(BUILT_IN)
+        package = importlib.import_module(BUILT_IN)
+        for name in package.__all__:
+            getattr(package, name)
+
+    def _load_module(self, name: object) -> None:
+        """Import the module of a built-in class where it has the name of the class."""
+        if isinstance(name, str) and name.isidentifier() and name not in self._classes:
+            for module in self._modules:
+                wanted = f"{BUILT_IN}.{module.format(name)}"
+                if importlib.util.find_spec(wanted):
+                    importlib.import_module(wanted)
 
     def _load(self, name: object) -> PluginError | None:
         """Load the class of one name if it is not loaded yet. Returns the error of a plugin, or None."""
+        self._load_module(name)
+        if name in self._classes:
+            return None
         self._load_built_in()
         return None if name in self._classes else self._plugins.load(name)
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib.metadata import EntryPoint, entry_points
+from typing import TYPE_CHECKING
 
 from jtik.errors import JtikError
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 
 class PluginError(JtikError):
@@ -47,6 +50,8 @@ class Plugins:
     def _entries(self) -> tuple[EntryPoint, ...]:
         """The group's entry points, read from the installed distributions when they are first needed."""
         if self._found is None:
+            from importlib.metadata import entry_points  # takes as long to load as NumPy's linear algebra
+
             self._found = tuple(sorted(entry_points(group=self._group), key=lambda entry: (entry.name, entry.value)))
         return self._found
 

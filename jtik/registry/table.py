@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import html
-import textwrap
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -53,6 +51,8 @@ def text_table(title: str, table: Sequence[Sequence[str]], width: int | None = W
 
 def html_table(title: str, table: Sequence[Sequence[str]]) -> str:
     """An HTML table below a title, every text escaped."""
+    import html
+
     head = "".join(f"<th style='text-align:left'>{html.escape(cell)}</th>" for cell in HEADINGS)
     body = "".join(
         "<tr>" + "".join(f"<td style='text-align:left'>{html.escape(cell)}</td>" for cell in line) + "</tr>"
@@ -72,6 +72,8 @@ def _narrowed(widths: Sequence[int], width: int) -> list[int]:
 
 def _wrapped(line: Sequence[str], widths: Sequence[int]) -> list[str]:
     """The lines of text of one row."""
+    import textwrap
+
     cells = [textwrap.wrap(cell, max(size, 1)) or [""] for cell, size in zip(line, widths, strict=True)]
     height = max(len(cell) for cell in cells)
     return [

@@ -5,8 +5,6 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
-from jtik.result import Trajectory
-
 
 class Drawable:
     """Base of a robot that can be drawn."""
@@ -33,5 +31,6 @@ class Drawable:
         """
         robot: Any = self
         plotting, given = import_module("jtik.plotting"), robot.home if q is None else q
-        shown = given if isinstance(given, Trajectory) else plotting.configurations_of(robot, given, "q")
+        trajectory = import_module("jtik.result").Trajectory
+        shown = given if isinstance(given, trajectory) else plotting.configurations_of(robot, given, "q")
         return plotting.posture_figure(robot, shown, **options)

@@ -8,7 +8,6 @@ evaluated as generated C instead of on CasADi's virtual machine.
 from __future__ import annotations
 
 import ctypes
-import hashlib
 import platform
 import sys
 from collections.abc import Callable
@@ -190,6 +189,8 @@ def _library(
     more: tuple[str, ...] = (),
 ) -> T:
     """What ``load`` makes of the library of a source, in which the name of the library replaces another."""
+    import hashlib
+
     command = compiler()
     machine = (sys.platform, platform.machine(), sys.maxsize, sys.modules["jtik"].__version__)
     linked = archive and hashlib.sha256(archive.file.read_bytes()).hexdigest()

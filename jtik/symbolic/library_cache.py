@@ -8,7 +8,6 @@ is written beside its name and then renamed, so that a process that is killed le
 from __future__ import annotations
 
 import atexit
-import hashlib
 import logging
 import os
 import shutil
@@ -89,7 +88,7 @@ def find_or_build(key: str, build: Callable[[Path], Path]) -> Path:
             begin = time.perf_counter()
             built = build(scratch)
             data = built.read_bytes()
-            path = kept / f"{key}-{hashlib.sha256(data).hexdigest()}{SUFFIX}"
+            path = kept / f"{key}-{_digest(data)}{SUFFIX}"
             built.chmod(0o700)
             with built.open("rb") as file:
                 os.fsync(file.fileno())  # a name must not outlive its content when the machine stops
@@ -152,6 +151,12 @@ def _sorted(kept: Path, key: str) -> list[Path]:
     return sorted(each for each in kept.iterdir() if each.name.startswith(key) and each.name.endswith(SUFFIX))
 
 
+def _digest(data: bytes) -> str:
+    import hashlib
+
+    return hashlib.sha256(data).hexdigest()
+
+
 def _is_intact(path: Path) -> bool:
     """Whether a library is a file of the user that only the user can change, with the content of its digest."""
     try:
@@ -160,7 +165,7 @@ def _is_intact(path: Path) -> bool:
             return False
         if hasattr(os, "getuid") and (found.st_uid != os.getuid() or found.st_mode & 0o022):
             return False
-        return hashlib.sha256(path.read_bytes()).hexdigest() == path.stem.rpartition("-")[2]
+        return _digest(path.read_bytes()) == path.stem.rpartition("-")[2]
     except OSError:
         return False
 

@@ -213,11 +213,21 @@ def function(
 
 
 def c_source(function: Function, *others: Function) -> str:
-    """A ``function`` and ``others`` as C, names prefixed with its own. Each thread has memory for the solvers in it."""
+    """A ``function`` and ``others`` as C, names prefixed with its own. Each thread has memory for the solvers in it.
+
+    A function in it whose name begins with `SELDOM` is not optimised.
+    """
     generator = casadi.CodeGenerator(function.name())
     for each in (function, *others):
         generator.add(each)
-    return _OF_ALL_THREADS.sub(r"static JTIK_THREAD_LOCAL \1", _THREAD_LOCAL + str(generator.dump()))
+    source = _IS_SELDOM.sub(r"\1JTIK_SELDOM static", str(generator.dump()))
+    return _OF_ALL_THREADS.sub(r"static JTIK_THREAD_LOCAL \1", _DEFINITIONS + source)
+
+
+SELDOM = "jtik_seldom_"
+"""How the name of a function begins that few calls need: a compiler takes longest to optimise the largest functions."""
+
+_IS_SELDOM = re.compile(rf"^(/\* {SELDOM}\w+:.*\n)static", re.MULTILINE)
 
 
 _OF_ALL_THREADS = re.compile(
@@ -225,7 +235,14 @@ _OF_ALL_THREADS = re.compile(
 )
 """Variables of generated C that all threads would share."""
 
-_THREAD_LOCAL = """
+_DEFINITIONS = """
+#if defined(__clang__)
+#define JTIK_SELDOM __attribute__((optnone, noinline))
+#elif defined(__GNUC__)
+#define JTIK_SELDOM __attribute__((optimize("O0"), noinline))
+#else
+#define JTIK_SELDOM
+#endif
 #if defined(_MSC_VER)
 #define JTIK_THREAD_LOCAL __declspec(thread)
 #else

@@ -13,8 +13,9 @@ import pytest
 from scipy.linalg import null_space
 
 import jtik
+from jtik._loop.minimum_certificate import MinimumCertificate
+from jtik._step import strict_minimum
 from jtik._step.inputs import Inputs, Settings
-from jtik._step.strict_minimum import strict_minimum
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.criterion import CriterionSum, CriterionTerms
 from jtik.symbolic import dot
@@ -35,22 +36,32 @@ def quadratic(q, robot, *, p=ZEROS, g=ZEROS, K=IDENTITY):
     return dot(g, v) + dot(v, K.reshape((N, N)) @ v) / 2
 
 
+@pytest.fixture(autouse=True, params=[12, N - 1], ids=["unrolled", "of numbers"])
+def unrolled(request, monkeypatch):
+    """Most joints for which the certificate factorises its matrix itself."""
+    monkeypatch.setattr(strict_minimum, "UNROLLED", request.param)
+    return request.param
+
+
 @functools.cache
-def certificate(limit=None):
+def certificate(limit, unrolled):
     robot = planar(N) if limit is None else planar(N, lower=-limit, upper=limit)
     terms = CriterionTerms.of(robot, CriterionSum.of(quadratic), ())
     bounded = tuple((i, i) for i in range(N)) if limit else ()
     problem = SymbolicProblem(robot, TaskStack.of(robot, jtik.FrameTask()), terms, bounded)
-    return problem, strict_minimum(problem)
+    made = MinimumCertificate(problem, None)
+    made.warm_up()
+    assert made._symbolic.n_out() == 1 + (unrolled < N)
+    return problem, made
 
 
 def certified(p, g, K, limit=None):
-    problem, function = certificate(limit)
+    problem, function = certificate(limit, strict_minimum.UNROLLED)
     memory = problem.terms.parameters
     memory["quadratic.p"], memory["quadratic.g"], memory["quadratic.K"] = p, g, K.ravel()
     bound = np.full(N, limit or np.inf)
     inputs = Inputs(planar_points(p)[-1], memory.memory, -bound, bound, np.array(Settings(), dtype=float))
-    return bool(function(p, *inputs))
+    return function(p, inputs)
 
 
 def lagrangian_hessian(p, K, mu):
@@ -110,6 +121,6 @@ def test_a_singular_pose_is_left_to_the_other_test(rng):
 
 def test_where_nothing_is_finite_there_is_none():
     assert not certified(np.full(N, 0.4), ZEROS, np.diag(np.full(N, 1e308)) * 1.7)
-    problem, function = certificate()
+    problem, function = certificate(None, strict_minimum.UNROLLED)
     inputs = Inputs(np.ones(2), problem.terms.parameters.memory, -np.ones(N), np.ones(N), np.array(Settings()))
-    assert not bool(function(np.full(N, np.nan), *inputs))
+    assert not function(np.full(N, np.nan), inputs)

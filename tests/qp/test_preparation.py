@@ -8,6 +8,7 @@ import pytest
 
 from jtik.qp import CalledBackend, Conic, Elastic, QPRecorder, QPSolver, QPSolversBackend, QuadraticProgram, Rows
 from jtik.qp.preparation import PreparationCall
+from jtik.symbolic import c_source
 from jtik.symbolic.compile import CompiledFunction, CompilerError, to_c
 
 EXACT = 1e-7
@@ -105,3 +106,11 @@ def test_generated_c_gives_the_same_results(tmp_path, monkeypatch):
         pytest.skip(str(error))
     a = np.array([0.9, -0.4, 0.7])
     assert bound(call, Conic("daqp"), a, 1)[0] == pytest.approx(expected(a), abs=EXACT)
+
+
+def test_what_is_seldom_needed_is_not_optimised():
+    """Whether the QP is needed is evaluated in each step; its data only then."""
+    call = preparation()
+    assert [c_source(each).count("JTIK_SELDOM static int") for each in call.functions] == [0, 1, 1]
+    joined = c_source(call.solver_function(Conic("daqp")))
+    assert joined.count("JTIK_SELDOM static int") == 2

@@ -8,39 +8,32 @@ the frame "tip" is that of the tool.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
-from typing import Any
+from importlib import import_module
+from typing import Any, cast
 
 from jtik.errors import UnknownNameError
 from jtik.robot.gallery.gallery_robot import GalleryRobot
-from jtik.robot.gallery.gen3 import gen3
-from jtik.robot.gallery.iiwa14 import iiwa14
-from jtik.robot.gallery.jaco2 import jaco2
-from jtik.robot.gallery.panda import panda
-from jtik.robot.gallery.universal import ur5, ur5e
-from jtik.robot.gallery.vehicles import planar10, vehicle3, vehicle_panda
-from jtik.robot.gallery.xarm7 import xarm7
 
 __all__ = ["GalleryRobot", "describe", "names"]
 
-_BUILDERS: tuple[Callable[[], GalleryRobot], ...] = (
-    panda,
-    ur5e,
-    ur5,
-    iiwa14,
-    xarm7,
-    gen3,
-    jaco2,
-    vehicle_panda,
-    vehicle3,
-    planar10,
-)
-_ROBOTS = {build.__name__: build for build in _BUILDERS}
+_MODULES = {
+    "panda": "panda",
+    "ur5e": "universal",
+    "ur5": "universal",
+    "iiwa14": "iiwa14",
+    "xarm7": "xarm7",
+    "gen3": "gen3",
+    "jaco2": "jaco2",
+    "vehicle_panda": "vehicles",
+    "vehicle3": "vehicles",
+    "planar10": "vehicles",
+}
+"""The module that has the tables of each robot, in a function of the robot's name."""
 
 
 def names() -> tuple[str, ...]:
     """The names that `Robot.builtin` accepts."""
-    return tuple(_ROBOTS)
+    return tuple(_MODULES)
 
 
 def describe(name: str) -> GalleryRobot:
@@ -52,9 +45,10 @@ def describe(name: str) -> GalleryRobot:
     Raises:
         UnknownNameError: when there is no such robot; it suggests the closest name.
     """
-    if name not in _ROBOTS:
-        raise UnknownNameError("built-in robot", name, _ROBOTS)
-    return _ROBOTS[name]()
+    if name not in _MODULES:
+        raise UnknownNameError("built-in robot", name, _MODULES)
+    module = import_module(f"jtik.robot.gallery.{_MODULES[name]}")
+    return cast(GalleryRobot, getattr(module, name)())
 
 
 def __getattr__(name: str) -> Any:
