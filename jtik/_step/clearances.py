@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from jtik._step.active_set import clamped
+from jtik._step.safe_path import figures_of, safe_path
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.clearance import ClearanceModel
 from jtik.constraints.motion_bound import MotionBound
-from jtik.symbolic import Expression, once_for_each, substitute, symbol
+from jtik.symbolic import Expression, vertcat
 
 
 def clearance_model(
@@ -31,12 +31,10 @@ def clearance_model(
     """
     state = state or {}
     distance, J, figures = measured
-    lower, upper = limits
-    dq = symbol("dq", problem.robot.n)
-    moved = problem.robot.integrate(q, problem.coordinates.to_joints(dq))
-    candidate = clamped(moved, lower, upper, problem.bounded)
-    after = problem.distances(candidate, parameters)
     safe, aim, influence, gain = (figures[:, i] for i in range(4))
+    restored = vertcat(*problem.restored.astype(float).tolist())
+    figures_of_path = figures_of([distance, safe, aim, figures[:, 4], restored])
+    path = safe_path(problem)
     return ClearanceModel(
         distance=distance,
         jacobian=J,
@@ -46,7 +44,7 @@ def clearance_model(
         gain=gain,
         curvature_radius=figures[:, 4],
         motion=MotionBound(problem.robot, q),
-        after=once_for_each(lambda step: substitute(after, dq, step)),
+        path=lambda dq: path(q, problem.coordinates.to_joints(dq), parameters, *limits, figures_of_path),
         coordinates=problem.coordinates,
         restored=problem.restored,
         longest=state.get("longest", 0),

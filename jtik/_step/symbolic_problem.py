@@ -64,6 +64,7 @@ class SymbolicProblem:
         distances: (q, parameters) -> distances of all clearances, (k, 1) [m].
         clearance: (q, parameters) -> distances, their Jacobian (k, n), safe, aim, influence, gain and radius (k, 5).
         pairs: name of each distance.
+        body_sizes: number of distances of each body, in their order.
         restored: whether each distance is restored when it is too small, (k,).
     """
 
@@ -119,7 +120,7 @@ class SymbolicProblem:
         """Distances of all clearances, their Jacobian, and for each of them safe, aim, influence, gain and radius."""
         distances, figures, restored = [], [], list[bool]()
         linearized = list[tuple[int, tuple[Expression, Expression] | None]]()
-        self.pairs = list[str]()
+        self.pairs, self.body_sizes = list[str](), list[int]()
         for clearance in self.clearances:
             own = self.terms.own(clearance, parameters)
             measured = clearance.of_measure(self.robot, own)
@@ -128,6 +129,7 @@ class SymbolicProblem:
             own_rows = belongs_to(measure, "linearized", "distances")
             found = measure.linearized(kinematics, measured) if own_rows else None
             linearized.append((sum(map(len, bodies)), found))
+            self.body_sizes += map(len, filter(None, bodies))
             rounded = rounding_of(clearance.measure, self.robot, measured, bodies)
             self.pairs += pair_names(clearance, self.robot, bodies)
             row = (own["safe"], own["safe"] + clearance.margin, own["influence"], clearance.gain)

@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,7 +20,7 @@ from jtik.constraints.motion_bound import MotionBound
 from jtik.constructors import Constructed
 from jtik.errors import ArgumentError
 from jtik.robot import UNWEIGHTED, Robot, WeightedCoordinates
-from jtik.symbolic import Expression, fmax, fmin, if_else, mmin, once_for_each, reshape, sum1, vertcat
+from jtik.symbolic import Expression, fmax, fmin, if_else, once_for_each, reshape, sum1, vertcat
 from jtik.types import Array
 
 SAMPLES = 4
@@ -175,7 +174,8 @@ class ClearanceModel:
         gain: share of the distance to the aim that a step may use (k, 1).
         curvature_radius: smallest radius of curvature of the surface at the safe distance of each (k, 1) [m].
         motion: upper bounds of the motion of any point of the robot from q.
-        after: dq -> the distances after that displacement, (k, 1) [m].
+        path: dq -> 1 if every distance stays safe along that displacement, else 0, and the total violation after it
+            [m]; see `keeps` and `violation_after`.
         restored: which distances are restored when they are too small (k,).
         longest: how far each velocity entry may move for the restoration in this step [rad] or [m].
         smallest_violation: smallest violation so far [m].
@@ -190,7 +190,7 @@ class ClearanceModel:
     gain: Expression
     curvature_radius: Expression
     motion: MotionBound
-    after: Any
+    path: Callable[[Expression], tuple[Expression, Expression]]
     restored: NDArray[np.bool_]
     longest: Expression = 0
     smallest_violation: Expression = 0
@@ -219,40 +219,50 @@ class ClearanceModel:
         return self.gain * self.lacking * if_else(self.distance < self.safe, 1, shortened)
 
     @cached_property
-    def lacking(self) -> Expression:
-        """By how much the restored distances fall short of their aims, (k, 1) [m], non-negative."""
-        return self._lacking(self.distance)
-
-    def violation(self, distance: Expression) -> Expression:
-        """Total violation: the sum of `lacking` for these distances (k, 1) [m]."""
-        return sum1(self._lacking(distance))
-
-    def _lacking(self, distance: Expression) -> Expression:
-        lacks = self.aim - distance
-        counts = vertcat(*self.restored.astype(float).tolist()) * (lacks > TOLERATED * (self.aim - self.safe))
-        return if_else(counts, lacks, 0)
+    def restored_column(self) -> Expression:
+        """1 for each distance that is restored when it is too small, else 0, (k, 1)."""
+        return vertcat(*self.restored.astype(float).tolist())
 
     @cached_property
-    def keeps(self) -> Callable[[Expression], Expression]:
-        """dq -> 1 if every distance stays safe along the straight path of the displacement dq (n, 1), else 0.
+    def lacking(self) -> Expression:
+        """By how much the restored distances fall short of their aims, (k, 1) [m], non-negative."""
+        return lacking(self.distance, self.safe, self.aim, self.restored_column)
 
-        The distances are evaluated at K samples. A point of a body moves at most L in the step and its link rotates by
-        at most S. Between two samples a distance is safe where both exceed the safe value by the smaller of
-        (L^2 / rho + L S) / (8 K^2) and L / (2 K). A distance that starts below it is no smaller at any sample.
+    @cached_property
+    def violation(self) -> Expression:
+        """Total violation: the sum of `lacking` [m]."""
+        return sum1(self.lacking)
+
+    @cached_property
+    def _path(self) -> Callable[[Expression], tuple[Expression, Expression]]:
+        return once_for_each(self.path)
+
+    def keeps(self, dq: Expression) -> Expression:
+        """1 if every distance stays safe along the straight path of the displacement ``dq`` (n, 1), else 0.
+
+        Args:
+            dq: the displacement.
         """
-        return once_for_each(self._keeps)
+        return self._path(dq)[0]
 
-    def _keeps(self, dq: Expression) -> Expression:
-        travelled, turned = self.motion.lengths(self.coordinates.to_joints(dq))
-        curved = (travelled**2 / self.curvature_radius + travelled * turned) / (8 * SAMPLES**2)
-        dip = fmin(curved, travelled / (2 * SAMPLES))
-        smallest = fmin(self.safe, self.distance)  # a distance that starts too small becomes no smaller
-        good: Expression = 1
-        before = self.distance
-        for k in range(1, SAMPLES + 1):
-            after = self.after(k / SAMPLES * dq)
-            low = fmin(before, after) - dip
-            surplus = if_else(self.distance < self.safe, after - self.distance + 1e-12, low - smallest)
-            good = good * (mmin(surplus) >= 0)
-            before = after
-        return good
+    def violation_after(self, dq: Expression) -> Expression:
+        """The total violation after the displacement ``dq`` (n, 1) [m].
+
+        Args:
+            dq: the displacement.
+        """
+        return self._path(dq)[1]
+
+
+def lacking(distance: Expression, safe: Expression, aim: Expression, restored: Expression) -> Expression:
+    """By how much distances that are restored fall short of their aims [m], non-negative; columns (k, 1).
+
+    Args:
+        distance: the distances [m].
+        safe: smallest value allowed of each [m].
+        aim: safe + margin of each [m].
+        restored: 1 where a distance is restored when it is too small, else 0.
+    """
+    lacks = aim - distance
+    counts = restored * (lacks > TOLERATED * (aim - safe))
+    return if_else(counts, lacks, 0)

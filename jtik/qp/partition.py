@@ -47,7 +47,7 @@ def partitioned(
         intermediate values. What only such functions need is computed in them.
     """
     dense, later = ([[densify(each) for each in group] for group in groups] for groups in (wanted, deferred))
-    graph = _Graph.of(known, dense, later)  # which has each value once
+    graph = Graph.of(known, dense, later)  # which has each value once
     passed_on: list[list[int]] = [[] for _ in names]
     for node in sorted(graph.used_later):
         passed_on[graph.stage[node]].append(node)
@@ -57,7 +57,7 @@ def partitioned(
     for k, name in enumerate(names):
         values = dict(passed)
         graph.evaluate([node for node in graph.computed if graph.stage[node] == k], values)
-        outputs = [_filled(like, graph.results[k][i], values) for i, like in enumerate(wanted[k])]
+        outputs = [filled(like, graph.results[k][i], values) for i, like in enumerate(wanted[k])]
         if k == len(names) - 1:
             stages.append(function(name, inputs, outputs, cse=False))
             break
@@ -67,7 +67,7 @@ def partitioned(
         if k < len(deferred):
             values = dict(passed)
             graph.evaluate(graph.only_deferred[k], values)
-            outputs = [_filled(like, graph.deferred[k][i], values) for i, like in enumerate(deferred[k])]
+            outputs = [filled(like, graph.deferred[k][i], values) for i, like in enumerate(deferred[k])]
             after.append(function(f"{name}_data", [*inputs, columns[k]], outputs, cse=False))
         inputs = [*inputs, columns[k], *known[k + 1]]
     return stages, after
@@ -98,7 +98,7 @@ class Call:
 
 
 @dataclass
-class _Graph:
+class Graph:
     """The operations of all stages as a graph.
 
     Attributes:
@@ -129,7 +129,7 @@ class _Graph:
         known: Sequence[Sequence[Expression]],
         wanted: Sequence[Sequence[Expression]],
         deferred: Sequence[Sequence[Expression]],
-    ) -> _Graph:
+    ) -> Graph:
         """From the instructions of one function that computes all expressions."""
         symbols = [(k, each) for k, group in enumerate(known) for each in group]
         results, later = ([[[0] * each.numel() for each in group] for group in groups] for groups in (wanted, deferred))
@@ -227,8 +227,14 @@ def _paired(
         yield from zip(group, own, strict=True)
 
 
-def _filled(like: Expression, nodes: Sequence[int], values: dict[int, Expression]) -> Expression:
-    """The dense, column-major matrix of these nodes with the shape of ``like``."""
+def filled(like: Expression, nodes: Sequence[int], values: dict[int, Expression]) -> Expression:
+    """The dense, column-major matrix of these nodes with the shape of ``like``.
+
+    Args:
+        like: an expression of that shape.
+        nodes: a node for each entry.
+        values: the values of the nodes.
+    """
     rows, columns = like.shape
     if not nodes:
         return SX.zeros(rows, columns)

@@ -99,10 +99,6 @@ class FeasibilityRestoration:
         """How much of each demand is met [m]."""
         return fmax(fmin(self.gained, self.clearance.demand), 0)
 
-    def _violation(self, dq: Expression) -> Expression:
-        """The violation after the displacement dq [m]."""
-        return self.clearance.violation(self.clearance.after(dq))
-
     def accepts(self, dq: Expression, length: Expression) -> Expression:
         """1 where the displacement dq is accepted for the restoration, without regard to the criterion.
 
@@ -116,7 +112,7 @@ class FeasibilityRestoration:
         if not self.clearance.restores:
             return 0
         predicted = mmax(self._met)
-        achieved = self.smallest_violation - self._violation(dq)
+        achieved = self.smallest_violation - self.clearance.violation_after(dq)
         first_order = norm(self.jacobian @ self.dq)
         second_order = norm(self.jacobian.reshape((-1, 1))) * sumsqr(self.dq)
         explained = length <= self.length + 2 * first_order + second_order
@@ -132,7 +128,7 @@ class FeasibilityRestoration:
             accepted: 1 if the step is taken, else 0.
         """
         longest = self.clearance.longest
-        reached = fmin(self.smallest_violation, self._violation(dq))
+        reached = fmin(self.smallest_violation, self.clearance.violation_after(dq))
         longer = logic_or(self.clearance.keeps(dq), 4 * sumsqr(self.dq) >= sumsqr(dq))
         shorten = logic_and(sumsqr(self.dq) > 0, longer)
         return {
@@ -198,5 +194,5 @@ def feasibility_restoration(
         return [if_else(feasible, dq, 0), if_else(feasible, gained, 0)]
 
     dq, gained = qps.prepare(mmax(demand) > SIGNIFICANT, qp, results)
-    smallest_violation = fmin(clearance.smallest_violation, clearance.violation(clearance.distance))
+    smallest_violation = fmin(clearance.smallest_violation, clearance.violation)
     return FeasibilityRestoration(dq, gained, clearance, jacobian, length, smallest_violation)

@@ -1,4 +1,4 @@
-"""The clearance model of a problem: its numbers, the distances after a displacement, and what the state remembers."""
+"""The clearance model of a problem: its numbers, the violation after a displacement, and what the state remembers."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import jtik
 from jtik._step.clearances import clearance_model
 from jtik_formulations import ObstacleAvoidance
 
-from ..conftest import planar, planar_points
+from ..conftest import EXACT, planar, planar_points
 from .conftest import numbers, problem_of
 
 Q = np.array([0.4, -0.3])
@@ -40,15 +40,33 @@ def test_values_of_each_distance():
     assert found.motion.lever_arms() == [2.0, 1.0]
 
 
-def test_distances_after_a_displacement(rng):
+def violation(q):
+    """By how much distances are below 0.15, of those that are by more than half of the margin, in closed form."""
+    missing = 0.15 - distances(q)
+    return missing[missing > 0.025].sum()
+
+
+def violation_after(found, dq):
+    """That of the model after a displacement; it is the result of a call, which is no constant expression."""
+    return float(casadi.Function("after", [], [found.violation_after(casadi.SX(dq))])()["o0"])
+
+
+def test_the_violation_here_and_after_a_displacement(rng):
     found = model(planar(2))
-    for dq in rng.uniform(-0.5, 0.5, (5, 2)):
-        assert numbers(found.after(casadi.SX(dq))) == pytest.approx(distances(Q + dq))
+    assert numbers(found.violation) == pytest.approx(violation(Q))
+    steps = rng.uniform(-2, 2, (60, 2))
+    after = [violation(Q + dq) for dq in steps]
+    assert 0 in after
+    assert max(after) > 0
+    for dq, expected in zip(steps, after, strict=True):
+        assert violation_after(found, dq) == pytest.approx(expected, abs=EXACT)
 
 
 def test_a_displacement_ends_at_the_limits():
-    found = model(planar(2, lower=-0.5, upper=0.5))
-    assert numbers(found.after(casadi.SX([0.3, -0.9]))) == pytest.approx(distances(np.array([0.5, -0.5])))
+    found = model(planar(2, lower=-1.5, upper=1.5))
+    expected = violation(np.array([-1.5, 1.5]))
+    assert expected > 0
+    assert violation_after(found, [-2.3, 1.9]) == pytest.approx(expected)
 
 
 def test_the_restoration_reads_its_memory_from_the_state():

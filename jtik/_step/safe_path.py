@@ -1,0 +1,128 @@
+"""The proof that distances stay safe along the path of a step (formulations/clearance.md, (C6)), as one function.
+
+A distance that is larger than the step is long is safe without more: it is not evaluated on the path. The others are,
+body by body.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+from jtik._step.active_set import clamped
+from jtik._step.symbolic_problem import SymbolicProblem
+from jtik.constraints.clearance import SAMPLES, lacking
+from jtik.constraints.motion_bound import MotionBound
+from jtik.qp.shared_values import divided
+from jtik.symbolic import (
+    MX,
+    Expression,
+    Function,
+    either,
+    fmin,
+    function,
+    horzcat,
+    if_else,
+    mmin,
+    sum1,
+    symbol,
+    vertcat,
+)
+
+REACH = 1 + 1 / (2 * SAMPLES)
+"""How much a distance may change on the path, and between two samples beyond them, relative to the bound L."""
+
+FIGURES = 5
+"""Figures of each distance: itself, safe, aim, radius of curvature, and whether it is restored."""
+
+
+def safe_path(problem: SymbolicProblem) -> Function:
+    """(q, dq, parameters, lower, upper, figures) -> whether every distance stays safe, and the violation at the end.
+
+    The figures are `FIGURES` for each distance, one distance after the other; dq is in the joints' own units.
+
+    Args:
+        problem: the problem.
+    """
+    found: Function = problem.once("safe_path", lambda: _safe_path(problem))
+    return found
+
+
+def _safe_path(problem: SymbolicProblem) -> Function:
+    robot, sizes = problem.robot, problem.body_sizes
+    q, _, parameters = problem.symbols()
+    dq, limits = symbol("dq", robot.n), [symbol("lower", robot.nq), symbol("upper", robot.nq)]
+    figures = symbol("figures", FIGURES, sum(sizes))
+    starts = [sum(sizes[:g]) for g in range(len(sizes))]
+    distances = problem.distances(q, parameters)
+    groups = [distances[start : start + size] for start, size in zip(starts, sizes, strict=True)]
+    shared, own = divided("distances", [q, parameters], groups)
+
+    lengths = vertcat(*MotionBound(robot, q).lengths(dq))
+    far = figures[0, :] - REACH * lengths[0] >= figures[2, :]
+    flags = [1 - mmin(far[start : start + size]) for start, size in zip(starts, sizes, strict=True)]
+    begin = function("path_begin", [q, dq, figures], [lengths, vertcat(*flags), 1 - mmin(far)])
+    samples = [
+        clamped(robot.integrate(q, k / SAMPLES * dq), limits[0], limits[1], problem.bounded)
+        for k in range(1, SAMPLES + 1)
+    ]
+    configurations = function("path_samples", [q, dq, *limits], samples)
+
+    inputs = [MX.sym(f"i{i}", *each.shape) for i, each in enumerate((q, dq, parameters, *limits, figures))]
+    lengths, flags, any_near = begin(inputs[0], inputs[1], inputs[5])
+    inside = [*[MX.sym(f"a{i}", *each.shape) for i, each in enumerate([*inputs, lengths, flags])]]
+    at, turn, live, low, high, rows, bounds, near = inside
+    places = configurations(at, turn, low, high)
+    common = [*places, *[shared(place, live) for place in places], live, bounds]
+    good, total = MX(1), MX(0)
+    for g, (start, size) in enumerate(zip(starts, sizes, strict=True)):
+        given = [*common, rows[:, start : start + size]]
+        good_here, violation = _either(_judged(own[g], given, size), given)(near[g], *given)
+        good, total = good * good_here, total + violation
+    evaluated = function("near", inside, [good, total], cse=False)
+    result = _either(evaluated, inside)(any_near, *inputs, lengths, flags)
+    return function("safe_path", inputs, list(result), cse=False, inline=False)
+
+
+def _either(evaluated: Function, arguments: list[Expression]) -> Function:
+    """``evaluated`` where the first argument is not 0, else 1 and 0."""
+    symbols = [MX.sym(f"a{i}", *each.shape) for i, each in enumerate(arguments)]
+    return either(evaluated, function("far", symbols, [MX(1), MX(0)]))
+
+
+def _judged(own: Function, given: list[Expression], size: int) -> Function:
+    """(samples, shared values of each, parameters, lengths, figures) -> whether safe, violation; of one body."""
+    symbols = [MX.sym(f"a{i}", *each.shape) for i, each in enumerate(given)]
+    places, shared, (live, lengths, figures) = symbols[:SAMPLES], symbols[SAMPLES:-3], symbols[-3:]
+    after = [own(place, live, values) for place, values in zip(places, shared, strict=True)]
+    return function("body", symbols, list(_judge(size)(figures, lengths, *after)), cse=False)
+
+
+@cache
+def _judge(size: int) -> Function:
+    """(figures, lengths, distances at each sample) -> whether they are safe on the path, violation at its end.
+
+    The distances are evaluated at K samples. A point of a body moves at most L in the step and its link rotates by
+    at most S. Between two samples a distance is safe where both exceed the safe value by the smaller of
+    (L^2 / rho + L S) / (8 K^2) and L / (2 K). A distance that starts below it is no smaller at any sample.
+    """
+    figures, lengths = symbol("figures", FIGURES, size), symbol("lengths", 2)
+    samples = [symbol(f"after{k}", size) for k in range(SAMPLES)]
+    distance, safe, aim, radius, restored = (figures[i, :].T for i in range(FIGURES))
+    travelled, turned = lengths[0], lengths[1]
+    curved = (travelled**2 / radius + travelled * turned) / (8 * SAMPLES**2)
+    dip = fmin(curved, travelled / (2 * SAMPLES))
+    smallest = fmin(safe, distance)  # a distance that starts too small becomes no smaller
+    good: Expression = 1
+    before = distance
+    for after in samples:
+        low = fmin(before, after) - dip
+        surplus = if_else(distance < safe, after - distance + 1e-12, low - smallest)
+        good = good * (mmin(surplus) >= 0)
+        before = after
+    violation = sum1(lacking(samples[-1], safe, aim, restored))
+    return function("safe", [figures, lengths, *samples], [good, violation])
+
+
+def figures_of(columns: list[Expression]) -> Expression:
+    """The figures of each distance, of columns (k, 1), as `safe_path` takes them."""
+    return horzcat(*columns).T
