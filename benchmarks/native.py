@@ -38,8 +38,11 @@ NEAR = 0.1
 """Largest distance of a joint from the answer in a near start [rad]."""
 PEERS: dict[str, Builder] = {"Robotics Toolbox ik_LM": toolbox, "optik": optik}
 
-Solve = Callable[[], list[Array | None]]
-"""() -> a configuration, or None, for each of its targets."""
+Found = jtik.SolutionBatch | list[Array | None]
+"""A batch, or for each target a configuration or None."""
+
+Solve = Callable[[], Found]
+"""() -> what is found for its targets."""
 
 
 def ours(arm: Arm, strategy: str, targets: Array, starts: dict[str, Array]) -> dict[str, Solve]:
@@ -49,10 +52,8 @@ def ours(arm: Arm, strategy: str, targets: Array, starts: dict[str, Array]) -> d
     joints = [link.name for link in arm.links]
     ik = jtik.InverseKinematics(robot, task, strategy=strategy, joints=joints, at=np.zeros(robot.nq), compiled=True)
 
-    def solve(start: str, threads: int, lanes: bool) -> list[Array | None]:
-        options: dict[str, Any] = {"restarts": RESTARTS, "threads": threads, "lanes": lanes}
-        batch = ik.solve_batch(targets, q0=starts[start], **options)
-        return [q if good else None for q, good in zip(batch.q, batch.converged, strict=True)]
+    def solve(start: str, threads: int, lanes: bool) -> jtik.SolutionBatch:
+        return ik.solve_batch(targets, q0=starts[start], restarts=RESTARTS, threads=threads, lanes=lanes)
 
     return {
         f"{start}: {'lanes' if lanes else 'one at a time'}, {threads} thread{'s' * (threads > 1)}": partial(
@@ -78,10 +79,15 @@ def peers(arm: Arm, targets: Array) -> dict[str, Solve | str]:
     return rows
 
 
-def right(arm: Arm, targets: Array, found: list[Array | None]) -> int:
+def right(arm: Arm, targets: Array, found: Found) -> int:
     """How many answers are on target and within the limits, by Pinocchio."""
     count = 0
-    for target, q in zip(targets, found, strict=True):
+    answers: list[Array | None] = (
+        found
+        if isinstance(found, list)
+        else [q if good else None for q, good in zip(found.q, found.converged, strict=True)]
+    )
+    for target, q in zip(targets, answers, strict=True):
         if q is not None:
             at = check(arm, target, q)
             on_target = at.position <= ACCURACY.position + FILE_SLACK

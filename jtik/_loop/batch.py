@@ -80,10 +80,14 @@ class BatchRows(NamedTuple):
             empty = np.zeros(0), np.zeros((0, nq)), np.zeros(0, dtype=bool), np.zeros((0, 2)), np.zeros((0, 3))
             numbers, q, converged, errors, counts = empty
             return cls(numbers.astype(np.int64), q, converged, errors, counts.astype(np.int64), np.zeros(0), {})
-        joined = [np.concatenate(column) for column in zip(*[part[:-1] for part in parts], strict=True)]
-        numbers = joined[0]
-        sorts = bool((numbers[1:] < numbers[:-1]).any())
-        columns = [column[np.argsort(numbers)] for column in joined] if sorts else joined
+        parts = (
+            sorted((part for part in parts if len(part.numbers)), key=lambda part: int(part.numbers[0])) or parts[:1]
+        )
+        columns = [np.concatenate(column) for column in zip(*[part[:-1] for part in parts], strict=True)]
+        numbers = columns[0]
+        if (numbers[1:] < numbers[:-1]).any():  # the parts overlap
+            order = np.argsort(numbers)
+            columns = [column[order] for column in columns]
         return cls._make([*columns, {i: each for part in parts for i, each in part.diagnose.items()}])
 
 

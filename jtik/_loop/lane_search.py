@@ -7,8 +7,8 @@ search in Python, as by the native search, and so is a search that goes on for m
 others of its call: Ctrl-C is obeyed then.
 
 With restarts, and without a criterion, it is a search of its own: the steps are those of `Strategy.in_lanes`, and the
-restarts come in the order of their distance from the target (`jtik._loop.start_bank`). Where none of them reaches it,
-the search in Python begins anew.
+restarts come in the order of their distance from the target (`jtik._loop.start_bank`, formulations/restarts.md). Where
+none of them reaches it, the search in Python begins anew.
 """
 
 from __future__ import annotations
