@@ -206,12 +206,12 @@ class Engine:
             builds = [self.stepping.warm_up, lambda: self.runners.track, self._escape.warm_up, self._inspector.warm_up]
             if self.runners.solve.explorer:
                 builds.append(self.runners.solve.explorer)
-            if self._backend:
-                builds.append(self._backend.warm_up)
             with counted(progress, "building") as report, self._compilation.shown(report, len(builds)):
                 for build in builds:
                     build()
                     self._compilation.part_done()
+            if self._backend:
+                self._backend.warm_up()
             self._ahead.begin()
         finally:
             exclusive.busy = False
