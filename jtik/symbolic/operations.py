@@ -15,6 +15,8 @@ import casadi
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik.symbolic.unbounded_rows import without_unbounded_rows
+
 Expression: TypeAlias = Any
 """A CasADi expression (``casadi.SX`` or ``casadi.MX``), scalar or matrix."""
 
@@ -217,7 +219,8 @@ def c_source(function: Function, *others: Function) -> str:
     generator = casadi.CodeGenerator(function.name())
     for each in (function, *others):
         generator.add(each)
-    return _OF_ALL_THREADS.sub(r"static JTIK_THREAD_LOCAL \1", _THREAD_LOCAL + str(generator.dump()))
+    source = without_unbounded_rows(str(generator.dump()))
+    return _OF_ALL_THREADS.sub(r"static JTIK_THREAD_LOCAL \1", _THREAD_LOCAL + source)
 
 
 _OF_ALL_THREADS = re.compile(
