@@ -45,7 +45,6 @@ def clearance_model(
         curvature_radius=figures[:, 4],
         motion=MotionBound(problem.robot, q),
         path=lambda dq: path(q, problem.coordinates.to_joints(dq), parameters, *limits, figures_of_path),
-        coordinates=problem.coordinates,
         restored=problem.restored,
         longest=state.get("longest", 0),
         smallest_violation=state.get("violation", 0),

@@ -19,7 +19,7 @@ from jtik.constraints.measure import Measure
 from jtik.constraints.motion_bound import MotionBound
 from jtik.constructors import Constructed
 from jtik.errors import ArgumentError
-from jtik.robot import UNWEIGHTED, Robot, WeightedCoordinates
+from jtik.robot import Robot
 from jtik.symbolic import Expression, fmax, fmin, if_else, once_for_each, reshape, sum1, vertcat
 from jtik.types import Array
 
@@ -179,7 +179,6 @@ class ClearanceModel:
         restored: which distances are restored when they are too small (k,).
         longest: how far each velocity entry may move for the restoration in this step [rad] or [m].
         smallest_violation: smallest violation so far [m].
-        coordinates: of displacements, from the joint weights.
     """
 
     distance: Expression
@@ -194,7 +193,6 @@ class ClearanceModel:
     restored: NDArray[np.bool_]
     longest: Expression = 0
     smallest_violation: Expression = 0
-    coordinates: WeightedCoordinates = UNWEIGHTED
 
     @property
     def restores(self) -> bool:

@@ -28,6 +28,7 @@ from jtik.symbolic import (
     sumsqr,
     zeros,
 )
+from jtik.symbolic.row_sums import weighted_sums
 
 TASK_WEIGHT = 1e2
 """Weight of a motion that changes the task, relative to one of the same length that does not."""
@@ -176,9 +177,10 @@ def feasibility_restoration(
     lower, upper = fmax(box[0], -clearance.longest), fmin(box[1], clearance.longest)
     penalty = PENALTY * (1 + TASK_WEIGHT) / clearance.motion.row_norm_bound**2
     floor = clearance.low - demand
+    demanded, wanted = weighted_sums(C, if_else(demand > 0, 1, 0), demand)
     qp = QuadraticProgram(
-        P=identity(n) + TASK_WEIGHT * gram(K) + penalty * gram(C, if_else(demand > 0, 1, 0)),
-        q=-penalty * C.T @ demand,
+        P=identity(n) + TASK_WEIGHT * gram(K) + penalty * demanded,
+        q=-penalty * wanted,
         lower=lower,
         upper=upper,
         rows=[Rows("clearance", C, floor, inf + 0 * floor)],

@@ -15,7 +15,7 @@ import casadi
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik.symbolic.idle_rows import without_idle_rows
+from jtik.symbolic.unbounded_rows import without_unbounded_rows
 
 Expression: TypeAlias = Any
 """A CasADi expression (``casadi.SX`` or ``casadi.MX``), scalar or matrix."""
@@ -222,7 +222,7 @@ def c_source(function: Function, *others: Function) -> str:
     generator = casadi.CodeGenerator(function.name())
     for each in (function, *others):
         generator.add(each)
-    source = _IS_SELDOM.sub(r"\1JTIK_SELDOM static", without_idle_rows(str(generator.dump())))
+    source = _IS_SELDOM.sub(r"\1JTIK_SELDOM static", without_unbounded_rows(str(generator.dump())))
     return _OF_ALL_THREADS.sub(r"static JTIK_THREAD_LOCAL \1", _DEFINITIONS + source)
 
 

@@ -8,7 +8,7 @@ import pytest
 import qpsolvers
 
 import jtik
-from jtik.constraints.clearance import ClearanceModel
+from jtik.constraints.clearance import ClearanceModel, lacking
 from jtik.constraints.motion_bound import MotionBound
 from jtik.qp import QPRecorder
 from jtik.robot import Joint, JointType
@@ -31,10 +31,16 @@ FINITE = 1e-5
 """A demand of 0.1 m is missed by 3e-5 of it, because its penalty weight is finite."""
 
 
-def clearances(distance, *, restored=(True, True), gain=1.0, longest=LONGEST, record=1e300, keeps=None):
-    """Distances that are linear in dq."""
+def clearances(distance, *, restored=(True, True), gain=1.0, longest=LONGEST, record=1e300, keeps=1):
+    """Distances that are linear in dq, along a path that is safe where ``keeps`` is 1."""
     distance, k = casadi.SX(distance), len(distance)
-    model = ClearanceModel(
+    restored = np.array(restored)
+
+    def path(dq):
+        after = distance + casadi.SX(C) @ dq
+        return keeps, casadi.sum1(lacking(after, SAFE, AIM, casadi.SX(restored.astype(float))))
+
+    return ClearanceModel(
         distance=distance,
         jacobian=casadi.SX(C),
         safe=casadi.SX([SAFE] * k),
@@ -43,14 +49,11 @@ def clearances(distance, *, restored=(True, True), gain=1.0, longest=LONGEST, re
         gain=casadi.SX([gain] * k),
         curvature_radius=casadi.SX(1e9),
         motion=MotionBound(PRISMATIC, casadi.SX(3, 1)),
-        after=lambda dq: distance + casadi.SX(C) @ dq,
-        restored=np.array(restored),
+        path=path,
+        restored=restored,
         longest=casadi.SX(longest),
         smallest_violation=casadi.SX(record),
     )
-    if keeps is not None:
-        object.__setattr__(model, "keeps", lambda dq: keeps)
-    return model
 
 
 def restored(model, box=1.0):
@@ -60,7 +63,8 @@ def restored(model, box=1.0):
     made = feasibility_restoration(model, qps, bounds, lambda: casadi.SX(TASK), casadi.SX(TASK), casadi.SX(0))
     values = []
     for preparation in qps.preparations:
-        P, q, A, low, high, lower, upper = (np.array(casadi.DM(part)) for part in preparation.solution.qp.data())
+        data = casadi.Function("data", [], preparation.solution.qp.data())  # has calls of functions in it
+        P, q, A, low, high, lower, upper = map(np.array, data.call([]))
         x = np.zeros(3)
         if numbers(preparation.needed):
             assert np.isinf(high).all()
