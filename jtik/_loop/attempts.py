@@ -62,13 +62,14 @@ class Attempts:
 
     Attributes:
         continuum: the continua of singular poses on target.
+        levels: leads levels of priority to rest where the highest is out of reach.
     """
 
     def __init__(self, problem: SymbolicProblem, escapes: Escapes, turns: FullTurns, inputs: Inputs[Array]) -> None:
         self._problem, self._escapes, self._turns, self._inputs = problem, escapes, turns, inputs
         self._linear = np.array(problem.linear, dtype=bool)
         self.continuum = Continuum(problem, turns)
-        self._levels = LevelNewton(problem)
+        self.levels = LevelNewton(problem)
 
     @cached_property
     def _criterion(self) -> CompiledFunction:
@@ -184,11 +185,11 @@ class Attempts:
         if before == 0.0:
             return False
         rest = q.copy()
-        if not self._levels.reach(rest, runner.inputs):
+        if not self.levels.reach(rest, runner.inputs):
             return False
         after = self.level_errors(rest)[0]
         fall = (before - after) * (before + after) / 2
-        near = -ROUNDING * before**2 <= fall <= NEAR * self._levels.scale(q, runner.inputs)
+        near = -ROUNDING * before**2 <= fall <= NEAR * self.levels.scale(q, runner.inputs)
         if near:
             q[:] = rest
             error, residual = (each[:, 0] for each in self._error(q, self._inputs.target))

@@ -145,6 +145,7 @@ class Engine:
         criterion = CriterionEscape(problem, inspector, escape)
         turns, has_criterion = self.runners.turns, problem.has_criterion
         attempts = Attempts(problem, Escapes(escape, criterion), turns, self.runners.search_inputs)
+        self._levels = attempts.levels
         by_level = len(problem.levels) > 1 and self.runners.respects_priority
         search_inputs = self.runners.search_inputs
         self.search = Search(robot, attempts, turns, search_inputs, has_criterion=has_criterion, by_level=by_level)
@@ -204,6 +205,8 @@ class Engine:
         try:
             exclusive.busy = True
             builds = [self.stepping.warm_up, lambda: self.runners.track, self._escape.warm_up, self._inspector.warm_up]
+            if self.runners.solve.pauses:
+                builds.append(self._levels.warm_up)
             if self.runners.solve.explorer:
                 builds.append(self.runners.solve.explorer)
             with counted(progress, "building") as report, self._compilation.shown(report, len(builds)):

@@ -7,7 +7,7 @@ level they converge quadratically.
 
 from __future__ import annotations
 
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,18 @@ class LevelNewton:
 
     def __init__(self, problem: SymbolicProblem) -> None:
         self._problem = problem
-        self._curvatures: list[CompiledFunction] = []
+
+    @cached_property
+    def _curvatures(self) -> list[CompiledFunction]:
+        problem, found = self._problem, []
+        for k, rows in enumerate(problem.levels):
+            build = partial(problem.curvature, rows)
+            found.append(CompiledFunction(problem.once(f"curvature of level {k}", build)))
+        return found
+
+    def warm_up(self) -> None:
+        """Build the functions now."""
+        _ = self._curvatures
 
     def reach(self, q: Array, inputs: Inputs[Array]) -> bool:
         """Lead q there.
@@ -98,10 +109,6 @@ class LevelNewton:
 
     def _levels(self, q: Array, inputs: Inputs[Array]) -> list[tuple[float, Array, Array]]:
         """|J| |r|, gradient (n,) and Hessian (n, n) of V of each level."""
-        if not self._curvatures:
-            for k, rows in enumerate(self._problem.levels):
-                build = partial(self._problem.curvature, rows)
-                self._curvatures.append(CompiledFunction(self._problem.once(f"curvature of level {k}", build)))
         found = []
         for function in self._curvatures:
             scale, gradient, hessian, _ = function(q, inputs.target, inputs.parameters)
