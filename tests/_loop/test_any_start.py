@@ -22,7 +22,6 @@ ALL_STRATEGIES = families_first([*sorted(jtik.strategies), UNCHECKED])
 DESCENDING = ["damped", "hybrid"]
 """Strategies that promise the closest posture where the target is out of reach."""
 
-ARMS = ["panda", "ur5e"]
 TOLERANCE = 1e-6
 """The default one of a solve [m], [rad]."""
 
@@ -98,7 +97,7 @@ def test_from_anywhere_to_anywhere_the_status_is_correct_and_limits_hold(name, s
 
 
 @pytest.mark.parametrize("strategy", ALL_STRATEGIES, ids=called)
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("name", ["panda", *slow("ur5e")])
 def test_steps_return_into_the_limits_and_stay(name, strategy):
     robot, ik, rng = arm(name), solver(name, strategy), np.random.default_rng(8)
     for q in starts(robot, rng):
@@ -221,7 +220,7 @@ class TestOutOfReach:
             assert ik.solve(target, q0=arm("panda").keyframes["home"][: ik.robot.n]).converged
 
 
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("name", ["panda", *slow("ur5e")])
 @pytest.mark.parametrize(("strategy", "most"), [("damped", 60), ("hybrid", 90), ("newton", 120), (UNCHECKED, 60)])
 def test_from_the_limits_a_hundred_targets_are_found(name, strategy, most):
     """Every joint begins at one of its limits; ``most`` is the mean of the calls of all attempts."""

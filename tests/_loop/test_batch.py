@@ -9,7 +9,7 @@ import pytest
 
 import jtik
 
-from ..conftest import dh_arm, planar
+from ..conftest import dh_arm, planar, shared_solver
 
 ARM = dh_arm(7, 3, limit=1.5)
 
@@ -21,7 +21,7 @@ def targets():
 
 
 def solver(**options):
-    return jtik.InverseKinematics(ARM, jtik.FrameTask("tip", "pose"), strategy="damped", **options)
+    return shared_solver(ARM, jtik.FrameTask("tip", "pose"), strategy="damped", **options)
 
 
 def test_is_each_solved_by_itself(targets):
@@ -42,7 +42,7 @@ def test_is_each_solved_by_itself(targets):
 
 
 def test_failures_stay_in_their_rows():
-    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
+    ik = shared_solver(planar(3), jtik.FrameTask())
     batch = ik.solve_batch([(1.0, 1.0), (9.0, 0.0), (2.0, 1.0)], q0=[0.3, 0.4, 0.5])
     assert batch.converged.tolist() == [True, False, True]
     assert batch.status[1] is jtik.Status.LOCAL_MINIMUM
@@ -51,7 +51,7 @@ def test_failures_stay_in_their_rows():
 
 
 def test_a_start_each():
-    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
+    ik = shared_solver(planar(3), jtik.FrameTask())
     starts = np.array([[0.3, 0.4, 0.5], [-0.3, -0.4, -0.5]])
     batch = ik.solve_batch([(2.0, 1.0), (2.0, 1.0)], q0=starts)
     assert np.array_equal(batch.q, [ik.solve((2.0, 1.0), q0=q0).q for q0 in starts])
@@ -60,7 +60,7 @@ def test_a_start_each():
 
 def test_several_tasks_and_none():
     tasks = [jtik.FrameTask("tip", name="hand"), jtik.FrameTask("link3", axes="y", name="elbow")]
-    ik = jtik.InverseKinematics(planar(5), tasks)
+    ik = shared_solver(planar(5), tasks)
     batch = ik.solve_batch([{"hand": (3.0, 1.0), "elbow": (0.0, 0.5)}] * 2, q0=[0.3] * 5)
     assert batch.converged.all()
     nothing = ik.solve_batch([])
@@ -70,13 +70,13 @@ def test_several_tasks_and_none():
 
 def test_progress_is_reported():
     reported = []
-    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
+    ik = shared_solver(planar(3), jtik.FrameTask())
     ik.solve_batch([(1.0, 1.0), (2.0, 1.0)], progress=lambda done, total: reported.append((done, total)))
     assert reported == [(1, 2), (2, 2)]
 
 
 def test_a_progress_bar_is_shown_only_on_request(capsys, monkeypatch):
-    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
+    ik = shared_solver(planar(3), jtik.FrameTask())
     ik.solve_batch([(1.0, 1.0)])
     assert capsys.readouterr() == ("", "")
     ik.solve_batch([(1.0, 1.0)], progress=True)
@@ -87,11 +87,11 @@ def test_a_progress_bar_is_shown_only_on_request(capsys, monkeypatch):
 
 
 def test_what_is_wrong_is_named():
-    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
+    ik = shared_solver(planar(3), jtik.FrameTask())
     with pytest.raises(jtik.ArgumentError, match=r"targets\[1\]"):
         ik.solve_batch([(1.0, 1.0), (np.nan, 1.0)])
     with pytest.raises(jtik.ArgumentError, match="q0"):
         ik.solve_batch([(1.0, 1.0)], q0=np.zeros((2, 3)))
-    two = jtik.InverseKinematics(planar(3), [jtik.FrameTask(), jtik.FrameTask("link2", name="elbow")])
+    two = shared_solver(planar(3), [jtik.FrameTask(), jtik.FrameTask("link2", name="elbow")])
     with pytest.raises(jtik.ArgumentError, match=r"targets\[0\]\['elbow'\]"):
         two.solve_batch([{"tip": (1.0, 1.0), "elbow": (1.0,)}])

@@ -22,7 +22,7 @@ from jtik._loop.batch_pool import solve_block
 from jtik._loop.native_search import NativeSearch
 from jtik_formulations import JointCentering
 
-from ..conftest import slow
+from ..conftest import shared_solver, slow
 
 TARGETS = np.random.default_rng(3).uniform(-2.4, 2.4, (60, 2))
 Q0 = np.full(4, 0.3)
@@ -30,7 +30,7 @@ COLUMNS = ("q", "converged", "position_error", "orientation_error", "iterations"
 
 
 def solver(**options):
-    return jtik.InverseKinematics(jtik.Robot.planar(4), jtik.FrameTask(kind="position"), **options)
+    return shared_solver(jtik.Robot.planar(4), jtik.FrameTask(kind="position"), **options)
 
 
 @pytest.fixture
@@ -111,7 +111,7 @@ class TestInterrupt:
         expected = solver(compiled=True).solve_batch(TARGETS, q0=Q0, restarts=restarts)
         monkeypatch.setattr(native_source, "BUDGET", 0.0)
         monkeypatch.setattr(native_source, "CHECKED", 3)
-        hurried = solver(compiled=True)
+        hurried = jtik.InverseKinematics(jtik.Robot.planar(4), jtik.FrameTask(kind="position"), compiled=True)
         same(hurried.solve_batch(TARGETS, q0=Q0, restarts=restarts), expected)
         alone = [hurried.solve(target, q0=Q0, restarts=restarts) for target in TARGETS]
         assert np.array_equal([one.q for one in alone], expected.q)

@@ -11,14 +11,14 @@ import pytest
 import jtik
 from jtik_formulations import JointCentering
 
-from ..conftest import planar, planar_points
+from ..conftest import planar, planar_points, shared_solver
 
 PANDA = jtik.Robot.builtin("panda")
 HOME = PANDA.keyframes["home"]
 
 
 def solver(robot, kind="pose", **options):
-    return jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), **options)
+    return shared_solver(robot, jtik.FrameTask("tip", kind), **options)
 
 
 @pytest.mark.parametrize("compiled", [False, True], ids=["interpreted", "compiled"])

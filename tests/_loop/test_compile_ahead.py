@@ -55,13 +55,13 @@ def eager(monkeypatch):
 def solver(*, compiled="auto", strategy="hybrid", **options):
     arm = dh_arm(limit=2.0)
     return jtik.InverseKinematics(
-        arm, jtik.FrameTask("tip", kind="pose"), strategy=strategy, compiled=compiled, **options
+        arm, jtik.FrameTask("tip", kind="position"), strategy=strategy, compiled=compiled, **options
     )
 
 
 def targets(count, seed=0):
     arm, rng = dh_arm(limit=2.0), np.random.default_rng(seed)
-    return [arm.pose(rng.uniform(-2, 2, arm.n), "tip") for _ in range(count)]
+    return [arm.position(rng.uniform(-2, 2, arm.n), "tip") for _ in range(count)]
 
 
 def when(ready):
@@ -157,7 +157,7 @@ def test_a_batch_changes_over_on_its_way(monkeypatch):
 def test_a_path_changes_over_between_two_paths(eager):
     ik, other = solver(), solver(compiled=False)
     q0, arm = ik.robot.neutral + 0.3, ik.robot
-    path = [arm.pose(q0 + 0.002 * k, "tip") for k in range(40)]
+    path = [arm.position(q0 + 0.002 * k, "tip") for k in range(40)]
     expected = other.track(path, q0=q0)
     first = ik.track(path, q0=q0)
     when(lambda: ik._engine._ahead._ready.qsize() == ik._engine._ahead.waiting)

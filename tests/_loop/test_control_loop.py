@@ -9,8 +9,8 @@ import pytest
 import jtik
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
-from ..conftest import families_first, planar
-from .conftest import STRATEGIES, solver
+from ..conftest import families_first, planar, slow
+from .conftest import STRATEGIES, new_solver
 
 STRAIGHT = np.zeros(4)
 ON_ITS_LINE = [2.0, 0.0]
@@ -37,24 +37,26 @@ def refuse_to_build(monkeypatch):
     return now
 
 
-@pytest.mark.parametrize("strategy", families_first([*STRATEGIES, "hybrid+qp"], large=False))
-@pytest.mark.parametrize("criteria", [None, JointCentering()])
-def test_the_first_step_builds_nothing(strategy, criteria, refuse_to_build):
-    ik = solver(planar(4, lower=-2.0, upper=2.0), strategy=strategy, criteria=criteria)
-    refuse_to_build()
+def check_that_nothing_is_built(strategy, criteria, refuse_to_build, monkeypatch):
+    ik = new_solver(planar(4, lower=-2.0, upper=2.0), strategy=strategy, criteria=criteria)
     q = np.array([0.4, 0.3, 0.2, 0.1])
+    refuse_to_build()
     assert ik.step(q, [1.0, 2.5]).accepted
-
-
-@pytest.mark.parametrize("strategy", families_first([*STRATEGIES, "hybrid+qp"], large=False))
-@pytest.mark.parametrize("criteria", [None, JointCentering()])
-def test_after_warm_up_a_timed_step_and_a_path_build_nothing(strategy, criteria, refuse_to_build):
-    ik = solver(planar(4, lower=-2.0, upper=2.0), strategy=strategy, criteria=criteria)
+    monkeypatch.undo()
     ik.warm_up()
     refuse_to_build()
-    q = np.array([0.4, 0.3, 0.2, 0.1])
     assert ik.step(q, [1.0, 2.5], dt=0.01).accepted
     ik.track([[1.0, 2.5]] * 3, q0=q, dt=0.01)
+
+
+@pytest.mark.parametrize("strategy", families_first([*STRATEGIES, "hybrid+qp"], large=False))
+def test_neither_the_first_step_nor_after_warm_up_a_timed_step_or_a_path(strategy, refuse_to_build, monkeypatch):
+    check_that_nothing_is_built(strategy, JointCentering(), refuse_to_build, monkeypatch)
+
+
+@pytest.mark.parametrize("strategy", ["hybrid", *slow("weighted_qp", "sns_qp", "jparse")])
+def test_nor_without_a_criterion(strategy, refuse_to_build, monkeypatch):
+    check_that_nothing_is_built(strategy, None, refuse_to_build, monkeypatch)
 
 
 @pytest.mark.parametrize("strategy", ["hybrid", "weighted_qp"])
@@ -63,7 +65,7 @@ def test_after_warm_up_a_timed_step_and_a_path_build_nothing(strategy, criteria,
 def test_after_warm_up_a_stalled_step_builds_nothing(strategy, clearances, dt, refuse_to_build):
     if clearances and strategy == "hybrid":
         strategy = "hybrid+qp"
-    cold, warm = (solver(planar(4), strategy=strategy, clearances=clearances) for _ in range(2))
+    cold, warm = (new_solver(planar(4), strategy=strategy, clearances=clearances) for _ in range(2))
     warm.warm_up()
     refuse_to_build()
     assert warm.step(STRAIGHT, ON_ITS_LINE, dt=dt).escaped
@@ -74,7 +76,7 @@ def test_after_warm_up_a_stalled_step_builds_nothing(strategy, clearances, dt, r
 def test_after_warm_up_a_strategy_that_accepts_every_step_builds_nothing(refuse_to_build):
     """Its `step` has a function of its own, which evaluates the errors where it ends."""
     strategy = jtik.strategies["damped"](backtracking=False)
-    cold, warm = (solver(planar(4), strategy=strategy) for _ in range(2))
+    cold, warm = (new_solver(planar(4), strategy=strategy) for _ in range(2))
     warm.warm_up()
     refuse_to_build()
     q = np.array([0.4, 0.3, 0.2, 0.1])
@@ -86,7 +88,7 @@ def test_after_warm_up_a_strategy_that_accepts_every_step_builds_nothing(refuse_
 
 def test_warm_up_changes_no_result():
     """Neither of a step that has begun, nor of a solve."""
-    cold, warm = (solver(planar(4), criteria=JointCentering()) for _ in range(2))
+    cold, warm = (new_solver(planar(4), criteria=JointCentering()) for _ in range(2))
     q, target = np.array([0.4, 0.3, 0.2, 0.1]), [-1.0, 0.1]
     for _ in range(6):
         one, other = cold.step(q, target), warm.step(q, target)
@@ -114,7 +116,7 @@ def test_another_solver_goes_on_with_the_velocity_that_it_is_given(velocity, war
 
 
 def test_without_limits_of_acceleration_a_velocity_changes_nothing():
-    ik = solver(planar(4, lower=-2.0, upper=2.0), strategy="hybrid", criteria=None)
+    ik = new_solver(planar(4, lower=-2.0, upper=2.0), strategy="hybrid", criteria=None)
     q = np.array([0.4, 0.3, 0.2, 0.1])
     first = ik.step(q, [1.0, 2.5], dt=0.01).q
     ik.reset(velocity=[1.0, 1.0, 1.0, 1.0])

@@ -18,8 +18,8 @@ import jtik
 from jtik.symbolic import cos, sum1
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
-from ..conftest import dh_arm, families_first, planar, planar_points, slow
-from .conftest import EVERY_STRATEGY, STRATEGIES, solver
+from ..conftest import dh_arm, families_first, planar, planar_points, shared_solver, slow
+from .conftest import EVERY_STRATEGY, STRATEGIES, new_solver, solver
 
 CRITERION_STRATEGIES = families_first(name for name in STRATEGIES if name != "weighted_qp")
 """Those whose end is a stationary point of H on the target; weighted_qp ends at one of a sum."""
@@ -180,7 +180,7 @@ class TestSolve:
         def odd_joints_away(q, robot):
             return cos(q[0]) + cos(q[2]) + cos(q[4]) + 0.3 * ((q[1] - 0.2) ** 2 + (q[5] - 1.2) ** 2 + q[6] ** 2)
 
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask(kind="position"), criteria=odd_joints_away)
+        ik = shared_solver(robot, jtik.FrameTask(kind="position"), criteria=odd_joints_away)
         q0 = np.array([0.0, 0.4, 0.0, -1.8, 0.0, 1.9, 0.5])
         target = robot.position(np.array([0.0, 0.1, 0.0, -1.5, 0.0, 1.4, 0.5]), robot.tip)
         solution = ik.solve(target, q0=q0, trace=True)
@@ -401,7 +401,7 @@ class TestStep:
         assert ik.step(q, target).escaped
 
     def test_warm_up_builds_what_it_needs(self):
-        ik = solver(planar(3), criteria=height)
+        ik = new_solver(planar(3), criteria=height)
         ik.warm_up()
         inspector = ik._engine._inspector
         assert "_hessian" in vars(inspector)

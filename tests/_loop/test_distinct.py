@@ -9,7 +9,7 @@ import jtik
 from jtik._loop.ends import Ends, smaller
 from jtik.robot.tree import Mimic
 
-from ..conftest import ball_arm, floating_arm, planar, slow
+from ..conftest import ball_arm, floating_arm, planar, shared_solver, slow
 from .conftest import solver
 
 BOTH = pytest.mark.parametrize("compiled", [False, True], ids=["interpreted", "compiled"])
@@ -116,7 +116,7 @@ def test_mimic_joints_count():
         ],
         tip="tip",
     )
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "position"))
+    ik = shared_solver(robot, jtik.FrameTask("tip", "position"))
     near, far = robot.position([0.02], "tip"), robot.position([0.05], "tip")
     assert ik.solve(near, q0=[0.0], jump_limit=0.3).converged
     solution = ik.solve(far, q0=[0.0], jump_limit=0.3)
@@ -144,7 +144,7 @@ def test_restarts_choose_by_the_levels_of_priority(compiled):
         jtik.FrameTask("link2", "position", name="elbow", priority=2),
     )
     robot = planar(4, lower=-1.2, upper=1.2)
-    ik = jtik.InverseKinematics(robot, [tip, elbow], strategy="task_priority", compiled=compiled)
+    ik = shared_solver(robot, [tip, elbow], strategy="task_priority", compiled=compiled)
     rng = np.random.default_rng(0)
     kept = 0
     for _ in range(6):
@@ -161,7 +161,7 @@ def test_a_singular_spherical_wrist_gives_each_posture_once():
     columns = [(0, half, 0.4), (0.5, 0, 0), (0.05, half, 0), (0, -half, 0.4), (0, half, 0), (0, 0, 0.1)]
     rows = [{"a": a, "alpha": alpha, "d": d, "theta": 0, "lower": -np.pi, "upper": np.pi} for a, alpha, d in columns]
     arm = jtik.Robot.from_dh(rows)
-    ik = jtik.InverseKinematics(arm, jtik.FrameTask(arm.tip, "pose"))
+    ik = shared_solver(arm, jtik.FrameTask(arm.tip, "pose"))
     singular = np.array([0.5, -0.7, 0.8, 0.3, 0.0, 0.9])
     solution = ik.solve(arm.pose(singular), q0=np.full(6, 0.3), restarts=40, best_of=16)
     found = [solution, *solution.alternatives]
@@ -174,7 +174,7 @@ def test_a_singular_spherical_wrist_gives_each_posture_once():
 def test_the_singular_wrist_of_a_ur5e_gives_no_posture_twice(bend):
     """Its continuum is curved: three parallel axes and the last one turn together. There are at most 8 postures."""
     arm = jtik.Robot.builtin("ur5e")
-    ik = jtik.InverseKinematics(arm, jtik.FrameTask(arm.tip, "pose"))
+    ik = shared_solver(arm, jtik.FrameTask(arm.tip, "pose"))
     rng = np.random.default_rng(0)
     counts = []
     for _ in range(2):

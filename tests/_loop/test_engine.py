@@ -11,14 +11,14 @@ import jtik
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from ..conftest import planar
-from .conftest import solver
+from .conftest import new_solver
 
 Q = np.array([0.3, 0.4, 0.5])
 
 
 class TestBuild:
     def test_a_quadratic_program_is_called_by_its_name(self):
-        ik = solver(planar(3), strategy="lexicographic_qp", criteria=JointCentering())
+        ik = new_solver(planar(3), strategy="lexicographic_qp", criteria=JointCentering())
         first = ik.build(Q, (1.0, 1.5))
         named = [ik.build(Q, (1.0, 1.5), qp=name) for name in self.names(ik)]
         assert first.q.tolist() == named[0].q.tolist()
@@ -30,7 +30,7 @@ class TestBuild:
         return caught.value.known
 
     def test_program_is_the_old_name_of_the_argument(self):
-        ik = solver(planar(3), strategy="newton+qp", criteria=JointCentering())
+        ik = new_solver(planar(3), strategy="newton+qp", criteria=JointCentering())
         name = self.names(ik)[0]
         message = "build(program=) is deprecated: use build(qp=)"
         with pytest.warns(DeprecationWarning, match=re.escape(message)):
@@ -39,16 +39,16 @@ class TestBuild:
 
     def test_a_strategy_without_one(self):
         with pytest.raises(jtik.ArgumentError, match="strategy: .*accepted: one that uses quadratic programs"):
-            solver(planar(3)).build(Q, (1.0, 1.5))
+            new_solver(planar(3)).build(Q, (1.0, 1.5))
 
 
 class TestInvalidInput:
     def test_a_solver_that_is_not_used(self):
         accepted = "None, as Hybrid solves no quadratic program here"
         with pytest.raises(jtik.ArgumentError, match=f"solver: given daqp; accepted: {accepted}"):
-            solver(planar(3), solver="daqp")
+            new_solver(planar(3), solver="daqp")
 
     def test_clearances_that_a_strategy_does_not_support(self):
         clearance = jtik.Clearance(ObstacleAvoidance(jtik.Circle((2.0, 1.0), 0.3), bodies="links"))
         with pytest.raises(jtik.ArgumentError, match=r"clearances: given .*strategy=Newton.*accepted: .*weighted_qp"):
-            solver(planar(3), strategy="newton", clearances=clearance)
+            new_solver(planar(3), strategy="newton", clearances=clearance)

@@ -20,7 +20,7 @@ from jtik._loop.stepping import Stepping
 from jtik_formulations import JointCentering
 
 from ..conftest import planar
-from .conftest import solver
+from .conftest import new_solver
 
 IN_USE = (
     "this InverseKinematics is in use, by another thread or by the call from which this one was made: "
@@ -67,7 +67,7 @@ CALLS = {
 
 @pytest.mark.parametrize("name", CALLS)
 def test_a_second_thread_is_refused_while_the_first_is_within(name):
-    ik = solver(planar(3), criteria=JointCentering(), strategy="newton+qp")
+    ik = new_solver(planar(3), criteria=JointCentering(), strategy="newton+qp")
     with Meanwhile(ik), pytest.raises(jtik.JtikError) as caught:
         CALLS[name](ik)
     assert str(caught.value) == IN_USE
@@ -75,7 +75,7 @@ def test_a_second_thread_is_refused_while_the_first_is_within(name):
 
 
 def test_the_first_thread_is_not_disturbed():
-    ik = solver(planar(3))
+    ik = new_solver(planar(3))
     alone = ik.solve_batch([(1.0, 1.5), (2.0, 1.0)], q0=Q0)
     with Meanwhile(ik) as other, pytest.raises(jtik.JtikError):
         ik.solve((0.5, 0.5))
@@ -84,7 +84,7 @@ def test_the_first_thread_is_not_disturbed():
 
 @pytest.mark.parametrize("name", CALLS)
 def test_a_callback_cannot_use_the_solver_that_calls_it(name):
-    ik = solver(planar(3), criteria=JointCentering(), strategy="newton+qp")
+    ik = new_solver(planar(3), criteria=JointCentering(), strategy="newton+qp")
     targets, met = [(1.0, 1.5), (2.0, 1.0)], []
     alone = ik.solve_batch(targets, q0=Q0)
 
@@ -99,7 +99,7 @@ def test_a_callback_cannot_use_the_solver_that_calls_it(name):
 
 
 def test_a_callback_can_use_a_copy_with_other_tolerances():
-    ik, found = solver(planar(3)), []
+    ik, found = new_solver(planar(3)), []
     targets = [(1.0, 1.5), (2.0, 1.0), (0.5, 1.0)]
     alone = ik.solve_batch(targets, q0=Q0)
 
@@ -112,7 +112,7 @@ def test_a_callback_can_use_a_copy_with_other_tolerances():
 
 
 def test_targets_may_be_computed_by_the_solver_itself():
-    ik = solver(planar(3))
+    ik = new_solver(planar(3))
     batch = ik.solve_batch((ik.solve((1.0, y), q0=Q0).q[:2] for y in (1.0, 1.5)), q0=Q0)
     assert len(batch) == 2
 
@@ -156,7 +156,7 @@ def test_of_several_threads_each_gets_the_right_answer_or_an_error(compiled):
 
 
 def test_of_several_threads_each_gets_the_right_step_or_an_error():
-    ik = solver(planar(3), strategy="newton")  # a step does not depend on the last one
+    ik = new_solver(planar(3), strategy="newton")  # a step does not depend on the last one
     rng = np.random.default_rng(0)
     starts, targets = rng.uniform(-1.0, 1.0, (2000, 3)), rng.uniform(-2.0, 2.0, (2000, 2))
     expected = [ik.step(*given).q for given in zip(starts, targets, strict=True)]
@@ -205,7 +205,7 @@ def test_copies_in_several_threads_give_the_numbers_of_one():
 @pytest.mark.parametrize("name", ["solve", "step", "solve_batch", "track", "reset"])
 def test_an_interrupt_leaves_a_solver_that_can_be_used(name):
     """Wherever Ctrl-C arrives in a call, the next one is not refused."""
-    ik = solver(planar(3), criteria=JointCentering())
+    ik = new_solver(planar(3), criteria=JointCentering())
     CALLS[name](ik)  # builds what is built on demand
     for moment in range(10**6):
         count = 0
@@ -233,7 +233,7 @@ def test_an_interrupt_leaves_a_solver_that_can_be_used(name):
 
 
 def test_after_an_error_it_can_be_used_again():
-    ik = solver(planar(3))
+    ik = new_solver(planar(3))
     for wrong in (lambda: ik.solve((np.nan, 1.0)), lambda: ik.step([np.nan] * 3, (1.0, 1.0)), lambda: ik.track([])):
         with pytest.raises(jtik.ArgumentError):
             wrong()
@@ -246,7 +246,7 @@ def test_after_an_error_it_can_be_used_again():
 
 def test_a_solution_can_be_read_while_another_thread_solves():
     """What is computed on reading has memory of its own, or waits."""
-    ik = solver(planar(3), criteria=JointCentering())
+    ik = new_solver(planar(3), criteria=JointCentering())
     solution = ik.solve((1.0, 1.5), q0=Q0)
     expected = ik.solve((1.0, 1.5), q0=Q0)
     with Meanwhile(ik):
@@ -257,7 +257,7 @@ def test_a_solution_can_be_read_while_another_thread_solves():
 
 def test_copies_solve_at_the_same_time():
 
-    ik = solver(planar(3))
+    ik = new_solver(planar(3))
     copied = copy.copy(ik)
     with Meanwhile(ik):
         assert copied.solve((1.0, 1.5), q0=Q0).converged

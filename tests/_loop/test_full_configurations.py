@@ -7,6 +7,8 @@ import pytest
 
 import jtik
 
+from ..conftest import shared_solver
+
 PANDA = jtik.Robot.builtin("panda")
 HOME = PANDA.keyframes["home"]
 MOVED = [f"panda_joint{i}" for i in (1, 2, 4)]
@@ -15,7 +17,7 @@ TARGET = PANDA.position(HOME) + np.array([0.02, 0.05, -0.03])
 
 @pytest.fixture
 def ik():
-    return jtik.InverseKinematics(PANDA, jtik.FrameTask("tip", "position"), joints=MOVED, at=HOME, strategy="damped+qp")
+    return shared_solver(PANDA, jtik.FrameTask("tip", "position"), joints=MOVED, at=HOME, strategy="damped+qp")
 
 
 def forms(ik, q):
@@ -51,7 +53,7 @@ class TestEveryMethod:
 
     def test_build(self, form):
         criteria = jtik.criteria["joint_centering"]()
-        ik = jtik.InverseKinematics(
+        ik = shared_solver(
             PANDA,
             jtik.FrameTask("tip", "position"),
             joints=MOVED,
@@ -103,7 +105,7 @@ class TestUnused:
     POSE = PANDA.pose(HOME + 0.05)
 
     def test_the_orientation_of_a_pose_for_a_position_task(self):
-        ik = jtik.InverseKinematics(PANDA, jtik.FrameTask("tip", "position"))
+        ik = shared_solver(PANDA, jtik.FrameTask("tip", "position"))
         solution = ik.solve(self.POSE, q0=HOME)
         assert solution.converged
         assert solution.unused == "orientation of the target"
@@ -112,7 +114,7 @@ class TestUnused:
 
     def test_several_tasks_are_named(self):
         tasks = [jtik.FrameTask("tip", "position", name="hand"), jtik.FrameTask("panda_link4", name="elbow")]
-        ik = jtik.InverseKinematics(PANDA, tasks)
+        ik = shared_solver(PANDA, tasks)
         solution = ik.solve({"hand": self.POSE, "elbow": (0.0, 0.1, 0.6)}, q0=HOME)
         assert solution.unused == "hand: orientation of the target"
 
@@ -121,6 +123,6 @@ class TestUnused:
             (jtik.FrameTask("tip", "position"), self.POSE[:3, 3]),
             (jtik.FrameTask("tip", "pose"), self.POSE),
         ):
-            solution = jtik.InverseKinematics(PANDA, task).solve(target, q0=HOME)
+            solution = shared_solver(PANDA, task).solve(target, q0=HOME)
             assert solution.unused is None
             assert "not used" not in repr(solution)

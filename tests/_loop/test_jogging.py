@@ -13,7 +13,7 @@ import jtik
 from jtik.problems.target_of import target_of
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
-from ..conftest import ball_arm, families_first, floating_arm, planar, planar_jacobian, planar_points
+from ..conftest import ball_arm, families_first, floating_arm, planar, planar_jacobian, planar_points, shared_solver
 
 PANDA = jtik.Robot.builtin("panda")
 HOME = np.array(PANDA.keyframes["home"])
@@ -24,7 +24,7 @@ STILL = 1e-12
 
 
 def solver(robot, kind="pose", **options):
-    return jtik.InverseKinematics(robot, jtik.FrameTask(robot.tip, kind), **options)
+    return shared_solver(robot, jtik.FrameTask(robot.tip, kind), **options)
 
 
 def jogged(ik, q, rate, *, count=5000, **options):
@@ -39,20 +39,20 @@ def jogged(ik, q, rate, *, count=5000, **options):
 
 
 class TestOneStep:
-    @pytest.mark.parametrize("rate", [0.5, -0.2])
-    @pytest.mark.parametrize("strategy", families_first(sorted(jtik.strategies)))
-    def test_it_is_along_the_null_space_and_as_fast_as_asked(self, strategy, rate):
+    @pytest.mark.parametrize("strategy", families_first(sorted(jtik.strategies), large=False))
+    def test_it_is_along_the_null_space_and_as_fast_as_asked(self, strategy):
         ik = solver(PANDA, strategy=strategy)
-        step = ik.jog(HOME, rate, dt=DT)
         null = np.linalg.svd(PANDA.jacobian(HOME))[2][6]
-        dq = step.q - HOME
-        assert np.linalg.norm(dq) == pytest.approx(abs(rate) * DT, rel=1e-3)
-        assert abs(dq @ null) == pytest.approx(np.linalg.norm(dq), rel=1e-3)
-        assert (dq @ (null * null[0]) > 0) == (rate > 0)  # a positive rate moves the joint with the largest part up
-        assert step.rate == pytest.approx(rate)
-        assert not step.ended
-        assert step.reason == "moves along the self-motion"
-        assert PANDA.pose(step.q) == pytest.approx(PANDA.pose(HOME), abs=STILL)
+        for rate in (0.5, -0.2):
+            step = ik.jog(HOME, rate, dt=DT)
+            dq = step.q - HOME
+            assert np.linalg.norm(dq) == pytest.approx(abs(rate) * DT, rel=1e-3)
+            assert abs(dq @ null) == pytest.approx(np.linalg.norm(dq), rel=1e-3)
+            assert (dq @ (null * null[0]) > 0) == (rate > 0)  # a positive rate moves the joint with the largest part up
+            assert step.rate == pytest.approx(rate)
+            assert not step.ended
+            assert step.reason == "moves along the self-motion"
+            assert PANDA.pose(step.q) == pytest.approx(PANDA.pose(HOME), abs=STILL)
 
     def test_a_rate_of_zero_rests(self):
         step = solver(PANDA).jog(HOME, 0.0)
@@ -93,7 +93,7 @@ class TestOneStep:
     )
     def test_every_task_is_held(self, task):
         robot = PANDA
-        ik = jtik.InverseKinematics(robot, task, joints="all")
+        ik = shared_solver(robot, task, joints="all")
         target = target_of(task, robot, HOME)
         ik.solve(target, q0=HOME)  # a point to look at is that of the last target
         rows, last = jogged(ik, HOME, 0.4, count=60, direction=np.arange(1.0, 8.0))

@@ -7,13 +7,15 @@ import pytest
 
 import jtik
 
+from ..conftest import shared_solver
+
 PANDA = jtik.Robot.builtin("panda")
 HOME = PANDA.keyframes["home"]
 
 
 @pytest.fixture(scope="module")
 def ik():
-    return jtik.InverseKinematics(
+    return shared_solver(
         PANDA, jtik.FrameTask("tip", "position"), joints=[f"panda_joint{i}" for i in (1, 2, 4)], at=HOME
     )
 
@@ -33,7 +35,7 @@ def test_reduced_is_its_inverse(ik, rng):
 
 
 def test_without_locked_joints_both_are_copies():
-    ik = jtik.InverseKinematics(PANDA, jtik.FrameTask("tip"))
+    ik = shared_solver(PANDA, jtik.FrameTask("tip"))
     for copied in (ik.reduced(HOME), ik.full_configuration(HOME)):
         assert np.array_equal(copied, HOME)
         assert copied is not HOME

@@ -10,7 +10,7 @@ from jtik._loop.jump import Jump
 from jtik._loop.restarts import BLOCK, RestartConfigurations
 from jtik.robot import Joint, JointType, Robot
 
-from ..conftest import dh_arm, floating_arm
+from ..conftest import dh_arm, floating_arm, shared_solver
 
 ARM = dh_arm(7, 3, limit=1.5)
 
@@ -92,7 +92,7 @@ def test_only_then_do_they_depend_on_the_start():
 @pytest.mark.parametrize("restarts", [0, 1, 4])
 def test_a_solve_has_one_attempt_more_than_restarts(restarts):
     """The caller's start, and each restart; the best attempt and the first one are then continued, as attempts."""
-    ik = jtik.InverseKinematics(jtik.Robot.planar(3, lower=-2.0, upper=2.0), jtik.FrameTask(), strategy="damped")
+    ik = shared_solver(jtik.Robot.planar(3, lower=-2.0, upper=2.0), jtik.FrameTask(), strategy="damped")
     trace = ik.solve((5.0, 1.0), q0=[0.1, 0.2, 0.3], restarts=restarts, seed=3, trace=True).trace
     starts = np.array([trace.q[:-1][trace.attempt == attempt][0] for attempt in np.unique(trace.attempt)])
     assert np.count_nonzero((starts == [0.1, 0.2, 0.3]).all(axis=1)) == 1

@@ -9,7 +9,7 @@ from jtik.symbolic.compile import CompilerError
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from ..conftest import planar
-from .conftest import FIELD, solver
+from .conftest import FIELD, new_solver
 
 
 class TestCompiled:
@@ -19,10 +19,10 @@ class TestCompiled:
         monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
         options = {"criteria": JointCentering() + 0.3 * ObstacleAvoidance(FIELD[:1])}
         try:
-            fast = solver(planar(4), compiled=True, **options)
+            fast = new_solver(planar(4), compiled=True, **options)
         except CompilerError as error:
             pytest.skip(str(error))
-        slow = solver(planar(4), **options)
+        slow = new_solver(planar(4), **options)
         for target in ([2.0, 2.0], [3.0, -1.0], [5.0, 5.0]):
             one, other = (ik.solve(target, q0=[0.3, 0.2, 0.1, 0.4]) for ik in (fast, slow))
             assert one.status is other.status
@@ -32,4 +32,4 @@ class TestCompiled:
         monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
         monkeypatch.setenv("CC", "/nowhere/to/be/found")
         with pytest.raises(jtik.JtikError, match="/nowhere/to/be/found"):
-            solver(planar(2), compiled=True)
+            new_solver(planar(2), compiled=True)

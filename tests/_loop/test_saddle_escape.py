@@ -10,7 +10,7 @@ import pytest
 import jtik
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
-from ..conftest import dh_arm, planar, planar_points
+from ..conftest import dh_arm, planar, planar_points, shared_solver
 from .conftest import EVERY_STRATEGY
 
 STRAIGHT = np.zeros(4)
@@ -91,7 +91,7 @@ def test_the_criterion_chooses_the_side():
 
 
 def test_a_step_escapes_too():
-    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask())
+    ik = shared_solver(planar(4), jtik.FrameTask())
     step = ik.step(STRAIGHT, (2.0, 0.0))
     assert step.escaped
     q = step.q
@@ -131,7 +131,7 @@ class TestOutOfReach:
     @pytest.mark.parametrize("criteria", [None, JointCentering(), ObstacleAvoidance(jtik.Circle((4.0, 3.0), 0.5))])
     @pytest.mark.parametrize("angle", [0.0, 1.0])
     def test_the_arm_stretches_towards_the_target_and_the_status_is_local_minimum(self, criteria, angle, rng):
-        ik = jtik.InverseKinematics(planar(10), jtik.FrameTask(), criteria=criteria)
+        ik = shared_solver(planar(10), jtik.FrameTask(), criteria=criteria)
         target = 10.5 * np.array([np.cos(angle), np.sin(angle)])
         for q0 in (rng.uniform(-0.5, 0.5, 10), rng.uniform(-1, 1, 10)):
             solution = ik.solve(target, q0=q0)
@@ -167,7 +167,7 @@ class TestOutOfReach:
         from scipy.optimize import least_squares
 
         robot = dh_arm(6, 4)
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose"))
+        ik = shared_solver(robot, jtik.FrameTask("tip", "pose"))
         for _ in range(3):
             q0 = robot.random_configuration(rng)
             target = robot.pose(robot.integrate(q0, rng.uniform(-0.2, 0.2, 6)))
@@ -194,7 +194,7 @@ def test_an_escape_keeps_clearances(side):
     """A row of circles beside the arm: the first second-order step that lowers V would sweep through them."""
     field = [jtik.Circle((x, 0.25 * side), 0.15) for x in (0.5, 1.5, 2.5, 3.5)]
     clearance = jtik.Clearance(ObstacleAvoidance(field, bodies="links"), safe=0.05)
-    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(), strategy="hybrid+qp", clearances=clearance)
+    ik = shared_solver(planar(4), jtik.FrameTask(), strategy="hybrid+qp", clearances=clearance)
     trace = ik.solve((2.0, 0.0), q0=STRAIGHT, max_iterations=40, trace=True).trace
     assert trace.escaped.any()
     for start, end in zip(trace.q[:-1], trace.q[1:], strict=True):
@@ -211,7 +211,7 @@ def test_a_clearance_can_forbid_every_escape():
     """Circles on both sides, as near as they may be: the arm can move to neither side."""
     field = [jtik.Circle((x, y), 0.15) for x in (0.5, 1.5, 2.5, 3.5) for y in (-0.25, 0.25)]
     clearance = jtik.Clearance(ObstacleAvoidance(field, bodies="links"), safe=0.1)
-    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(), strategy="hybrid+qp", clearances=clearance)
+    ik = shared_solver(planar(4), jtik.FrameTask(), strategy="hybrid+qp", clearances=clearance)
     solution = ik.solve((2.0, 0.0), q0=STRAIGHT, max_iterations=40)
     assert solution.escapes == 0
     assert solution.q == pytest.approx(STRAIGHT, abs=1e-9)
@@ -245,7 +245,7 @@ class TestAnErrorThatNoMotionChanges:
     @pytest.mark.parametrize("height", HEIGHTS)
     def test_the_escape_is_found_while_the_fall_is_above_rounding_of_V(self, height):
         robot = self.arm()
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask(robot.tip))
+        ik = shared_solver(robot, jtik.FrameTask(robot.tip))
         visible = self.expected_fall(robot) > 1e-12 * (4 + height**2) / 2
         assert visible == (height < 1e6)
         solution = ik.solve([2.0, 0.0, height], q0=STRAIGHT, max_iterations=5)
@@ -261,13 +261,13 @@ class TestHowFarTheErrorCanStillFall:
     @pytest.mark.parametrize("d", [2.0, 1e3])
     @pytest.mark.parametrize("q", [1e-3, -0.1, 1.2, 2.0, -2.0])
     def test_in_closed_form(self, d, q):
-        ik = jtik.InverseKinematics(planar(1), jtik.FrameTask())
+        ik = shared_solver(planar(1), jtik.FrameTask())
         slope, curvature = d * abs(np.sin(q)), d * np.cos(q)
         falls = slope**2 / (2 * curvature) if curvature > slope else slope - curvature / 2
         assert decrease(ik, q, d) == pytest.approx(falls, rel=1e-9)
 
     def test_a_joint_at_a_limit_that_the_error_pushes_outward_stays(self):
-        ik = jtik.InverseKinematics(planar(1, lower=-0.5, upper=0.5), jtik.FrameTask())
+        ik = shared_solver(planar(1, lower=-0.5, upper=0.5), jtik.FrameTask())
         assert decrease(ik, 0.5, -2.0) == 0.0  # V falls beyond the limit
         assert decrease(ik, 0.5, 2.0) > 0.1  # V falls on the way back
 

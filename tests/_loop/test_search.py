@@ -11,7 +11,7 @@ import pytest
 import jtik
 from jtik_formulations import Damped, JointCentering
 
-from ..conftest import dh_arm, planar
+from ..conftest import dh_arm, planar, shared_solver
 from .conftest import EVERY_STRATEGY
 
 
@@ -27,7 +27,7 @@ def targets(arm):
 
 
 def solver(robot, strategy="hybrid", kind="pose", **options):
-    return jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), strategy=strategy, **options)
+    return shared_solver(robot, jtik.FrameTask("tip", kind), strategy=strategy, **options)
 
 
 @pytest.mark.parametrize("strategy", ["damped", "hybrid", "newton", Damped(backtracking=False)], ids=str)

@@ -11,7 +11,7 @@ from jtik._loop.target_memory import TargetMemory
 from jtik.task import TaskStack
 from jtik.task.targets import ROTATION_TOLERANCE
 
-from ..conftest import dh_arm, planar
+from ..conftest import dh_arm, planar, shared_solver
 
 KINDS = ("pose", "position", "orientation")
 
@@ -97,7 +97,7 @@ def test_a_vector_is_checked_by_read_only():
 
 def test_a_solver_refuses_a_pose_with_nan_and_keeps_its_target():
     arm = dh_arm()
-    ik = jtik.InverseKinematics(arm, jtik.FrameTask("tip", kind="pose"))
+    ik = shared_solver(arm, jtik.FrameTask("tip", kind="pose"))
     T, q = arm.pose(arm.neutral + 0.3, "tip"), arm.neutral + 0.2
     first = ik.step(q, T)
     bad = T.copy()

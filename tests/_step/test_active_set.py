@@ -11,14 +11,14 @@ from scipy.optimize import minimize
 import jtik
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
-from ..conftest import ACCEPTED_RISE, families_first, planar, planar_points, rises, slow, under_limits
+from ..conftest import ACCEPTED_RISE, families_first, planar, planar_points, rises, shared_solver, under_limits
 
 NAMES = sorted(jtik.strategies)
 STRATEGIES = families_first(NAMES)
 
 
 def solver(robot, strategy="hybrid", kind="position", **options):
-    return jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), strategy=strategy, **options)
+    return shared_solver(robot, jtik.FrameTask("tip", kind), strategy=strategy, **options)
 
 
 def limited_dh(rng, n):
@@ -37,8 +37,10 @@ def limited_dh(rng, n):
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
-@pytest.mark.parametrize("criteria", [False, True])
-@pytest.mark.parametrize("seed", [1, *slow(0, 2, 3)])
+@pytest.mark.parametrize(
+    ("seed", "criteria"),
+    [(1, True), *(pytest.param(*case, marks=pytest.mark.slow) for case in [(0, False), (3, True)])],
+)
 def test_no_iterate_is_outside(strategy, criteria, seed):
     """Starts inside, at and outside the limits; targets within reach and out of it; some joints without limits."""
     rng = np.random.default_rng(seed)
@@ -94,8 +96,9 @@ def test_even_a_solve_without_a_step_ends_inside(options):
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
-@pytest.mark.parametrize("blocked", [1, *slow(0, 2, 3)])
-@pytest.mark.parametrize("side", [-1, *slow(1)])
+@pytest.mark.parametrize(
+    ("blocked", "side"), [(1, -1), *(pytest.param(*case, marks=pytest.mark.slow) for case in [(0, 1), (3, 1)])]
+)
 def test_a_joint_at_its_limit_does_not_freeze_the_others(strategy, blocked, side):
     """The first step would push the joint out; the target is within reach of the others alone."""
     start = np.array([0.3, 0.5, 0.4, 0.6]) * -side

@@ -108,7 +108,7 @@ class TestTheStep:
     robot = dh_arm(6, 4)
 
     def cases(self, kind, distance, rng):
-        for _ in range(20):
+        for _ in range(8):
             q, there = self.robot.random_configuration(rng), self.robot.random_configuration(rng)
             target = self.robot.pose(there)
             direction = rng.normal(size=3)
@@ -116,8 +116,8 @@ class TestTheStep:
             yield q, target, model_at(self.robot, q, target, jtik.FrameTask(kind=kind))[1]
 
     def test_it_follows_the_gradient_of_V(self, kind, distance, rng):
+        ik = problem_of(self.robot, jtik.FrameTask(kind=kind))
         for q, target, model in self.cases(kind, distance, rng):
-            ik = problem_of(self.robot, jtik.FrameTask(kind=kind))
             numbers_of_target = ik.tasks.read_target(target)
             r, J = ik.residual(q, numbers_of_target).full(), ik.residual_jacobian(q, numbers_of_target).full()
             gradient, own = (J.T @ r)[:, 0], numbers(model.J.T @ model.here.residual)
@@ -134,4 +134,4 @@ class TestTheStep:
                 if decrease > 1e-12 * distance:
                     fell += 1
                     assert numbers(model.here.V_to_target) > numbers(candidate.V_to_target)
-        assert fell > 10
+        assert fell > 4

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 import jtik
 from jtik_formulations import Damped, Hybrid, JointCentering, Newton, ProjectedGradient
 
-from ..conftest import DIFFERENCES, dh_arm, planar, rises
+from ..conftest import DIFFERENCES, dh_arm, planar, rises, shared_solver
 
 TOLERANCE = 1e-6
 GOALS = 40
@@ -21,7 +21,7 @@ STRATEGIES = {"hybrid": Hybrid, "damped": Damped}
 
 @functools.cache
 def solver(strategy, seed=0, *, limits=False, **options):
-    return jtik.InverseKinematics(
+    return shared_solver(
         dh_arm(6, seed, limit=2.5), jtik.FrameTask(kind="pose"), strategy=strategy, limits=limits, **options
     )
 
@@ -133,7 +133,7 @@ def test_out_of_reach_it_ends_where_it_ends_without(name, reach):
     robot, target = planar(4), np.array([4 * reach, 0.0])
     q0 = np.array([0.3, 0.5, -0.4, 0.2])
     with_it, without = (
-        jtik.InverseKinematics(robot, jtik.FrameTask(), strategy=s).solve(target, q0=q0, max_iterations=3000)
+        shared_solver(robot, jtik.FrameTask(), strategy=s).solve(target, q0=q0, max_iterations=3000)
         for s in (name, STRATEGIES[name](explore=False))
     )
     assert with_it.position_error == pytest.approx(4 * reach - 4, abs=1e-7)
@@ -148,7 +148,7 @@ def test_beside_a_criterion(name):
     task = jtik.FrameTask(axes=("x", "y", "z", "rx", "ry"), kind="pose")
     for explore in (True, False):
         strategy = STRATEGIES[name](explore=explore)
-        ik = jtik.InverseKinematics(robot, task, strategy=strategy, criteria=JointCentering(), limits=False)
+        ik = shared_solver(robot, task, strategy=strategy, criteria=JointCentering(), limits=False)
         solutions = [ik.solve(target, q0=start, max_iterations=400) for target in targets]
         counts.append(sum(each.converged for each in solutions))
     assert counts[0] > counts[1]

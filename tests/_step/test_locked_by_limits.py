@@ -9,7 +9,7 @@ import jtik
 from jtik.constraints import Limits
 from jtik_formulations import JointCentering
 
-from ..conftest import large_ones_slow, planar
+from ..conftest import large_ones_slow, planar, shared_solver
 
 LOCKED, AT = 2, 0.4
 LOWER, UPPER = np.full(5, -2.0), np.full(5, 2.0)
@@ -29,7 +29,7 @@ def arms():
 @pytest.mark.parametrize("criteria", [None, JointCentering()], ids=["task", "criterion"])
 def test_solves_converge_in_few_steps(strategy, criteria):
     robot, rng = arms()[0], np.random.default_rng(0)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "position"), criteria=criteria, strategy=strategy)
+    ik = shared_solver(robot, jtik.FrameTask("tip", "position"), criteria=criteria, strategy=strategy)
     steps = 0
     for _ in range(12):
         q0 = rng.uniform(-1, 1, 5)
@@ -52,8 +52,8 @@ def test_it_ends_where_the_arm_without_the_joint_ends(strategy):
         return sum((robot.position(q, frame)[1] - 0.3) ** 2 for frame in ("link1", "link2", "tip"))
 
     q0 = np.array([0.5, 0.6, AT, -0.8, 0.4])
-    one = jtik.InverseKinematics(locked, task, criteria=small, strategy=strategy, limits=True)
-    other = jtik.InverseKinematics(joined, task, criteria=small, strategy=strategy, joints="all")
+    one = shared_solver(locked, task, criteria=small, strategy=strategy, limits=True)
+    other = shared_solver(joined, task, criteria=small, strategy=strategy, joints="all")
     found = one.solve([3.0, 1.0], q0=q0), other.solve([3.0, 1.0], q0=np.delete(q0, LOCKED))
     assert all(found)
     assert np.delete(found[0].q, LOCKED) == pytest.approx(found[1].q, abs=1e-4)
@@ -62,7 +62,7 @@ def test_it_ends_where_the_arm_without_the_joint_ends(strategy):
 
 def test_step_and_track_leave_it_where_it_is():
     robot = arms()[0]
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "position"), limits=Limits(velocity=1.0))
+    ik = shared_solver(robot, jtik.FrameTask("tip", "position"), limits=Limits(velocity=1.0))
     q = np.array([0.5, 0.6, AT, -0.8, 0.4])
     for dt in (None, 0.1):
         assert ik.step(q, [3.0, 1.0], dt=dt).q[LOCKED] == AT
@@ -71,7 +71,7 @@ def test_step_and_track_leave_it_where_it_is():
 
 def test_without_position_limits_it_moves():
     robot = arms()[0]
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "position"), limits=False)
+    ik = shared_solver(robot, jtik.FrameTask("tip", "position"), limits=False)
     assert ik.solve([3.0, 1.0], q0=np.array([0.5, 0.6, AT, -0.8, 0.4])).q[LOCKED] != AT
 
 

@@ -13,7 +13,7 @@ from jtik._step.stopping import OUTCOME, Code, StepOutcome, Stop
 from jtik.strategy import Evaluation
 from jtik_formulations import JointCentering
 
-from ..conftest import planar
+from ..conftest import planar, shared_solver
 from .conftest import constants, inputs_of, numbers, problem_of
 
 Q = np.array([0.4, -0.3, 0.8])
@@ -118,7 +118,7 @@ class TestStepAndReport:
     def test_the_residual_of_the_step_is_at_least_that_of_the_report(self, kind, weights, rng):
         robot = jtik.Robot.planar(7, lower=-1.5, upper=1.0)
         criterion, task = JointCentering(preferred=[0.5] * 7), jtik.FrameTask(kind=kind)
-        ik = jtik.InverseKinematics(robot, task, criteria=criterion, weights=weights)
+        ik = shared_solver(robot, task, criteria=criterion, weights=weights)
         problem, q, flags = ik._engine.problem, casadi.SX.sym("q", 7), casadi.SX.sym("active", 7)
         target = casadi.SX.sym("target", problem.tasks.read_target(robot.pose(np.zeros(7))).size)
         inputs = constants(inputs_of(problem, robot.pose(np.zeros(7))))._replace(target=target)

@@ -14,7 +14,7 @@ import jtik
 from jtik_formulations import JointCentering, KhatibPotential, ObstacleAvoidance, ObstacleBarrier, SelfCollision
 
 from .._step.conftest import problem_of
-from ..conftest import planar, planar_points, slow
+from ..conftest import planar, planar_points, shared_solver, slow
 
 FIELD = [jtik.Circle((2.0, 1.2), 0.4), jtik.Circle((3.2, -0.8), 0.5), jtik.Circle((1.0, -1.5), 0.4)]
 SAFE = 0.05
@@ -41,7 +41,7 @@ def swept(trace):
 
 def solver(robot, strategy="hybrid+qp", criteria=None, bodies="links", field=FIELD, **options):
     clearance = jtik.Clearance(ObstacleAvoidance(field, bodies=bodies), safe=SAFE, **options)
-    return jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=criteria, strategy=strategy, clearances=clearance)
+    return shared_solver(robot, jtik.FrameTask(), criteria=criteria, strategy=strategy, clearances=clearance)
 
 
 @pytest.fixture(scope="module")
@@ -75,7 +75,7 @@ def test_no_accepted_step_is_closer_than_safe(strategy, criteria, problems):
 
 def test_clearances_hold_between_the_ends_of_a_step():
     """A thin obstacle between the ends of a long step: both ends alone are clear of it."""
-    ik = jtik.InverseKinematics(
+    ik = shared_solver(
         planar(1),
         jtik.FrameTask(),
         strategy="hybrid+qp",
@@ -165,7 +165,7 @@ def test_two_levels_keep_clearances_and_report_the_level_not_met():
     ]
     centre = points[1] + [0.0, 0.6]
     circle = jtik.Clearance(ObstacleAvoidance(jtik.Circle(centre, 0.5), bodies="joints"), safe=SAFE)
-    ik = jtik.InverseKinematics(arm, tasks, strategy="lexicographic_qp", clearances=circle)
+    ik = shared_solver(arm, tasks, strategy="lexicographic_qp", clearances=circle)
     solution = ik.solve({"tip": points[-1], "elbow": centre}, q0=q, trace=True)
     assert min(gaps_of(at, centre, 0.5, "joints").min() for at in solution.trace.q) >= SAFE - ROUNDING
     assert np.linalg.norm(planar_points(solution.q)[-1] - points[-1]) <= 1e-4
@@ -235,7 +235,7 @@ def test_contradictory_clearances_have_a_status_and_are_named(strategy, criteria
 
 
 def test_the_share_of_the_task_step_is_reported(problems):
-    ik = jtik.InverseKinematics(
+    ik = shared_solver(
         planar(1),
         jtik.FrameTask(),
         strategy="hybrid+qp",
@@ -259,7 +259,7 @@ def test_nothing_is_relaxed_where_all_constraints_can_hold(problems):
     solution = ik.solve(target, q0=q)
     assert solution.relaxed == ()
     assert "relaxed" not in repr(solution)
-    plain = jtik.InverseKinematics(planar(5), jtik.FrameTask()).solve(target, q0=q)
+    plain = shared_solver(planar(5), jtik.FrameTask()).solve(target, q0=q)
     assert plain.relaxed == ()
 
 
@@ -284,7 +284,7 @@ def test_any_back_end_restores_clearances(backend):
     points = planar_points(q)
     near = jtik.Circle(points[2] + [0.0, 0.32], 0.3)
     clearance = jtik.Clearance(ObstacleAvoidance(near, bodies="joints"), safe=SAFE)
-    ik = jtik.InverseKinematics(arm, jtik.FrameTask(), strategy="newton+qp", clearances=clearance, solver=backend)
+    ik = shared_solver(arm, jtik.FrameTask(), strategy="newton+qp", clearances=clearance, solver=backend)
     solution = ik.solve(points[-1] - [0.3, 0.3], q0=q, max_iterations=200)
     assert np.linalg.norm(planar_points(solution.q) - near.center, axis=1).min() >= 0.3 + SAFE - 1e-3
 
@@ -382,7 +382,7 @@ class TestInvalidInput:
 def test_influence_and_gain_of_the_measure_are_not_those_of_the_clearance(measure):
     """The criterion's own influence and gain shape its H; the clearance has its own."""
     clearance = jtik.Clearance(measure, influence=0.25)
-    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(kind="position"), clearances=clearance, strategy="hybrid+qp")
+    ik = shared_solver(planar(4), jtik.FrameTask(kind="position"), clearances=clearance, strategy="hybrid+qp")
     assert ik.parameters["clearance.influence"] == 0.25
     assert "clearance.gain" not in ik.parameters
     problem = problem_of(planar(4), clearances=[clearance])

@@ -13,9 +13,12 @@ import pytest
 import jtik
 from jtik_formulations import JointCentering, Newton
 
-from ..conftest import EXACT, ball_arm, families_first, floating_arm, planar
+from ..conftest import EXACT, ball_arm, families_first, floating_arm, planar, shared_solver, slow
 
-STRATEGIES = families_first([*sorted(jtik.strategies), "newton+qp", "hybrid+qp", "transpose+qp", "newton+second_order"])
+STRATEGIES = [
+    *families_first([*sorted(jtik.strategies), "hybrid+qp"]),
+    *slow("newton+qp", "transpose+qp", "newton+second_order"),
+]
 DT = 0.02
 RELATIVE = 1e-9
 """Rounding of positions of order one, divided by dt twice, relative to the smallest acceleration limit here."""
@@ -28,7 +31,7 @@ def arm():
 
 
 def solver(robot, **options):
-    return jtik.InverseKinematics(robot, jtik.FrameTask("tip"), **options)
+    return shared_solver(robot, jtik.FrameTask("tip"), **options)
 
 
 def checked_speeds(robot, q0, path, acceleration, dt=DT, velocity=None):
@@ -107,8 +110,16 @@ def test_a_refused_step_brakes_as_hard_as_the_joints_can(arm):
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
-@pytest.mark.parametrize("acceleration", [None, 20.0])
-def test_every_strategy_uses_a_share_of_the_distance_to_a_limit(strategy, acceleration, arm):
+def test_every_strategy_uses_a_share_of_the_distance_to_a_limit(strategy, arm):
+    check_shares(strategy, 20.0, arm)
+
+
+@pytest.mark.parametrize("strategy", ["hybrid", *slow("weighted_qp", "sns_qp")])
+def test_without_limits_of_acceleration_it_is_used_too(strategy, arm):
+    check_shares(strategy, None, arm)
+
+
+def check_shares(strategy, acceleration, arm):
     """Of the distance before each step; a joint was stopped by it, and limits of velocity and acceleration hold."""
     gain, q = 0.5, np.array([0.5, -0.4, 0.9, 0.3])
     limits = jtik.Limits(position_gain=gain, acceleration=acceleration)
@@ -224,7 +235,7 @@ class TestStep:
 def test_ball_and_free_joints_keep_speed_and_acceleration_too(robot, strategy, rng):
     robot = robot()
     limits = jtik.Limits(velocity=0.8, acceleration=6.0)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=strategy, criteria=None, limits=limits)
+    ik = shared_solver(robot, jtik.FrameTask("tip"), strategy=strategy, criteria=None, limits=limits)
     start = robot.integrate(robot.neutral, rng.uniform(-0.2, 0.2, robot.n))
     q0 = np.clip(start, robot.lower, robot.upper)
     goals = [robot.position(robot.integrate(q0, rng.uniform(-0.5, 0.5, robot.n))) for _ in range(4)]
@@ -262,7 +273,7 @@ class TestArguments:
 
     def test_numbers_are_those_of_the_joints_that_move(self):
         panda = jtik.Robot.builtin("panda")
-        ik = jtik.InverseKinematics(panda, jtik.FrameTask("tip"), limits=jtik.Limits(acceleration=[10.0] * 7))
+        ik = shared_solver(panda, jtik.FrameTask("tip"), limits=jtik.Limits(acceleration=[10.0] * 7))
         assert ik.robot.n == 7
         with pytest.raises(jtik.ArgumentError, match=re.escape("limits.acceleration: given 9 numbers; accepted: one")):
             jtik.InverseKinematics(panda, jtik.FrameTask("tip"), limits=jtik.Limits(acceleration=[10.0] * 9))

@@ -8,6 +8,8 @@ import pytest
 import jtik
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
+from ..conftest import shared_solver
+
 SAFE, RADIUS, DT = 0.1, 0.4, 0.02
 POSTURE = np.array([1.2, -0.5, -0.5, -0.4, -0.3, -0.2])
 
@@ -17,7 +19,7 @@ def passed(strategy, criteria, seed):
     rng = np.random.default_rng(seed)
     arm, q = jtik.Robot.planar(6), POSTURE + 0.15 * rng.standard_normal(6)
     measure = ObstacleAvoidance([jtik.Circle((3.0, 2.5), RADIUS)], bodies="links")
-    ik = jtik.InverseKinematics(
+    ik = shared_solver(
         arm,
         jtik.FrameTask("tip", kind="position"),
         strategy=strategy,

@@ -12,7 +12,7 @@ from jtik.geometry import Slots
 from jtik_formulations import ObstacleAvoidance
 
 from .._step.conftest import problem_of
-from ..conftest import dh_arm, planar, planar_points
+from ..conftest import dh_arm, planar, planar_points, shared_solver
 from ..geometry.coal_distances import by_coal, in_coal
 from ..geometry.shapes import PLANAR, SPATIAL, distance, random_obstacle
 from ..geometry.test_distances import corners_of, planar_truth, to_cylinder
@@ -94,7 +94,13 @@ class Judged:
 EVERY = [*((kind, 2) for kind in PLANAR), *((kind, 3) for kind in SPATIAL)]
 
 
-@pytest.mark.parametrize(("kind", "dimension"), EVERY)
+QUICK = [*((kind, 2) for kind in PLANAR), ("box", 3)]
+
+
+@pytest.mark.parametrize(
+    ("kind", "dimension"),
+    [pytest.param(*case, marks=[] if case in QUICK else pytest.mark.slow) for case in EVERY],
+)
 def test_a_step_that_is_judged_safe_is_safe_on_its_whole_path(kind, dimension, rng):
     """Obstacles beside a link somewhere on the path, which most steps pass between two samples."""
     judged = Judged(kind, dimension)
@@ -187,8 +193,8 @@ def test_a_clearance_gains_and_loses_obstacles_while_in_use(strategy, influence)
     measure = ObstacleAvoidance([], capacity=capacity, bodies="links")
     clearance = jtik.Clearance(measure, safe=SAFE, influence=influence)
     task = jtik.FrameTask(kind="position")
-    ik = jtik.InverseKinematics(robot, task, strategy=strategy, clearances=clearance)
-    free = jtik.InverseKinematics(robot, task, strategy=strategy)
+    ik = shared_solver(robot, task, strategy=strategy, clearances=clearance)
+    free = shared_solver(robot, task, strategy=strategy)
     q0, target = [0.1, 0.2, 0.3], [0.8, 2.3]
     slots, wall = measure.slots(robot), jtik.HalfSpace((0.0, 2.0), (0.0, -1.0))
     for obstacles in ([], [wall], []):

@@ -9,7 +9,6 @@ import pytest
 
 import jtik
 
-from ..conftest import slow
 from .cases import CASES
 from .derivatives import ROBOTS, assert_derivatives
 
@@ -20,11 +19,28 @@ TOLERANCE = 1e-6
 RISE = 1e-6
 """Relative rise of H that the tolerance of the task permits."""
 
-STARTS = 3
+STARTS = 2
+
+SQUARE = [
+    (name, robot, STRATEGIES[(row + column) % len(STRATEGIES)])
+    for row, name in enumerate(CASES)
+    for column, robot in enumerate(ROBOTS)
+]
+"""A Latin square: each criterion on every robot and with every strategy, and each strategy on every robot. All triples,
+and all strategies: benchmarks/criteria_matrix.py."""
 
 
-@pytest.mark.parametrize("name", CASES)
-@pytest.mark.parametrize("robot", ["ten", *slow("panda", "vehicle")])
+QUICK = ("limit_norm", "manipulability volume", "swivel_angle", "effective_mass", "support_polygon", "visibility")
+
+
+@pytest.mark.parametrize(
+    ("name", "robot"),
+    [
+        pytest.param(name, robot, marks=[] if robot == "ten" and name in QUICK else pytest.mark.slow)
+        for name in CASES
+        for robot in ("ten", "vehicle")  # a Panda on a vehicle
+    ],
+)
 def test_derivatives(name, robot):
     body = ROBOTS[robot]()
     assert_derivatives(CASES[name](body), body)
@@ -41,9 +57,7 @@ def test_it_is_pickled(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("strategy", STRATEGIES)
-@pytest.mark.parametrize("robot", ROBOTS)
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(("name", "robot", "strategy"), SQUARE)
 def test_a_solve_from_a_feasible_start_ends_stationary_on_the_target(name, robot, strategy):
     body = ROBOTS[robot]()
     task = jtik.FrameTask(body.tip, "position" if robot == "ten" else "pose")

@@ -7,7 +7,7 @@ import pytest
 import jtik
 from jtik.testing import check_criterion, example_criterion
 
-from ..conftest import ball_arm, dh_arm, floating_arm, planar, slow, weighted
+from ..conftest import ball_arm, dh_arm, floating_arm, planar, weighted
 
 ROBOTS = {
     "planar": lambda: planar(5),
@@ -19,8 +19,18 @@ ROBOTS = {
 }
 
 
-@pytest.mark.parametrize("name", sorted(jtik.criteria))
-@pytest.mark.parametrize("robot", ["planar", "spatial", "ball", *slow("limited", "vehicle", "floating")])
-def test_contract(name, robot):
+NAMES = sorted(jtik.criteria)
+QUICK = {(("planar", "ball")[row % 2], name) for row, name in enumerate(NAMES)}
+
+
+@pytest.mark.parametrize(
+    ("robot", "name"),
+    [
+        pytest.param(robot, name, marks=[] if (robot, name) in QUICK else pytest.mark.slow)
+        for robot in ROBOTS
+        for name in NAMES
+    ],
+)
+def test_contract(robot, name):
     body = weighted(ROBOTS[robot]())
     check_criterion(example_criterion(jtik.criteria[name], body), body)

@@ -12,7 +12,7 @@ import jtik
 from jtik.robot import Mass
 from jtik_formulations import EffectiveMass, GravityTorque, KineticEnergy, MinimumDisplacement, SupportPolygon
 
-from ..conftest import ball_arm, dh_arm, floating_arm, planar, weighted
+from ..conftest import ball_arm, dh_arm, floating_arm, planar, shared_solver, weighted
 from .derivatives import panda, ten_links
 
 SQUARE = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
@@ -60,7 +60,7 @@ class TestGravityTorque:
         for angle in (-math.pi / 2, math.pi / 2):
             assert GravityTorque()([angle, *[0.0] * 9], robot) == pytest.approx(0.0, abs=1e-20)
         free = planar(3).with_masses(dict.fromkeys(("link2", "link3", "tip"), 1.0))
-        ik = jtik.InverseKinematics(
+        ik = shared_solver(
             free,
             jtik.FrameTask(free.tip, "position", axes="x"),
             criteria=GravityTorque(),
@@ -106,7 +106,7 @@ class TestKineticEnergy:
         target[:3, 3] += [0.05, -0.1, -0.1]
         moved = {}
         for criterion in (MinimumDisplacement(), KineticEnergy()):
-            ik = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=criterion)
+            ik = shared_solver(robot, jtik.FrameTask(), criteria=criterion)
             moved[criterion.name] = ik.solve(target, q0=robot.home, until="stationary").q - robot.home
         vehicle = {name: np.abs(d[:2]).max() for name, d in moved.items()}
         assert vehicle["kinetic_energy"] < 0.3 * vehicle["minimum_displacement"]
@@ -145,7 +145,7 @@ class TestEffectiveMass:
 
     def test_a_solve_makes_the_arm_lighter(self):
         robot = panda()
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=EffectiveMass([1, 0, 0]))
+        ik = shared_solver(robot, jtik.FrameTask(), criteria=EffectiveMass([1, 0, 0]))
         before = EffectiveMass([1, 0, 0])(robot.home, robot)
         solution = ik.solve(robot.pose(robot.home), q0=robot.home, until="stationary")
         assert solution.cost < before - 0.05
@@ -215,9 +215,7 @@ class TestSupportPolygon:
     def test_a_solve_brings_the_centre_of_mass_back(self):
         robot = jtik.Robot.builtin("panda")
         polygon = [(-0.2, -0.2), (0.0, -0.2), (0.0, 0.2), (-0.2, 0.2)]
-        ik = jtik.InverseKinematics(
-            robot, jtik.FrameTask(kind="position"), criteria=SupportPolygon(polygon), strategy="hybrid"
-        )
+        ik = shared_solver(robot, jtik.FrameTask(kind="position"), criteria=SupportPolygon(polygon), strategy="hybrid")
         q0 = robot.home
         assert SupportPolygon(polygon)(q0, robot) > 0
         solution = ik.solve(robot.position(q0), q0=q0, until="stationary")
@@ -257,7 +255,7 @@ class TestWithoutMasses:
     def test_with_masses_it_is_accepted(self, criterion):
         arm = jtik.Robot.builtin("iiwa14")
         robot = arm.with_masses({frame: Mass(2.0, [0.0, 0.02, 0.05]) for frame in arm.massless_frames})
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=criterion)
+        ik = shared_solver(robot, jtik.FrameTask(), criteria=criterion)
         solution = ik.solve(robot.pose(robot.home))
         assert solution.status in (jtik.Status.CONVERGED, jtik.Status.REACHED)
 
@@ -284,7 +282,7 @@ class TestWrongArguments:
             GravityTorque(gravity=[0.0, 0.0, -9.81])([0.1, 0.2], robot)
         with pytest.raises(jtik.UnknownNameError, match="joint9"):
             GravityTorque({"joint9": 1.0})([0.1, 0.2], robot)
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask(kind="position"), criteria=GravityTorque())
+        ik = shared_solver(robot, jtik.FrameTask(kind="position"), criteria=GravityTorque())
         with pytest.raises(jtik.ArgumentError, match="non-negative"):
             ik.parameters["gravity_torque.inverse_scale"] = [-1.0, 1.0]
 

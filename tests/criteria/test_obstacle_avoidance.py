@@ -20,6 +20,7 @@ from ..conftest import (
     planar_jacobian,
     planar_points,
     report_at,
+    shared_solver,
 )
 
 PAPER = 1e-8
@@ -27,9 +28,7 @@ PAPER = 1e-8
 
 
 def solver(robot, obstacles, **options):
-    return jtik.InverseKinematics(
-        robot, jtik.FrameTask(), criteria=ObstacleAvoidance(obstacles, **options), limits=False
-    )
+    return shared_solver(robot, jtik.FrameTask(), criteria=ObstacleAvoidance(obstacles, **options), limits=False)
 
 
 def at(ik, q):
@@ -302,10 +301,10 @@ def test_the_potential_is_smooth_across_the_floor_and_the_surface(edge):
 def test_a_solution_has_larger_distances_than_without():
     robot, q0, target = planar(10), np.full(10, 0.1), (6.0, 3.0)
     centering = jtik.criteria["joint_centering"]()
-    without = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=centering).solve(target, q0=q0)
+    without = shared_solver(robot, jtik.FrameTask(), criteria=centering).solve(target, q0=q0)
     center = planar_points(without.q)[4] + (0.05, 0.3)  # beside the elbow of that solution
     avoiding = centering + ObstacleAvoidance(jtik.Circle(center, 0.25), bodies="both")
-    avoided = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=avoiding).solve(target, q0=q0)
+    avoided = shared_solver(robot, jtik.FrameTask(), criteria=avoiding).solve(target, q0=q0)
     assert without.converged
     assert avoided.converged
     clearances = [np.linalg.norm(planar_points(s.q) - center, axis=1).min() - 0.25 for s in (without, avoided)]

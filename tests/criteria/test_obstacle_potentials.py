@@ -9,7 +9,7 @@ import jtik
 from jtik.symbolic import norm, sumsqr
 from jtik_formulations import KhatibPotential, ObstacleAvoidance, ObstacleBarrier, SoftClearance
 
-from ..conftest import EXACT, dh_arm, differences, planar
+from ..conftest import EXACT, dh_arm, differences, planar, shared_solver
 from ..geometry.shapes import PLANAR, SPATIAL, distance, random_obstacle
 
 CLASSES = (KhatibPotential, ObstacleBarrier, SoftClearance, ObstacleAvoidance)
@@ -135,7 +135,7 @@ def test_each_measures_for_a_clearance(kind):
     robot = planar(3)
     box = jtik.Box.at((1.5, 2.0), (0.4, 0.3), 0.3)
     clearance = jtik.Clearance(kind(box, bodies="links"), safe=0.05)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask(kind="position"), strategy="weighted_qp", clearances=clearance)
+    ik = shared_solver(robot, jtik.FrameTask(kind="position"), strategy="weighted_qp", clearances=clearance)
     solution = ik.solve([0.4, 2.6], q0=[0.0, 0.1, 0.1])
     nodes = np.vstack([np.zeros(2), [robot.position(solution.q, f) for f in robot.moving_frames]])
     assert min(distance(box, *nodes[i : i + 2])[0] for i in range(3)) >= 0.05 - 1e-6
@@ -178,7 +178,7 @@ def test_a_subclass_with_another_potential_has_the_gradient_of_that():
     arm, q = planar(4), np.array([0.3, 0.2, 0.4, 0.1])
     ends = []
     for criterion in (Springs([jtik.Circle((2.0, 1.0), 0.3)]), springs):
-        ik = jtik.InverseKinematics(arm, jtik.FrameTask("tip", "position"), criteria=criterion, limits=False)
+        ik = shared_solver(arm, jtik.FrameTask("tip", "position"), criteria=criterion, limits=False)
         ends.append(ik.solve(arm.position(q, "tip"), q0=q))
     assert [end.status for end in ends] == 2 * [jtik.Status.CONVERGED]
     assert ends[0].cost == pytest.approx(ends[1].cost, abs=1e-9)

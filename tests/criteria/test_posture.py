@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 import jtik
 from jtik_formulations import CompactPosture, FrameProximity, LookAt, MinimumDisplacement, SwivelAngle, Visibility
 
-from ..conftest import EXACT, ball_arm, dh_arm, floating_arm, planar, planar_points
+from ..conftest import EXACT, ball_arm, dh_arm, floating_arm, planar, planar_points, shared_solver
 from .derivatives import panda
 
 
@@ -25,7 +25,7 @@ class TestMinimumDisplacement:
     def test_the_default_is_where_a_solve_starts(self, rng):
         robot = panda()
         assert MinimumDisplacement()(robot.home, robot) == 0
-        start = jtik.InverseKinematics(robot, jtik.FrameTask()).solve([0.4, 0.1, 0.4], max_iterations=0).q
+        start = shared_solver(robot, jtik.FrameTask()).solve([0.4, 0.1, 0.4], max_iterations=0).q
         assert MinimumDisplacement()(start, robot) == 0
 
     @pytest.mark.parametrize("angle", [1e-9, 0.4, 2.0, np.pi - 1e-7, np.pi, 3.5])
@@ -61,10 +61,10 @@ class TestMinimumDisplacement:
     def test_it_changes_a_posture_less_than_a_solve_without(self, rng):
         robot, q0 = planar(8), np.full(8, 0.3)
         target = robot.position(q0) - np.array([0.4, 0.6])
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=MinimumDisplacement())
+        ik = shared_solver(robot, jtik.FrameTask(), criteria=MinimumDisplacement())
         ik.parameters["minimum_displacement.reference"] = q0
         with_it = ik.solve(target, q0=q0, until="stationary")
-        without = jtik.InverseKinematics(robot, jtik.FrameTask()).solve(target, q0=q0)
+        without = shared_solver(robot, jtik.FrameTask()).solve(target, q0=q0)
         assert with_it.status is jtik.Status.CONVERGED
         assert np.linalg.norm(with_it.q - q0) <= np.linalg.norm(without.q - q0)
         assert robot.jacobian(with_it.q)[:2].T @ np.linalg.lstsq(
@@ -116,7 +116,7 @@ class TestFrameProximity:
         robot = panda()
         q0 = robot.home
         criterion = FrameProximity("panda_link4", height=0.4)
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose"), criteria=criterion)
+        ik = shared_solver(robot, jtik.FrameTask("tip", "pose"), criteria=criterion)
         solution = ik.solve(robot.pose(q0), q0=q0, until="stationary")
         assert solution.converged
         assert abs(robot.position(solution.q, "panda_link4")[2] - 0.4) < abs(robot.position(q0, "panda_link4")[2] - 0.4)
@@ -166,7 +166,7 @@ class TestSwivelAngle:
         """A solve with the hand held and another angle: H falls to 0, and the hand stays."""
         robot = panda()
         q0 = robot.home
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose"), criteria=SwivelAngle(*ARM, floor=1e-4))
+        ik = shared_solver(robot, jtik.FrameTask("tip", "pose"), criteria=SwivelAngle(*ARM, floor=1e-4))
         for angle in (0.0, 0.3, -0.4):
             ik.parameters["swivel_angle.angle"] = angle
             solution = ik.solve(robot.pose(q0), q0=q0, until="stationary", max_iterations=1000)
@@ -265,7 +265,7 @@ class TestSight:
         target = np.array([0.6, 0.3, 0.1])
         criteria = [LookAt(target), Visibility(target)]
         for criterion in criteria:
-            ik = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=criterion)
+            ik = shared_solver(robot, jtik.FrameTask(), criteria=criterion)
             before = criterion(q0, robot)
             solution = ik.solve(robot.position(q0), q0=q0, until="stationary", max_iterations=2000)
             assert solution.converged

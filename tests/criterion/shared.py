@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import jtik
 
-from ..conftest import families_first, report_at
+from ..conftest import families_first, report_at, shared_solver
 
 STRATEGIES = families_first(sorted(jtik.strategies))
 
@@ -15,8 +15,14 @@ def link_height(q, robot, *, height=0.5):
     return (robot.position(q, "link3")[1] - height) ** 2
 
 
-def solver(robot, criteria, strategy="hybrid", **options):
+def new_solver(robot, criteria, strategy="hybrid", **options):
+    """A solver whose functions are all built for it."""
     return jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=criteria, strategy=strategy, **options)
+
+
+def solver(robot, criteria, strategy="hybrid", **options):
+    """A solver whose functions are shared with those of equal arguments."""
+    return shared_solver(robot, jtik.FrameTask(), criteria=criteria, strategy=strategy, **options)
 
 
 def at(ik, q):

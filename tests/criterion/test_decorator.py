@@ -8,7 +8,7 @@ import pytest
 
 import jtik
 
-from ..conftest import DIFFERENCES, EXACT, dh_arm, differences, planar, report_at
+from ..conftest import DIFFERENCES, EXACT, dh_arm, differences, planar, report_at, shared_solver
 from .shared import STRATEGIES, at, link_height, solver
 
 
@@ -30,7 +30,7 @@ class TestDecorator:
         robot = planar(5)
         q0 = np.array([0.3, 0.4, -0.2, 0.5, 0.1])
         target = np.array([2.8, 1.6])
-        without = jtik.InverseKinematics(robot, jtik.FrameTask(), strategy=strategy).solve(
+        without = shared_solver(robot, jtik.FrameTask(), strategy=strategy).solve(
             target, q0=q0, max_iterations=5000, position_tolerance=1e-4
         )
         solution = solver(robot, link_height, strategy).solve(

@@ -9,7 +9,7 @@ import pytest
 import jtik
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
-from ..conftest import DIFFERENCES, differences, planar
+from ..conftest import DIFFERENCES, differences, planar, shared_solver
 from .shared import at, solver
 
 
@@ -67,7 +67,7 @@ class TestParameters:
             with pytest.raises(ValueError, match="assignment destination is read-only"):
                 parameters[name][index] = 9.0
         assert parameters["obstacle_avoidance.radii"][0] == 0.6
-        assert "radii = parameters[" in jtik.InverseKinematics(planar(2), jtik.FrameTask()).parameters.__doc__
+        assert "radii = parameters[" in shared_solver(planar(2), jtik.FrameTask()).parameters.__doc__
 
     def test_a_value_read_keeps_its_numbers_when_the_parameter_changes(self):
         parameters = self.solver().parameters
@@ -176,7 +176,7 @@ class TestParametersOfTheJoints:
 
     def solver(self, criterion=None):
         task = jtik.FrameTask("link4", kind="position")
-        return jtik.InverseKinematics(planar(6), task, criteria=criterion or JointCentering())
+        return shared_solver(planar(6), task, criteria=criterion or JointCentering())
 
     def test_numbers_of_the_full_robot(self):
         ik = self.solver()

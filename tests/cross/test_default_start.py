@@ -14,6 +14,8 @@ import pytest
 import jtik
 from jtik.robot import gallery
 
+from ..conftest import shared_solver
+
 NOISE = 0.5
 """Largest distance of each joint from home [rad] or [m]."""
 
@@ -42,7 +44,7 @@ ARMS = {
 
 def share_reached(robot):
     """The share of targets that a solve without q0 and without restarts reaches."""
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask(robot.tip, "position" if robot.dimension == 2 else "pose"))
+    ik = shared_solver(robot, jtik.FrameTask(robot.tip, "position" if robot.dimension == 2 else "pose"))
     arm, rng = ik.robot, np.random.default_rng(13)
     target_at = arm.position if arm.dimension == 2 else arm.pose
     reached = 0

@@ -13,7 +13,7 @@ import jtik
 from jtik.interop.pinocchio_model import PinocchioCorrespondence
 from jtik.robot import JointType, Mass
 
-from ..conftest import random_mass
+from ..conftest import random_mass, slow
 from .random_trees import random_tree
 
 pin = pytest.importorskip("pinocchio")
@@ -126,7 +126,7 @@ def pinocchio_model(robot):
     return model
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", [*range(12), *slow(*range(12, 30))])
 def test_random_trees(seed):
     """Revolute, prismatic, ball and mimic joints in every order, planar ones in between, and lengths up to 1 km."""
     rng = np.random.default_rng(seed)

@@ -12,7 +12,7 @@ import pytest
 
 import jtik
 
-from ..conftest import ACCEPTED_RISE, planar, planar_points, rises
+from ..conftest import ACCEPTED_RISE, planar, planar_points, rises, shared_solver
 
 PROBLEMS, LINKS, ITERATIONS = 25, 10, 1000
 
@@ -41,7 +41,7 @@ def problems(family):
 
 @functools.cache
 def study(family, strategy):
-    ik = jtik.InverseKinematics(planar(LINKS), jtik.FrameTask(), strategy=strategy)
+    ik = shared_solver(planar(LINKS), jtik.FrameTask(), strategy=strategy)
     return [ik.solve(x, q0=q0, max_iterations=ITERATIONS, trace=True) for q0, x in problems(family)]
 
 

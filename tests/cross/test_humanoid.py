@@ -16,6 +16,8 @@ import pytest
 import jtik
 from jtik_formulations import JointCentering
 
+from ..conftest import shared_solver
+
 pin = pytest.importorskip("pinocchio")
 
 pytestmark = pytest.mark.robots
@@ -165,17 +167,16 @@ def oracle_of(humanoid):
     ("humanoid", "feet", "strategy", "criteria"),
     [
         (TALOS, True, "hybrid", None),
-        pytest.param(TALOS, True, "damped", None, marks=pytest.mark.slow),
+        (G1, True, "damped", None),
         pytest.param(TALOS, True, "newton", None, marks=pytest.mark.slow),
-        (TALOS, False, "hybrid", JointCentering()),
-        (G1, True, "damped", JointCentering()),
-        (G1, False, "hybrid", None),
+        pytest.param(TALOS, False, "hybrid", JointCentering(), marks=pytest.mark.slow),
+        pytest.param(G1, True, "damped", JointCentering(), marks=pytest.mark.slow),
     ],
-    ids=["talos-hybrid", "talos-damped", "talos-newton", "talos-centred", "g1-centred", "g1-hands"],
+    ids=["talos-hybrid", "g1-damped", "talos-newton", "talos-hands-centred", "g1-centred"],
 )
 def test_hands_feet_and_balance_are_reached_within_the_limits(humanoid, feet, strategy, criteria):
     robot, oracle, rng = humanoid.robot, oracle_of(humanoid), np.random.default_rng(1)
-    ik = jtik.InverseKinematics(robot, humanoid.tasks(feet=feet), strategy=strategy, criteria=criteria, joints="all")
+    ik = shared_solver(robot, humanoid.tasks(feet=feet), strategy=strategy, criteria=criteria, joints="all")
     assert ik.robot.nq == ik.robot.n + 1
     for _ in range(10):
         targets = targets_at(oracle, ik, humanoid.posture(rng))
@@ -186,10 +187,11 @@ def test_hands_feet_and_balance_are_reached_within_the_limits(humanoid, feet, st
             assert solution.iterations <= 15
 
 
+@pytest.mark.slow
 def test_a_distant_posture_is_found_by_restarts():
     """Any posture within the limits, the base at any position and rotated by up to 3 rad."""
     robot, oracle, rng = TALOS.robot, oracle_of(TALOS), np.random.default_rng(2)
-    ik = jtik.InverseKinematics(robot, TALOS.tasks(feet=True), strategy="damped", joints="all")
+    ik = shared_solver(robot, TALOS.tasks(feet=True), strategy="damped", joints="all")
     for _ in range(10):
         q = robot.random_configuration(rng)
         targets = targets_at(oracle, ik, q)
@@ -200,7 +202,7 @@ def test_a_distant_posture_is_found_by_restarts():
 
 def test_a_hand_out_of_reach_is_reported():
     robot, oracle = TALOS.robot, oracle_of(TALOS)
-    ik = jtik.InverseKinematics(robot, TALOS.tasks(feet=True), joints="all")
+    ik = shared_solver(robot, TALOS.tasks(feet=True), joints="all")
     targets = targets_at(oracle, ik, TALOS.standing)
     targets[TALOS.hands[0]] = targets[TALOS.hands[0]].copy()
     targets[TALOS.hands[0]][:3, 3] += (4.0, 0.0, 0.0)
@@ -213,10 +215,11 @@ def test_a_hand_out_of_reach_is_reported():
     assert (solution.q <= robot.upper).all()
 
 
+@pytest.mark.slow
 def test_a_path_of_the_hands_is_tracked_with_fixed_feet():
     """Both hands move on half circles of 5 cm; the base moves with them, every joint within its speed limit."""
     robot, oracle = G1.robot, oracle_of(G1)
-    ik = jtik.InverseKinematics(robot, G1.tasks(feet=True), strategy="damped", joints="all")
+    ik = shared_solver(robot, G1.tasks(feet=True), strategy="damped", joints="all")
     home, path = targets_at(oracle, ik, G1.standing), []
     for angle in np.linspace(0, np.pi, 15):
         targets = {name: target.copy() for name, target in home.items()}

@@ -13,7 +13,7 @@ import qpsolvers
 import jtik
 from jtik_formulations import JointCentering, Newton, ProjectedGradient
 
-from ..conftest import dh_arm, planar
+from ..conftest import dh_arm, planar, shared_solver
 
 PLAIN = Newton(backtracking=False, q_limit=math.inf, secondary=ProjectedGradient(rule="paper"))
 """-J+ e - (I - J+ J) dH, with beta = 1."""
@@ -55,7 +55,7 @@ class Position(mink.Task):
 def test_newton_with_the_null_space_term_is_minks_strict_form(rng):
     model = mujoco.MjModel.from_xml_string(ARM)
     robot = jtik.Robot.from_mujoco(model) if hasattr(jtik.Robot, "from_mujoco") else _twin(model)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), criteria=JointCentering(), strategy=PLAIN, limits=False)
+    ik = shared_solver(robot, jtik.FrameTask("tip"), criteria=JointCentering(), strategy=PLAIN, limits=False)
     for _ in range(10):
         q, preferred = rng.uniform(-1, 1, (2, 6))
         configuration = mink.Configuration(model, q)
@@ -88,9 +88,7 @@ def _twin(model):
 def test_the_same_step_is_the_equality_constrained_qp(name, rng):
     """min 1/2 |dq + dH|^2 subject to J dq = -e."""
     robot, kind = {"planar": (planar(10), "position"), "pose": (dh_arm(8, 1), "pose")}[name]
-    ik = jtik.InverseKinematics(
-        robot, jtik.FrameTask("tip", kind), criteria=JointCentering(), strategy=PLAIN, limits=False
-    )
+    ik = shared_solver(robot, jtik.FrameTask("tip", kind), criteria=JointCentering(), strategy=PLAIN, limits=False)
     for _ in range(10):
         q = rng.uniform(-1, 1, robot.n)
         target = robot.pose(q + rng.uniform(-0.1, 0.1, robot.n))

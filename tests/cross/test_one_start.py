@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 import jtik
 
-from ..conftest import dh_arm
+from ..conftest import dh_arm, shared_solver
 
 TOLERANCE = 1e-6
 ITERATIONS = 200
@@ -84,7 +84,7 @@ def test_at_least_as_often_as_a_plain_damped_loop_that_wraps(arm):
     given = problems(robot, GOALS)
     plain = max(sum(plain_loop(robot, *each, damping) for each in given) for damping in DAMPINGS)
     for strategy in ("hybrid", "damped"):
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask(kind="pose"), strategy=strategy)
+        ik = shared_solver(robot, jtik.FrameTask(kind="pose"), strategy=strategy)
         assert sum(arrives(ik, *each) for each in given) >= plain, strategy
 
 
@@ -93,7 +93,7 @@ def test_at_least_as_often_as_a_plain_damped_loop_that_wraps(arm):
 def test_a_ur5_needs_five_searches_for_four_goals_at_most(strategy):
     """From one list of starts for all goals; with ``restarts=`` attempts are shorter, and a few more of them begin."""
     robot = universal("ur5", math.pi)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask(kind="pose"), strategy=strategy)
+    ik = shared_solver(robot, jtik.FrameTask(kind="pose"), strategy=strategy)
     starts, searches, iterations = [q for q, _ in problems(robot, 100)], 0, 0
     attempts = 0
     goals = [target for _, target in problems(robot, 200)]

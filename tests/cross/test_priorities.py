@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 import jtik
 from jtik import Status
 
-from ..conftest import dh_arm, large_ones_slow, planar
+from ..conftest import dh_arm, large_ones_slow, planar, shared_solver
 
 LEVELS = large_ones_slow(["task_priority", "lexicographic_qp", "sns", "sns_qp"])
 TASKS = (
@@ -49,7 +49,7 @@ def optimum(robot, q, target):
 @pytest.mark.parametrize("strategy", LEVELS)
 def test_the_position_is_exact_and_the_orientation_as_near_as_possible(strategy, limit, rng):
     robot = dh_arm(5, 3, limit)
-    ik = jtik.InverseKinematics(robot, TASKS, strategy=strategy)
+    ik = shared_solver(robot, TASKS, strategy=strategy)
     found = 0
     for target, q0 in problems(robot, rng):
         solution = ik.solve(target, q0=np.clip(q0, -limit, limit))
@@ -71,7 +71,7 @@ def test_the_position_is_exact_and_the_orientation_as_near_as_possible(strategy,
 @pytest.mark.parametrize("strategy", LEVELS)
 def test_where_both_are_reached_it_is_converged(strategy):
     robot = dh_arm(5, 3)
-    ik = jtik.InverseKinematics(robot, TASKS, strategy=strategy)
+    ik = shared_solver(robot, TASKS, strategy=strategy)
     pose = robot.pose([0.3, 0.5, -0.4, 0.6, 0.2])
     solution = ik.solve({"hand": pose[:3, 3], "wrist": pose}, q0=[0.2, 0.4, -0.3, 0.5, 0.3])
     assert solution.status is Status.CONVERGED
@@ -83,8 +83,8 @@ def test_where_both_are_reached_it_is_converged(strategy):
 def test_a_position_out_of_reach_ends_at_its_closest_point(strategy, factor, rng):
     """The lower level has a freedom beside it to first order only, and the end is slow."""
     robot = dh_arm(5, 3)
-    ik = jtik.InverseKinematics(robot, TASKS, strategy=strategy)
-    alone = jtik.InverseKinematics(robot, TASKS[0], strategy=strategy)
+    ik = shared_solver(robot, TASKS, strategy=strategy)
+    alone = shared_solver(robot, TASKS[0], strategy=strategy)
     target, q0 = next(problems(robot, rng))
     target["hand"] = factor * np.array([1.0, 0.5, 0.5])
     solution = ik.solve(target, q0=q0)
@@ -102,7 +102,7 @@ def test_a_position_out_of_reach_ends_at_its_closest_point(strategy, factor, rng
 def test_a_highest_level_out_of_reach_is_said_where_it_is_and_nowhere_else(factor):
     """The straight arm is the closest posture, and no lower level has a freedom beside it but to first order."""
     robot = planar(4)
-    ik = jtik.InverseKinematics(robot, TASKS, strategy="lexicographic_qp")
+    ik = shared_solver(robot, TASKS, strategy="lexicographic_qp")
     angles = np.random.default_rng(2).uniform(-2, 2, (3, 4))
     said = dict.fromkeys((3, 10, 30, 300), 0)
     for limit in said:
@@ -136,7 +136,7 @@ def test_within_limits_a_solve_of_levels_out_of_reach_comes_to_rest(factor):
 
 def test_stopped_on_the_way_it_is_not_claimed(rng):
     robot = dh_arm(5, 3)
-    ik = jtik.InverseKinematics(robot, TASKS, strategy="task_priority")
+    ik = shared_solver(robot, TASKS, strategy="task_priority")
     target, q0 = next(problems(robot, rng))
     solution = ik.solve(target, q0=q0, max_iterations=6)
     assert solution.status is Status.ITERATION_LIMIT
@@ -146,6 +146,6 @@ def test_stopped_on_the_way_it_is_not_claimed(rng):
 def test_a_strategy_without_levels_does_not_claim_them(rng):
     robot = dh_arm(5, 3)
     target, q0 = next(problems(robot, rng))
-    solution = jtik.InverseKinematics(robot, TASKS).solve(target, q0=q0)
+    solution = shared_solver(robot, TASKS).solve(target, q0=q0)
     assert solution.status is Status.LOCAL_MINIMUM
     assert solution.position_error > 1e-3  # a compromise of both

@@ -9,7 +9,7 @@ from scipy.optimize import lsq_linear, minimize
 import jtik
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
-from ..conftest import dh_arm, planar_jacobian, planar_points, slow
+from ..conftest import dh_arm, planar_jacobian, planar_points, shared_solver, slow
 
 SAME = 1e-6
 """Allowed difference in H of two solvers with tolerance 1e-6."""
@@ -54,7 +54,7 @@ def planar_solver(limit):
     robot = jtik.Robot.planar(10, lower=-limit, upper=limit)
     field = [jtik.Circle(center, radius) for center, radius in zip(FIELD, RADII, strict=True)]
     criteria = JointCentering() + GAIN * ObstacleAvoidance(field)
-    return jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=criteria)
+    return shared_solver(robot, jtik.FrameTask(), criteria=criteria)
 
 
 def slsqp(H, gradient, error, jacobian, q0, lower, upper):
@@ -132,7 +132,7 @@ def test_jtik_and_slsqp_agree_on_a_convex_problem():
     """With joint centering alone and a nearby target, both solvers find the same q."""
     for limit in (np.inf, 0.3):
         robot = jtik.Robot.planar(10, lower=-limit, upper=limit)
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=JointCentering())
+        ik = shared_solver(robot, jtik.FrameTask(), criteria=JointCentering())
         lower, upper = np.full(10, -limit), np.full(10, limit)
         rng = np.random.default_rng(1)
         for _ in range(10):
@@ -159,11 +159,9 @@ def test_jtik_and_slsqp_agree_on_a_convex_problem():
 def test_a_spatial_arm_is_optimal(kind, limit):
     robot = dh_arm(8, 3, limit)
     sphere = jtik.Sphere((0.6, 0.6, 0.4), 0.1)
-    ik = jtik.InverseKinematics(
-        robot, jtik.FrameTask("tip", kind), criteria=JointCentering() + GAIN * ObstacleAvoidance(sphere)
-    )
+    ik = shared_solver(robot, jtik.FrameTask("tip", kind), criteria=JointCentering() + GAIN * ObstacleAvoidance(sphere))
     # SLSQP evaluates its functions at configurations outside the limits
-    free = jtik.InverseKinematics(
+    free = shared_solver(
         robot,
         jtik.FrameTask("tip", kind),
         criteria=JointCentering() + GAIN * ObstacleAvoidance(sphere),

@@ -9,7 +9,7 @@ import pytest
 
 import jtik
 
-from ..conftest import slow
+from ..conftest import shared_solver, slow
 
 ARM = jtik.Robot.builtin("ur5e")
 HOME = ARM.keyframes["home"]
@@ -36,7 +36,7 @@ def branches(target):
 
 @functools.cache
 def solver(compiled):
-    return jtik.InverseKinematics(ARM, jtik.FrameTask("tip", "pose"), compiled=compiled)
+    return shared_solver(ARM, jtik.FrameTask("tip", "pose"), compiled=compiled)
 
 
 @pytest.mark.parametrize("compiled", [False, *slow(True)], ids=str)

@@ -10,6 +10,7 @@ import pytest
 import jtik
 from jtik_formulations import JointCentering, WeightedQP
 
+from ..conftest import shared_solver
 from .test_mink import ARM, Position
 
 SAME = 1e-8
@@ -49,7 +50,7 @@ def test_a_step_is_minks(rng):
         jtik.FrameTask("tip", "orientation", stiffness=0.3**2, name="turn"),
     ]
     strategy = WeightedQP(q_limit=SPEED * DT, **OPTIONS)
-    ik = jtik.InverseKinematics(robot, tasks, criteria=JointCentering(), strategy=strategy)
+    ik = shared_solver(robot, tasks, criteria=JointCentering(), strategy=strategy)
     limits = [
         mink.ConfigurationLimit(model, gain=1.0),
         mink.VelocityLimit(model, {f"j{i}": SPEED for i in range(1, 7)}),
@@ -84,7 +85,7 @@ def test_with_the_logarithm_as_error_a_step_is_that_of_minks_own_frame_task(rng)
     limits = [mink.ConfigurationLimit(model, gain=1.0)]
     for error, differences in apart.items():
         task = jtik.FrameTask("tip", "pose", stiffness=[2.0**2] * 3 + [0.3**2] * 3, error=error)
-        ik = jtik.InverseKinematics(robot, task, strategy=WeightedQP(q_limit=np.inf, **OPTIONS))
+        ik = shared_solver(robot, task, strategy=WeightedQP(q_limit=np.inf, **OPTIONS))
         for q in configurations(rng, 6):
             goal = robot.pose(np.clip(q + rng.uniform(-0.3, 0.3, 6), -1.2, 1.2))
             theirs.set_target(mink.SE3.from_matrix(goal))
@@ -111,7 +112,7 @@ def test_a_step_is_pinks(rng):
     robot = jtik.Robot.from_urdf(text)
     strategy = WeightedQP(q_limit=SPEED * DT, **OPTIONS)
     task = jtik.FrameTask("tip", "position", stiffness=2.0**2)
-    ik = jtik.InverseKinematics(robot, task, criteria=JointCentering(), strategy=strategy)
+    ik = shared_solver(robot, task, criteria=JointCentering(), strategy=strategy)
 
     class Place(pink.tasks.Task):
         """The world position of the frame "tip"."""

@@ -9,7 +9,7 @@ import jtik
 from jtik.geometry import Slots
 from jtik_formulations import ObstacleAvoidance
 
-from ..conftest import EXACT, dh_arm, planar
+from ..conftest import EXACT, dh_arm, planar, shared_solver
 from .shapes import PLANAR, SPATIAL, random_obstacle
 
 KINDS_OF = {2: PLANAR, 3: SPATIAL}
@@ -58,7 +58,7 @@ def test_the_gain_multiplies_the_terms_of_its_obstacle(rng):
 
 def test_an_empty_scene_has_sixteen_slots_and_no_effect():
     robot = planar(5)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=ObstacleAvoidance([]))
+    ik = shared_solver(robot, jtik.FrameTask(), criteria=ObstacleAvoidance([]))
     assert ik.parameters["obstacle_avoidance.gains"].tolist() == [0.0] * 16
     assert ik.parameters["obstacle_avoidance.centers"].shape == (16, 2)
     assert ik.solve([2, 2], q0=[0.1] * 5).cost == 0.0
@@ -68,13 +68,13 @@ def test_an_empty_scene_has_sixteen_slots_and_no_effect():
 
 def test_obstacles_come_and_go_without_another_step():
     robot = planar(6)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=ObstacleAvoidance([], capacity={"box": 2, "ball": 2}))
+    ik = shared_solver(robot, jtik.FrameTask(), criteria=ObstacleAvoidance([], capacity={"box": 2, "ball": 2}))
     slots = Slots({"box": 2, "ball": 2}, 2)
     q0, target = np.full(6, 0.2), [3.0, 3.0]
     for obstacles in ([jtik.Box.at((2.0, 1.0), (0.3, 0.2), 0.4)], [], [jtik.Circle((1, 2), 0.3), jtik.Point((3, 1))]):
         for name, value in slots.parameters(obstacles).items():
             ik.parameters[f"obstacle_avoidance.{name}"] = value
-        alone = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=ObstacleAvoidance(obstacles))
+        alone = shared_solver(robot, jtik.FrameTask(), criteria=ObstacleAvoidance(obstacles))
         assert ik.solve(target, q0=q0).q == pytest.approx(alone.solve(target, q0=q0).q, abs=1e-6)
 
 
@@ -170,7 +170,7 @@ def test_a_live_value_that_is_no_obstacle_is_refused(dimension, parameter, wrong
         options, name = {"criteria": field}, f"field.{parameter}"
     else:
         options, name = {"clearances": jtik.Clearance(field, name="row"), "strategy": "weighted_qp"}, f"row.{parameter}"
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask(kind="position"), **options)
+    ik = shared_solver(robot, jtik.FrameTask(kind="position"), **options)
     before = ik.parameters[name]
     with pytest.raises(jtik.ArgumentError, match=f"^{name}: given .*; accepted: "):
         ik.parameters[name] = rows

@@ -11,7 +11,7 @@ import pytest
 import jtik
 from jtik import problems
 
-from ..conftest import ball_arm, dh_arm, floating_arm, planar
+from ..conftest import ball_arm, dh_arm, floating_arm, planar, shared_solver
 from .conftest import ARRIVED, distance_to, gallery, inside
 
 GENERATORS = {
@@ -59,7 +59,7 @@ def drawn(generator, setup):
 @functools.cache
 def solver(setup):
     robot, task = (make() for make in SETUPS[setup])
-    return jtik.InverseKinematics(robot, task)
+    return shared_solver(robot, task)
 
 
 @pytest.mark.parametrize(
@@ -120,7 +120,7 @@ def test_orientations_can_be_drawn(generator):
         task = jtik.FrameTask(kind="orientation")
         made = draw(generator, robot, task)
         made.check(robot, task)
-        ik = jtik.InverseKinematics(robot, task)
+        ik = shared_solver(robot, task)
         for case in made:
             q = ik.solve(case.target, q0=case.q0, restarts=20, until="reached").q
             assert distance_to(robot, q, case.target, "orientation") < ARRIVED
@@ -141,7 +141,7 @@ def test_several_tasks_have_targets_by_name(generator):
     made = draw(generator, robot, tasks, 1)
     made.check(robot, tasks)
     assert made[0].target.keys() == {"tip", "turn"}
-    ik = jtik.InverseKinematics(robot, tasks)
+    ik = shared_solver(robot, tasks)
     if made[0].reachable:
         q = ik.solve(made[0].target, q0=made[0].q0, restarts=60, until="reached").q
         assert distance_to(robot, q, made[0].target["tip"], "position", "tip") < ARRIVED
@@ -165,7 +165,7 @@ TASKS = {
 @pytest.mark.parametrize(("robot", "task"), TASKS.values(), ids=TASKS)
 def test_targets_of_all_tasks_are_those_of_the_goal(robot, task):
     robot, task = robot(), task()
-    ik = jtik.InverseKinematics(robot, task)
+    ik = shared_solver(robot, task)
     for case in draw("reachable", robot, task, 3):
         solution = ik.solve(case.target, q0=case.q0, restarts=60, until="reached")
         assert solution.converged
@@ -176,7 +176,7 @@ def test_a_centre_of_mass_can_be_drawn():
     robot = jtik.Robot(planar(2).joints, planar=True, masses=mass)
     task = jtik.CenterOfMassTask()
     for case in draw("reachable", robot, task, 3):
-        assert jtik.InverseKinematics(robot, task).solve(case.target, q0=case.q0, restarts=20).error == pytest.approx(
+        assert shared_solver(robot, task).solve(case.target, q0=case.q0, restarts=20).error == pytest.approx(
             [0, 0], abs=1e-5
         )
 

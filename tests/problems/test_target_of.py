@@ -8,7 +8,7 @@ import pytest
 import jtik
 from jtik.problems.target_of import target_of
 
-from ..conftest import planar
+from ..conftest import planar, shared_solver
 from .conftest import gallery, mujoco_pose
 
 SPATIAL = [
@@ -29,7 +29,7 @@ PLANAR = [jtik.FrameTask(kind="pose"), jtik.FrameTask(kind="orientation"), jtik.
 def test_the_configuration_is_on_its_target(robot, task):
     robot = robot()
     q = robot.random_configuration(3)
-    ik = jtik.InverseKinematics(robot, task, joints="all")
+    ik = shared_solver(robot, task, joints="all")
     solution = ik.solve(target_of(task, robot, q), q0=q, max_iterations=0)
     assert np.abs(solution.error).max() < 1e-9
 

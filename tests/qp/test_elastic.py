@@ -24,7 +24,7 @@ from jtik.qp.staged import staged
 from jtik.strategy import Strategy, Update
 from jtik.symbolic.compile import bind
 
-from ..conftest import planar
+from ..conftest import planar, shared_solver
 
 BACKENDS = [
     *[backend_of(name) for name in available() if name != "qpoases"],
@@ -243,7 +243,7 @@ class Conflicting(Strategy):
 
 @pytest.mark.parametrize("solver", ["daqp", QPSolversBackend("daqp"), PersistentOSQP()], ids=str)
 def test_a_strategy_may_use_them_and_build_shows_the_slack_variables(solver):
-    ik = jtik.InverseKinematics(planar(2), jtik.FrameTask(), strategy=Conflicting(), solver=solver)
+    ik = shared_solver(planar(2), jtik.FrameTask(), strategy=Conflicting(), solver=solver)
     q = np.array([0.3, 0.5])
     assert ik.step(q, [1.0, 1.0]).q - q == pytest.approx([-0.4, -0.4], abs=1e-6)
     problem = ik.build(q, [1.0, 1.0])

@@ -14,14 +14,14 @@ from jtik.symbolic import MX, function
 from jtik.symbolic.compile import bind
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
-from ..conftest import planar, planar_points
+from ..conftest import planar, planar_points, shared_solver
 
 STRATEGIES = ["newton+qp", "hybrid+qp", "weighted_qp", "sns_qp", "lexicographic_qp"]
 
 
 @functools.cache
 def solver(strategy, limit, preferred):
-    return jtik.InverseKinematics(
+    return shared_solver(
         planar(5, lower=-limit, upper=limit),
         jtik.FrameTask(),
         criteria=JointCentering(preferred=preferred),
@@ -72,7 +72,7 @@ def test_at_limits_the_qp_is_solved(strategy, rng):
 def test_a_step_with_clearances_has_no_fast_path():
     """Most steps with clearances need the QP, and the fast path would cost as much as the QP path."""
     field = ObstacleAvoidance(jtik.Circle((2.0, 1.0), 0.3), bodies="links")
-    ik = jtik.InverseKinematics(
+    ik = shared_solver(
         planar(4),
         jtik.FrameTask(),
         criteria=JointCentering(),
@@ -101,7 +101,7 @@ class TestFallback:
     q = np.array([0.49, 0.46, 0.5, 0.48, 0.47])
 
     def step(self, solver):
-        ik = jtik.InverseKinematics(
+        ik = shared_solver(
             planar(5, lower=-0.5, upper=0.5),
             jtik.FrameTask(),
             criteria=JointCentering(preferred=(0.9, 0.3, 0.9, 0.2, 0.9)),

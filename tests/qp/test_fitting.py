@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import pytest
 from scipy.optimize import linprog, lsq_linear
@@ -14,9 +16,13 @@ TOLERANCE = 1e-6
 """Accuracy of the QP solver, relative to the displacement."""
 
 
-def fitted(J, t, lower, upper):
-    x = CompiledFunction(fitting(*J.shape))(J, t, lower, upper)[0]
-    return x[:, 0]
+@functools.cache
+def built(make, m, n):
+    return CompiledFunction(make(m, n))
+
+
+def fitted(J, t, lower, upper, make=fitting):
+    return built(make, *J.shape)(J, t, lower, upper)[0][:, 0]
 
 
 def largest_share(J, wanted, lower, upper):
@@ -152,7 +158,7 @@ def test_the_error_is_the_smallest_in_the_box(m, n, rng):
         J, limit = rng.normal(size=(m, n)), rng.uniform(0.2, 2, n)
         lower, upper = -limit * rng.uniform(0.1, 1, n), limit
         t = np.linalg.pinv(J) @ rng.normal(size=m) * rng.uniform(0.1, 4)
-        x = CompiledFunction(least_error_fitting(m, n))(J, t, lower, upper)[0][:, 0]
+        x = fitted(J, t, lower, upper, least_error_fitting)
         assert (x >= lower).all()
         assert (x <= upper).all()
         weighted = np.vstack([np.sqrt(OF_ERROR) / np.linalg.norm(J) * J, np.eye(n)])
@@ -166,5 +172,5 @@ def test_the_error_is_the_smallest_in_the_box(m, n, rng):
 
 def test_of_all_displacements_with_the_smallest_error_it_is_the_closest():
     J, t, limit = np.array([[1.0, 1.0, 0.0]]), np.array([1.0, 1.0, 0.5]), np.array([0.6, 3.0, 3.0])
-    x = CompiledFunction(least_error_fitting(1, 3))(J, t, -limit, limit)[0][:, 0]
+    x = fitted(J, t, -limit, limit, least_error_fitting)
     assert x == pytest.approx([0.6, 1.4, 0.5], abs=1e-3)

@@ -13,7 +13,7 @@ from jtik.qp import Conic
 from jtik.symbolic.compile import CompilerError, compiler
 from jtik_formulations import JointCentering
 
-from ..conftest import EXACT, dh_arm, slow
+from ..conftest import EXACT, dh_arm, shared_solver, slow
 
 try:
     compiler()
@@ -26,9 +26,9 @@ LIMITS = jtik.Limits(velocity=1.0)
 
 
 def solver(*, strategy="weighted_qp", compiled=True, backend=None, limit=2.0):
-    arm = dh_arm(limit=limit)
-    return jtik.InverseKinematics(
-        arm,
+    build = shared_solver if backend is None else jtik.InverseKinematics
+    return build(
+        dh_arm(limit=limit),
         jtik.FrameTask("tip", kind="pose"),
         criteria=0.01 * JointCentering(),
         strategy=strategy,

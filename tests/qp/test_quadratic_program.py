@@ -13,7 +13,7 @@ from jtik.strategy import Strategy, Update
 from jtik.symbolic import function, gram
 from jtik_formulations import JointCentering
 
-from ..conftest import planar
+from ..conftest import planar, shared_solver
 
 
 def quadratic_program(**changes):
@@ -54,7 +54,7 @@ def test_shapes_are_checked(change, named):
 
 def test_build_returns_the_qp_for_another_solver():
     arm, q = planar(5, lower=-1.0, upper=1.0), np.array([0.3, 0.4, 0.95, 0.2, -0.1])
-    ik = jtik.InverseKinematics(arm, jtik.FrameTask(), criteria=JointCentering(), strategy="newton+qp")
+    ik = shared_solver(arm, jtik.FrameTask(), criteria=JointCentering(), strategy="newton+qp")
     problem = ik.build(q, arm.position(q))
     assert isinstance(problem, qpsolvers.Problem)
     assert pytest.approx(np.eye(2)) == problem.A @ problem.A.T
@@ -65,10 +65,10 @@ def test_build_returns_the_qp_for_another_solver():
 
 
 def test_build_needs_a_strategy_with_a_qp_of_that_name():
-    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
+    ik = shared_solver(planar(3), jtik.FrameTask())
     with pytest.raises(jtik.ArgumentError, match="newton\\+qp"):
         ik.build(np.zeros(3), [1.0, 1.0])
-    pair = jtik.InverseKinematics(planar(3), jtik.FrameTask(), criteria=JointCentering(), strategy="newton+qp")
+    pair = shared_solver(planar(3), jtik.FrameTask(), criteria=JointCentering(), strategy="newton+qp")
     with pytest.raises(jtik.UnknownNameError, match="second"):
         pair.build(np.zeros(3), [1.0, 1.0], qp="second")
 
@@ -90,7 +90,7 @@ class Contradiction(Strategy):
 
 @pytest.mark.parametrize("solver", ["daqp", "osqp", QPSolversBackend("daqp"), PersistentOSQP()], ids=str)
 def test_an_infeasible_qp_ends_a_solve_with_a_status(solver):
-    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask(), strategy=Contradiction(), solver=solver)
+    ik = shared_solver(planar(3), jtik.FrameTask(), strategy=Contradiction(), solver=solver)
     solution = ik.solve([1.0, 1.0], q0=[0.1, 0.2, 0.3])
     assert solution.status is jtik.Status.UNSOLVED
     assert solution.q == pytest.approx([0.1, 0.2, 0.3])
@@ -112,7 +112,7 @@ class Saddle(Strategy):
 
 @pytest.mark.parametrize("n", [3, 16])
 def test_a_qp_that_is_not_convex_has_no_solution(n):
-    ik = jtik.InverseKinematics(planar(n), jtik.FrameTask(), strategy=Saddle())
+    ik = shared_solver(planar(n), jtik.FrameTask(), strategy=Saddle())
     solution = ik.solve([1.0, 1.0], q0=np.full(n, 0.1))
     assert solution.status is jtik.Status.UNSOLVED
     assert solution.q.tolist() == [0.1] * n
@@ -137,7 +137,7 @@ class TwoQPs(Strategy):
 @pytest.mark.parametrize("solver", ["daqp", QPSolversBackend("daqp")], ids=str)
 def test_a_qp_may_use_the_solution_of_the_one_before(solver):
     arm, q, target = planar(4), np.array([0.3, 0.4, 0.5, 0.2]), np.array([2.0, 2.5])
-    ik = jtik.InverseKinematics(arm, jtik.FrameTask(), strategy=TwoQPs(), solver=solver)
+    ik = shared_solver(arm, jtik.FrameTask(), strategy=TwoQPs(), solver=solver)
     J = arm.jacobian(q)[:2]
     shortest = np.linalg.pinv(J) @ (target - arm.position(q))
     expected = shortest + (np.eye(4) - np.linalg.pinv(J) @ J) @ np.ones(4)
@@ -189,7 +189,7 @@ class TestSolutionWithoutSolver:
         for strategy in ("newton+qp", "weighted_qp"):
             ends = []
             for solver in ("daqp", QPSolversBackend("daqp")):
-                ik = jtik.InverseKinematics(
+                ik = shared_solver(
                     planar(6, lower=-0.7, upper=0.7),
                     jtik.FrameTask(),
                     criteria=JointCentering(),

@@ -10,12 +10,12 @@ import pytest
 
 import jtik
 
-from ..conftest import planar
+from ..conftest import planar, shared_solver
 
 
 @pytest.fixture(scope="module")
 def batch():
-    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
+    ik = shared_solver(planar(3), jtik.FrameTask())
     return ik.solve_batch([(1.0, 1.0), (9.0, 0.0), (2.0, 1.0)], q0=[0.3, 0.4, 0.5])
 
 
@@ -45,7 +45,7 @@ def test_it_can_be_pickled(batch):
 
 
 def test_its_reports_are_those_of_its_own_targets_whatever_is_solved_next():
-    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
+    ik = shared_solver(planar(3), jtik.FrameTask())
     batch = ik.solve_batch([(1.0, 1.0), (2.0, 1.0)], q0=[0.3, 0.4, 0.5])
     ik.solve((0.5, 0.5))
     assert max(solution.position_error for solution in batch) <= 1e-6

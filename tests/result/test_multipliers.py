@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 import jtik
 from jtik_formulations import JointCentering
 
-from ..conftest import planar, planar_points
+from ..conftest import planar, planar_points, shared_solver
 
 PREFERRED, TARGET = np.array([0.9, -0.3, 0.4, 0.1]), np.array([2.2, 1.4])
 
@@ -17,9 +17,7 @@ PREFERRED, TARGET = np.array([0.9, -0.3, 0.4, 0.1]), np.array([2.2, 1.4])
 @pytest.mark.parametrize("strategy", ["hybrid", "newton", "hybrid+second_order"])
 def test_they_are_those_of_the_lagrangian(strategy):
     robot = planar(4)
-    ik = jtik.InverseKinematics(
-        robot, jtik.FrameTask(), criteria=JointCentering(preferred=PREFERRED), strategy=strategy
-    )
+    ik = shared_solver(robot, jtik.FrameTask(), criteria=JointCentering(preferred=PREFERRED), strategy=strategy)
     solution = ik.solve(TARGET, q0=[0.5, 0.3, -0.2, 0.4])
     J = np.asarray(robot.jacobian(solution.q, robot.tip))[:2]
     gradient = solution.q - PREFERRED
@@ -28,7 +26,7 @@ def test_they_are_those_of_the_lagrangian(strategy):
 
 def test_they_say_how_the_optimum_changes_with_the_target():
     """dH/dx* = -lambda: of the optimum by SLSQP at targets beside, for the residual r = x - x*."""
-    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(), criteria=JointCentering(preferred=PREFERRED))
+    ik = shared_solver(planar(4), jtik.FrameTask(), criteria=JointCentering(preferred=PREFERRED))
     solution = ik.solve(TARGET, q0=[0.5, 0.3, -0.2, 0.4])
 
     def optimum(target):

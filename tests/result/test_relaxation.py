@@ -11,7 +11,7 @@ import jtik
 from jtik import Relaxation
 from jtik_formulations import ObstacleAvoidance
 
-from ..conftest import planar
+from ..conftest import planar, shared_solver
 
 
 @pytest.mark.parametrize(
@@ -30,7 +30,7 @@ def test_it_prints_by_how_much(relaxation, text):
 def blocked():
     """The target lies within the safe distance of an obstacle."""
     field = ObstacleAvoidance(jtik.Circle((2.0, 1.2), 0.3), bodies="links")
-    ik = jtik.InverseKinematics(
+    ik = shared_solver(
         planar(3),
         jtik.FrameTask(),
         strategy="weighted_qp",
@@ -55,6 +55,6 @@ class TestOfASolution:
             assert blocked.gave_way == blocked.relaxed
 
     def test_is_empty_where_all_constraints_hold(self):
-        solution = jtik.InverseKinematics(planar(3), jtik.FrameTask()).solve((1.0, 1.5), q0=np.full(3, 0.3))
+        solution = shared_solver(planar(3), jtik.FrameTask()).solve((1.0, 1.5), q0=np.full(3, 0.3))
         assert solution.relaxed == ()
         assert "relaxed" not in repr(solution)

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation as Turn
 
 import jtik
 
-from ..conftest import floating_arm, planar
+from ..conftest import floating_arm, planar, shared_solver
 
 
 def circle(k):
@@ -20,7 +20,7 @@ def circle(k):
 
 @pytest.fixture(scope="module")
 def path():
-    return jtik.InverseKinematics(planar(3), jtik.FrameTask()).track(circle(20), q0=[0.3, 0.4, 0.5], dt=0.1)
+    return shared_solver(planar(3), jtik.FrameTask()).track(circle(20), q0=[0.3, 0.4, 0.5], dt=0.1)
 
 
 def test_velocities_lead_from_row_to_row(path):
@@ -32,7 +32,7 @@ def test_velocities_lead_from_row_to_row(path):
 
 def test_velocities_keep_to_the_limits():
     robot = planar(3, velocity_limit=0.8)
-    path = jtik.InverseKinematics(robot, jtik.FrameTask()).track(circle(20), q0=[0.3, 0.4, 0.5], dt=0.1)
+    path = shared_solver(robot, jtik.FrameTask()).track(circle(20), q0=[0.3, 0.4, 0.5], dt=0.1)
     assert np.abs(path.dq).max() == pytest.approx(0.8)  # they bind
     assert not path.converged
 
@@ -41,13 +41,13 @@ def test_velocities_of_a_free_joint_are_those_of_its_tangent():
     robot = floating_arm()
     q0, rng = robot.neutral, np.random.default_rng(0)
     target = robot.position(robot.integrate(q0, rng.uniform(-0.2, 0.2, robot.n)))
-    path = jtik.InverseKinematics(robot, jtik.FrameTask()).track([target], q0=q0, dt=0.5)
+    path = shared_solver(robot, jtik.FrameTask()).track([target], q0=q0, dt=0.5)
     assert path.dq.shape == (1, robot.n)
     assert robot.integrate(q0, 0.5 * path.dq[0]) == pytest.approx(path.q[0])
 
 
 def test_errors_and_status_are_those_of_solutions(path):
-    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
+    ik = shared_solver(planar(3), jtik.FrameTask())
     for i, target in enumerate(circle(20)):
         solution = ik.solve(target, q0=path.q[i], max_iterations=0)
         assert path.position_error[i] == pytest.approx(solution.position_error, abs=1e-15)
@@ -57,7 +57,7 @@ def test_errors_and_status_are_those_of_solutions(path):
 
 
 def test_reached_is_for_each_target_and_converged_for_all():
-    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
+    ik = shared_solver(planar(3), jtik.FrameTask())
     path = ik.track([(1.0, 1.5), (9.0, 0.0)], q0=[0.3, 0.2, 0.4], dt=0.5)
     assert path.reached.tolist() == [True, False]
     assert path.converged is False
@@ -65,7 +65,7 @@ def test_reached_is_for_each_target_and_converged_for_all():
 
 
 def test_repr_sums_it_up():
-    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
+    ik = shared_solver(planar(3), jtik.FrameTask())
     path = ik.track([(1.0, 1.5), (1.1, 1.5)], q0=[0.3, 0.2, 0.4], dt=0.5)
     assert len(path) == len(path.q) == len(path.error_norm) == len(path.status) == 2
     assert path.times.tolist() == [0.5, 1.0]
@@ -97,7 +97,7 @@ def lissajous(robot, k):
 @pytest.mark.parametrize("strategy", ["hybrid", "damped", "newton"])
 def test_an_arm_follows_a_curve_of_poses_within_its_published_limits(strategy, tmp_path):
     robot = jtik.Robot.builtin("panda")
-    ik, home = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose"), strategy=strategy), robot.keyframes["home"]
+    ik, home = shared_solver(robot, jtik.FrameTask("tip", "pose"), strategy=strategy), robot.keyframes["home"]
     path = ik.track(lissajous(robot, 100), q0=home, dt=0.05)
     assert path.converged
     assert path.iterations.mean() < 3  # each solve starts where the last one ended
@@ -113,7 +113,7 @@ def test_an_arm_follows_a_curve_of_poses_within_its_published_limits(strategy, t
 
 def test_a_curve_too_fast_for_an_arm_is_followed_at_its_limits_and_caught_up_with():
     robot = jtik.Robot.builtin("panda")
-    ik, home = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose")), robot.keyframes["home"]
+    ik, home = shared_solver(robot, jtik.FrameTask("tip", "pose")), robot.keyframes["home"]
     curve = list(lissajous(robot, 50))
     path = ik.track([*curve, *[curve[-1]] * 100], q0=home, dt=0.01)
     reached = [status is jtik.Status.CONVERGED for status in path.status]

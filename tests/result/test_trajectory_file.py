@@ -12,7 +12,7 @@ import pytest
 
 import jtik
 
-from ..conftest import floating_arm, planar
+from ..conftest import floating_arm, planar, shared_solver
 
 SUFFIXES = [".npz", ".csv", ".json"]
 
@@ -21,14 +21,14 @@ CIRCLE = [(1.5 + 0.4 * np.cos(angle), 0.5 + 0.4 * np.sin(angle)) for angle in np
 
 @pytest.fixture(scope="module")
 def path():
-    return jtik.InverseKinematics(planar(3), jtik.FrameTask()).track(CIRCLE, q0=[0.3, 0.4, 0.5], dt=0.1)
+    return shared_solver(planar(3), jtik.FrameTask()).track(CIRCLE, q0=[0.3, 0.4, 0.5], dt=0.1)
 
 
 @pytest.fixture(scope="module")
 def floating():
     """A path of a robot with a free joint, whose joint sizes differ."""
     robot = floating_arm()
-    return jtik.InverseKinematics(robot, jtik.FrameTask(), joints="all").track(
+    return shared_solver(robot, jtik.FrameTask(), joints="all").track(
         [robot.position(robot.neutral) + np.array([0.05, 0.02, 0.01])], q0=robot.neutral, dt=0.5
     )
 

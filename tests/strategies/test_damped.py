@@ -10,13 +10,13 @@ import pytest
 import jtik
 from jtik_formulations import Damped, JointCentering
 
-from ..conftest import EXACT, ball_arm, dh_arm, floating_arm, planar, planar_jacobian, planar_points
+from ..conftest import EXACT, ball_arm, dh_arm, floating_arm, planar, planar_jacobian, planar_points, shared_solver
 
 BARE = {"backtracking": False, "q_limit": math.inf}
 
 
 def solver(robot, strategy, kind="position", **options):
-    return jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), strategy=strategy, limits=False, **options)
+    return shared_solver(robot, jtik.FrameTask("tip", kind), strategy=strategy, limits=False, **options)
 
 
 @pytest.mark.parametrize("damping", [1e-3, 0.1, 10.0])
@@ -98,7 +98,7 @@ def test_step_reports_the_error_after_the_step(criteria):
 def test_without_evaluation_of_the_candidate_steps_are_the_same():
     """The iterates of solve, which does not evaluate where they lead, are those of step, which does."""
     robot = dh_arm(7, 2, limit=2.0)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose"), strategy=Damped(backtracking=False))
+    ik = shared_solver(robot, jtik.FrameTask("tip", "pose"), strategy=Damped(backtracking=False))
     target, q = robot.pose(np.full(7, 0.9)), np.full(7, -0.3)
     trace = ik.solve(target, q0=q, max_iterations=12, trace=True).trace
     for row in trace.q[1:]:

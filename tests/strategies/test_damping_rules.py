@@ -10,7 +10,7 @@ import pytest
 import jtik
 from jtik_formulations import ConstantDamped, Damped, NakamuraHanafusa, Sugihara, WeightedQP
 
-from ..conftest import dh_arm, planar, planar_jacobian, planar_points
+from ..conftest import dh_arm, planar, planar_jacobian, planar_points, shared_solver
 
 BARE = {"backtracking": False, "q_limit": math.inf}
 STRATEGIES = {
@@ -40,7 +40,7 @@ def expected(name, J, e):
 @pytest.mark.parametrize("name", STRATEGIES)
 @pytest.mark.parametrize("n", [2, 3, 10])
 def test_the_step_of_a_planar_arm(n, name, bend, rng):
-    ik = jtik.InverseKinematics(planar(n), jtik.FrameTask("tip"), strategy=STRATEGIES[name])
+    ik = shared_solver(planar(n), jtik.FrameTask("tip"), strategy=STRATEGIES[name])
     for _ in range(5):
         q, target = np.append(0.4, bend * rng.uniform(-1, 1, n - 1)), rng.uniform(-2, 2, 2)
         step = expected(name, planar_jacobian(q), planar_points(q)[-1] - target)
@@ -51,7 +51,7 @@ def test_the_step_of_a_planar_arm(n, name, bend, rng):
 @pytest.mark.parametrize("kind", ["position", "pose"])
 def test_the_step_in_space(kind, name, rng):
     robot = dh_arm(7, 3)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), strategy=STRATEGIES[name])
+    ik = shared_solver(robot, jtik.FrameTask("tip", kind), strategy=STRATEGIES[name])
     for _ in range(5):
         q = robot.random_configuration(rng)
         target = robot.pose(q + rng.uniform(-0.2, 0.2, 7))
@@ -67,14 +67,14 @@ def test_a_joint_at_its_limit_does_not_stop_the_others():
     assert J[:, 2] @ e < 0
     J[:, 2] = 0
     for name, strategy in STRATEGIES.items():
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=strategy)
+        ik = shared_solver(robot, jtik.FrameTask("tip"), strategy=strategy)
         wanted = np.clip(q + expected(name, J, e), -1, 1)
         assert ik.step(q, target).q == pytest.approx(wanted, abs=1e-9)
 
 
 def test_nakamura_is_newton_in_good_poses_and_damped_in_singular_ones():
     strategy = NakamuraHanafusa(threshold=0.1, **BARE)
-    ik, target = jtik.InverseKinematics(planar(3), jtik.FrameTask("tip"), strategy=strategy), np.array([1.0, 1.5])
+    ik, target = shared_solver(planar(3), jtik.FrameTask("tip"), strategy=strategy), np.array([1.0, 1.5])
     good, straight = np.array([0.3, 1.0, 1.0]), np.array([0.3, 1e-9, 0.0])
     for q, damped in [(good, False), (straight, True)]:
         J, e = planar_jacobian(q), planar_points(q)[-1] - target
@@ -91,7 +91,7 @@ def test_nakamura_needs_no_number_for_the_size_of_the_robot(scale):
     q = np.array([0.2, 0.1, -0.1, 0.1])
     steps = []
     for size in (1.0, scale):
-        ik = jtik.InverseKinematics(
+        ik = shared_solver(
             jtik.Robot.planar([size] * 4), jtik.FrameTask("tip"), strategy=NakamuraHanafusa(threshold=0.5, **BARE)
         )
         steps.append(ik.step(q, size * np.array([2.0, 1.0])).q - q)
@@ -102,7 +102,7 @@ def test_a_bias_costs_the_quadratic_end():
     """With a constant the last steps shrink the error by a fixed factor; without, by ever more."""
     target, factors = np.array([2.0, 1.5]), {}
     for strategy in (Damped(), ConstantDamped(damping=0.1), Sugihara(bias=0.1)):
-        ik = jtik.InverseKinematics(planar(4), jtik.FrameTask("tip"), strategy=strategy)
+        ik = shared_solver(planar(4), jtik.FrameTask("tip"), strategy=strategy)
         error = ik.solve(target, q0=np.full(4, 0.5), position_tolerance=1e-10, trace=True).trace.error
         factors[type(strategy)] = error[-1] / error[-2]
     assert factors[Damped] < 1e-5
@@ -124,7 +124,7 @@ def test_the_limit_is_checked():
 
 
 def step_of(strategy, q, target):
-    ik = jtik.InverseKinematics(planar(len(q)), jtik.FrameTask("tip"), strategy=strategy, limits=False)
+    ik = shared_solver(planar(len(q)), jtik.FrameTask("tip"), strategy=strategy, limits=False)
     return ik.step(q, target).q - q
 
 

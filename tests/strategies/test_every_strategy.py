@@ -9,24 +9,21 @@ import jtik
 from jtik.testing import check_strategy
 from jtik_formulations import JointCentering
 
-from ..conftest import large_ones_slow, slow
+from ..conftest import families_first, shared_solver, slow
 
-DAMPING_RULES = ("damped_constant", "nakamura", "sugihara")
-"""Strategies that differ from "damped" in the rule for the damping."""
+QUICK = ("hybrid", "transpose")
 
 
-@pytest.mark.parametrize(
-    "name", [*large_ones_slow(name for name in jtik.strategies if name not in DAMPING_RULES), *slow(*DAMPING_RULES)]
-)
+@pytest.mark.parametrize("name", [*QUICK, *slow(*(name for name in jtik.strategies if name not in QUICK))])
 def test_contract(name):
     check_strategy(name)
 
 
-@pytest.mark.parametrize("name", large_ones_slow([*sorted(jtik.strategies), "hybrid+qp"]))
+@pytest.mark.parametrize("name", families_first([*sorted(jtik.strategies), "hybrid+qp"], large=False))
 def test_an_arm_at_rest_at_the_minimum_of_H_follows_a_moving_target(name):
     """There grad H and all multipliers are zero, and every step to the target raises H."""
     arm = jtik.Robot.builtin("panda")
-    ik = jtik.InverseKinematics(arm, jtik.FrameTask(arm.tip, kind="pose"), criteria=JointCentering(), strategy=name)
+    ik = shared_solver(arm, jtik.FrameTask(arm.tip, kind="pose"), criteria=JointCentering(), strategy=name)
     q = home = np.array([0.0, -0.8, 0.0, -2.4, 0.0, 1.6, 0.8])
     ik.parameters["joint_centering.preferred"] = home
     target = arm.pose(home)

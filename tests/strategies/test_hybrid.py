@@ -11,14 +11,14 @@ import pytest
 import jtik
 from jtik_formulations import Hybrid, Newton, Transpose
 
-from ..conftest import EXACT, dh_arm, planar, planar_jacobian, planar_points, rises, slow
+from ..conftest import EXACT, dh_arm, planar, planar_jacobian, planar_points, rises, shared_solver, slow
 
 BARE = {"backtracking": False, "q_limit": math.inf}
 
 
 @functools.lru_cache(maxsize=20)
 def solver(robot, strategy):
-    return jtik.InverseKinematics(robot, jtik.FrameTask(), strategy=strategy, limits=False)
+    return shared_solver(robot, jtik.FrameTask(), strategy=strategy, limits=False)
 
 
 def step(robot, strategy, q, target):
@@ -84,7 +84,7 @@ def test_between_it_lies_on_the_segment_and_on_the_radius(fraction, rng):
 
 
 def test_the_radius_shrinks_after_a_refusal_and_V_never_rises(rng):
-    ik = jtik.InverseKinematics(planar(10), jtik.FrameTask(), strategy=Hybrid(q_limit=3.0))
+    ik = shared_solver(planar(10), jtik.FrameTask(), strategy=Hybrid(q_limit=3.0))
     refusals = 0
     for _ in range(20):
         trace = ik.solve(planar_points(rng.uniform(-3, 3, 10))[-1], q0=rng.uniform(-1e-3, 1e-3, 10), trace=True).trace
@@ -97,7 +97,7 @@ def test_the_radius_shrinks_after_a_refusal_and_V_never_rises(rng):
 
 
 def test_no_step_is_longer_than_the_limit(rng):
-    ik = jtik.InverseKinematics(planar(6), jtik.FrameTask(), strategy=Hybrid(q_limit=0.2))
+    ik = shared_solver(planar(6), jtik.FrameTask(), strategy=Hybrid(q_limit=0.2))
     for _ in range(10):
         trace = ik.solve(planar_points(rng.uniform(-2, 2, 6))[-1], q0=rng.uniform(-1, 1, 6), trace=True).trace
         assert np.linalg.norm(np.diff(trace.q, axis=0), axis=1).max() <= 0.2 + EXACT
@@ -106,7 +106,7 @@ def test_no_step_is_longer_than_the_limit(rng):
 def test_on_a_vehicle_the_limit_counts_the_turning_joints_only():
     robot = jtik.Robot.vehicle(3)
     q0 = np.array([0.0, 0.0, 0.4, 0.5, 0.6])
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask())
+    ik = shared_solver(robot, jtik.FrameTask())
     trace = ik.solve((40.0, 30.0), q0=q0, trace=True).trace
     steps = np.diff(trace.q, axis=0)
     assert np.linalg.norm(steps[:, 2:], axis=1).max() <= 0.5 + EXACT
@@ -119,7 +119,7 @@ def test_it_needs_as_many_iterations_as_newton_near_the_target(rng):
         q = rng.uniform(0.2, 1, 5)
         target = planar_points(q + rng.uniform(-0.05, 0.05, 5))[-1]
         counts = [
-            jtik.InverseKinematics(planar(5), jtik.FrameTask(), strategy=strategy).solve(target, q0=q).iterations
+            shared_solver(planar(5), jtik.FrameTask(), strategy=strategy).solve(target, q0=q).iterations
             for strategy in ("hybrid", Newton(**BARE))
         ]
         assert counts[0] == counts[1]
@@ -128,7 +128,7 @@ def test_it_needs_as_many_iterations_as_newton_near_the_target(rng):
 def test_alpha_in_the_trace_is_the_transpose_gain():
     q = np.array([0.4, 0.5, 0.6])
     target = planar_points(q)[-1] + (0.2, -0.1)
-    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask())
+    ik = shared_solver(planar(3), jtik.FrameTask())
     trace = ik.solve(target, q0=q, max_iterations=1, trace=True).trace
     J, e = planar_jacobian(q), planar_points(q)[-1] - target
     g = J.T @ e

@@ -10,7 +10,7 @@ import pytest
 import jtik
 from jtik_formulations import JParse
 
-from ..conftest import dh_arm, planar, planar_jacobian, planar_points
+from ..conftest import dh_arm, planar, planar_jacobian, planar_points, shared_solver
 
 BARE = {"backtracking": False, "q_limit": math.inf}
 
@@ -31,7 +31,7 @@ def expected(J, e, threshold=0.1, singular_gain=1.0):
 @pytest.mark.parametrize("bend", [1.0, 0.1, 1e-3, 1e-8, 1e-12, 0.0])
 @pytest.mark.parametrize("options", [{"threshold": 0.1}, {"threshold": 0.5}, {"threshold": 0.3, "singular_gain": 1.7}])
 def test_the_step_of_a_planar_arm(options, bend, rng):
-    ik = jtik.InverseKinematics(planar(5), jtik.FrameTask("tip"), strategy=JParse(**options, **BARE))
+    ik = shared_solver(planar(5), jtik.FrameTask("tip"), strategy=JParse(**options, **BARE))
     for _ in range(10):
         q, target = np.append(0.4, bend * rng.uniform(-1, 1, 4)), rng.uniform(-5, 5, 2)
         wanted = -expected(planar_jacobian(q), planar_points(q)[-1] - target, **options)
@@ -40,7 +40,7 @@ def test_the_step_of_a_planar_arm(options, bend, rng):
 
 def test_the_step_in_space(rng):
     robot = dh_arm(7, 3)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose"), strategy=JParse(threshold=0.3, **BARE))
+    ik = shared_solver(robot, jtik.FrameTask("tip", "pose"), strategy=JParse(threshold=0.3, **BARE))
     for _ in range(10):
         q, goal = robot.random_configuration(rng), robot.random_configuration(rng)
         seen = ik.solve(robot.pose(goal), q0=q, max_iterations=0)
@@ -54,7 +54,7 @@ def test_at_a_joint_limit_the_joint_pressed_against_it_has_no_column():
     J, e = planar_jacobian(q), planar_points(q)[-1] - target
     assert J[:, 2] @ e < 0
     J[:, 2] = 0
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=JParse(threshold=0.1, **BARE))
+    ik = shared_solver(robot, jtik.FrameTask("tip"), strategy=JParse(threshold=0.1, **BARE))
     assert ik.step(q, target).q == pytest.approx(np.clip(q - expected(J, e, 0.1), -1, 1), abs=1e-9)
 
 
@@ -62,7 +62,7 @@ def test_a_vanishing_threshold_gives_newtons_step_and_a_threshold_of_one_the_tra
     q, target = rng.uniform(-1, 1, 4), np.array([1.0, 2.0])
     J, e = planar_jacobian(q), planar_points(q)[-1] - target
     for threshold, wanted in [(1e-9, np.linalg.pinv(J) @ e), (1.0, J.T @ e / np.linalg.norm(J, 2) ** 2)]:
-        ik = jtik.InverseKinematics(planar(4), jtik.FrameTask("tip"), strategy=JParse(threshold=threshold, **BARE))
+        ik = shared_solver(planar(4), jtik.FrameTask("tip"), strategy=JParse(threshold=threshold, **BARE))
         assert ik.step(q, target).q - q == pytest.approx(-wanted, abs=1e-10)
 
 
@@ -74,7 +74,7 @@ def test_it_is_continuous_where_a_direction_becomes_weak():
         steps = []
         for side in (1 - 1e-9, 1 + 1e-9):
             strategy = JParse(threshold=side * sigma[1] / sigma[0], singular_gain=gain, **BARE)
-            steps.append(jtik.InverseKinematics(planar(4), jtik.FrameTask("tip"), strategy=strategy).step(q, target).q)
+            steps.append(shared_solver(planar(4), jtik.FrameTask("tip"), strategy=strategy).step(q, target).q)
         jumps[gain] = np.abs(steps[1] - steps[0]).max()
     assert jumps[1.0] < 1e-7
     assert jumps[0.5] > 1e-2
@@ -83,7 +83,7 @@ def test_it_is_continuous_where_a_direction_becomes_weak():
 @pytest.mark.parametrize("bend", [1e-2, 1e-4, 1e-6, 1e-8])
 def test_the_step_along_a_weak_direction_vanishes_with_it(bend):
     """Where Newton's grows like 1 / bend. The error points along the straight arm, its weak direction."""
-    ik = jtik.InverseKinematics(planar(3), jtik.FrameTask("tip"), strategy=JParse(threshold=0.1, **BARE))
+    ik = shared_solver(planar(3), jtik.FrameTask("tip"), strategy=JParse(threshold=0.1, **BARE))
     q = np.array([0.0, bend, -bend])
     target = planar_points(q)[-1] - (0.5, 0.0)
     assert np.abs(ik.step(q, target).q - q).max() < 20 * bend

@@ -11,7 +11,7 @@ import pytest
 import jtik
 from jtik_formulations import JointCentering
 
-from ..conftest import planar, planar_jacobian, planar_points
+from ..conftest import planar, planar_jacobian, planar_points, shared_solver
 
 TIGHT = {"position_tolerance": 1e-13, "optimality_tolerance": 1e-12}
 
@@ -37,7 +37,7 @@ def errors(goal, q0, *, end=ELBOW, robot=None, criteria=None):
     """Norm of the errors of both levels together at every iterate, and the solution."""
     tasks = [jtik.FrameTask("tip"), jtik.FrameTask(f"link{end + 2}", name="elbow", priority=1)]
     robot = robot or planar(len(goal))
-    ik = jtik.InverseKinematics(robot, tasks, criteria=criteria, strategy="lexicographic_qp")
+    ik = shared_solver(robot, tasks, criteria=criteria, strategy="lexicographic_qp")
     there = planar_points(goal)
     target = {"tip": there[-1], "elbow": there[end]}
     solution = ik.solve(target, q0=q0, trace=True, max_iterations=100, **TIGHT)

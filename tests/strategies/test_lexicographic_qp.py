@@ -17,7 +17,7 @@ from jtik.testing import check_strategy
 from jtik_formulations import JointCentering, LexicographicQP, ProjectedGradient
 from jtik_formulations.strategies._parts.levels import DEFINITE, descend
 
-from ..conftest import dh_arm, planar, planar_points, report_at
+from ..conftest import dh_arm, planar, planar_points, report_at, shared_solver
 
 BARE = LexicographicQP(damping=0.0, q_limit=math.inf, backtracking=False)
 """Only the quadratic programs."""
@@ -146,7 +146,7 @@ class TestRank:
         turn = -np.arctan2(points[-1, 1], points[-1, 0])
         elbow = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) @ points[2]
         target = tip if levels == 1 else {"tip": tip, "elbow": elbow}
-        solution = jtik.InverseKinematics(robot, tasks, strategy="lexicographic_qp").solve(target, q0=q0)
+        solution = shared_solver(robot, tasks, strategy="lexicographic_qp").solve(target, q0=q0)
         assert np.linalg.norm(planar_points(solution.q)[-1] - tip) < 1e-6
         assert solution.converged
 
@@ -161,7 +161,7 @@ class TestSteps:
             jtik.FrameTask("tip", "position", name="high"),
             jtik.FrameTask("tip", "orientation", name="middle", priority=2),
         ]
-        ik = jtik.InverseKinematics(robot, tasks, strategy=BARE, limits=False)
+        ik = shared_solver(robot, tasks, strategy=BARE, limits=False)
         for _ in range(5):
             q = rng.uniform(-1, 1, 8)
             at = robot.pose(q + rng.uniform(-0.1, 0.1, 8))
@@ -180,8 +180,8 @@ class TestSteps:
         robot = planar(7, lower=-0.9, upper=0.9)
         tasks = [jtik.FrameTask("tip"), jtik.FrameTask("link4", name="elbow", priority=1)]
         strategy = LexicographicQP(backtracking=False)
-        both = jtik.InverseKinematics(robot, tasks, strategy=strategy)
-        alone = jtik.InverseKinematics(robot, tasks[0], strategy=strategy)
+        both = shared_solver(robot, tasks, strategy=strategy)
+        alone = shared_solver(robot, tasks[0], strategy=strategy)
         for _ in range(10):
             q = rng.choice([-0.9, 0.2, 0.9], 7)
             tip = planar_points(q)[-1] + rng.uniform(-0.1, 0.1, 2)
@@ -193,7 +193,7 @@ class TestSteps:
 
     def test_quadratic_programs_can_be_inspected(self):
         tasks = [jtik.FrameTask("tip"), jtik.FrameTask("link3", name="elbow", priority=1)]
-        ik = jtik.InverseKinematics(planar(4), tasks, criteria=JointCentering(), strategy="lexicographic_qp")
+        ik = shared_solver(planar(4), tasks, criteria=JointCentering(), strategy="lexicographic_qp")
         target = {"tip": [2.0, 1.0], "elbow": [1.0, 1.0]}
         for name, rows in (("level 0", 0), ("level 1", 2), ("null-space step", 4)):
             problem = ik.build([0.3] * 4, target, qp=name)
@@ -208,7 +208,7 @@ def end_effector_above_elbow(n, limit, elbow, criteria):
     """A solver for a planar arm: the end effector first, and the end of a link below it."""
     tasks = [jtik.FrameTask("tip"), jtik.FrameTask(elbow, name="elbow", priority=1)]
     robot = planar(n, lower=-limit, upper=limit)
-    return jtik.InverseKinematics(robot, tasks, criteria=criteria, strategy="lexicographic_qp")
+    return shared_solver(robot, tasks, criteria=criteria, strategy="lexicographic_qp")
 
 
 CENTERING = JointCentering()
@@ -247,7 +247,7 @@ def test_the_criterion_comes_below_all_tasks():
     """Two tasks that can both be met, and the minimum of H among the postures that do."""
     robot, q = planar(8, lower=-2.0, upper=2.0), np.linspace(0.6, -0.2, 8)
     tasks = [jtik.FrameTask("tip"), jtik.FrameTask("link5", name="elbow", priority=1)]
-    ik = jtik.InverseKinematics(robot, tasks, criteria=JointCentering(), strategy="lexicographic_qp")
+    ik = shared_solver(robot, tasks, criteria=JointCentering(), strategy="lexicographic_qp")
     tip, elbow = planar_points(q)[-1], planar_points(q)[3]
     solution = ik.solve({"tip": tip, "elbow": elbow}, q0=q + 0.2)
     assert solution.status is jtik.Status.CONVERGED
@@ -275,7 +275,7 @@ def test_two_arms_on_one_body(rng):
     robot = jtik.Robot(joints)
     tasks = [jtik.FrameTask("left tip", name="left"), jtik.FrameTask("right tip", name="right", priority=1)]
     tasks = [jtik.FrameTask(t.frame, axes="xy", name=t.name, priority=t.priority) for t in tasks]
-    ik = jtik.InverseKinematics(robot, tasks, criteria=JointCentering(), strategy="lexicographic_qp")
+    ik = shared_solver(robot, tasks, criteria=JointCentering(), strategy="lexicographic_qp")
     goal = rng.uniform(-0.8, 0.8, robot.n)
     target = {"left": robot.position(goal, "left tip"), "right": robot.position(goal, "right tip")}
     solution = ik.solve(target, q0=goal + 0.2)

@@ -13,7 +13,7 @@ import jtik
 from jtik.interop.mink import MujocoCorrespondence, to_mujoco
 from jtik_formulations import JointCentering, Mink, Newton, ProjectedGradient
 
-from ..conftest import ball_arm, dh_arm, floating_arm, planar
+from ..conftest import ball_arm, dh_arm, floating_arm, planar, shared_solver
 from ..interop.test_mujoco_model import gripper
 
 DAQP = 1e-6
@@ -23,7 +23,7 @@ WHOLE = {"step_limit": np.inf}
 
 
 def solver(robot, kind="position", *, strategy=None, criteria=None, **options):
-    return jtik.InverseKinematics(
+    return shared_solver(
         robot, jtik.FrameTask(robot.tip, kind), criteria=criteria, strategy=strategy or Mink(), **options
     )
 
@@ -99,7 +99,7 @@ class TestSolves:
         """The follower's part in the motion counts, and it follows."""
         robot = gripper()
         task = jtik.FrameTask("thumb")
-        ik = jtik.InverseKinematics(robot, task, strategy="mink")
+        ik = shared_solver(robot, task, strategy="mink")
         solution = ik.solve(robot.position([0.6, 0.0, 0.06], "thumb"), q0=ik.robot.neutral)
         assert solution.converged, solution
 
@@ -107,7 +107,7 @@ class TestSolves:
         """The first is met, the second as far as the first allows."""
         robot = planar(4)
         tasks = [jtik.FrameTask("tip"), jtik.FrameTask("link3", priority=1)]
-        ik = jtik.InverseKinematics(robot, tasks, strategy="mink")
+        ik = shared_solver(robot, tasks, strategy="mink")
         targets = {"tip": [2.0, 2.0], "link3": [9.0, 0.0]}
         q = ik.solve(targets, q0=np.full(4, 0.3), max_iterations=50).q
         assert robot.position(q) == pytest.approx([2.0, 2.0], abs=1e-5)  # while the other still creeps
@@ -205,6 +205,6 @@ def test_jtik_without_it_does_not_load_mujoco():
 def test_correspondence_of_the_model_it_works_on():
     """What the strategy steps is MuJoCo's model of the reduced robot."""
     robot = gripper()
-    part = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy="mink").robot
+    part = shared_solver(robot, jtik.FrameTask("tip"), strategy="mink").robot
     assert isinstance(to_mujoco(part), mujoco.MjModel)
     assert MujocoCorrespondence(part, to_mujoco(part)).moves.shape[1] == part.n == 2

@@ -8,7 +8,7 @@ import pytest
 import jtik
 from jtik_formulations import ConstantDamped, JParse, Sugihara
 
-from ..conftest import large_ones_slow
+from ..conftest import large_ones_slow, shared_solver
 
 GOALS = 16
 REACH_ALL = ("hybrid", "damped", "newton", "sugihara", "jparse", "selectively_damped", "weighted_least_norm")
@@ -28,7 +28,7 @@ def goals():
 
 def arrivals(strategy):
     robot, start, targets = goals()
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask(robot.tip, kind="pose"), strategy=strategy)
+    ik = shared_solver(robot, jtik.FrameTask(robot.tip, kind="pose"), strategy=strategy)
     solutions = [ik.solve(target, q0=start, restarts=20, max_iterations=400) for target in targets]
     for solution, target in zip(solutions, targets, strict=True):
         if solution.converged:

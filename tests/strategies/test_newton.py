@@ -10,7 +10,17 @@ import pytest
 import jtik
 from jtik_formulations import JointCentering, Newton, ProjectedGradient
 
-from ..conftest import EXACT, ball_arm, dh_arm, floating_arm, large_ones_slow, planar, planar_jacobian, planar_points
+from ..conftest import (
+    EXACT,
+    ball_arm,
+    dh_arm,
+    floating_arm,
+    large_ones_slow,
+    planar,
+    planar_jacobian,
+    planar_points,
+    shared_solver,
+)
 
 WITH_FIGURES = [name for name, strategy in jtik.strategies.items() if not strategy.is_soft and name != "mink"]
 """Strategies whose null-space step is exact, and separate from the task step."""
@@ -22,7 +32,7 @@ LEAKAGE = 1e-10
 
 
 def solver(robot, strategy, kind="position", **options):
-    return jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), strategy=strategy, limits=False, **options)
+    return shared_solver(robot, jtik.FrameTask("tip", kind), strategy=strategy, limits=False, **options)
 
 
 def test_the_minimum_norm_step_of_the_sns_example():
@@ -123,7 +133,7 @@ def test_stiffness_weighs_what_cannot_all_be_reached(rng):
     """min (J dq + e)' Kp (J dq + e): the weights matter where J has not full row rank, and only there."""
     robot, Kp = dh_arm(4, 2), np.diag([4.0, 1.0, 2.0, 0.3, 0.1, 0.2])
     task = jtik.FrameTask("tip", "pose", stiffness=np.diag(Kp))
-    ik = jtik.InverseKinematics(robot, task, strategy=Newton(**BARE), limits=False)
+    ik = shared_solver(robot, task, strategy=Newton(**BARE), limits=False)
     q = robot.random_configuration(rng)
     target = robot.pose(q + 0.1)
     target[:3, 3] += 0.1

@@ -9,7 +9,7 @@ import jtik
 from jtik_formulations import JointCentering
 from jtik_formulations.strategies._parts.significance import LEAKAGE
 
-from ..conftest import planar_jacobian, slow
+from ..conftest import planar_jacobian, shared_solver, slow
 
 STRATEGIES = ("damped+second_order", "hybrid+qp", "hybrid", *slow("newton+second_order", "sns_qp", "sns"))
 LEXICOGRAPHIC = slow("lexicographic_qp")
@@ -42,7 +42,7 @@ def leakages(ik, starts, target, jacobian, iterations=1):
 def test_noise_of_a_solver_is_not_scaled_up_beside_limits(strategy, rng):
     """Where joints at limits leave no direction, the solution of the quadratic program is noise of 1e-15."""
     arm = jtik.Robot.planar(5, lower=-0.8, upper=0.8)
-    ik = jtik.InverseKinematics(arm, jtik.FrameTask("tip"), criteria=JointCentering(), strategy=strategy)
+    ik = shared_solver(arm, jtik.FrameTask("tip"), criteria=JointCentering(), strategy=strategy)
     starts = [arm.random_configuration(rng) for _ in range(100)]
     starts = [np.where(rng.random(5) < 0.5, 0.8 * np.sign(q), q) for q in starts]
     leak, null, step = leakages(ik, starts, [4.0, 0.0], planar_jacobian).T
@@ -58,7 +58,7 @@ def test_on_robots_of_kilometres_and_of_tenths_of_millimetres(strategy, scale, r
     def jacobian(q):
         return scale * planar_jacobian(q)
 
-    ik = jtik.InverseKinematics(arm, jtik.FrameTask("tip"), criteria=JointCentering(), strategy=strategy)
+    ik = shared_solver(arm, jtik.FrameTask("tip"), criteria=JointCentering(), strategy=strategy)
     starts = [np.clip(1.5 * arm.random_configuration(rng), -1, 1) for _ in range(30)]
     leak, null, step = leakages(ik, starts, [3 * scale, scale], jacobian, iterations=6).T
     assert (leak <= LEAKAGE * np.maximum(null, step)).all()

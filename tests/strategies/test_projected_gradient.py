@@ -13,7 +13,7 @@ import jtik
 from jtik.strategy import Shape
 from jtik_formulations import Hybrid, JointCentering, Newton, ObstacleAvoidance, ProjectedGradient, Transpose
 
-from ..conftest import ACCEPTED_RISE, planar, planar_jacobian, planar_points, slow
+from ..conftest import ACCEPTED_RISE, planar, planar_jacobian, planar_points, shared_solver, slow
 from ..strategy.conftest import numbers, quadratic_model
 
 PRIMARIES = {"transpose": Transpose, "newton": Newton, "hybrid": Hybrid}
@@ -24,7 +24,7 @@ FIELD = [jtik.Circle((4.0, 2.5), 0.5), jtik.Circle((6.5, -1.0), 0.8)]
 def solver(primary, rule, criteria=None, n=10, **options):
     strategy = PRIMARIES[primary](secondary=ProjectedGradient(rule=rule, **options))
     criteria = criteria or JointCentering() + 0.3 * ObstacleAvoidance(FIELD)
-    return jtik.InverseKinematics(planar(n), jtik.FrameTask(), criteria=criteria, strategy=strategy)
+    return shared_solver(planar(n), jtik.FrameTask(), criteria=criteria, strategy=strategy)
 
 
 def run(primary, rule, rng, iterations=150, **options):
@@ -140,7 +140,7 @@ def test_the_ratio_as_printed_collapses_doubly_exponentially_and_its_root_does_n
 
     secondary = ProjectedGradient(rule=rule, beta_max=0.9, step_limit=10.0)
     strategy = Newton(secondary=secondary, backtracking=False)
-    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask("link3"), criteria=downhill, strategy=strategy, joints="all")
+    ik = shared_solver(planar(4), jtik.FrameTask("link3"), criteria=downhill, strategy=strategy, joints="all")
     q0 = np.array([0.3, 0.4, 0.5, 0.6])
     trace = ik.solve(planar(4).position(q0, "link3"), q0=q0, max_iterations=10, trace=True).trace
     assert trace.null_residual == pytest.approx(1.0)
@@ -216,8 +216,8 @@ def excess_on_a_circle(strategy, weight):
     arm = jtik.Robot.builtin("panda")
     task, home = jtik.FrameTask(arm.tip, kind="pose"), np.array([0.0, -0.8, 0.0, -2.4, 0.0, 1.6, 0.8])
     centering = weight * JointCentering()
-    moving = jtik.InverseKinematics(arm, task, criteria=centering, strategy=strategy, null_space_rate=math.inf)
-    settled = jtik.InverseKinematics(arm, task, criteria=weight * JointCentering())
+    moving = shared_solver(arm, task, criteria=centering, strategy=strategy, null_space_rate=math.inf)
+    settled = shared_solver(arm, task, criteria=weight * JointCentering())
     for ik in (moving, settled):
         ik.parameters["joint_centering.preferred"] = home
     q, worst = home, 0.0

@@ -9,7 +9,7 @@ import qpsolvers
 import jtik
 from jtik_formulations import Hybrid, JointCentering, Manipulability, Newton, ProjectedGradient, QPSecondary, Transpose
 
-from ..conftest import ball_arm, dh_arm, floating_arm, planar, planar_jacobian, slow
+from ..conftest import ball_arm, dh_arm, floating_arm, planar, planar_jacobian, shared_solver, slow
 
 SAME = 1e-10
 """Difference of a projection and a QP solved by an active-set method."""
@@ -24,7 +24,7 @@ def posture(q, robot):
 
 
 def solver(robot, strategy, kind="position", criteria=posture, **options):
-    return jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), criteria=criteria, strategy=strategy, **options)
+    return shared_solver(robot, jtik.FrameTask("tip", kind), criteria=criteria, strategy=strategy, **options)
 
 
 ROBOTS = {
@@ -143,9 +143,7 @@ def test_the_rules_of_the_paper_know_no_limits():
 def test_a_step_that_is_short_because_it_ends_at_a_limit_is_not_stationary():
     """The last task step moves a joint 1e-6 off its limit; the solve goes on until it is back."""
     robot = jtik.Robot.builtin("panda")
-    ik = jtik.InverseKinematics(
-        robot, jtik.FrameTask("tip", "pose"), criteria=Manipulability(kind="pose"), strategy="hybrid+qp"
-    )
+    ik = shared_solver(robot, jtik.FrameTask("tip", "pose"), criteria=Manipulability(kind="pose"), strategy="hybrid+qp")
     q0 = robot.random_configuration(2)
     solution = ik.solve(robot.pose(q0), q0=q0, until="stationary")
     assert solution.active_limits == ("panda_joint2",)

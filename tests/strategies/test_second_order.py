@@ -27,6 +27,7 @@ from ..conftest import (
     planar_jacobian,
     planar_points,
     report_at,
+    shared_solver,
     slow,
 )
 
@@ -56,7 +57,7 @@ def two_points(q, robot):
 def planar_solver(limit, strategy):
     criteria = JointCentering() + 0.3 * ObstacleAvoidance(FIELD)
     robot = planar(10, lower=-limit, upper=limit)
-    return jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=criteria, strategy=strategy)
+    return shared_solver(robot, jtik.FrameTask(), criteria=criteria, strategy=strategy)
 
 
 def planar_problems(limit, count, seed=0):
@@ -93,7 +94,7 @@ class TestOneStep:
         """Against the linear system [W J'; J 0] [p; l] = -[dH; r], W by differences of dH + J' lambda."""
         H = JointCentering(np.linspace(1.0, 2.0, 4), np.full(4, 0.2))
         strategy = Newton(secondary=SecondOrder(step_limit=10.0, corrections=0), backtracking=False, q_limit=math.inf)
-        ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(), criteria=H, strategy=strategy)
+        ik = shared_solver(planar(4), jtik.FrameTask(), criteria=H, strategy=strategy)
         K = np.diag(np.linspace(1.0, 2.0, 4))
         definite = 0
         for _ in range(20):
@@ -125,7 +126,7 @@ class TestOneStep:
 
         q = np.array([0.4, 0.5, -0.3, 0.6])
         J, target = planar_jacobian(q), planar_points(q)[-1]
-        ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(), criteria=bowl, strategy="newton+second_order")
+        ik = shared_solver(planar(4), jtik.FrameTask(), criteria=bowl, strategy="newton+second_order")
         null = np.linalg.svd(J)[2][2:]
         multiplier = -np.linalg.pinv(J).T @ gradient(q)
         exact = null @ differences(lambda q: gradient(q) + planar_jacobian(q).T @ multiplier, ik.robot, q) @ null.T
@@ -138,7 +139,7 @@ class TestOneStep:
     def test_without_a_criterion_it_is_not_there(self):
         robot, task = planar(4), jtik.FrameTask()
         plain, with_term = (
-            jtik.InverseKinematics(robot, task, strategy=strategy) for strategy in ("newton", "newton+second_order")
+            shared_solver(robot, task, strategy=strategy) for strategy in ("newton", "newton+second_order")
         )
         q = np.full(4, 0.4)
         assert with_term.step(q, (2.0, 1.0)).q.tolist() == plain.step(q, (2.0, 1.0)).q.tolist()
@@ -199,7 +200,7 @@ class TestOrder:
     @pytest.mark.parametrize("primary", ["hybrid", *slow("newton")])
     def test_a_spatial_arm_with_a_criterion_of_the_user(self, primary, kind, limit, rng):
         robot, strategy = dh_arm(8, 3, limit), f"{primary}+second_order"
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), criteria=elbow, strategy=strategy)
+        ik = shared_solver(robot, jtik.FrameTask("tip", kind), criteria=elbow, strategy=strategy)
         for _ in range(4):
             q0 = rng.uniform(-0.6, 0.6, 8)
             target = robot.pose(np.clip(q0 + rng.uniform(-0.3, 0.3, 8), robot.lower, robot.upper))
@@ -211,7 +212,7 @@ class TestOrder:
     def test_manifolds_have_it_too(self, arm, rng):
         """The optimum is a valley, as the rotation about a link is free: the gradient falls quadratically."""
         robot = arm()
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=two_points, strategy="hybrid+second_order")
+        ik = shared_solver(robot, jtik.FrameTask(), criteria=two_points, strategy="hybrid+second_order")
         for _ in range(3):
             q0 = robot.integrate(robot.neutral, rng.uniform(-0.4, 0.4, robot.n))
             q0 = np.clip(q0, robot.lower, robot.upper)
@@ -249,7 +250,7 @@ class TestOrder:
         refused, q0 = [], np.array([0.9, 0.7, -0.5, 0.4, 0.8])
         for corrections in (0, 2):
             strategy = Newton(secondary=SecondOrder(corrections=corrections))
-            ik = jtik.InverseKinematics(planar(5), jtik.FrameTask(), criteria=priced, strategy=strategy)
+            ik = shared_solver(planar(5), jtik.FrameTask(), criteria=priced, strategy=strategy)
             solution = ik.solve(planar_points(q0)[-1], q0=q0, trace=True, **TIGHT)
             assert solution.status is jtik.Status.CONVERGED
             refused.append(int((solution.trace.accepted == 0).sum()))
@@ -265,7 +266,7 @@ class TestOrder:
         refused, q0 = [], np.array([0.9, 0.7, -0.5, 0.4, 0.8])
         for corrections in (0, 1, 2):
             strategy = Newton(secondary=SecondOrder(corrections=corrections))
-            ik = jtik.InverseKinematics(planar(5), jtik.FrameTask(), criteria=valley, strategy=strategy)
+            ik = shared_solver(planar(5), jtik.FrameTask(), criteria=valley, strategy=strategy)
             options = {**TIGHT, "optimality_tolerance": 1e-9}
             solution = ik.solve(planar_points(q0)[-1], q0=q0, trace=True, **options)
             assert solution.status is jtik.Status.CONVERGED
@@ -301,8 +302,8 @@ class TestOptimum:
 
     def test_a_spatial_arm_too(self, rng):
         robot = dh_arm(7, 1, 0.5)
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=elbow, strategy="hybrid+second_order")
-        free = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=elbow, limits=False)
+        ik = shared_solver(robot, jtik.FrameTask(), criteria=elbow, strategy="hybrid+second_order")
+        free = shared_solver(robot, jtik.FrameTask(), criteria=elbow, limits=False)
         bound = 0
         for _ in range(4):
             q0 = rng.uniform(-0.4, 0.4, 7)
@@ -356,7 +357,7 @@ class TestKindOfStationaryPoint:
         def level(q, robot, *, stiffness=stiffness):
             return 0.5 * stiffness * (q[0] + q[1]) ** 2
 
-        return jtik.InverseKinematics(planar(3), jtik.FrameTask(), criteria=level, strategy=strategy)
+        return shared_solver(planar(3), jtik.FrameTask(), criteria=level, strategy=strategy)
 
     @pytest.mark.parametrize(("stiffness", "kind"), [(2.0, "minimum"), (-2.0, "saddle"), (0.0, "flat")])
     def test_a_criterion_of_the_angle_of_the_second_link(self, stiffness, kind):
@@ -384,7 +385,7 @@ class TestKindOfStationaryPoint:
         def sampled(t):
             return stiffness * planar_points(four_bar(t))[:2, 1].sum()
 
-        ik = jtik.InverseKinematics(planar(3), jtik.FrameTask(), criteria=height, strategy="newton+second_order")
+        ik = shared_solver(planar(3), jtik.FrameTask(), criteria=height, strategy="newton+second_order")
         target = planar_points(TRAPEZOID)[-1]
         curvature = sampled(ANGLE - 1e-3) - 2 * sampled(ANGLE) + sampled(ANGLE + 1e-3)
         solution = ik.solve(target, q0=TRAPEZOID, until="reached")
@@ -411,7 +412,7 @@ class TestKindOfStationaryPoint:
             def springs(q, robot, *, stiffness=stiffness):
                 return 0.5 * casadi.dot(stiffness, (q - rest) ** 2)
 
-            ik = jtik.InverseKinematics(planar(3), jtik.FrameTask(axes="x"), criteria=springs)
+            ik = shared_solver(planar(3), jtik.FrameTask(axes="x"), criteria=springs)
             null = np.linalg.svd(planar_jacobian(rest)[:1])[2][1:]
             lowest = np.linalg.eigvalsh(null @ K @ null.T)[0]
             expected = "flat" if abs(lowest) < 1e-9 else "minimum" if lowest > 0 else "saddle"
@@ -428,7 +429,7 @@ class TestKindOfStationaryPoint:
         def downhill(q, robot):
             return q[2]
 
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=downhill, strategy="hybrid+second_order")
+        ik = shared_solver(robot, jtik.FrameTask(), criteria=downhill, strategy="hybrid+second_order")
         start = four_bar(ANGLE + 0.05)
         start = start if start[2] > -ANGLE else four_bar(ANGLE - 0.05)
         solution = ik.solve(planar_points(TRAPEZOID)[-1], q0=start)
@@ -441,7 +442,7 @@ class TestKindOfStationaryPoint:
         target = planar_points(TRAPEZOID)[-1]
         assert self.solver(2.0).solve(target, q0=four_bar(ANGLE + 0.1), max_iterations=0).second_order is None
         assert self.solver(2.0).solve((9.0, 0.0), q0=TRAPEZOID).second_order is None
-        assert jtik.InverseKinematics(planar(3), jtik.FrameTask()).solve(target, q0=TRAPEZOID).second_order is None
+        assert shared_solver(planar(3), jtik.FrameTask()).solve(target, q0=TRAPEZOID).second_order is None
 
     def test_it_is_copied_and_pickled(self):
         solution = self.solver(-2.0).solve(planar_points(TRAPEZOID)[-1], q0=TRAPEZOID, until="reached")

@@ -15,7 +15,7 @@ import pytest
 import jtik
 from jtik_formulations import ObstacleAvoidance
 
-from ..conftest import planar, planar_points, report_at
+from ..conftest import planar, planar_points, report_at, shared_solver
 
 REST = np.array([0.3, 0.5, -0.2, 0.4])
 TIGHT = {"position_tolerance": 1e-12, "optimality_tolerance": 1e-12}
@@ -36,7 +36,7 @@ def solver(piece):
     def springs(q, robot):
         return 0.5 * casadi.sumsqr(q - REST) + PIECES[piece](q[1] - REST[1])
 
-    return jtik.InverseKinematics(planar(4), jtik.FrameTask(), criteria=springs, strategy="hybrid+second_order")
+    return shared_solver(planar(4), jtik.FrameTask(), criteria=springs, strategy="hybrid+second_order")
 
 
 def distances(piece, rng, **options):
@@ -93,7 +93,7 @@ def test_the_distance_of_a_link_keeps_it_where_the_closest_point_is_at_the_end_o
     across = np.array([-np.sin(direction), np.cos(direction)])
     field = ObstacleAvoidance(jtik.Circle(end + 0.8 * across, 0.2), bodies="links")
     target = planar_points(REST)[-1]
-    of_field = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=field)
+    of_field = shared_solver(robot, jtik.FrameTask(), criteria=field)
     pull = report_at(of_field, REST, target).gradient
 
     @jtik.criterion
@@ -106,7 +106,7 @@ def test_the_distance_of_a_link_keeps_it_where_the_closest_point_is_at_the_end_o
         ahead, behind = (report_at(of_field, q + d * np.eye(4)[1], target).gradient for d in (1e-8, -1e-8))
         curvatures.append(((ahead - behind) / 2e-8)[1])
     assert abs(curvatures[0] - curvatures[1]) > 0.05
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=field + springs, strategy="hybrid+second_order")
+    ik = shared_solver(robot, jtik.FrameTask(), criteria=field + springs, strategy="hybrid+second_order")
     for _ in range(6):
         solution = ik.solve(target, q0=REST + rng.uniform(-0.2, 0.2, 4), trace=True, **TIGHT)
         assert solution.q == pytest.approx(REST, abs=1e-9)

@@ -10,7 +10,7 @@ import pytest
 import jtik
 from jtik_formulations import SelectivelyDamped
 
-from ..conftest import dh_arm, planar, planar_jacobian, planar_points
+from ..conftest import dh_arm, planar, planar_jacobian, planar_points, shared_solver
 
 QUARTER = math.pi / 4
 
@@ -49,7 +49,7 @@ def bare(**options):
 @pytest.mark.parametrize("clamp", ["hard", "soft"])
 @pytest.mark.parametrize("max_error", [math.inf, 0.4])
 def test_the_step_of_a_planar_arm(clamp, max_error, bend, rng):
-    ik = jtik.InverseKinematics(planar(5), jtik.FrameTask("tip"), strategy=bare(clamp=clamp, max_error=max_error))
+    ik = shared_solver(planar(5), jtik.FrameTask("tip"), strategy=bare(clamp=clamp, max_error=max_error))
     for _ in range(10):
         q, target = np.append(0.4, bend * rng.uniform(-1, 1, 4)), rng.uniform(-5, 5, 2)
         J, e = planar_jacobian(q), planar_points(q)[-1] - target
@@ -60,7 +60,7 @@ def test_the_step_of_a_planar_arm(clamp, max_error, bend, rng):
 @pytest.mark.parametrize("clamp", ["hard", "soft"])
 def test_the_step_in_space(clamp, rng):
     robot = dh_arm(7, 3)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose"), strategy=bare(clamp=clamp))
+    ik = shared_solver(robot, jtik.FrameTask("tip", "pose"), strategy=bare(clamp=clamp))
     for _ in range(10):
         q = robot.random_configuration(rng)
         target = robot.pose(robot.random_configuration(rng))
@@ -74,7 +74,7 @@ def test_several_effectors(clamp, rng):
     """End effector and elbow of one arm; rows of an effector count together, and its distance is clamped by itself."""
     robot, groups = planar(6), ((0, 1), (2, 3))
     tasks = [jtik.FrameTask("tip", name="tip"), jtik.FrameTask("link3", name="elbow")]
-    ik = jtik.InverseKinematics(robot, tasks, strategy=bare(clamp=clamp, effectors=groups, max_error=0.5))
+    ik = shared_solver(robot, tasks, strategy=bare(clamp=clamp, effectors=groups, max_error=0.5))
     for _ in range(10):
         q = rng.uniform(-1, 1, 6)
         target = {"tip": rng.uniform(-4, 4, 2), "elbow": rng.uniform(-2, 2, 2)}
@@ -91,12 +91,12 @@ def test_at_a_joint_limit_the_joint_pressed_against_it_has_no_column():
     J, e = planar_jacobian(q), planar_points(q)[-1] - target
     assert J[:, 2] @ e < 0
     J[:, 2] = 0
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=bare())
+    ik = shared_solver(robot, jtik.FrameTask("tip"), strategy=bare())
     assert ik.step(q, target).q == pytest.approx(np.clip(q - expected(J, e), -1, 1), abs=1e-9)
 
 
 def test_it_is_newton_s_step_where_nothing_needs_a_clamp(rng):
-    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask("tip"), strategy=bare())
+    ik = shared_solver(planar(4), jtik.FrameTask("tip"), strategy=bare())
     for _ in range(10):
         q = rng.uniform(0.3, 0.8, 4)
         target = planar_points(q)[-1] + rng.uniform(-0.05, 0.05, 2)
@@ -106,7 +106,7 @@ def test_it_is_newton_s_step_where_nothing_needs_a_clamp(rng):
 
 @pytest.mark.parametrize("bend", [0.0, 1e-12, 1e-6, 1e-2, 1.0])
 def test_no_angle_of_a_step_is_larger_than_the_limit(bend, rng):
-    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask("tip"), strategy=bare(max_angle=0.3))
+    ik = shared_solver(planar(4), jtik.FrameTask("tip"), strategy=bare(max_angle=0.3))
     for _ in range(20):
         q = bend * rng.uniform(-1, 1, 4)
         assert np.abs(ik.step(q, rng.uniform(-8, 8, 2)).q - q).max() <= 0.3 * (1 + 1e-12)
@@ -116,7 +116,7 @@ def test_no_angle_of_a_step_is_larger_than_the_limit(bend, rng):
 @pytest.mark.parametrize("longest", [0.1, 2.0, math.inf])
 def test_prismatic_joints_have_a_limit_of_their_own(longest, clamp, rng):
     robot = jtik.Robot.vehicle(2)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=bare(clamp=clamp, max_length=longest))
+    ik = shared_solver(robot, jtik.FrameTask("tip"), strategy=bare(clamp=clamp, max_length=longest))
     most = np.where(robot.rotational, QUARTER, longest)
     for _ in range(10):
         q, target = robot.random_configuration(rng), rng.uniform(-5, 5, 2)
@@ -128,7 +128,7 @@ def test_prismatic_joints_have_a_limit_of_their_own(longest, clamp, rng):
 def test_a_vehicle_whose_arm_need_not_move_arrives_at_once():
     """10 m are the limit of a step."""
     robot = jtik.Robot.vehicle(1)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=bare())
+    ik = shared_solver(robot, jtik.FrameTask("tip"), strategy=bare())
     q = np.zeros(robot.n)
     for distance, wanted in [(9.0, 9.0), (30.0, 10.0)]:
         step = ik.step(q, robot.pose(q)[:2, 3] + [distance, 0.0]).q - q
@@ -150,14 +150,14 @@ def test_a_weak_direction_that_moves_only_prismatic_joints_is_damped(clamp):
     """The step along it tends to zero with the angle between the two, and is zero where they are parallel."""
     lengths = []
     for angle in (1e-1, 1e-3, 1e-5, 1e-7, 0.0):
-        ik = jtik.InverseKinematics(two_slides(angle), jtik.FrameTask("tip"), strategy=bare(clamp=clamp))
+        ik = shared_solver(two_slides(angle), jtik.FrameTask("tip"), strategy=bare(clamp=clamp))
         lengths.append(np.abs(ik.step([0.0, 0.0], [0.0, 1.0]).q).max())
     assert lengths[0] == pytest.approx(0.5, rel=0.1)  # 10 m times the share that does not cancel
     assert np.all(np.array(lengths[1:]) <= [6e-3, 6e-5, 6e-7, 0.0])
 
 
 def test_a_target_out_of_reach_ends_at_the_closest_posture():
-    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask("tip"), strategy="selectively_damped")
+    ik = shared_solver(planar(4), jtik.FrameTask("tip"), strategy="selectively_damped")
     solution = ik.solve([6.0, 0.0], q0=[0.5, -0.4, 0.3, 0.2], max_iterations=2000)
     assert not solution.converged
     assert solution.position_error == pytest.approx(2.0, abs=1e-3)

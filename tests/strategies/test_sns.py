@@ -20,7 +20,7 @@ from jtik_formulations.strategies._parts.saturation import Saturation
 from jtik_formulations.strategies.sns import sns
 from jtik_formulations.strategies.sns_qp import QPScaling
 
-from ..conftest import EXACT, dh_arm, planar, planar_jacobian, planar_points, slow
+from ..conftest import EXACT, dh_arm, planar, planar_jacobian, planar_points, shared_solver, slow
 
 AGREE = 1e-8
 """Between an answer in closed form and one of a solver whose tolerances are 1e-8 to 1e-10."""
@@ -69,7 +69,7 @@ def wishing(m, n, rounds):
 
 @functools.cache
 def arm_solver(strategy):
-    return jtik.InverseKinematics(planar(4), jtik.FrameTask(), strategy=strategy)
+    return shared_solver(planar(4), jtik.FrameTask(), strategy=strategy)
 
 
 @functools.cache
@@ -241,16 +241,14 @@ class TestTheStep:
     def test_without_limits_it_is_the_damped_step(self, strategy, kind, rng):
         robot = dh_arm(7, 1)
         damped = Damped(damping=0.1, q_limit=math.inf, backtracking=False)
-        one, other = (
-            jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), strategy=s) for s in (strategy, damped)
-        )
+        one, other = (shared_solver(robot, jtik.FrameTask("tip", kind), strategy=s) for s in (strategy, damped))
         for _ in range(10):
             q, target = rng.uniform(-1, 1, 7), robot.pose(rng.uniform(-1, 1, 7))
             assert one.step(q, target).q == pytest.approx(other.step(q, target).q, abs=AGREE)
 
     def test_the_scale_is_the_largest_with_a_third_of_the_joints_at_limits(self, rng):
         robot = planar(10, lower=-1.0, upper=1.0)
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask(), strategy=SNS(**BARE))
+        ik = shared_solver(robot, jtik.FrameTask(), strategy=SNS(**BARE))
         scaled = 0
         for _ in range(60):
             q = rng.uniform(-1, 1, 10)
@@ -271,9 +269,7 @@ class TestTheStep:
         """Starts inside, and with joints at their limits."""
         robot = planar(n, lower=-1.0, upper=1.0)
         strategies = SNS(), SNSQP()
-        one, other = (
-            jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=criteria, strategy=s) for s in strategies
-        )
+        one, other = (shared_solver(robot, jtik.FrameTask(), criteria=criteria, strategy=s) for s in strategies)
         for _ in range(40):
             q = rng.uniform(-1, 1, n)
             q = np.where(rng.random(n) < 0.2, np.sign(q), q)
@@ -286,7 +282,7 @@ class TestTheStep:
     def test_the_step_limit_scales_the_task(self, strategy):
         """|dq| <= 0.5 rad a joint, and the end effector keeps its direction to first order."""
         q, target = np.array([0.4, 0.5, -0.3, 0.6]), np.array([-1.0, 1.0])
-        ik = jtik.InverseKinematics(planar(4), jtik.FrameTask(), strategy=strategy)
+        ik = shared_solver(planar(4), jtik.FrameTask(), strategy=strategy)
         dq = ik.step(q, target).q - q
         J, e = planar_jacobian(q), planar_points(q)[-1] - target
         asked = -J @ J.T @ np.linalg.solve(J @ J.T + 0.1 * (e @ e / 2) * np.eye(2), e)
@@ -298,7 +294,7 @@ class TestTheStep:
     def test_a_criterion_moves_the_null_space_only(self, rng):
         """-beta (I - J+ J) grad H beside the damped step, where no limit is near."""
         strategy = SNS(**BARE | {"damping": 0.1}, secondary=ProjectedGradient(step_limit=1e3, beta_max=0.1))
-        ik = jtik.InverseKinematics(planar(6), jtik.FrameTask(), criteria=JointCentering(), strategy=strategy)
+        ik = shared_solver(planar(6), jtik.FrameTask(), criteria=JointCentering(), strategy=strategy)
         for _ in range(10):
             q, target = rng.uniform(-1, 1, 6), rng.uniform(-3, 3, 2)
             J, e = planar_jacobian(q), planar_points(q)[-1] - target
@@ -318,7 +314,7 @@ class TestLevels:
             jtik.FrameTask("link4", priority=1, name="elbow"),
             jtik.FrameTask("link6", priority=2, axes="x", name="wrist"),
         ]
-        return jtik.InverseKinematics(self.ROBOT, tasks[:count], strategy=strategy, **options)
+        return shared_solver(self.ROBOT, tasks[:count], strategy=strategy, **options)
 
     def problem(self, rng):
         q = np.clip(rng.uniform(-1.5, 1.5, 6), -1.2, 1.2)
@@ -403,7 +399,7 @@ class TestSolving:
         wish = np.array([0.9, -0.6, 0.2, 0.4, -0.9, 0.1])
         q0 = np.array([0.1, 0.2, 0.3, -0.1, 0.2, -0.2])
         target = planar_points(q0)[-1] + np.array([-0.2, 0.1])
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=JointCentering(preferred=wish), strategy=strategy)
+        ik = shared_solver(robot, jtik.FrameTask(), criteria=JointCentering(preferred=wish), strategy=strategy)
         solution = ik.solve(target, q0=q0)
         assert solution.converged
         oracle = minimize(
@@ -420,7 +416,7 @@ class TestSolving:
     def test_a_shortened_step_reaches_a_limit(self, strategy):
         """A joint that only halved its distance to the limit would never become active, and end every task there."""
         arm = planar(4, lower=-1.0, upper=1.0)
-        ik = jtik.InverseKinematics(arm, jtik.FrameTask(), strategy=strategy)
+        ik = shared_solver(arm, jtik.FrameTask(), strategy=strategy)
         rng = np.random.default_rng(0)
         for factor in [1.5] * 12 + [10.0] * 12:
             q0, angle = rng.uniform(-1, 1, 4), rng.uniform(-math.pi, math.pi)

@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 import jtik
 from jtik_formulations import JointCentering, TaskPriority
 
-from ..conftest import dh_arm, planar, planar_jacobian, planar_points
+from ..conftest import dh_arm, planar, planar_jacobian, planar_points, shared_solver
 
 BARE = {"damping": 0.0, "backtracking": False, "q_limit": math.inf}
 STRICT = 1e-10
@@ -39,7 +39,7 @@ def points(*priorities):
 
 
 def solver(tasks, strategy, robot=None, **options):
-    return jtik.InverseKinematics(robot or planar(8), tasks, strategy=strategy, **options)
+    return shared_solver(robot or planar(8), tasks, strategy=strategy, **options)
 
 
 def targets(rng, q):
@@ -120,7 +120,7 @@ def test_one_level_is_newtons_method(rng):
     for _ in range(3):
         q0, target = rng.uniform(-1, 1, 7), robot.pose(rng.uniform(-1, 1, 7))
         solutions = [
-            jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose"), strategy=strategy).solve(
+            shared_solver(robot, jtik.FrameTask("tip", "pose"), strategy=strategy).solve(
                 target, q0=q0, max_iterations=5
             )
             for strategy in strategies

@@ -11,7 +11,7 @@ import pytest
 import jtik
 from jtik_formulations import Newton, Transpose
 
-from ..conftest import EXACT, dh_arm, planar, planar_jacobian, planar_points
+from ..conftest import EXACT, dh_arm, planar, planar_jacobian, planar_points, shared_solver
 
 WORKED = 1e-8
 """The worked numbers are printed to eight digits."""
@@ -23,7 +23,7 @@ BARE = {"backtracking": False, "q_limit": math.inf}
 
 
 def solver(robot, strategy, **task):
-    return jtik.InverseKinematics(robot, jtik.FrameTask("tip", **task), strategy=strategy, limits=False)
+    return shared_solver(robot, jtik.FrameTask("tip", **task), strategy=strategy, limits=False)
 
 
 @functools.cache

@@ -10,7 +10,7 @@ import pytest
 import jtik
 from jtik_formulations import JointCentering, TransposeBB
 
-from ..conftest import dh_arm, planar, planar_jacobian, planar_points, rises
+from ..conftest import dh_arm, planar, planar_jacobian, planar_points, rises, shared_solver
 
 
 def energy(q, target):
@@ -55,7 +55,7 @@ def replayed(q, target, calls, *, q_limit=0.5, memory=None):
 def test_the_steps_of_a_whole_solve(memory, bend, rng):
     """A short solve is compared to its end; a long one amplifies rounding, so the first steps are."""
     strategy = TransposeBB() if memory is None else TransposeBB(monotone=False, memory=memory)
-    ik = jtik.InverseKinematics(planar(5), jtik.FrameTask("tip"), strategy=strategy)
+    ik = shared_solver(planar(5), jtik.FrameTask("tip"), strategy=strategy)
     for _ in range(10):
         q0 = np.append(rng.uniform(-3, 3), bend * rng.uniform(-1, 1, 4))
         target = rng.uniform(-3, 3, 2)
@@ -67,7 +67,7 @@ def test_the_first_step_is_the_transpose_method_s(rng):
     for _ in range(5):
         q, target = rng.uniform(-1, 1, 5), rng.uniform(-3, 3, 2)
         steps = [
-            jtik.InverseKinematics(planar(5), jtik.FrameTask("tip"), strategy=name).step(q, target).q
+            shared_solver(planar(5), jtik.FrameTask("tip"), strategy=name).step(q, target).q
             for name in ("transpose", "transpose_bb")
         ]
         assert steps[1] == pytest.approx(steps[0], abs=1e-13)
@@ -77,7 +77,7 @@ def test_it_takes_a_third_of_the_transpose_method_s_steps_or_less(rng):
     counts = {}
     problems = [(rng.uniform(-1, 1, 10), planar_points(rng.uniform(-1, 1, 10))[-1]) for _ in range(20)]
     for name in ("transpose", "transpose_bb"):
-        ik = jtik.InverseKinematics(planar(10), jtik.FrameTask("tip"), strategy=name)
+        ik = shared_solver(planar(10), jtik.FrameTask("tip"), strategy=name)
         solutions = [ik.solve(target, q0=q0, max_iterations=1000) for q0, target in problems]
         counts[name] = np.median([s.iterations if s.converged else math.inf for s in solutions])
     assert counts["transpose_bb"] < counts["transpose"] / 3
@@ -88,7 +88,7 @@ def test_only_without_monotony_V_rises(rng):
     problems = [(rng.uniform(-1, 1, 10), planar_points(rng.uniform(-1, 1, 10))[-1]) for _ in range(20)]
     for monotone in (True, False):
         strategy = TransposeBB(monotone=monotone)
-        ik = jtik.InverseKinematics(planar(10), jtik.FrameTask("tip"), strategy=strategy)
+        ik = shared_solver(planar(10), jtik.FrameTask("tip"), strategy=strategy)
         traces = [ik.solve(target, q0=q0, trace=True).trace for q0, target in problems]
         highest[monotone] = max(rises(trace).max() for trace in traces)
     assert highest[True] <= 1e-13
@@ -99,7 +99,7 @@ def test_only_without_monotony_V_rises(rng):
 def test_beside_a_criterion_and_within_limits_it_arrives(monotone, rng):
     robot = dh_arm(7, 3, limit=1.5)
     strategy = TransposeBB(monotone=monotone)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), criteria=JointCentering(), strategy=strategy)
+    ik = shared_solver(robot, jtik.FrameTask("tip"), criteria=JointCentering(), strategy=strategy)
     for _ in range(5):
         goal = rng.uniform(-1, 1, 7)
         solution = ik.solve(robot.pose(goal), q0=goal + rng.uniform(-0.3, 0.3, 7), until="reached", trace=True)
@@ -109,7 +109,7 @@ def test_beside_a_criterion_and_within_limits_it_arrives(monotone, rng):
 
 def test_exactly_straight_with_the_target_on_the_line_it_is_freed():
     """J' r is zero there, and so would be every gain times it: the engine's escape is what moves the arm."""
-    ik = jtik.InverseKinematics(planar(4), jtik.FrameTask("tip"), strategy="transpose_bb")
+    ik = shared_solver(planar(4), jtik.FrameTask("tip"), strategy="transpose_bb")
     assert ik.solve([2.0, 0.0], q0=np.zeros(4), max_iterations=500).converged
 
 

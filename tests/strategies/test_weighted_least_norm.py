@@ -10,7 +10,7 @@ import pytest
 import jtik
 from jtik_formulations import Newton, WeightedLeastNorm
 
-from ..conftest import planar, planar_jacobian, planar_points
+from ..conftest import planar, planar_jacobian, planar_points, shared_solver
 
 BARE = {"backtracking": False, "q_limit": math.inf}
 
@@ -45,7 +45,7 @@ def test_the_steps_of_a_whole_solve(most, rng):
     """Weights change with the direction of motion: each step is compared, the last ones to the growth of rounding."""
     robot = planar(5, lower=-2.0, upper=2.0)
     strategy = WeightedLeastNorm(max_weight=most, **BARE)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=strategy)
+    ik = shared_solver(robot, jtik.FrameTask("tip"), strategy=strategy)
     freed = 0
     for _ in range(20):
         q0 = rng.uniform(-0.9, 0.9, 5)
@@ -63,7 +63,7 @@ def test_the_steps_of_a_whole_solve(most, rng):
 def test_a_joint_that_leaves_its_limit_is_free_in_the_second_step(inside, rng):
     """Its derivative is still above the largest weight."""
     robot = planar(5, lower=-2.0, upper=2.0)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=WeightedLeastNorm(**BARE))
+    ik = shared_solver(robot, jtik.FrameTask("tip"), strategy=WeightedLeastNorm(**BARE))
     q = np.array([0.3, 2.0 - inside, -0.6, 0.4, 0.5])
     # the tip moves as by this joint alone, inwards: with its weight it takes a small share of that
     slow = planar_points(q)[-1] + planar_jacobian(q) @ np.array([0.0, -50.0, 0.0, 0.0, 0.0]) * 1e-4
@@ -81,7 +81,7 @@ def test_a_joint_that_leaves_its_limit_is_free_in_the_second_step(inside, rng):
 @pytest.mark.parametrize("bend", [1.0, 1e-3, 1e-6])
 def test_near_singular_poses_the_weighted_pseudo_inverse_is_the_same(bend, rng):
     robot = planar(4, lower=-1.5, upper=1.5)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=WeightedLeastNorm(**BARE))
+    ik = shared_solver(robot, jtik.FrameTask("tip"), strategy=WeightedLeastNorm(**BARE))
     q = np.append(0.4, bend * np.array([1.0, -0.6, 0.8]))
     J, p = planar_jacobian(q), planar_points(q)[-1]
     target = p + J @ (1e-2 * rng.uniform(-1, 1, 4))
@@ -93,7 +93,7 @@ def test_near_singular_poses_the_weighted_pseudo_inverse_is_the_same(bend, rng):
 def test_a_straight_arm_makes_the_motion_that_is_possible():
     """Only motion across the arm is possible: the step makes it, weighted, and the rest of the error remains."""
     robot = planar(3, lower=-1.5, upper=1.5)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=WeightedLeastNorm(**BARE))
+    ik = shared_solver(robot, jtik.FrameTask("tip"), strategy=WeightedLeastNorm(**BARE))
     q = np.array([1.0, 0.0, 0.0])
     along, across = np.array([np.cos(1.0), np.sin(1.0)]), np.array([-np.sin(1.0), np.cos(1.0)])
     target = planar_points(q)[-1] + 0.3 * across - 0.2 * along
@@ -107,7 +107,7 @@ def test_joints_without_two_limits_weigh_one(rng):
     """Without limits it is Newton's method; one-sided limits count as none."""
     q, target = rng.uniform(0.2, 0.8, 4), np.array([2.0, 1.5])
     steps = [
-        jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=strategy).step(q, target).q
+        shared_solver(robot, jtik.FrameTask("tip"), strategy=strategy).step(q, target).q
         for robot, strategy in [
             (planar(4), Newton(**BARE)),
             (planar(4), WeightedLeastNorm(**BARE)),
@@ -123,7 +123,7 @@ def test_joints_without_two_limits_weigh_one(rng):
 def test_a_joint_at_or_next_to_its_limit_can_leave_it(side, inside):
     """Also where the task cannot do without it: two joints, one target."""
     robot = planar(2, lower=-1.5, upper=1.5)
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy="weighted_least_norm")
+    ik = shared_solver(robot, jtik.FrameTask("tip"), strategy="weighted_least_norm")
     goal = side * np.array([0.3, 0.7])
     solution = ik.solve(robot.pose(goal), q0=side * np.array([0.1, 1.5 - inside]), max_iterations=100)
     assert solution.converged
@@ -134,7 +134,7 @@ def test_it_mostly_keeps_joints_further_from_their_limits_than_newton(rng):
     robot, margins = planar(6, lower=-1.2, upper=1.2), {}
     problems = [(rng.uniform(-0.4, 0.4, 6), robot.pose(rng.uniform(-1, 1, 6))) for _ in range(60)]
     for name in ("newton", "weighted_least_norm"):
-        ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip"), strategy=name)
+        ik = shared_solver(robot, jtik.FrameTask("tip"), strategy=name)
         solutions = [ik.solve(target, q0=q0) for q0, target in problems]
         assert sum(s.converged for s in solutions) >= 55
         margins[name] = np.array([1.2 - np.abs(s.q).max() for s in solutions])
@@ -152,7 +152,7 @@ def test_options_are_checked(option, value):
 @pytest.mark.parametrize("limits", [True, jtik.Limits(velocity=5.0, acceleration=500.0)])
 def test_a_timed_step_weighs_by_the_position_limits(limits, rng):
     """The limits of the step itself, about a thousandth of a radian around it, say nothing about where a joint is."""
-    ik = jtik.InverseKinematics(
+    ik = shared_solver(
         planar(5, lower=-2.0, upper=2.0), jtik.FrameTask("tip"), strategy="weighted_least_norm", limits=limits
     )
     for _ in range(5):

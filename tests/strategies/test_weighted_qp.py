@@ -13,7 +13,7 @@ from jtik.constraints.limits import AT_LIMIT
 from jtik.demo.scene import Scene
 from jtik_formulations import JointCentering, ObstacleAvoidance, WeightedQP
 
-from ..conftest import ball_arm, dh_arm, planar, report_at
+from ..conftest import ball_arm, dh_arm, planar, report_at, shared_solver
 
 BARE = {"backtracking": False, "q_limit": math.inf}
 
@@ -30,7 +30,7 @@ FIELD = [jtik.Circle((4.0, 2.0), 0.6), jtik.Circle((5.5, -1.0), 0.8)]
 
 
 def solver(robot, strategy, kind="position", criteria=None, **options):
-    return jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind), criteria=criteria, strategy=strategy, **options)
+    return shared_solver(robot, jtik.FrameTask("tip", kind), criteria=criteria, strategy=strategy, **options)
 
 
 def oracle(strategy, seen, gradient, low, high):

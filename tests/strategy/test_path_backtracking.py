@@ -14,7 +14,7 @@ from jtik.strategy.backtracking import path_backtracking
 from jtik.symbolic import identity
 from jtik_formulations import ObstacleAvoidance, QPSecondary, WeightedQP
 
-from ..conftest import planar
+from ..conftest import planar, shared_solver
 
 Q, TARGET = np.array([-1.7, 1.7, 0.5]), np.array([-1.5, -1.5])
 CIRCLE = jtik.Circle((2.2, -0.5), 0.3)
@@ -22,9 +22,7 @@ CIRCLE = jtik.Circle((2.2, -0.5), 0.3)
 
 def solver(strategy, criteria=None):
     clearance = jtik.Clearance(ObstacleAvoidance(CIRCLE, bodies="links"), safe=0.05)
-    return jtik.InverseKinematics(
-        planar(3), jtik.FrameTask(), criteria=criteria, strategy=strategy, clearances=clearance
-    )
+    return shared_solver(planar(3), jtik.FrameTask(), criteria=criteria, strategy=strategy, clearances=clearance)
 
 
 def without_backtracking():

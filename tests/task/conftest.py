@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 import jtik
 from jtik.robot import Mass
 
-from ..conftest import ball_arm, dh_arm, floating_arm, planar
+from ..conftest import ball_arm, dh_arm, floating_arm, planar, shared_solver
 
 __all__ = [
     "ROBOTS",
@@ -54,7 +54,7 @@ TWO_ARMS = """
 
 def solver(robot, task):
     """All joints of the robot free and without limits, so that Jacobians have its n columns."""
-    return jtik.InverseKinematics(robot, task, limits=False, joints="all")
+    return shared_solver(robot, task, limits=False, joints="all")
 
 
 @functools.cache

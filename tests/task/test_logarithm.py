@@ -18,7 +18,7 @@ from jtik.symbolic import function, jacobian, rigid_motion, rotation, symbol
 from jtik.symbolic.compile import CompiledFunction
 from jtik_formulations import Newton
 
-from ..conftest import DIFFERENCES, differences, report_at
+from ..conftest import DIFFERENCES, differences, report_at, shared_solver
 from .conftest import ROBOTS, built, dh_arm, planar, two_arms, two_arms_model
 
 KINDS = ("position", "orientation", "pose")
@@ -117,7 +117,7 @@ def test_error_jacobian_and_step_are_those_of_minks_task(kind, rng):
     model = mujoco.MjModel.from_xml_string(ARM)
     robot = jtik.Robot.from_mujoco(model)
     strategy = Newton(backtracking=False, q_limit=np.inf)
-    ik = jtik.InverseKinematics(
+    ik = shared_solver(
         robot, jtik.FrameTask("tip", kind, error="logarithm"), strategy=strategy, limits=False, joints="all"
     )
     theirs = mink.FrameTask("tip", "body", *COSTS[kind])
@@ -141,7 +141,7 @@ def test_the_steps_of_separate_errors_are_others(rng):
     arm, strategy = dh_arm(7, 2), Newton(backtracking=False, q_limit=np.inf)
     for kind, same in (("position", False), ("orientation", True), ("pose", False)):
         separate, logarithm = (
-            jtik.InverseKinematics(arm, jtik.FrameTask("tip", kind, error=error), strategy=strategy)
+            shared_solver(arm, jtik.FrameTask("tip", kind, error=error), strategy=strategy)
             for error in ("separate", "logarithm")
         )
         apart = []
@@ -192,7 +192,7 @@ def test_the_default_is_separate(rng):
 @pytest.mark.parametrize("make", [lambda: dh_arm(7, 2), lambda: planar(4)])
 def test_a_solve_reaches_the_same_targets(make, kind, rng):
     robot = make()
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", kind, error="logarithm"))
+    ik = shared_solver(robot, jtik.FrameTask("tip", kind, error="logarithm"))
     for _ in range(3):
         q = rng.uniform(-1, 1, robot.n)
         target = near(robot, q, rng, 0.3)
@@ -217,7 +217,7 @@ def test_what_is_refused():
         jtik.FrameTask("tip", error="log")
     with pytest.raises(jtik.ArgumentError, match="'separate' or 'logarithm'"):
         jtik.RelativeFrameTask("tip", "link1", error="twist")
-    ik = jtik.InverseKinematics(dh_arm(7, 2), jtik.FrameTask("tip", error="logarithm"))
+    ik = shared_solver(dh_arm(7, 2), jtik.FrameTask("tip", error="logarithm"))
     with pytest.raises(jtik.ArgumentError, match="a pose"):
         ik.solve([0.3, 0.2, 0.5])
 
@@ -232,7 +232,7 @@ def test_problems_are_generated_for_it(make, kind):
     for draw in (jtik.problems.reachable, jtik.problems.near_singular):
         for case in draw(robot, task, count=2, seed=1):
             assert np.shape(case.target) == shape
-    ik = jtik.InverseKinematics(robot, task, limits=False)
+    ik = shared_solver(robot, task, limits=False)
     u = np.arange(1.0, 1 + task.row_count(robot)) * 1e-4
     q = np.linspace(0.3, 0.8, robot.n)
     moved = _along(task, robot, target_of(task, robot, q), u)

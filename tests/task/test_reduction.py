@@ -9,7 +9,7 @@ import jtik
 from jtik.robot import Joint, JointType, Mass, Mimic, Robot
 from jtik_formulations import JointCentering
 
-from ..conftest import planar
+from ..conftest import planar, shared_solver
 
 
 def shift(x, y=0.0):
@@ -30,7 +30,7 @@ def gripper():
 
 
 def test_fingers_are_no_part_of_an_arms_solution(gripper):
-    ik = jtik.InverseKinematics(gripper, jtik.FrameTask(), criteria=JointCentering())
+    ik = shared_solver(gripper, jtik.FrameTask(), criteria=JointCentering())
     solution = ik.solve([1.5, 1.0], q0=[0.3, 0.4, 0.5])
     assert ik.robot.joint_names == ("joint1", "joint2", "joint3")
     assert solution.q.shape == (3,)
@@ -38,7 +38,7 @@ def test_fingers_are_no_part_of_an_arms_solution(gripper):
 
 
 def test_the_other_joints_stay_where_they_are(gripper):
-    ik = jtik.InverseKinematics(gripper, jtik.FrameTask(), at=[0, 0, 0, 0.7])
+    ik = shared_solver(gripper, jtik.FrameTask(), at=[0, 0, 0, 0.7])
     full = ik.full_configuration(ik.solve([1.5, 1.0], q0=[0.3, 0.4, 0.5]).q)
     assert full[3] == 0.7
     assert gripper.position(full, "tip") == pytest.approx([1.5, 1.0], abs=1e-6)
@@ -46,35 +46,35 @@ def test_the_other_joints_stay_where_they_are(gripper):
 
 
 def test_a_follower_moves_its_leader(gripper):
-    ik = jtik.InverseKinematics(gripper, jtik.FrameTask("other", "pose"))
+    ik = shared_solver(gripper, jtik.FrameTask("other", "pose"))
     assert ik.robot is gripper
 
 
 def test_a_joint_counts_if_it_moves_the_frame_though_not_its_origin():
     """The last joint rotates the tip about its origin: a position task keeps this joint."""
     robot = Robot([*planar(2).joints, Joint("wrist", JointType.REVOLUTE, "tip", "hand")], planar=True)
-    assert jtik.InverseKinematics(robot, jtik.FrameTask("hand")).robot.n == 3
+    assert shared_solver(robot, jtik.FrameTask("hand")).robot.n == 3
 
 
 def test_joints_by_name_and_all(gripper):
     task = jtik.FrameTask()
-    assert jtik.InverseKinematics(gripper, task, joints=["joint2", "joint3"]).robot.joint_names == ("joint2", "joint3")
-    assert jtik.InverseKinematics(gripper, task, joints="all").robot is gripper
+    assert shared_solver(gripper, task, joints=["joint2", "joint3"]).robot.joint_names == ("joint2", "joint3")
+    assert shared_solver(gripper, task, joints="all").robot is gripper
 
 
 def test_several_tasks_move_what_each_of_them_moves(gripper):
     tasks = [jtik.FrameTask("link2"), jtik.FrameTask("finger", "orientation")]
-    assert jtik.InverseKinematics(gripper, tasks).robot is gripper
-    assert jtik.InverseKinematics(gripper, tasks[0]).robot.joint_names == ("joint1", "joint2")
+    assert shared_solver(gripper, tasks).robot is gripper
+    assert shared_solver(gripper, tasks[0]).robot.joint_names == ("joint1", "joint2")
 
 
 def test_a_relative_task_moves_what_lies_between(gripper):
-    ik = jtik.InverseKinematics(gripper, jtik.RelativeFrameTask("finger", "link2", "position"))
+    ik = shared_solver(gripper, jtik.RelativeFrameTask("finger", "link2", "position"))
     assert ik.robot.joint_names == ("joint2", "joint3")[1:]
 
 
 def test_the_centre_of_mass_moves_with_whatever_carries_a_mass(gripper):
-    ik = jtik.InverseKinematics(gripper, jtik.CenterOfMassTask())
+    ik = shared_solver(gripper, jtik.CenterOfMassTask())
     assert ik.robot is gripper
 
 

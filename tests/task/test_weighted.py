@@ -7,7 +7,7 @@ import pytest
 
 import jtik
 
-from ..conftest import EXACT, report_at
+from ..conftest import EXACT, report_at, shared_solver
 from .conftest import dh_arm, planar, solver
 
 
@@ -37,7 +37,7 @@ class TestStiffness:
     def test_the_transpose_step_goes_along_the_weighted_gradient(self, stiffness, Kp, rng):
         robot = dh_arm(6, 5)
         strategy = jtik.strategies["transpose"](q_limit=np.inf, backtracking=False)
-        ik = jtik.InverseKinematics(
+        ik = shared_solver(
             robot, jtik.FrameTask("tip", "position", stiffness=stiffness), strategy=strategy, limits=False
         )
         q, target = robot.random_configuration(rng), robot.position(robot.random_configuration(rng))
@@ -75,7 +75,7 @@ class TestOldNamesOfMethods:
         robot = planar(3)
         task = Tip("tip", "position", axes=None, stiffness=1.0, priority=0, name=None)
         q = [0.1, 0.2, 0.3]
-        error = report_at(jtik.InverseKinematics(robot, task), q, [1.0, 0.5]).error
+        error = report_at(shared_solver(robot, task), q, [1.0, 0.5]).error
         assert error == pytest.approx(robot.position(q) - [1.0, 0.5])
 
     def test_of_a_pointing_task(self):
@@ -95,6 +95,6 @@ class TestOldNamesOfMethods:
         assert [str(each.message) for each in caught] == messages
         robot = dh_arm()
         q = robot.random_configuration(3)
-        error = report_at(jtik.InverseKinematics(robot, Up("tip")), q, [0.0, 0.0, 1.0]).error
-        expected = report_at(jtik.InverseKinematics(robot, jtik.AxisTask("tip")), q, [0.0, 0.0, 1.0]).error
+        error = report_at(shared_solver(robot, Up("tip")), q, [0.0, 0.0, 1.0]).error
+        expected = report_at(shared_solver(robot, jtik.AxisTask("tip")), q, [0.0, 0.0, 1.0]).error
         assert error == pytest.approx(expected)

@@ -13,7 +13,7 @@ from scipy.optimize import nnls
 import jtik
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
-from ...conftest import planar, planar_jacobian, planar_points, slow
+from ...conftest import planar, planar_jacobian, planar_points, shared_solver, slow
 
 SAFE, MARGIN = 0.05, 0.01
 PRIMARIES = ["hybrid+qp", "damped+qp", *slow("newton+qp", "transpose+qp")]
@@ -68,9 +68,7 @@ def scenes(count, n, seed):
 def solver(strategy, n, criterion=False):
     clearance = jtik.Clearance(ObstacleAvoidance(jtik.Circle((50.0, 0.0), 0.3), bodies="links"), safe=SAFE)
     criteria = JointCentering() if criterion else None
-    return jtik.InverseKinematics(
-        planar(n), jtik.FrameTask(), criteria=criteria, strategy=strategy, clearances=clearance
-    )
+    return shared_solver(planar(n), jtik.FrameTask(), criteria=criteria, strategy=strategy, clearances=clearance)
 
 
 def with_circle(ik, center, radius):
@@ -151,7 +149,7 @@ def test_the_null_space_part_does_not_move_the_end_effector(strategy):
 
 @pytest.mark.parametrize("strategy", PRIMARIES)
 def test_far_from_obstacles_the_task_step_is_the_one_without_them(strategy):
-    plain = jtik.InverseKinematics(planar(4), jtik.FrameTask(), strategy=strategy)
+    plain = shared_solver(planar(4), jtik.FrameTask(), strategy=strategy)
     ik = with_circle(solver(strategy, 4), (50.0, 0.0), 0.3)
     for q, target, *_ in scenes(5, 4, 1):
         plain.reset()
