@@ -158,6 +158,7 @@ _LAZY_MODULES = (
     "planner",
     "plotting",
     "problems",
+    "progress",
     "qp",
     "registry",
     "result",

@@ -76,7 +76,9 @@ def test_warming_up_loads_the_second_solver() -> None:
     )
 
 
-@pytest.mark.parametrize("module", ["qp", "strategy", "task", "result", "registry", "constraints", "solver"])
+@pytest.mark.parametrize(
+    "module", ["qp", "progress", "strategy", "task", "result", "registry", "constraints", "solver"]
+)
 def test_a_public_module_is_there_when_it_is_named(module: str) -> None:
     run(f"""
         import jtik

@@ -25,7 +25,7 @@ typedef struct { long long row, number, iterations; double since; long long star
 /* The start that follows the latest one of a lane in the order of their distances from the target, then of the bank. */
 static JTIK_CPU void JTIK_NAME_follow(lane* own, const double* target, const V* bank, long long count) {
   const V latest = ALL(own->distance);
-  const long long stride = count / JTIK_LANES;
+  const long long stride = count / JTIK_LANES, following = (own->start + 1) % count;
   V least = ALL(INFINITY);
   M which = {0}, at = {0};
   for (int i = 0; i < JTIK_LANES; ++i) at[i] = i;
@@ -50,6 +50,7 @@ static JTIK_CPU void JTIK_NAME_follow(lane* own, const double* target, const V* 
       own->start = which[i];
     }
   }
+  if (own->distance == INFINITY) own->start = following; /* none that is left has a finite distance */
 }
 
 /* The start of an attempt in lane i. */

@@ -91,3 +91,18 @@ def test_restarts_follow_in_the_order_of_their_distances(k, rng):
     found = ik._solving._in_lanes(True).batch(target[None], robot.neutral[None], *other.starts, 1, 4.0, other)
     assert found.tallies[0].tolist() == [Code.DONE, k, k]
     assert np.array_equal(found.q[0], answer)
+
+
+@pytest.mark.parametrize("distance", [np.inf, np.nan])
+def test_where_no_distance_is_finite_the_starts_follow_in_their_own_order(distance, rng):
+    robot = jtik.Robot.builtin("panda")
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose"), strategy="damped")
+    bank = StartBanks(ik._solving._runners._problem).of(0)
+    answer = robot.random_configuration(rng)
+    memory = np.tile(robot.neutral, (1 + SIZE, 1))
+    memory[[0, 3]] = answer  # the first row is none of the starts
+    bank.coefficients[:] = distance
+    other = bank._replace(configurations=memory[1:])
+    target = ik.tasks.read_target(robot.pose(answer))
+    found = ik._solving._in_lanes(True).batch(target[None], robot.neutral[None], *other.starts, 1, 4.0, other)
+    assert found.tallies[0].tolist() == [Code.DONE, 3, 3]
