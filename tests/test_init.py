@@ -87,6 +87,15 @@ def test_a_public_module_is_there_when_it_is_named(module: str) -> None:
     """)
 
 
+@pytest.mark.parametrize("module", ["bibliography", *slow("criteria", "strategies")])
+def test_a_module_of_the_formulations_is_there_when_it_is_named(module: str) -> None:
+    run(f"""
+        import jtik_formulations
+        assert jtik_formulations.{module}.__name__ == "jtik_formulations.{module}"
+        assert {module!r} in dir(jtik_formulations)
+    """)
+
+
 def test_the_decorator_is_not_hidden_by_its_module() -> None:
     run("""
         import jtik

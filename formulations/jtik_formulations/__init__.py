@@ -147,10 +147,14 @@ _MODULES = {
 }
 """The module of each class."""
 
+_LAZY_MODULES = ("bibliography", "criteria", "strategies")
+
 if not TYPE_CHECKING:  # a type checker then still finds misspelled names
 
     def __getattr__(name: str) -> Any:
-        """A class, whose module is imported on first use."""
+        """A class, whose module is imported on first use, or a module."""
+        if name in _LAZY_MODULES:
+            return importlib.import_module(f"{__name__}.{name}")
         if name in _MODULES:
             found = globals()[name] = getattr(importlib.import_module(f"{__name__}.{_MODULES[name]}"), name)
             return found
@@ -158,4 +162,4 @@ if not TYPE_CHECKING:  # a type checker then still finds misspelled names
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_MODULES})
+    return sorted({*globals(), *_MODULES, *_LAZY_MODULES})
