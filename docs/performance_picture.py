@@ -93,11 +93,11 @@ def draw_growth(path: Path) -> None:
         axes.set_xscale("log")
         axes.set_yscale("log")
         axes.set_title(f"{name} [{unit}]", fontsize=9)
-        axes.tick_params(labelsize=7)
+        axes.set_xlabel("links, obstacles or criteria", fontsize=7)
+        axes.tick_params(which="both", labelsize=7)
         axes.spines[["top", "right"]].set_visible(False)
     handles, labels = figure.axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False, fontsize=7)
-    figure.supxlabel("links, obstacles or criteria", fontsize=8)
     figure.savefig(path, dpi=110)
 
 
