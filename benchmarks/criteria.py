@@ -22,7 +22,7 @@ import numpy as np
 import jtik
 from jtik.symbolic import function, jacobian, vertcat
 from jtik.symbolic.compile import bind
-from jtik.symbolic.operations import c_source
+from jtik.symbolic.generated_c import c_source
 from jtik_formulations import JointCentering, LimitBarrier, ObstacleAvoidance, ObstacleBarrier, SelfCollision
 
 LINKS = (5, 10, 20, 50, 100)

@@ -32,7 +32,7 @@ from jtik.symbolic import (
     vertcat,
 )
 from jtik.symbolic.factorization import damped_multipliers, squared_length
-from jtik.symbolic.operations import SELDOM
+from jtik.symbolic.generated_c import SELDOM
 
 PENALTY = 1e8
 """Weight of J'J, relative to |J|^2, beside the Hessian, relative to its norm: rounding of it is below `FLAT`."""

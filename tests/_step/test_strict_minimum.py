@@ -19,7 +19,7 @@ from jtik._step.inputs import Inputs, Settings
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.criterion import CriterionSum, CriterionTerms
 from jtik.symbolic import dot
-from jtik.symbolic.operations import SELDOM
+from jtik.symbolic.generated_c import SELDOM
 from jtik.task import TaskStack
 
 from ..conftest import planar, planar_jacobian, planar_points
