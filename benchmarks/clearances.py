@@ -29,6 +29,7 @@ from qp_step import (  # sets the number of threads, so it is imported before Nu
     STRATEGIES,
     Clock,
     add_times,
+    other_work,
     write_json,
 )
 
@@ -347,8 +348,8 @@ def checked(name: str, step: Step) -> Row:
     )
 
 
-def lap_time(step: Step, home: Array, path: Sequence[Any], clock: Clock) -> Callable[[], float]:
-    """Mean time of a step over one lap in closed loop [s], after one lap to fill the caches."""
+def lap_time(step: Step, home: Array, path: Sequence[Any], clock: Clock, *, cold: bool = False) -> Callable[[], float]:
+    """Mean time of a step over one lap in closed loop [s], after a lap to fill the caches, or each after other work."""
     q = home
 
     def run_lap() -> None:
@@ -358,13 +359,25 @@ def lap_time(step: Step, home: Array, path: Sequence[Any], clock: Clock) -> Call
             if after is not None:
                 q = after
 
+    def cold_batch() -> float:
+        nonlocal q
+        seconds = 0.0
+        for target in path:
+            other_work()
+            begin = clock()
+            after = step(q, target)
+            seconds += clock() - begin
+            if after is not None:
+                q = after
+        return seconds / len(path)
+
     def batch() -> float:
         run_lap()
         begin = clock()
         run_lap()
         return (clock() - begin) / len(path)
 
-    return batch
+    return cold_batch if cold else batch
 
 
 def step_alone(ik: jtik.InverseKinematics, home: Array, path: Sequence[Any], clock: Clock) -> Callable[[], float]:

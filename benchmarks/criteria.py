@@ -1,4 +1,4 @@
-"""Cost of criteria: instructions and time of a step, growth with links, obstacles and criteria, and time to build.
+"""Cost of criteria: instructions and time of a step, growth with links, obstacles and criteria, time to build, rows.
 
 Instructions are those of CasADi's virtual machine, and do not depend on the load of the machine; a call of a large
 function counts as one. Times depend on the load, and are processor time. The exponent of a growth is the slope between
@@ -22,12 +22,13 @@ import numpy as np
 import jtik
 from jtik.symbolic import function, jacobian, vertcat
 from jtik.symbolic.compile import bind
+from jtik.symbolic.generated_c import c_source
 from jtik_formulations import JointCentering, LimitBarrier, ObstacleAvoidance, ObstacleBarrier, SelfCollision
 
 LINKS = (5, 10, 20, 50, 100)
 SLOTS = (1, 4, 16, 64)
 COUNTS = (1, 2, 4, 8, 16)
-PARTS = ("step", "growth", "build")
+PARTS = ("step", "growth", "build", "rows")
 
 CALLS = 500
 """Calls timed together."""
@@ -193,12 +194,55 @@ def builds() -> None:
         print(f"| {name} | {built - begin:.2f} | {time.process_time() - built:.2f} |", flush=True)
 
 
+def with_rows(robot: jtik.Robot, *measures: Any) -> jtik.InverseKinematics:
+    """A robot that keeps all distances of some measures, by ``weighted_qp``."""
+    clearances = [jtik.Clearance(each, name=f"of{i}") for i, each in enumerate(measures)]
+    task = jtik.FrameTask(robot.tip, "position" if robot.dimension == 2 else "pose")
+    return jtik.InverseKinematics(robot, task, criteria=JointCentering(), strategy="weighted_qp", clearances=clearances)
+
+
+def rows() -> None:
+    """Print what clearances cost to build, as text of generated C, and in a step of the virtual machine."""
+    ten = jtik.Robot.planar(10, lower=-2.5, upper=2.5, velocity_limit=2.0)
+    arm = jtik.Robot.builtin("panda")
+    problems = {
+        **{
+            f"ten links, {k} circles": lambda k=k: with_rows(ten, ObstacleAvoidance(spheres(k, 2), bodies="links"))
+            for k in SLOTS
+        },
+        **{
+            f"Panda's capsules, {k} spheres": lambda k=k: with_rows(arm, ObstacleAvoidance(spheres(k), bodies="shapes"))
+            for k in (1, 8)
+        },
+        "Panda, self-collision": lambda: with_rows(arm, SelfCollision()),
+    }
+    print("\n| clearances | distances | solver and first step [s] | lines of C | step [µs] |")
+    print("| --- | --- | --- | --- | --- |")
+    for name, made in problems.items():
+        begin = time.process_time()
+        ik = made()
+        robot = ik.robot
+        target = robot.position(robot.home) if robot.dimension == 2 else robot.pose(robot.home)
+        ik.step(robot.home, target, dt=0.02)
+        built = time.process_time() - begin
+        runner, _ = ik._engine.runners.timed_step
+        lines = c_source(runner.fused.parts.joined()).count("\n")
+        times = []
+        for _ in range(ROUNDS):
+            begin = time.process_time()
+            for _ in range(CALLS // 10):
+                runner.calls[0]()
+            times.append((time.process_time() - begin) / (CALLS // 10))
+        count = len(ik._engine.problem.pairs)
+        print(f"| {name} | {count} | {built:.1f} | {lines} | {1e6 * np.median(times):.0f} |", flush=True)
+
+
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS)
     wanted = parser.parse_args().only
-    for name, part in zip(PARTS, (steps, growth, builds), strict=True):
+    for name, part in zip(PARTS, (steps, growth, builds, rows), strict=True):
         if name in wanted:
             part()
 

@@ -1,16 +1,20 @@
-"""Solves of a Panda in generated C, per second: one target at a time and side by side in vector registers, by one
-thread and by two, beside the Robotics Toolbox and optik.
+"""Steps and solves in generated C beside other libraries: what a controller and what a planner ask for.
 
-Every answer counts only where Pinocchio's forward kinematics, on the file itself, finds it within 1e-6 m and 1e-6 rad
-of its target and within the limits. Two kinds of starts: the middle of the limits for all, with up to 100 restarts; and
-near ones, where each joint is up to 0.1 rad from the configuration that the target was made of, as along a path.
+**Steps**, see native_steps.py: a Panda at velocity limits and on a path, and ten links among four circles, hot and
+cold, beside placo, mink and pink.
 
-    python benchmarks/native.py [--targets 20000] [--rounds 7] [--strategy damped] [--cpu] [--json figures.json]
+**Solves** of a Panda, per second: one target at a time and side by side in vector registers, by one thread and by two,
+beside the Robotics Toolbox and optik. Every answer counts only where Pinocchio's forward kinematics, on the file
+itself, finds it within 1e-6 m and 1e-6 rad of its target and within the limits. Two kinds of starts: the middle of the
+limits for all, with up to 100 restarts; and near ones, where each joint is up to 0.1 rad from the configuration that
+the target was made of, as along a path.
+
+    python benchmarks/native.py [--only steps] [--targets 20000] [--rounds 7] [--cpu] [--json figures.json]
 
 The rows of a round follow one another, and each round begins with another row. Times are medians with the tenth and
 ninetieth percentile. The peers solve the first targets only, and start in the middle. They are installed by
 
-    python -m pip install roboticstoolbox-python optik-py pin example-robot-data
+    python -m pip install mink pin-pink "placo==0.10.2" roboticstoolbox-python optik-py example-robot-data
 
 A library that is not installed has a row that says so.
 """
@@ -22,18 +26,35 @@ import json
 import math
 import time
 from collections.abc import Callable
+from datetime import date
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+import native_steps  # sets the number of threads, so it is imported before NumPy
+
+# isort: split
 import numpy as np
 from ik_arms import FILE_SLACK, Arm, check, read_arm
 from ik_solvers import RESTARTS, Accuracy, Builder, optik, toolbox
+from packages import versions
 
 import jtik
 
 Array = np.ndarray
 ACCURACY = Accuracy(1e-6, 1e-6)
+PACKAGES = (
+    "numpy",
+    "casadi",
+    "daqp",
+    "ziglang",
+    "mink",
+    "pin-pink",
+    "pin",
+    "placo",
+    "roboticstoolbox-python",
+    "optik-py",
+)
 NEAR = 0.1
 """Largest distance of a joint from the answer in a near start [rad]."""
 PEERS: dict[str, Builder] = {"Robotics Toolbox ik_LM": toolbox, "optik": optik}
@@ -96,7 +117,9 @@ def right(arm: Arm, targets: Array, found: Found) -> int:
 
 
 def main() -> None:
+    """Measure what is asked for, print it and write it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--only", choices=["steps", "solves"])
     parser.add_argument("--targets", type=int, default=20_000)
     parser.add_argument("--of-peers", type=int, default=300, help="number of targets of the other libraries")
     parser.add_argument("--rounds", type=int, default=7)
@@ -104,6 +127,19 @@ def main() -> None:
     parser.add_argument("--cpu", action="store_true", help="time of the processor, on a machine that others use, too")
     parser.add_argument("--json", type=Path)
     given = parser.parse_args()
+    figures: dict[str, Any] = {"date": f"{date.today()}", "packages": versions(PACKAGES), "cpu": given.cpu}
+    if given.only != "solves":
+        steps = native_steps.measured(given.rounds, time.thread_time if given.cpu else time.perf_counter)
+        native_steps.show(steps)
+        figures["steps"] = [row if isinstance(row, str) else row.record() for row in steps]
+    if given.only != "steps":
+        figures["solves"] = solves(given)
+    if given.json:
+        given.json.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
+
+
+def solves(given: argparse.Namespace) -> dict[str, Any]:
+    """Measure and print the solves."""
     clock = time.process_time if given.cpu else time.perf_counter
     arm, generator = read_arm("panda"), np.random.default_rng(0)
     made_of = np.array([arm.draw(generator) for _ in range(given.targets)])
@@ -132,8 +168,7 @@ def main() -> None:
         figures[name] = {"median": median, "low": low, "high": high, "right": share, "targets": len(answers[name])}
         span = f"{median:.2f} ({low:.2f} to {high:.2f})"
         print(f"{name:42} {span:>28} {math.floor(1e6 / median):>10,} {100 * share:>7.2f} %")
-    if given.json:
-        given.json.write_text(json.dumps(figures, indent=1), encoding="utf-8")
+    return figures
 
 
 if __name__ == "__main__":

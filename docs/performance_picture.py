@@ -1,4 +1,4 @@
-"""Draw the times of docs/performance.md from the table of benchmarks/README.md.
+"""Draw the figures of docs/performance.md from benchmarks/README.md and from what the benchmarks have recorded.
 
 python docs/performance_picture.py
 """
@@ -9,6 +9,7 @@ import re
 from pathlib import Path
 
 from matplotlib.figure import Figure
+from performance_tables import LIBRARIES, PROBLEMS, SWEEPS, recorded, steps
 
 ROOT = Path(__file__).parents[1]
 ROWS = {
@@ -56,5 +57,51 @@ def draw(path: Path) -> None:
     figure.savefig(path, dpi=110)
 
 
+def draw_steps(path: Path) -> None:
+    """Write the picture of cold steps."""
+    rows, colors = steps(), ("#1f4e79", "#4f81b0", "#c55a11", "#8c8c8c", "#cfcfcf")
+    problems = list(PROBLEMS)[::-1]
+    figure = Figure(figsize=(7, 3.2), layout="constrained")
+    axes = figure.subplots()
+    for k, (name, color) in enumerate(zip(LIBRARIES, colors, strict=True)):
+        found = [(place + 0.32 - 0.16 * k, rows.get((problem, name, "cold"))) for place, problem in enumerate(problems)]
+        times = {height: row["microseconds"][0] for height, row in found if row}
+        axes.barh(list(times), list(times.values()), height=0.15, color=color, label=LIBRARIES[name].strip("`"))
+        for height, time in times.items():
+            axes.text(time * 1.05, height, f"{time:.0f}", va="center", fontsize=7)
+    axes.set_yticks(range(len(problems)), [PROBLEMS[problem].replace(", ", ",\n") for problem in problems])
+    axes.set_xscale("log")
+    axes.set_xlim(5, 3000)
+    axes.set_xlabel("time of a step with cold caches [µs]")
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(frameon=False, fontsize=7, loc="upper right")
+    figure.savefig(path, dpi=110)
+
+
+def draw_growth(path: Path) -> None:
+    """Write the picture of growth: one line a sweep, those that may be quadratic dashed."""
+    run = recorded("growth")
+    figure = Figure(figsize=(7, 5.4), layout="constrained")
+    for axes, (name, unit) in zip(figure.subplots(2, 2).flat, run["units"].items(), strict=True):
+        for row in run["rows"]:
+            known = [(size, value) for size, value in zip(row["sizes"], row["figures"][name], strict=True) if size]
+            label, line = (
+                f"{SWEEPS.get(row['what'], row['what'])}, {row['strategy']}",
+                "-" if row["bound"] == 1 else "--",
+            )
+            axes.plot(*zip(*known, strict=True), line, marker="o", markersize=3, linewidth=1, label=label)
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        axes.set_title(f"{name} [{unit}]", fontsize=9)
+        axes.set_xlabel("links, obstacles or criteria", fontsize=7)
+        axes.tick_params(which="both", labelsize=7)
+        axes.spines[["top", "right"]].set_visible(False)
+    handles, labels = figure.axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False, fontsize=7)
+    figure.savefig(path, dpi=110)
+
+
 if __name__ == "__main__":
     draw(ROOT / "docs" / "performance.png")
+    draw_steps(ROOT / "docs" / "performance_steps.png")
+    draw_growth(ROOT / "docs" / "performance_growth.png")

@@ -156,6 +156,7 @@ class Attempts:
                     recorder.discard()
                 if self._rests(runner):
                     return Ended(Code.STALLED, k, escapes)
+                at = runner.at = 1 - at  # the call is repeated, from the same configuration with the same state
                 runner.wait()
                 code = Code.CONTINUE
                 continue

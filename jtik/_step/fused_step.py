@@ -202,10 +202,11 @@ def fused_step(
     check_symbols(strategy, update, [q, *inputs, memory, *at.at, *(qps.symbols() if qps else ())], qps)
     restoration = model.restoration if model.clearance and model.clearance.restores else None
     compromise = None if timed else update.compromise_residual  # a timed step follows its target all the same
-    stop = Stop(problem, model, settings, active, update.stationarity_residual, restoration, compromise, at.has_slope)
+    residual = update.stationarity_residual
+    stop = Stop(
+        problem, model, settings, active, residual, restoration, compromise, at.has_slope, replaceable=replaceable
+    )
     progress = Progress.of(model, state, stop, active)
-    if replaceable:
-        stop.stationary = 0
 
     finite = is_finite(model.here.V_to_target) if replaceable else _finite(model, q)
     if problem.has_criterion:  # on the target only the criterion is left

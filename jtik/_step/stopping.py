@@ -78,6 +78,7 @@ class Stop:
         restoration: the feasibility restoration; None if nothing is restored.
         compromise_residual: the stationarity residual of the strategy's weighted sum of V and H; None without one.
         has_slope: 1 where the gradient of the criterion is finite; where it is not, the criterion is not stationary.
+        replaceable: whether a restart replaces the attempt, which then need not know that the task is stationary.
 
     Attributes:
         errors_before: norms of the position rows [m] and of the orientation rows [rad] before the step.
@@ -98,6 +99,8 @@ class Stop:
         restoration: FeasibilityRestoration | None = None,
         compromise_residual: Expression | None = None,
         has_slope: Expression = 1,
+        *,
+        replaceable: bool = False,
     ) -> None:
         self._restoration = restoration
         self._problem, self._settings = problem, settings
@@ -108,7 +111,7 @@ class Stop:
         gradient_norm = active.task_gradient_norm if active else model.task_gradient_norm
         scale = model.jacobian_norm * norm(model.here.residual)
         vanishes, self.flat = gradient_norm <= STATIONARY * scale, gradient_norm <= FLAT * scale
-        self.stationary = logic_and(vanishes, logic_not(self.reached_before))
+        self.stationary = 0 if replaceable else logic_and(vanishes, logic_not(self.reached_before))
         self.compromise: Expression | None = None
         if problem.has_criterion:
             residual = stationarity_residual

@@ -32,6 +32,7 @@ from jtik.symbolic import (
     vertcat,
 )
 from jtik.symbolic.factorization import damped_multipliers, squared_length
+from jtik.symbolic.generated_c import SELDOM
 
 PENALTY = 1e8
 """Weight of J'J, relative to |J|^2, beside the Hessian, relative to its norm: rounding of it is below `FLAT`."""
@@ -39,6 +40,9 @@ PENALTY = 1e8
 
 UNROLLED = 12
 """Most velocity entries for which the function itself factorises M, by a cubic number of operations."""
+
+OPTIMISED = 10_000
+"""Most instructions of a certificate that is optimised as generated C: compilers take longer than linearly for more."""
 
 
 def strict_minimum(problem: SymbolicProblem) -> Function:
@@ -74,7 +78,10 @@ def strict_minimum(problem: SymbolicProblem) -> Function:
     M = inside @ (ratio(1, norm(vec(W))) * W) @ inside + ratio(PENALTY, squared_length(J_free)) * gram(J_free)
     M = M + identity(n) - inside - FLAT * identity(n)
     outputs = [logic_and(holds, LDL.of(M).positive_definite)] if n <= UNROLLED else [holds, densify(M)]
-    return function("strict_minimum", [q, *inputs], outputs, cse=False)  # it takes longest
+    made = function("strict_minimum", [q, *inputs], outputs, cse=False)  # it takes longest
+    if made.n_instructions() <= OPTIMISED:
+        return made
+    return function(f"{SELDOM}strict_minimum", [q, *inputs], outputs, cse=False)
 
 
 def _limits(problem: SymbolicProblem, q: Expression, inputs: Inputs[Expression]) -> tuple[Expression, ...]:

@@ -12,7 +12,7 @@ from jtik.qp.call import QPCall, called, output_memory
 from jtik.qp.recorder import Preparation
 from jtik.symbolic import MX, Expression, Function, either, function
 from jtik.symbolic.compile import bind
-from jtik.symbolic.operations import SELDOM
+from jtik.symbolic.generated_c import SELDOM
 from jtik.types import Array
 
 

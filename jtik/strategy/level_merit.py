@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,22 +36,12 @@ if TYPE_CHECKING:
 MULTIPLIER_DAMPING = 1e-6
 """Damping of the multipliers, relative to |J|^2: near singular poses only their order of magnitude is needed."""
 
-KEPT = 0.5
-"""Share of a weight that the next step keeps at least."""
 
-
-@dataclass(frozen=True)
 class LevelMerit(Merit):
     """F = sum of w_k |r_k| over the levels k of priority; near the target H + mu F.
 
     The weight of each level exceeds the decrease that the levels below can gain by its error. With one level F is |r|.
-
-    Attributes:
-        kept: share of a weight that the next step without a duration keeps at least. Where the penalty functions of
-            successive steps differ much, a solve can go in circles.
     """
-
-    kept: float = KEPT
 
     def initial_state(self, shape: Shape) -> Mapping[str, Array]:
         """One weight for each row, because the number of levels is not known here, and mu.
@@ -72,7 +61,7 @@ class LevelMerit(Merit):
         change = model.here.change(candidate)
         gains, falls_by = ([_shortened(r[list(rows)], by[list(rows)]) for rows in levels] for by in (image, change))
         lengths_of = [sqrt(squared_length(model.J[list(rows), :]) + TINY) for rows in levels]
-        weights = _weights(model, (KEPT if model.timed else self.kept) * state["weights"], gains, lengths_of)
+        weights = _weights(model, state["weights"], gains, lengths_of)
         F, fall, predicted = (sum(w * v for w, v in zip(weights, of, strict=True)) for of in (before, falls_by, gains))
         falls = logic_and(predicted > 0, fall >= SUFFICIENT * predicted)
         gained = ratio(fall, fmax(predicted, 0))
@@ -103,13 +92,13 @@ def _shortened(r: Expression, change: Expression) -> Expression:
 
 
 def _weights(
-    model: LocalModel, kept: Expression, gains: Sequence[Expression], lengths: Sequence[Expression]
+    model: LocalModel, known: Expression, gains: Sequence[Expression], lengths: Sequence[Expression]
 ) -> list[Expression]:
     """Weights of the levels: 1 for the lowest; each above exceeds what the levels below can gain by its error.
 
     Args:
         model: the local model.
-        kept: what is kept of the weights before.
+        known: the weights before.
         gains: predicted decrease of |r_k| of each level.
         lengths: Frobenius norm of the Jacobian of each level.
     """
@@ -127,7 +116,7 @@ def _weights(
         smallest = 1.5 * norm(own) + 0.5 * floor
         cost = sum(weights[i] * fmax(-gains[i], 0) for i in range(k + 1, last + 1))
         needed = fmin(ratio(2 * cost, fmax(gains[k], 0)), LARGEST_INCREASE * smallest)
-        weights[k] = fmax(fmax(smallest, kept[k]), needed)
+        weights[k] = fmax(fmax(smallest, 0.5 * known[k]), needed)
     return weights
 
 

@@ -20,6 +20,7 @@ The operations are those that a criterion, a strategy or a task is made of:
 `jtik.symbolic.rotation` has the logarithm of a rotation matrix, `jtik.symbolic.compile` compiled functions.
 """
 
+from jtik.symbolic.generated_c import c_source
 from jtik.symbolic.ldl import LDL, solve_ldl
 from jtik.symbolic.operations import (
     LARGEST,
@@ -35,7 +36,6 @@ from jtik.symbolic.operations import (
     Function,
     Sparsity,
     atan2,
-    c_source,
     conic,
     cos,
     cross,

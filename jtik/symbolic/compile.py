@@ -20,7 +20,8 @@ import numpy as np
 from jtik.symbolic import library_cache
 from jtik.symbolic.archives import Archive
 from jtik.symbolic.c_compiler import CompilerError, CompilerRuns, compile_library, compiler, options, version
-from jtik.symbolic.operations import Function, c_source, external
+from jtik.symbolic.generated_c import c_source
+from jtik.symbolic.operations import Function, external
 from jtik.types import Array
 
 __all__ = [

@@ -6,7 +6,6 @@ Every use of CasADi in jtik goes through this module. CasADi has no type annotat
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeAlias
@@ -14,8 +13,6 @@ from typing import Any, TypeAlias
 import casadi
 import numpy as np
 from numpy.typing import NDArray
-
-from jtik.symbolic.unbounded_rows import without_unbounded_rows
 
 Expression: TypeAlias = Any
 """A CasADi expression (``casadi.SX`` or ``casadi.MX``), scalar or matrix."""
@@ -212,45 +209,6 @@ def function(
     dense = [casadi.densify(output) for output in outputs]
     names = [list(input_names), list(output_names)] if input_names else []
     return casadi.Function(name, list(inputs), dense, *names, {"cse": cse, "never_inline": not inline})
-
-
-def c_source(function: Function, *others: Function) -> str:
-    """A ``function`` and ``others`` as C, names prefixed with its own. Each thread has memory for the solvers in it.
-
-    A function in it whose name begins with `SELDOM` is not optimised.
-    """
-    generator = casadi.CodeGenerator(function.name())
-    for each in (function, *others):
-        generator.add(each)
-    source = _IS_SELDOM.sub(r"\1JTIK_SELDOM static", without_unbounded_rows(str(generator.dump())))
-    return _OF_ALL_THREADS.sub(r"static JTIK_THREAD_LOCAL \1", _DEFINITIONS + source)
-
-
-SELDOM = "jtik_seldom_"
-"""How the name of a function begins that few calls need: a compiler takes longest to optimise the largest functions."""
-
-_IS_SELDOM = re.compile(rf"^(/\* {SELDOM}\w+:.*\n)static", re.MULTILINE)
-
-
-_OF_ALL_THREADS = re.compile(
-    r"^static ((?:int|struct \w+) casadi_f\d+_(?:mem|mem_counter|unused_stack\w*)\b)", re.MULTILINE
-)
-"""Variables of generated C that all threads would share."""
-
-_DEFINITIONS = """
-#if defined(__clang__)
-#define JTIK_SELDOM __attribute__((optnone, noinline))
-#elif defined(__GNUC__)
-#define JTIK_SELDOM __attribute__((optimize("O0"), noinline))
-#else
-#define JTIK_SELDOM
-#endif
-#if defined(_MSC_VER)
-#define JTIK_THREAD_LOCAL __declspec(thread)
-#else
-#define JTIK_THREAD_LOCAL _Thread_local
-#endif
-"""
 
 
 def norm(vector: Expression) -> Expression:

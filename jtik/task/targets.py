@@ -97,8 +97,8 @@ def matrix_reader(kind: Kind) -> Function:
     return function("read_matrix", [memory], [numbers, logic_and(is_pose, is_rotation)])
 
 
-MATRICES = 1024
-"""Matrices that are checked at once: their entries stay in the cache of a processor."""
+MATRICES = 4096
+"""Matrices that are checked at once: their entries stay in a cache of the processor."""
 
 _ENTRIES = {"position": [3, 7, 11], "orientation": [0, 4, 8, 1, 5, 9, 2, 6, 10]}
 """The numbers of a target, as entries of a matrix (4, 4) row by row."""

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
 
 import jtik
 from jtik import Status
 from jtik._loop.level_newton import LevelNewton
 
-from ..conftest import planar
+from ..conftest import dh_arm, planar
 
 TASKS = (
     jtik.FrameTask(kind="position", name="hand", priority=0),
@@ -97,3 +98,17 @@ def test_generated_code_does_the_same():
     answers = [solver(planar(4), compiled=compiled).solve(target, q0=Q0) for compiled in (False, True)]
     assert answers[0].iterations == answers[1].iterations
     assert answers[0].q == pytest.approx(answers[1].q)
+
+
+def test_an_interruption_changes_nothing_where_the_solve_goes_on():
+    """The orientation is not reached beside the position: the solve is interrupted on the way, and repeats the call."""
+    robot = dh_arm(5, 3)
+    pose, q0 = robot.pose([0.3, 0.5, -0.4, 0.6, 0.2]), [0.2, 0.4, -0.3, 0.5, 0.3]
+    pose[:3, :3] = pose[:3, :3] @ Rotation.from_rotvec([0.2, -0.5, 0.3]).as_matrix()
+    ik, answers = solver(robot), []
+    for pauses in (True, False):
+        ik._engine.runners.solve.pauses = pauses
+        answers.append(ik.solve({"hand": pose[:3, 3], "wrist": pose}, q0=q0))
+    assert answers[0].status is Status.PRIORITIES
+    assert answers[0].iterations == answers[1].iterations > 25
+    assert (answers[0].q == answers[1].q).all()

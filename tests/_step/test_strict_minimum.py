@@ -19,6 +19,7 @@ from jtik._step.inputs import Inputs, Settings
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.criterion import CriterionSum, CriterionTerms
 from jtik.symbolic import dot
+from jtik.symbolic.generated_c import SELDOM
 from jtik.task import TaskStack
 
 from ..conftest import planar, planar_jacobian, planar_points
@@ -124,3 +125,10 @@ def test_where_nothing_is_finite_there_is_none():
     problem, function = certificate(None, strict_minimum.UNROLLED)
     inputs = Inputs(np.ones(2), problem.terms.parameters.memory, -np.ones(N), np.ones(N), np.array(Settings()))
     assert not function(np.full(N, np.nan), inputs)
+
+
+def test_a_large_one_is_not_optimised(monkeypatch):
+    problem, made = certificate(None, strict_minimum.UNROLLED)
+    assert made._symbolic.name() == "strict_minimum"
+    monkeypatch.setattr(strict_minimum, "OPTIMISED", 10)
+    assert strict_minimum.strict_minimum(problem).name() == f"{SELDOM}strict_minimum"

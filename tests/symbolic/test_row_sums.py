@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from jtik.symbolic import symbol
-from jtik.symbolic.operations import c_source
+from jtik.symbolic.generated_c import c_source
 from jtik.symbolic.row_sums import weighted_sums
 
 from ..conftest import EXACT

@@ -7,7 +7,7 @@ import pytest
 
 from jtik.qp import Conic
 from jtik.symbolic.compile import CompiledFunction, CompilerError, compiler, library
-from jtik.symbolic.operations import c_source
+from jtik.symbolic.generated_c import c_source
 from jtik.symbolic.unbounded_rows import without_unbounded_rows
 
 try:

@@ -24,9 +24,6 @@ from jtik_formulations.bibliography import ESCANDE_2014, KANOUN_2011
 from jtik_formulations.strategies._parts.levels import descend
 from jtik_formulations.strategies.qp_secondary import QPSecondary
 
-KEPT = 0.98
-"""Share of a level's weight in the penalty function that the next step keeps: with less, a solve can go in circles."""
-
 DAMPING = AdaptiveDamping(increase=4.0, decrease=0.25)
 """Damping that refusals add."""
 
@@ -93,7 +90,7 @@ class LexicographicQP(Programmed):
 
     def merit(self) -> LevelMerit:
         """The penalty function of the levels; with one level it is |r|."""
-        return LevelMerit(kept=KEPT)
+        return LevelMerit()
 
     def acceptance(self) -> Acceptance:
         """By merit, or always without backtracking."""

@@ -1,0 +1,49 @@
+"""Functions as C, as CasADi generates it, with what its generator leaves to be done."""
+
+from __future__ import annotations
+
+import re
+
+import casadi
+
+from jtik.symbolic.operations import Function
+from jtik.symbolic.unbounded_rows import without_unbounded_rows
+
+
+def c_source(function: Function, *others: Function) -> str:
+    """A ``function`` and ``others`` as C, names prefixed with its own. Each thread has memory for the solvers in it.
+
+    A function in it whose name begins with `SELDOM` is not optimised.
+    """
+    generator = casadi.CodeGenerator(function.name())
+    for each in (function, *others):
+        generator.add(each)
+    source = _IS_SELDOM.sub(r"\1JTIK_SELDOM static", without_unbounded_rows(str(generator.dump())))
+    return _OF_ALL_THREADS.sub(r"static JTIK_THREAD_LOCAL \1", _DEFINITIONS + source)
+
+
+SELDOM = "jtik_seldom_"
+"""How the name of a function begins that few calls need: a compiler takes longest to optimise the largest functions."""
+
+_IS_SELDOM = re.compile(rf"^(/\* {SELDOM}\w+:.*\n)static", re.MULTILINE)
+
+
+_OF_ALL_THREADS = re.compile(
+    r"^static ((?:int|struct \w+) casadi_f\d+_(?:mem|mem_counter|unused_stack\w*)\b)", re.MULTILINE
+)
+"""Variables of generated C that all threads would share."""
+
+_DEFINITIONS = """
+#if defined(__clang__)
+#define JTIK_SELDOM __attribute__((optnone, noinline))
+#elif defined(__GNUC__)
+#define JTIK_SELDOM __attribute__((optimize("O0"), noinline))
+#else
+#define JTIK_SELDOM
+#endif
+#if defined(_MSC_VER)
+#define JTIK_THREAD_LOCAL __declspec(thread)
+#else
+#define JTIK_THREAD_LOCAL _Thread_local
+#endif
+"""
