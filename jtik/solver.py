@@ -224,7 +224,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver, metaclass=Constr
                 the work that runs in generated C; a step on the virtual machine, and what a solve leaves to Python, use
                 one at a time.
             lanes: whether several targets are solved side by side in vector registers, several times faster. With
-                restarts and without a criterion it is a search of its own: attempts after the one from ``q0`` begin at
+                restarts and without a criterion it is a search of its own. Attempts after the one from ``q0`` begin at
                 drawn configurations in the order of their distance from the target, and "damped" takes steps without
                 backtracking; so postures differ from those of `solve`. What it does not reach is left to the search
                 of `solve`. Otherwise results differ from those of `solve` by rounding. Results depend neither on what
