@@ -9,6 +9,7 @@ import re
 from pathlib import Path
 
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 from performance_tables import LIBRARIES, PROBLEMS, SWEEPS, recorded, steps
 
 ROOT = Path(__file__).parents[1]
@@ -82,18 +83,21 @@ def draw_growth(path: Path) -> None:
     """Write the picture of growth: one line a sweep, those that may be quadratic dashed."""
     run = recorded("growth")
     figure = Figure(figsize=(7, 5.4), layout="constrained")
+    colors = ("#1f4e79", "#c55a11", "#4f81b0", "#8c8c8c", "#000000")
     for axes, (name, unit) in zip(figure.subplots(2, 2).flat, run["units"].items(), strict=True):
-        for row in run["rows"]:
+        for row, color in zip(run["rows"], colors, strict=False):
             known = [(size, value) for size, value in zip(row["sizes"], row["figures"][name], strict=True) if size]
-            label, line = (
-                f"{SWEEPS.get(row['what'], row['what'])}, {row['strategy']}",
-                "-" if row["bound"] == 1 else "--",
-            )
-            axes.plot(*zip(*known, strict=True), line, marker="o", markersize=3, linewidth=1, label=label)
+            label = f"{SWEEPS.get(row['what'], row['what'])}, {row['strategy']}"
+            line = "-" if row["bound"] == 1 else "--"
+            axes.plot(*zip(*known, strict=True), line, color=color, marker="o", markersize=3, linewidth=1, label=label)
         axes.set_xscale("log")
         axes.set_yscale("log")
         axes.set_title(f"{name} [{unit}]", fontsize=9)
         axes.set_xlabel("links, obstacles or criteria", fontsize=7)
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+            axis.set_minor_formatter(NullFormatter())
         axes.tick_params(which="both", labelsize=7)
         axes.spines[["top", "right"]].set_visible(False)
     handles, labels = figure.axes[0].get_legend_handles_labels()
