@@ -290,9 +290,10 @@ def _numeric(argument: str, value: object, accepted: str) -> NDArray[Any]:
 
 
 def _numeric_or_none(value: object) -> NDArray[Any] | None:
-    masked = sys.modules.get("numpy.ma")  # without it no array is a masked one
-    if masked is not None and isinstance(value, masked.MaskedArray):
-        return None if masked.is_masked(value) else _numeric_or_none(np.asarray(value.data))
+    # without the module, or while a thread imports it, no array is a masked one
+    masked = getattr(sys.modules.get("numpy.ma"), "MaskedArray", None)
+    if masked is not None and isinstance(value, masked):
+        return None if np.ma.is_masked(value) else _numeric_or_none(np.asarray(value.data))
     try:
         raw = np.asarray(value)
     except Exception:  # ragged, an expression, or what an object of another library raises

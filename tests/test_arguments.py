@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import sys
 from fractions import Fraction
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -224,3 +226,9 @@ def test_an_array_is_copied():
 
 def test_an_axis_of_any_length():
     assert arguments.finite_array("x", [[1, 2]] * 5, (None, 2)).shape == (5, 2)
+
+
+def test_numbers_are_read_while_another_thread_imports_masked_arrays(monkeypatch):
+    monkeypatch.setitem(sys.modules, "numpy.ma", ModuleType("numpy.ma"))
+    robot = jtik.Robot.planar(2)
+    assert robot.position(np.array([0.0, 0.0]))[0] == pytest.approx(2.0)

@@ -170,5 +170,5 @@ def test_what_was_recorded_before_a_kill_is_offered_by_the_next_start(tmp_path):
     again.ask(edit="recover", session=offered[0]["name"])
     (attempt,) = again.wait("attempts", lambda found: found["attempts"])["attempts"]
     assert attempt["duration"] > 1.5, "three seconds were recorded, and one may be lost"
-    code, _ = again.end(signal.SIGINT)
-    assert code == 0
+    code, error = again.end(signal.SIGINT)
+    assert code == 0, error
