@@ -26,7 +26,7 @@ typedef struct { long long row, number, iterations; double since; long long star
 static JTIK_CPU void JTIK_NAME_follow(lane* own, const double* target, const V* bank, long long count) {
   const V latest = ALL(own->distance);
   const long long stride = count / JTIK_LANES, following = (own->start + 1) % count;
-  V least = ALL(INFINITY);
+  V smallest = ALL(INFINITY);
   M which = {0}, at = {0};
   for (int i = 0; i < JTIK_LANES; ++i) at[i] = i;
   for (long long b = 0; b < stride; b += JTIK_SIDE_BY_SIDE) { /* sums side by side: none waits for the other */
@@ -38,15 +38,15 @@ static JTIK_CPU void JTIK_NAME_follow(lane* own, const double* target, const V* 
     }
     for (int k = 0; k < JTIK_SIDE_BY_SIDE; ++k, at += JTIK_LANES) {
       const M later = (distance[k] > latest) | ((distance[k] == latest) & (at > (int64_t)own->start));
-      const M closer = later & (distance[k] < least);
-      least = choose(closer, distance[k], least);
+      const M closer = later & (distance[k] < smallest);
+      smallest = choose(closer, distance[k], smallest);
       which = bits(choose(closer, of_bits(at), of_bits(which)));
     }
   }
   own->distance = INFINITY;
   for (int i = 0; i < JTIK_LANES; ++i) {
-    if (least[i] < own->distance || (least[i] == own->distance && which[i] < own->start)) {
-      own->distance = least[i];
+    if (smallest[i] < own->distance || (smallest[i] == own->distance && which[i] < own->start)) {
+      own->distance = smallest[i];
       own->start = which[i];
     }
   }

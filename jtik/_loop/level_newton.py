@@ -1,7 +1,7 @@
 """Newton's method for levels of priority whose highest is out of reach (formulations/lexicographic_qp.md).
 
 Such a level is closest to its target where its Jacobian loses rank, and the levels below have a freedom beside it to
-first order only. Steps without its curvature creep along the boundary of what it can reach; with the Hessian of each
+first order only. Steps without its curvature converge slowly along the boundary of its reach; with the Hessian of each
 level they converge quadratically.
 """
 
@@ -90,8 +90,10 @@ class LevelNewton:
         step, fixed, free = np.zeros(n), np.zeros(n, dtype=bool), np.eye(n)
         minimum = False
         for k, (scale, gradient, hessian) in enumerate(self._levels(q, inputs)):
-            slope = free @ (free.T @ (gradient + hessian @ step))
-            outward = ~fixed & ((~down & (slope > AT_LIMIT * scale)) | (~up & (slope < -AT_LIMIT * scale)))
+            gradient_free = free @ (free.T @ (gradient + hessian @ step))
+            outward = ~fixed & (
+                (~down & (gradient_free > AT_LIMIT * scale)) | (~up & (gradient_free < -AT_LIMIT * scale))
+            )
             if outward.any():  # these joints stay at their limits, for the levels below, too
                 fixed |= outward
                 free = _without(free, fixed)

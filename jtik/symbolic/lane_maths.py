@@ -97,9 +97,9 @@ JTIK_INLINE V v_fma(V x, V y, V z) { V r; for (int i = 0; i < JTIK_LANES; ++i) r
 #define TWO(f, x, y) \
   ({ V a_ = (x), b_ = (y), r_; for (int i_ = 0; i_ < JTIK_LANES; ++i_) r_[i_] = f(a_[i_], b_[i_]); r_; })
 
-typedef struct { V sin, cos; } turn_of;
+typedef struct { V sin, cos; } sin_cos;
 
-JTIK_INLINE turn_of quarter_turns(V x) {
+JTIK_INLINE sin_cos sin_cos_of(V x) {
   const V shift = ALL(0x1.8p+52); /* rounds to an integer, which the lowest bits then hold */
   const V t = v_fma(x, ALL(0x1.45f306dc9c883p-1), shift);
   const M quarter = bits(t);
@@ -121,13 +121,13 @@ JTIK_INLINE turn_of quarter_turns(V x) {
   const V half = u * 0.5, w = 1.0 - half;
   const V c = w + v_fma(u * u, b, (1.0 - w) - half);
   const M odd = -(quarter & 1);
-  turn_of end;
-  end.sin = of_bits(bits(choose(odd, c, s)) ^ ((quarter & 2) << 62));
-  end.cos = of_bits(bits(choose(odd, s, c)) ^ (((quarter + 1) & 2) << 62));
-  return end;
+  sin_cos found;
+  found.sin = of_bits(bits(choose(odd, c, s)) ^ ((quarter & 2) << 62));
+  found.cos = of_bits(bits(choose(odd, s, c)) ^ (((quarter + 1) & 2) << 62));
+  return found;
 }
 
-static __attribute__((noinline, cold)) JTIK_CPU void far_turns(int n, const V* x, V* s, V* c) {
+static __attribute__((noinline, cold)) JTIK_CPU void far_sin_cos(int n, const V* x, V* s, V* c) {
   for (int i = 0; i < n; ++i) {
     const M near = v_fabs(x[i]) < 1e5;
     s[i] = choose(near, s[i], ONE(sin, x[i]));
@@ -136,15 +136,15 @@ static __attribute__((noinline, cold)) JTIK_CPU void far_turns(int n, const V* x
 }
 
 /* Sine and cosine of n angles. */
-static __attribute__((noinline)) JTIK_CPU void v_turns(int n, const V* x, V* s, V* c) {
+static __attribute__((noinline)) JTIK_CPU void v_sin_cos(int n, const V* x, V* s, V* c) {
   M near = ~(M){0};
   for (int i = 0; i < n; ++i) {
-    const turn_of end = quarter_turns(x[i]);
-    s[i] = end.sin;
-    c[i] = end.cos;
+    const sin_cos found = sin_cos_of(x[i]);
+    s[i] = found.sin;
+    c[i] = found.cos;
     near &= v_fabs(x[i]) < 1e5;
   }
-  if (any(~near)) far_turns(n, x, s, c);
+  if (any(~near)) far_sin_cos(n, x, s, c);
 }
 
 static __attribute__((noinline, cold)) JTIK_CPU void far_atan2(const V* y, V* x) { *x = TWO(atan2, *y, *x); }

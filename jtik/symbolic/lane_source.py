@@ -151,7 +151,7 @@ def lane_source(function: Function, name: str, shared: Collection[int]) -> str:
     for k, own_angles in enumerate(angles):
         count = len(own_angles)
         lines[k].append(f"const V x{k}[{count}] = {{{', '.join(own_angles)}}};")
-        lines[k].append(f"V s{k}[{count}], c{k}[{count}]; v_turns({count}, x{k}, s{k}, c{k});")
+        lines[k].append(f"V s{k}[{count}], c{k}[{count}]; v_sin_cos({count}, x{k}, s{k}, c{k});")
     inputs = [f"const {'double' if k in shared else 'V'}* restrict in{k}" for k in range(function.n_in())]
     outputs = [f"V* restrict out{k}" for k in range(function.n_out())]
     body = "\n".join(line for part_lines in lines for line in part_lines)

@@ -111,9 +111,9 @@ class TestInterrupt:
         expected = solver(compiled=True).solve_batch(TARGETS, q0=Q0, restarts=restarts)
         monkeypatch.setattr(native_source, "BUDGET", 0.0)
         monkeypatch.setattr(native_source, "CHECKED", 3)
-        hurried = jtik.InverseKinematics(jtik.Robot.planar(4), jtik.FrameTask(kind="position"), compiled=True)
-        same(hurried.solve_batch(TARGETS, q0=Q0, restarts=restarts), expected)
-        alone = [hurried.solve(target, q0=Q0, restarts=restarts) for target in TARGETS]
+        interrupted = jtik.InverseKinematics(jtik.Robot.planar(4), jtik.FrameTask(kind="position"), compiled=True)
+        same(interrupted.solve_batch(TARGETS, q0=Q0, restarts=restarts), expected)
+        alone = [interrupted.solve(target, q0=Q0, restarts=restarts) for target in TARGETS]
         assert np.array_equal([one.q for one in alone], expected.q)
         assert [one.iterations for one in alone] == expected.iterations.tolist()
 

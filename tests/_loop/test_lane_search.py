@@ -98,7 +98,7 @@ def test_with_restarts_every_target_is_reached_that_the_other_searches_reach(cas
 
 
 def test_pressed_joints_stay_within_their_limits(rng):
-    """Targets of configurations on their limits: most joints of an answer are pressed against a limit on the way."""
+    """Targets of configurations on their limits: most joints of an answer are at a limit on the way."""
     ik = solver(strategy="damped")
     robot = ik.robot
     made_of = np.where(rng.random((60, 7)) < 0.4, robot.lower, robot.upper)
@@ -260,7 +260,7 @@ JTIK_CPU void JTIK_NAME_turns(const double* x, double* s, double* c, long long n
   for (long long i = 0; i < n; i += 4) {
     V v, a, b;
     memcpy(&v, x + i, sizeof v);
-    v_turns(1, &v, &a, &b);
+    v_sin_cos(1, &v, &a, &b);
     memcpy(s + i, &a, sizeof a);
     memcpy(c + i, &b, sizeof b);
   }

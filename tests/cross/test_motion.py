@@ -117,14 +117,14 @@ def test_outside_the_workspace_the_arm_does_not_shake(strategy):
     assert np.ptp(away[20:]) <= 1e-3
 
 
-STEADY = [name for name in FOLLOWING if name not in JUMPING_WEIGHTS]
+SMOOTH = [name for name in FOLLOWING if name not in JUMPING_WEIGHTS]
 
 
 @pytest.mark.parametrize(
     ("strategy", "limit"),
     [
         *((name, None) for name in ("hybrid", "newton", "task_priority")),
-        *(pytest.param(name, 20.0, marks=pytest.mark.slow) for name in STEADY),
+        *(pytest.param(name, 20.0, marks=pytest.mark.slow) for name in SMOOTH),
     ],
 )
 def test_out_of_the_workspace_and_back(strategy, limit):
