@@ -11,6 +11,7 @@ from jtik._loop.criterion_escape import CriterionEscape, Escapes, StepEscape
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
 from jtik._loop.jogging import Jogging
+from jtik._loop.lanes import Lanes
 from jtik._loop.minimum_certificate import MinimumCertificate
 from jtik._loop.native_search import NativeSearch
 from jtik._loop.options import Compiled, read_compiled, read_rate
@@ -172,6 +173,7 @@ class Engine:
             self.search,
             targets,
             self.configurations,
+            Lanes(problem, strategy, self.runners),
             inspector=inspector,
             exclusive=self._exclusive,
             ahead=ahead,

@@ -23,7 +23,7 @@ from jtik._loop.full_turns import FullTurns
 from jtik._loop.lane_search_source import source, work_size
 from jtik._loop.native_search import NativeBatch
 from jtik._loop.runner import Runner
-from jtik._loop.start_bank import StartBank, StartBanks, aligned
+from jtik._loop.start_bank import SIZE, StartBank, StartBanks, aligned
 from jtik._step.fused_step import FusedStep
 from jtik.symbolic import Function
 from jtik.symbolic.compile import plain_library
@@ -53,11 +53,12 @@ class LaneLibrary(NamedTuple):
     name: str
 
 
-def lane_library(fused: FusedStep) -> LaneLibrary | None:
+def lane_library(fused: FusedStep, level: Level) -> LaneLibrary | None:
     """The search in lanes, compiled now; None for a step that calls a solver or Python, or cannot be written so.
 
     Args:
         fused: the step.
+        level: the instructions that it uses.
 
     Raises:
         CompilerError: without a compiler.
@@ -65,9 +66,17 @@ def lane_library(fused: FusedStep) -> LaneLibrary | None:
     function = fused.expressions
     if function is None or not has_lanes(function):
         return None
-    level = LEVELS[highest_level()]
     loaded, name = plain_library(source(function, fused.state, level), EXACT)
     return LaneLibrary(function, fused.first_state, level, loaded, name)
+
+
+def highest_with(lanes: float) -> Level:
+    """The highest of `LEVELS` that this machine has, with so many lanes at most.
+
+    Raises:
+        CompilerError: without a compiler.
+    """
+    return [level for level in LEVELS[: highest_level() + 1] if level.lanes <= lanes][-1]
 
 
 @cache
@@ -79,6 +88,32 @@ def highest_level() -> int:
     """
     loaded, name = plain_library(PROBE)
     return int(getattr(loaded, f"{name}_level")())
+
+
+class SearchMemory:
+    """What every search in lanes reads: the inputs of a runner, and where it begins.
+
+    Args:
+        library: the search.
+        runner: the runner of solves, whose parameters, limits and settings are read where they are.
+        turns: the joints that can turn all the way round.
+        has_criterion: whether there is a criterion.
+
+    Attributes:
+        q0: where a search begins, (nq,).
+        address: its address, in the order of `jtik._loop.native_search.NativeSearch`.
+    """
+
+    def __init__(self, library: LaneLibrary, runner: Runner, turns: FullTurns, *, has_criterion: bool) -> None:
+        inputs, self.q0 = runner.inputs, np.zeros(len(runner.q[0]))
+        pointers = np.array([0, *(array.ctypes.data if array.size else 0 for array in inputs)], dtype=np.uintp)
+        first_state, limits = library.first_state.copy(), [turns.indices, turns.lower, turns.upper]
+        at = np.zeros(20, dtype=np.uintp)
+        at[[0, 9, 10, 12]] = [each.ctypes.data for each in (pointers, first_state, inputs.settings, self.q0)]
+        at[13:17] = [len(self.q0), len(first_state), len(turns.indices), int(has_criterion)]
+        at[17:20] = [each.ctypes.data for each in limits]
+        self.address = at.ctypes.data
+        self._kept = at, pointers, first_state, limits, inputs
 
 
 class LaneSearch:
@@ -108,16 +143,8 @@ class LaneSearch:
         self.runner, self.banks, self._arguments = runner, banks, (library, runner, turns)
         self._has_criterion = has_criterion
         self._nq = len(runner.q[0])
-        inputs = runner.inputs
-        pointers = np.array([0, *(array.ctypes.data if array.size else 0 for array in inputs)], dtype=np.uintp)
-        self._q0, self._first_state = np.zeros(self._nq), library.first_state.copy()
-        limits = [turns.indices, turns.lower, turns.upper]
-        at = np.zeros(20, dtype=np.uintp)  # where the native search has them
-        at[[0, 9, 10, 12]] = [each.ctypes.data for each in (pointers, self._first_state, inputs.settings, self._q0)]
-        at[13:17] = [self._nq, len(self._first_state), len(turns.indices), int(has_criterion)]
-        at[17:20] = [each.ctypes.data for each in limits]
-        self._work = aligned(work_size(library.function, library.level))
-        self._at, self._kept = at, (pointers, limits, inputs)
+        self._memory = SearchMemory(library, runner, turns, has_criterion=has_criterion)
+        self._work = aligned(work_size(library.function, library.level) + library.level.lanes * SIZE)
         self._call = getattr(library.loaded, f"{library.name}_lanes")
         integer, pointer = ctypes.c_longlong, ctypes.c_void_p
         self._call.argtypes = [pointer, pointer, integer, integer, integer, ctypes.c_double, pointer]
@@ -147,5 +174,5 @@ class LaneSearch:
         addresses = [each.ctypes.data for each in arrays]
         table = np.array([*addresses, *sizes, self._work.ctypes.data, *order], dtype=np.uintp)
         starts_at = None if starts is None else starts.ctypes.data
-        done = self._call(self._at.ctypes.data, starts_at, first, max(last, 0), limit, patience, table.ctypes.data)
+        done = self._call(self._memory.address, starts_at, first, max(last, 0), limit, patience, table.ctypes.data)
         return found.first(done)

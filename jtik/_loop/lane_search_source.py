@@ -1,7 +1,11 @@
-"""The C code of the search in lanes: several targets of a batch side by side, one in each lane of a vector step."""
+"""The C code of the search in lanes: several targets of a batch side by side, one in each lane of a vector step.
+
+The attempts in lanes are compiled with it.
+"""
 
 from __future__ import annotations
 
+from jtik._loop import lane_attempts_source, start_bank_source
 from jtik._loop.native_source import TURNED, macros
 from jtik._step.inputs import Inputs
 from jtik._step.stopping import StepOutcome
@@ -10,48 +14,13 @@ from jtik.symbolic import Function
 from jtik.symbolic.lane_maths import Level, lane_maths
 from jtik.symbolic.lane_source import lane_source
 
-SIDE_BY_SIDE = 4
-"""Vectors of distances that are summed at the same time."""
-
 _INCLUDED = """
 #include <time.h>
 """
 
 _SOURCE = r"""
-/* What a search that is in a lane has done; row: of its target, -1 where there is none; the latest start of a bank and
-   its distance. */
-typedef struct { long long row, number, iterations; double since; long long start; double distance; } lane;
-
-/* The start that follows the latest one of a lane in the order of their distances from the target, then of the bank. */
-static JTIK_CPU void JTIK_NAME_follow(lane* own, const double* target, const V* bank, long long count) {
-  const V latest = ALL(own->distance);
-  const long long stride = count / JTIK_LANES, following = (own->start + 1) % count;
-  V smallest = ALL(INFINITY);
-  M which = {0}, at = {0};
-  for (int i = 0; i < JTIK_LANES; ++i) at[i] = i;
-  for (long long b = 0; b < stride; b += JTIK_SIDE_BY_SIDE) { /* sums side by side: none waits for the other */
-    V distance[JTIK_SIDE_BY_SIDE];
-    for (int k = 0; k < JTIK_SIDE_BY_SIDE; ++k) distance[k] = bank[b + k];
-    for (int j = 0; j < JTIK_NT; ++j) {
-      const V* row = bank + (j + 1) * stride + b;
-      for (int k = 0; k < JTIK_SIDE_BY_SIDE; ++k) distance[k] = v_fma(row[k], ALL(target[j]), distance[k]);
-    }
-    for (int k = 0; k < JTIK_SIDE_BY_SIDE; ++k, at += JTIK_LANES) {
-      const M later = (distance[k] > latest) | ((distance[k] == latest) & (at > (int64_t)own->start));
-      const M closer = later & (distance[k] < smallest);
-      smallest = choose(closer, distance[k], smallest);
-      which = bits(choose(closer, of_bits(at), of_bits(which)));
-    }
-  }
-  own->distance = INFINITY;
-  for (int i = 0; i < JTIK_LANES; ++i) {
-    if (smallest[i] < own->distance || (smallest[i] == own->distance && which[i] < own->start)) {
-      own->distance = smallest[i];
-      own->start = which[i];
-    }
-  }
-  if (own->distance == INFINITY) own->start = following; /* none that is left has a finite distance */
-}
+/* What a search that is in a lane has done; row: of its target, -1 where there is none; latest: start of the bank. */
+typedef struct { long long row, number, iterations; double since; JTIK_NAME_start latest; } lane;
 
 /* The start of an attempt in lane i. */
 static JTIK_CPU void JTIK_NAME_begin(double* q, double* state, const double* start, const double* initial,
@@ -82,6 +51,7 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
   double* state[2] = {q[1] + JTIK_NQ * JTIK_LANES, q[1] + (JTIK_NQ + JTIK_NS) * JTIK_LANES};
   double* target = state[1] + JTIK_NS * JTIK_LANES;
   double* outcome = target + JTIK_NT * JTIK_LANES;
+  V* of_starts = (V*)work + JTIK_WORK; /* distances, for each lane */
   const int several = starts != 0;
   double now = JTIK_NAME_seconds();
   const double end = now + JTIK_BUDGET;
@@ -91,7 +61,7 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
   M calls = {0}; /* of each attempt */
 #define OF(name) outcome[JTIK_##name * JTIK_LANES + i]
   for (int i = 0; i < JTIK_LANES; ++i) lanes[i].row = -1;
-  memset(work, 0, JTIK_WORK * JTIK_LANES * sizeof(double));
+  memset(work, 0, JTIK_WORK * sizeof(V));
   for (int started = 0;; started = 1) {
     M over = {0};
     if (started) {
@@ -136,11 +106,11 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
             ++own->number;
             calls[i] = 0;
             if (size) {
-              double own_target[JTIK_NT];
-              for (int j = 0; j < JTIK_NT; ++j) own_target[j] = target[j * JTIK_LANES + i];
-              JTIK_NAME_follow(own, own_target, bank, size);
+              V* distances = of_starts + i * (size / JTIK_LANES);
+              if (own->number == 1) JTIK_NAME_distances(distances, target + i, JTIK_LANES, bank, size);
+              JTIK_NAME_follow(&own->latest, distances, size);
             }
-            const double* start = starts + (size ? own->start : own->number - first) * JTIK_NQ;
+            const double* start = starts + (size ? own->latest.index : own->number - first) * JTIK_NQ;
             JTIK_NAME_begin(q[here], state[here], start, initial, patience, i);
           } else {
             returned = JTIK_EXHAUSTED;
@@ -168,7 +138,7 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
         }
         for (int j = 0; j < JTIK_NT; ++j) target[j * JTIK_LANES + i] = targets[next * JTIK_NT + j];
         JTIK_NAME_begin(q[here], state[here], start, initial, patience, i);
-        *own = (lane){next++, 0, 0, now, -1, -INFINITY};
+        *own = (lane){next++, 0, 0, now, JTIK_NO_START};
         calls[i] = 0;
         ++active;
       }
@@ -195,14 +165,15 @@ def source(function: Function, state: VectorLayout, level: Level) -> str:
         "NT": function.numel_in(target),
         "NS": function.numel_in(first + len(names)),
         "WORK": work_size(function, level) // level.lanes,
-        "SIDE_BY_SIDE": SIDE_BY_SIDE,
+        **lane_attempts_source.sizes(level),
     }
     lines = [f"#define JTIK_{name} {value}" for name, value in sizes.items()]
     arguments = {0: "(const V*)q[here]", target: "(const V*)target", first + len(names): "(const V*)state[here]"}
     call = [arguments.get(k, f"shared[{k}]") for k in range(first + len(names) + 1)]
     lines += [f"#define JTIK_ARGUMENTS {', '.join(call)}", ""]
     step = lane_source(function, "JTIK_NAME_step", shared)
-    return "\n".join(lines) + macros(state) + "\n" + lane_maths(level) + _INCLUDED + TURNED + step + _SOURCE
+    code = TURNED + start_bank_source.SOURCE + step + _SOURCE + lane_attempts_source.SOURCE
+    return "\n".join(lines) + macros(state) + "\n" + lane_maths(level) + _INCLUDED + code
 
 
 def work_size(function: Function, level: Level) -> int:

@@ -108,6 +108,31 @@ def read_search_options(
     return options
 
 
+def read_lanes(lanes: object, nearest: object, trace: object) -> tuple[bool, bool]:
+    """Whether several starts of one solve are tried side by side, and whether the caller's own wins where it arrives.
+
+    Raises:
+        ArgumentError: for a value that cannot be used, naming it.
+    """
+    lanes = flag("lanes", lanes, "whether several starts are tried side by side in vector registers")
+    nearest = flag("nearest", nearest, "whether the start q0 wins where it arrives, with lanes=True")
+    if nearest and not lanes:
+        raise ArgumentError("nearest", nearest, "False; True with lanes=True")
+    if lanes and flag("trace", trace, "whether every iteration is kept in solution.trace"):
+        raise ArgumentError("trace", trace, "False with lanes=True")
+    return lanes, nearest
+
+
+def check_lanes(options: SearchOptions) -> None:
+    """Raise ArgumentError unless several starts can be tried side by side."""
+    if not options.restarts:
+        raise ArgumentError("lanes", True, "False; True with restarts, such as restarts=100")
+    if options.best_of > 1:
+        raise ArgumentError("best_of", options.best_of, "1 with lanes=True")
+    if options.jump_limit < math.inf:
+        raise ArgumentError("jump_limit", options.jump_limit, "None with lanes=True")
+
+
 def read_executor(executor: object) -> Executor | None:
     """An executor or None. Raises ArgumentError for anything else."""
     from concurrent.futures import Executor

@@ -11,10 +11,7 @@ import numpy as np
 
 from jtik._loop import array_layout, native_source, native_step_source
 from jtik._loop.full_turns import FullTurns
-from jtik._loop.lane_search import LaneLibrary, LaneSearch, lane_library
-from jtik._loop.restarts import RestartConfigurations
 from jtik._loop.runner import Runner
-from jtik._loop.start_bank import StartBanks
 from jtik._step.fused_step import Compiled, FusedStep, can_explore, fused_step
 from jtik._step.inputs import SETTING, InputMemory, Inputs, Settings
 from jtik._step.relaxation import RelaxationTerms
@@ -24,7 +21,6 @@ from jtik.constraints.step_box import StepBox, box_function
 from jtik.qp import Backend
 from jtik.qp.call import PythonCall
 from jtik.strategy import Strategy
-from jtik.strategy.checked_call import CheckedCall
 from jtik.symbolic.compilation import Compilation
 from jtik.symbolic.compile import Beside
 from jtik.types import Array
@@ -212,33 +208,6 @@ class Runners:
         made = Runner(self._in_c.get(name, fused), inputs, self._problem.robot.nq)
         self._made.setdefault(name, []).append(made)
         return made
-
-    def lanes(self, *, restarts: bool) -> LaneSearch | None:
-        """The search in lanes on memory of its own; None where the step cannot be evaluated so.
-
-        Args:
-            restarts: whether it has restarts: without a criterion they are then in the order of their distance from
-                the target, and the steps are those of `Strategy.in_lanes`.
-
-        Raises:
-            CompilerError: without a compiler.
-        """
-        problem = self._problem
-        ordered = restarts and not problem.has_criterion and not RestartConfigurations(problem.robot).depend_on_start
-        own = self._strategy
-        strategy: Strategy = CheckedCall(own, own, "in_lanes")(Strategy) if ordered else own  # type: ignore[type-abstract]
-
-        def replaceable() -> LaneLibrary | None:
-            return lane_library(fused_step(problem, strategy, replaceable=True))
-
-        if strategy is own or self._backend is not None:
-            library = problem.once("lanes", lambda: lane_library(self.solve.fused))
-        else:
-            library = problem.once("lanes with restarts", replaceable)
-        if library is None:
-            return None
-        banks = problem.once("starts in lanes", lambda: StartBanks(problem)) if ordered else None
-        return LaneSearch(library, self.solve, self.turns, has_criterion=problem.has_criterion, banks=banks)
 
     @property
     def step_name(self) -> str:

@@ -6,7 +6,6 @@ import math
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,12 +20,13 @@ from jtik._loop.compile_ahead import CompileAhead
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
 from jtik._loop.jump import Jump
-from jtik._loop.lane_search import LaneSearch
+from jtik._loop.lanes import Lanes
 from jtik._loop.native_source import UNREADABLE
-from jtik._loop.options import read_search_options, read_settings
+from jtik._loop.options import check_lanes, read_search_options, read_settings
 from jtik._loop.runner import Runner
 from jtik._loop.runners import EXPLORING, SOLVE, TIMED, Runners
 from jtik._loop.search import Search, SearchOptions
+from jtik._loop.solutions import Solutions
 from jtik._loop.target_memory import TargetMemory
 from jtik._loop.trace_recorder import TraceRecorder
 from jtik._loop.tracking import follow
@@ -39,7 +39,6 @@ from jtik.progress import Progress, read_progress, watched
 from jtik.result.batch import SolutionBatch
 from jtik.result.report import Report
 from jtik.result.solution import Solution
-from jtik.result.status import Status, is_success
 from jtik.result.trajectory import Trajectory
 from jtik.types import Array
 
@@ -67,19 +66,20 @@ class Solving:
         search: Search,
         targets: TargetMemory,
         configurations: ConfigurationReader,
+        lanes: Lanes,
         *,
         inspector: Inspector,
         exclusive: ExclusiveUse,
         ahead: CompileAhead,
     ) -> None:
         self._robot, self._tasks, self._has_criterion = problem.robot, problem.tasks, problem.has_criterion
-        self._terms, self._evaluations_before = problem.terms, 0
+        self._terms = problem.terms
         self._runners, self._search, self._inspector = runners, search, inspector
-        self._configurations, self._exclusive = configurations, exclusive
+        self._configurations, self._exclusive, self._lanes = configurations, exclusive, lanes
         self._memory, self._targets, self._ahead = runners.memory, targets, ahead
         self._target = self._memory.inputs.target
         self._options, self._kinds, self._prepared = tuple[Any, ...](), list[type](), tuple[Any, ...]()
-        self._lanes: dict[bool, LaneSearch] = {}
+        self._solutions = Solutions(problem.terms, self._memory, inspector)
         self._batch = BatchSearches(
             search,
             self._memory,
@@ -118,41 +118,54 @@ class Solving:
                 recorder = TraceRecorder(self._runners.traced_limited_solve if jump else self._runners.traced_solve)
             runner = recorder.runner if recorder else self._runners.limited_solve if jump else self._runners.solve
             found = self._search_in_memory(start, search_options, runner, recorder, begun, jump)
-            solution = self._solution(found, target, options, begin, jump)
+            solution = self._solutions.of(found, target, options, begin, jump)
             if recorder:
                 solution.__dict__["trace"] = recorder.trace(found.q, self._error)
-            others = [self._solution(other, target, options, begin, jump) for other in found.alternatives]
+            others = [self._solutions.of(other, target, options, begin, jump) for other in found.alternatives]
             solution.__dict__["alternatives"] = tuple(others)
             return solution
         finally:
             exclusive.busy = False
 
-    def _solution(
-        self, found: SearchResult, target: Any, options: Options, begin: float, jump: Jump | None = None
-    ) -> Solution:
-        """The end of a search for the target in memory, which began at the time ``begin``, as a Solution."""
-        inspection = self._inspector.snapshot(found.q, target, jump.box if jump else None)
+    def solve_in_lanes(self, target: Any, q0: Any, options: Options, *, nearest: bool) -> Solution:
+        """Iterate to the target from several starts, as `InverseKinematics.solve` describes it for ``lanes``."""
+        begin = time.perf_counter()
+        exclusive = self._exclusive
+        if exclusive.busy:
+            raise in_use()
+        try:
+            exclusive.busy = True
+            if self._ahead.waiting:
+                self._ahead.adopt()
+            search_options = self._read_options(options)
+            check_lanes(search_options)
+            attempts = self._lanes.attempts
+            attempts.prepare(search_options, nearest=nearest)
+            self._targets.copy(target)  # if it is not finite, the search does not end in DONE; q0 is read there
+            start, found = self._unread(q0), attempts.found
+            if attempts.run(start) == Code.DONE and not self._has_criterion:
+                _, iterations, restarts = found.tallies[0].tolist()
+                return self._solutions.converged(found.q[0].copy(), iterations, restarts, target, begin)
+            self._targets.read(target)
+            result = self._search.found(found, 0, self._target)
+            if result is None:
+                start = self._configurations.start(q0)
+                result = self._search_in_memory(start, search_options, self._runners.solve)
+            return self._solutions.of(result, target, options, begin)
+        finally:
+            exclusive.busy = False
 
-        def diagnose() -> Status:
-            status = inspection.status(found.code)
-            return jump.status(status, inspection.q, inspection) if jump else status
-
-        fields: dict[str, Any] = {"converged": False, "diagnose": diagnose}
-        if not found.misses(*options[5:7]):
-            status = diagnose()
-            fields = {"status": status, "converged": is_success(status, options[-1])}
-        return Solution.of(
-            q=found.q,
-            **fields,
-            iterations=found.iterations,
-            escapes=found.escapes,
-            restarts=found.restarts,
-            seconds=time.perf_counter() - begin,
-            inspect=inspection,
-            trace=None,
-            alternatives=(),
-            evaluations=self._terms.evaluations() - self._evaluations_before,
-        )
+    def _unread(self, q0: Any) -> Array:
+        """Where a search begins, (nq,): an array of numbers as it is, which need not be finite."""
+        start = self._robot.home if q0 is None else q0
+        if (
+            type(start) is np.ndarray
+            and start.dtype is _FLOAT
+            and start.shape == self._robot.home.shape
+            and self._configurations.vector
+        ):
+            return start
+        return self._configurations.start(q0)
 
     def solve_batch(
         self,
@@ -181,7 +194,7 @@ class Solving:
             exclusive.busy = True
             starts = self._configurations.starts(q0, len(numbers))
             search_options = self._read_options(options)
-            in_lanes = self._in_lanes(search_options.restarts > 0) if lanes else None
+            in_lanes = self._lanes.search(restarts=search_options.restarts > 0) if lanes else None
             identity = None if save is None else (solver.identity, list(numbers), list(starts), options)
             file = BatchFile(save, identity, len(numbers), self._robot.nq)
             pool = None
@@ -205,21 +218,6 @@ class Solving:
         finally:
             exclusive.busy = False
 
-    def _in_lanes(self, restarts: bool) -> LaneSearch:
-        """The search in lanes, with restarts or without, which is compiled when it is first used.
-
-        Raises:
-            ArgumentError: where the strategy has none.
-            CompilerError: without a compiler.
-        """
-        if restarts not in self._lanes:
-            made = self._runners.lanes(restarts=restarts)
-            if made is None:
-                only = "True where a step is expressions alone: no quadratic program, nothing computed in Python"
-                raise ArgumentError("lanes", True, f"False; {only}")
-            self._lanes[restarts] = made
-        return self._lanes[restarts]
-
     def solve_numbers(self, numbers: Array, starts: Array, options: Options, lanes: bool) -> BatchRows:
         """The rows of targets that are numbers, as another process can read them."""
         exclusive = self._exclusive
@@ -228,7 +226,7 @@ class Solving:
         try:
             exclusive.busy = True
             search_options, targets = self._read_options(options), BatchTargets(numbers, numbers, starts)
-            in_lanes = self._in_lanes(search_options.restarts > 0) if lanes else None
+            in_lanes = self._lanes.search(restarts=search_options.restarts > 0) if lanes else None
             chosen = np.arange(len(numbers))
             parts = list(self._batch.rows(chosen, targets, options, search_options, 1, in_lanes))
             return BatchRows.joined(parts, self._robot.nq).settled()
@@ -255,7 +253,7 @@ class Solving:
                 begin = time.perf_counter()
                 self._targets.read(target)
                 found = self._search_in_memory(q, search_options, runner)
-                return self._solution(found, target, options, begin)
+                return self._solutions.of(found, target, options, begin)
 
             try:
                 path = watched(given, progress, "targets")
@@ -299,17 +297,7 @@ class Solving:
             return returned if returned not in _UNREAD else None
         iterations, restarts, at = native.counts.tolist()
         q = native.runner.q[at].copy()
-        return Solution.of(
-            q=q,
-            status=Status.CONVERGED,
-            converged=True,
-            iterations=iterations,
-            escapes=0,
-            restarts=restarts,
-            seconds=time.perf_counter() - begin,
-            inspect=partial(self._inspector.report, q.copy(), self._memory.numbers.copy(), target),
-            trace=None,
-        )
+        return self._solutions.converged(q, iterations, restarts, target, begin)
 
     def _search_in_memory(
         self,
@@ -322,7 +310,7 @@ class Solving:
     ) -> SearchResult:
         """Search for the target that is in memory."""
         begin = time.perf_counter()
-        self._evaluations_before = self._terms.evaluations()
+        self._solutions.begin()
         if recorder or search_options.limit == 0:  # otherwise the first step clamps it
             start = self._configurations.clamped(start, runner.inputs.lower, runner.inputs.upper)
         found = self._search.find(runner, start, search_options, recorder, begun=begun, jump=jump)

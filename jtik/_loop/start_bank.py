@@ -44,7 +44,7 @@ class StartBank(NamedTuple):
     coefficients: Array
 
     @property
-    def starts(self) -> tuple[Array | None, int, int]:
+    def starts(self) -> tuple[Array, int, int]:
         """The configurations, and the numbers of the first and of the last restart."""
         return self.configurations, 1, len(self.configurations)
 

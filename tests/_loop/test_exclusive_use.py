@@ -177,7 +177,7 @@ QUIET |= {"LOAD_FAST", "LOAD_FAST_BORROW", "LOAD_ATTR", "LOAD_DEREF"}
 @pytest.mark.parametrize("method", GUARDED, ids=lambda method: method.__qualname__)
 def test_nothing_at_which_threads_change_is_between_the_test_and_the_mark(method):
     """The interpreter changes threads and delivers signals in calls, in jumps backwards and on entry."""
-    assert len(GUARDED) == 10
+    assert len(GUARDED) == 11
     code = list(dis.get_instructions(method))
     tested = next(i for i, each in enumerate(code) if each.argval == "busy")
     jump = next(i for i in range(tested, len(code)) if "JUMP" in code[i].opname)
@@ -202,11 +202,15 @@ def test_copies_in_several_threads_give_the_numbers_of_one():
             assert (one.status, one.iterations) == (other.status, other.iterations)
 
 
-@pytest.mark.parametrize("name", ["solve", "step", "solve_batch", "track", "reset"])
+IN_LANES = {"solve in lanes": lambda ik: ik.solve((1.0, 1.5), q0=Q0, restarts=5, lanes=True)}
+
+
+@pytest.mark.parametrize("name", ["solve", "step", "solve_batch", "track", "reset", *IN_LANES])
 def test_an_interrupt_leaves_a_solver_that_can_be_used(name):
     """Wherever Ctrl-C arrives in a call, the next one is not refused."""
     ik = new_solver(planar(3), criteria=JointCentering())
-    CALLS[name](ik)  # builds what is built on demand
+    call = (CALLS | IN_LANES)[name]
+    call(ik)  # builds what is built on demand
     for moment in range(10**6):
         count = 0
 
@@ -219,7 +223,7 @@ def test_an_interrupt_leaves_a_solver_that_can_be_used(name):
 
         sys.setprofile(interrupt)
         try:
-            CALLS[name](ik)
+            call(ik)
         except KeyboardInterrupt:
             interrupted = True
         else:

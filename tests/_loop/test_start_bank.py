@@ -88,7 +88,9 @@ def test_restarts_follow_in_the_order_of_their_distances(k, rng):
     elsewhere = np.tile(robot.neutral, (SIZE, 1))
     elsewhere[order[k - 1]] = answer
     other = bank._replace(configurations=elsewhere)
-    found = ik._solving._in_lanes(True).batch(target[None], robot.neutral[None], *other.starts, 1, 4.0, other)
+    found = ik._solving._lanes.search(restarts=True).batch(
+        target[None], robot.neutral[None], *other.starts, 1, 4.0, other
+    )
     assert found.tallies[0].tolist() == [Code.DONE, k, k]
     assert np.array_equal(found.q[0], answer)
 
@@ -104,5 +106,7 @@ def test_where_no_distance_is_finite_the_starts_follow_in_their_own_order(distan
     bank.coefficients[:] = distance
     other = bank._replace(configurations=memory[1:])
     target = ik.tasks.read_target(robot.pose(answer))
-    found = ik._solving._in_lanes(True).batch(target[None], robot.neutral[None], *other.starts, 1, 4.0, other)
+    found = ik._solving._lanes.search(restarts=True).batch(
+        target[None], robot.neutral[None], *other.starts, 1, 4.0, other
+    )
     assert found.tallies[0].tolist() == [Code.DONE, 3, 3]
