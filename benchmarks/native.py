@@ -9,6 +9,9 @@ itself, finds it within 1e-6 m and 1e-6 rad of its target and within the limits.
 limits for all, with up to 100 restarts; and near ones, where each joint is up to 0.1 rad from the configuration that
 the target was made of, as along a path.
 
+**Calls**, see native_calls.py: one `solve` a target from the middle of the limits, one start after the other and in
+lanes, beside the same libraries: mean and percentiles of the times.
+
     python benchmarks/native.py [--only steps] [--targets 20000] [--rounds 7] [--cpu] [--json figures.json]
 
 The rows of a round follow one another, and each round begins with another row. Times are medians with the tenth and
@@ -31,6 +34,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import native_calls
 import native_steps  # sets the number of threads, so it is imported before NumPy
 
 # isort: split
@@ -66,12 +70,17 @@ Solve = Callable[[], Found]
 """() -> what is found for its targets."""
 
 
-def ours(arm: Arm, strategy: str, targets: Array, starts: dict[str, Array]) -> dict[str, Solve]:
-    """The rows of jtik."""
+def solver(arm: Arm, strategy: str) -> jtik.InverseKinematics:
+    """The solver of jtik."""
     robot = jtik.Robot.from_urdf(arm.path, tip=arm.tip)
     task = jtik.FrameTask(arm.tip, kind="pose", stiffness=[1, 1, 1, 0.06, 0.06, 0.06])
     joints = [link.name for link in arm.links]
-    ik = jtik.InverseKinematics(robot, task, strategy=strategy, joints=joints, at=np.zeros(robot.nq), compiled=True)
+    return jtik.InverseKinematics(robot, task, strategy=strategy, joints=joints, at=np.zeros(robot.nq), compiled=True)
+
+
+def ours(arm: Arm, strategy: str, targets: Array, starts: dict[str, Array]) -> dict[str, Solve]:
+    """The rows of jtik."""
+    ik = solver(arm, strategy)
 
     def solve(start: str, threads: int, lanes: bool) -> jtik.SolutionBatch:
         return ik.solve_batch(targets, q0=starts[start], restarts=RESTARTS, threads=threads, lanes=lanes)
@@ -119,23 +128,54 @@ def right(arm: Arm, targets: Array, found: Found) -> int:
 def main() -> None:
     """Measure what is asked for, print it and write it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", choices=["steps", "solves"])
+    parser.add_argument("--only", choices=["steps", "solves", "calls"])
     parser.add_argument("--targets", type=int, default=20_000)
     parser.add_argument("--of-peers", type=int, default=300, help="number of targets of the other libraries")
+    parser.add_argument("--calls", type=int, default=2000, help="number of targets of single calls")
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--strategy", default="damped")
     parser.add_argument("--cpu", action="store_true", help="time of the processor, on a machine that others use, too")
     parser.add_argument("--json", type=Path)
     given = parser.parse_args()
     figures: dict[str, Any] = {"date": f"{date.today()}", "packages": versions(PACKAGES), "cpu": given.cpu}
-    if given.only != "solves":
+    if given.only in (None, "steps"):
         steps = native_steps.measured(given.rounds, time.thread_time if given.cpu else time.perf_counter)
         native_steps.show(steps)
         figures["steps"] = [row if isinstance(row, str) else row.record() for row in steps]
-    if given.only != "steps":
+    if given.only in (None, "solves"):
         figures["solves"] = solves(given)
+    if given.only in (None, "calls"):
+        found = calls(given)
+        native_calls.show(found)
+        figures["calls"] = [row.record() for row in found]
     if given.json:
         given.json.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
+
+
+def calls(given: argparse.Namespace) -> list[native_calls.CallTimes]:
+    """Measure solves for one target a call."""
+    arm, generator = read_arm("panda"), np.random.default_rng(0)
+    targets = np.array([arm.pose(arm.draw(generator)) for _ in range(given.calls)])
+    ik, middle = solver(arm, given.strategy), arm.middle()
+
+    def solve(target: Array, **how: bool) -> Array | None:
+        found = ik.solve(target, q0=middle, restarts=RESTARTS, **how)
+        return found.q if found.converged else None
+
+    kinds: dict[str, dict[str, bool]] = {"solve": {}, "lanes": {"lanes": True}}
+    kinds["lanes, nearest"] = {"lanes": True, "nearest": True}
+    rows: dict[str, tuple[native_calls.Call, list[Any]]] = {
+        name: (partial(solve, **how), list(targets)) for name, how in kinds.items()
+    }
+    for name, build in PEERS.items():
+        try:
+            prepared = build(arm, ACCURACY)
+        except ImportError as error:
+            print(f"{name:34} not installed: {error}")
+            continue
+        rows[name] = prepared.solve, [prepared.convert(target) for target in targets]
+    clock = time.thread_time_ns if given.cpu else time.perf_counter_ns
+    return native_calls.measured(rows, given.rounds, clock, lambda answers: right(arm, targets, answers))
 
 
 def solves(given: argparse.Namespace) -> dict[str, Any]:

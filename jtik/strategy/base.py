@@ -146,7 +146,7 @@ class Strategy(metaclass=Constructed):
         return False
 
     def in_lanes(self) -> Strategy:
-        """The strategy whose steps ``solve_batch(lanes=True)`` takes with restarts and without a criterion.
+        """The strategy whose steps ``lanes=True`` takes with restarts and without a criterion.
 
         This one by default. There an attempt that does not reach the target soon is replaced by the next start, so a
         step need not lower V, and a cheaper one is better.
