@@ -13,7 +13,7 @@ import numpy as np
 
 from jtik._loop.restarts import BLOCK, RestartConfigurations
 from jtik._step.symbolic_problem import SymbolicProblem
-from jtik.symbolic import function
+from jtik.symbolic import Function, function
 from jtik.symbolic.compile import CompiledFunction
 from jtik.types import Array
 
@@ -62,25 +62,31 @@ class StartBanks:
     """
 
     def __init__(self, problem: SymbolicProblem) -> None:
-        self._problem, self._drawn = problem, RestartConfigurations(problem.robot)
+        self._problem = problem
         self._latest: tuple[int, StartBank] | None = None
 
     def of(self, seed: int) -> StartBank:
         """The bank for a seed; the latest one is kept."""
-        if self._latest is None or self._latest[0] != seed:
-            nothing = np.zeros(self._problem.robot.nq)
-            blocks = [self._drawn.block(seed, 1 + number, nothing)[0] for number in range(0, SIZE, BLOCK)]
-            self._latest = seed, _bank(self._problem, np.concatenate(blocks))
-        return self._latest[1]
+        latest = self._latest  # copies of a solver in several threads share it
+        if latest is None or latest[0] != seed:
+            robot = self._problem.robot
+            drawn, nothing = RestartConfigurations(robot), np.zeros(robot.nq)
+            blocks = [drawn.block(seed, 1 + number, nothing)[0] for number in range(0, SIZE, BLOCK)]
+            latest = self._latest = seed, _bank(self._problem, np.concatenate(blocks))
+        return latest[1]
+
+
+def _held(problem: SymbolicProblem) -> Function:
+    """The numbers of the target that a configuration meets, (q, target) -> numbers."""
+    q, target, _ = problem.symbols()
+    return function("held", [q, target], [problem.tasks.held_target(problem.robot.at(q), target)])
 
 
 def _bank(problem: SymbolicProblem, configurations: Array) -> StartBank:
     """The bank of configurations (SIZE, nq)."""
-    q, target, _ = problem.symbols()
-    held = problem.tasks.held_target(problem.robot.at(q), target)
-    numbers_at = CompiledFunction(function("held", [q, target], [held]))
+    numbers_at = CompiledFunction(problem.once("held target", lambda: _held(problem)))
     residual = CompiledFunction(problem.residual)
-    zero = np.zeros(target.shape[0])
+    zero = np.zeros(problem.tasks.target_size)
     numbers = np.array([numbers_at(each, zero)[0][:, 0] for each in configurations])
     others = np.roll(numbers, 1, axis=0)
     V = [np.sum(residual(each, other)[0] ** 2) / 2 for each, other in zip(configurations, others, strict=True)]

@@ -6,6 +6,7 @@ import copy
 import functools
 import math
 import pickle
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -312,6 +313,28 @@ def test_the_same_arguments_give_the_same_solution(rng):
         ik.solve(pose, restarts=20, seed=5, lanes=True, nearest=True)
         same(first, ik.solve(pose, restarts=20, seed=4, lanes=True))
         same(first, copy.copy(ik).solve(pose.tolist(), restarts=20, seed=4, lanes=True))
+
+
+def test_copies_in_several_threads_give_the_numbers_of_one(rng):
+    """The copies share the code and what draws the starts."""
+    original = jtik.InverseKinematics(planar(4), jtik.FrameTask(kind="position"), strategy="damped")
+    targets = rng.uniform(-2.5, 2.5, (30, 2))
+    seeds = [seed for seed in range(40) for _ in range(2)]
+
+    def solutions(ik, seed):
+        return [ik.solve(target, q0=np.full(4, 0.3), restarts=20, seed=seed, lanes=True) for target in targets]
+
+    copies = [copy.copy(original) for _ in seeds]
+    with ThreadPoolExecutor(8) as pool:
+        found = list(pool.map(solutions, copies, seeds))
+    for seed, own in zip(seeds, found, strict=True):
+        fresh = (
+            jtik.InverseKinematics(planar(4), jtik.FrameTask(kind="position"), strategy="damped")
+            if not seed
+            else original
+        )
+        for one, other in zip(own, solutions(fresh, seed), strict=True):
+            same(one, other)
 
 
 def test_a_solution_is_complete():
