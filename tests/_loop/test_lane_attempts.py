@@ -5,8 +5,10 @@ from __future__ import annotations
 import copy
 import functools
 import math
+import os
 import pickle
-from concurrent.futures import ThreadPoolExecutor
+import signal
+import threading
 
 import numpy as np
 import pytest
@@ -193,8 +195,8 @@ def test_wide_registers_are_not_used_where_they_would_be_half_empty():
 @pytest.mark.parametrize("k", [1, 2, 3, 4, 7, 8, 40, SIZE])
 def test_restarts_follow_in_the_order_of_their_distances(k, rng):
     """Where only the k-th nearest configuration is on target and attempts have one iteration, its turn comes."""
-    robot = jtik.Robot.builtin("panda")
-    ik = jtik.InverseKinematics(robot, jtik.FrameTask("tip", "pose"), strategy="damped")
+    ik = copy.copy(solver())
+    robot = ik.robot
     banks = StartBanks(ik._solving._runners._problem)
     bank, answer = banks.of(0), robot.random_configuration(rng)
     pose = robot.pose(answer)
@@ -248,6 +250,24 @@ def test_a_search_that_takes_long_goes_on_in_python(monkeypatch, rng):
     monkeypatch.setattr(native_source, "CHECKED", 1)
     for before, after in zip(one, solutions(True), strict=True):
         same(before, after)
+
+
+@pytest.mark.parametrize("nearest", [False, True])
+def test_a_signal_ends_it(nearest):
+    """A target out of reach, with more restarts than can be tried."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    ik, far = solver(), np.eye(4)
+    far[0, 3] = 3.0
+    timer = threading.Timer(0.2, os.kill, [os.getpid(), signal.SIGINT])
+    try:
+        timer.start()
+        with pytest.raises(KeyboardInterrupt):
+            ik.solve(far, restarts=10**9, lanes=True, nearest=nearest)
+    finally:
+        timer.cancel()
+        signal.signal(signal.SIGINT, before)
+    pose = ik.robot.pose(ik.robot.neutral)
+    assert ik.solve(pose, restarts=10, lanes=True, nearest=nearest).converged
 
 
 @pytest.mark.parametrize("nearest", [False, True])
@@ -313,28 +333,6 @@ def test_the_same_arguments_give_the_same_solution(rng):
         ik.solve(pose, restarts=20, seed=5, lanes=True, nearest=True)
         same(first, ik.solve(pose, restarts=20, seed=4, lanes=True))
         same(first, copy.copy(ik).solve(pose.tolist(), restarts=20, seed=4, lanes=True))
-
-
-def test_copies_in_several_threads_give_the_numbers_of_one(rng):
-    """The copies share the code and what draws the starts."""
-    original = jtik.InverseKinematics(planar(4), jtik.FrameTask(kind="position"), strategy="damped")
-    targets = rng.uniform(-2.5, 2.5, (30, 2))
-    seeds = [seed for seed in range(40) for _ in range(2)]
-
-    def solutions(ik, seed):
-        return [ik.solve(target, q0=np.full(4, 0.3), restarts=20, seed=seed, lanes=True) for target in targets]
-
-    copies = [copy.copy(original) for _ in seeds]
-    with ThreadPoolExecutor(8) as pool:
-        found = list(pool.map(solutions, copies, seeds))
-    for seed, own in zip(seeds, found, strict=True):
-        fresh = (
-            jtik.InverseKinematics(planar(4), jtik.FrameTask(kind="position"), strategy="damped")
-            if not seed
-            else original
-        )
-        for one, other in zip(own, solutions(fresh, seed), strict=True):
-            same(one, other)
 
 
 def test_a_solution_is_complete():

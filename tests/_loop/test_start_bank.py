@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -38,6 +41,23 @@ def test_the_first_starts_are_those_of_every_other_search():
     starts, first, last = ik._solving._search._restarts.block(5, 1, np.zeros(7))
     assert (first, last) == (1, len(starts))
     assert np.array_equal(StartBanks(of).of(5).configurations[: len(starts)], starts)
+
+
+def test_threads_draw_the_banks_of_one():
+    """The copies of a solver share what draws them."""
+    _, of = problem(planar(4), kind="position")
+    banks, seeds = StartBanks(of), [seed for seed in range(16) for _ in range(2)]
+    before = sys.getswitchinterval()
+    try:
+        sys.setswitchinterval(1e-5)
+        with ThreadPoolExecutor(16) as pool:
+            found = list(pool.map(banks.of, seeds))
+    finally:
+        sys.setswitchinterval(before)
+    for seed, bank in zip(seeds, found, strict=True):
+        alone = StartBanks(of).of(seed)
+        assert np.array_equal(bank.configurations, alone.configurations)
+        assert np.array_equal(bank.coefficients, alone.coefficients)
 
 
 @pytest.mark.parametrize("stiffness", [1.0, [1, 1, 1, 0.06, 0.06, 0.06], [4, 1, 9, 0.3, 0.3, 0.3]])
