@@ -9,7 +9,6 @@ from jtik._loop.lane_attempts_source import TOGETHER
 from jtik._loop.lane_search import LaneLibrary, LaneSearch, highest_with, lane_library
 from jtik._loop.restarts import RestartConfigurations
 from jtik._loop.runners import Runners
-from jtik._loop.start_bank import StartBanks
 from jtik._step.fused_step import fused_step
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.errors import ArgumentError
@@ -30,7 +29,6 @@ class Lanes:
 
     def __init__(self, problem: SymbolicProblem, strategy: Strategy, runners: Runners) -> None:
         self._problem, self._strategy, self._runners = problem, strategy, runners
-        self._restarts = RestartConfigurations(problem.robot)
         self._searches: dict[bool, LaneSearch] = {}
         self._attempts: LaneAttempts | None = None
 
@@ -47,7 +45,7 @@ class Lanes:
         """
         if restarts not in self._searches:
             problem, runners = self._problem, self._runners
-            banks = self._banks if restarts and not problem.has_criterion else None
+            banks = runners.banks if restarts and not problem.has_criterion else None
             library = self._library(replaceable=banks is not None, lanes=math.inf)
             has_criterion = problem.has_criterion
             made = LaneSearch(library, runners.solve, runners.turns, has_criterion=has_criterion, banks=banks)
@@ -65,15 +63,9 @@ class Lanes:
         if self._attempts is None:
             has_criterion, runners = self._problem.has_criterion, self._runners
             library = self._library(replaceable=not has_criterion, lanes=TOGETHER)
-            starts = self._banks or self._restarts
+            starts = runners.banks or RestartConfigurations(self._problem.robot)
             self._attempts = LaneAttempts(library, runners.solve, runners.turns, starts, has_criterion=has_criterion)
         return self._attempts
-
-    @property
-    def _banks(self) -> StartBanks | None:
-        """The restarts by their distance from a target; None where they depend on where a search begins."""
-        problem = self._problem
-        return None if self._restarts.depend_on_start else problem.once("starts in lanes", lambda: StartBanks(problem))
 
     def _library(self, *, replaceable: bool, lanes: float) -> LaneLibrary:
         """The code for these steps, with so many lanes at most."""

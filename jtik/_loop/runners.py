@@ -11,7 +11,9 @@ import numpy as np
 
 from jtik._loop import array_layout, native_source, native_step_source
 from jtik._loop.full_turns import FullTurns
+from jtik._loop.restarts import RestartConfigurations
 from jtik._loop.runner import Runner
+from jtik._loop.start_bank import StartBanks
 from jtik._step.fused_step import Compiled, FusedStep, can_explore, fused_step
 from jtik._step.inputs import SETTING, InputMemory, Inputs, Settings
 from jtik._step.relaxation import RelaxationTerms
@@ -109,6 +111,14 @@ class Runners:
     def relaxation(self) -> RelaxationTerms:
         """What a step may relax."""
         return self.solve.fused.relaxation
+
+    @cached_property
+    def banks(self) -> StartBanks | None:
+        """The restarts by their distance from a target; None where they depend on where a search begins."""
+        problem = self._problem
+        if RestartConfigurations(problem.robot).depend_on_start:
+            return None
+        return problem.once("start banks", lambda: StartBanks(problem))
 
     @cached_property
     def step(self) -> Runner:
