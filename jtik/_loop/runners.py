@@ -115,6 +115,14 @@ class Runners:
         return self.solve.fused.relaxation
 
     @cached_property
+    def banks(self) -> StartBanks | None:
+        """The restarts by their distance from a target; None where they depend on where a search begins."""
+        problem = self._problem
+        if RestartConfigurations(problem.robot).depend_on_start:
+            return None
+        return problem.once("start banks", lambda: StartBanks(problem))
+
+    @cached_property
     def step(self) -> Runner:
         """The runner of `step`: the errors that it returns are always those after the step."""
         return self._started(self._runner(self._evaluated, self.step_inputs, self.step_name))
@@ -217,15 +225,14 @@ class Runners:
         """The search in lanes on memory of its own; None where the step cannot be evaluated so.
 
         Args:
-            restarts: whether it has restarts: without a criterion they are then in the order of their distance from
-                the target, and the steps are those of `Strategy.in_lanes`.
+            restarts: whether it has restarts: without a criterion, and unless these depend on where a search begins,
+                the steps are then those of `Strategy.in_lanes`.
 
         Raises:
             CompilerError: without a compiler.
         """
-        problem = self._problem
-        ordered = restarts and not problem.has_criterion and not RestartConfigurations(problem.robot).depend_on_start
-        own = self._strategy
+        problem, banks, own = self._problem, self.banks if restarts else None, self._strategy
+        ordered = banks is not None and not problem.has_criterion
         strategy: Strategy = CheckedCall(own, own, "in_lanes")(Strategy) if ordered else own  # type: ignore[type-abstract]
 
         def replaceable() -> LaneLibrary | None:
@@ -237,7 +244,6 @@ class Runners:
             library = problem.once("lanes with restarts", replaceable)
         if library is None:
             return None
-        banks = problem.once("starts in lanes", lambda: StartBanks(problem)) if ordered else None
         return LaneSearch(library, self.solve, self.turns, has_criterion=problem.has_criterion, banks=banks)
 
     @property
