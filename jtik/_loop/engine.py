@@ -210,6 +210,8 @@ class Engine:
                 builds.append(self._levels.warm_up)
             if self.runners.solve.explorer:
                 builds.append(self.runners.solve.explorer)
+            if self.runners.banks:
+                builds.append(self.runners.banks.warm_up)
             with counted(progress, "building") as report, self._compilation.shown(report, len(builds)):
                 for build in builds:
                     build()

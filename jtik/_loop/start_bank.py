@@ -82,6 +82,10 @@ class StartBanks:
         self._problem = problem
         self._latest: tuple[int, StartBank] | None = None
 
+    def warm_up(self) -> None:
+        """Build what the first bank needs, and draw that of seed 0."""
+        self.of(0)
+
     def known(self, seed: int) -> StartBank | None:
         """The bank for a seed, where it is the latest one."""
         latest = self._latest
