@@ -167,8 +167,8 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver, metaclass=Constr
             q0: where to start, (nq,); `Robot.home` by default: the keyframe "home" or, without one, the neutral
                 configuration off its limits. It is clamped to the limits.
             restarts: how many other starting configurations to try, drawn within the limits, when q0 does not lead to
-                the target. Each attempt without progress then ends early. If none reaches the target, the
-                one with the smallest error is returned.
+                the target. Of the first 256 drawn the nearest to the target come first. Each attempt without progress
+                then ends early. If none reaches the target, the one with the smallest error is returned.
             seed: seed of the restarts; None is 0. The same seed gives the same solution.
             best_of: go on until so many configurations are found that differ by more than 0.01 rad or m in a joint, or
                 all restarts are used. Whole turns make no other configuration, nor does a straight way on target. The
@@ -239,8 +239,7 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver, metaclass=Constr
                 the work that runs in generated C; a step on the virtual machine, and what a solve leaves to Python, use
                 one at a time.
             lanes: whether several targets are solved side by side in vector registers, several times faster. With
-                restarts and without a criterion it is a search of its own. Attempts after the one from ``q0`` begin at
-                drawn configurations in the order of their distance from the target, and "damped" takes steps without
+                restarts and without a criterion it is a search of its own, in which "damped" takes steps without
                 backtracking; so postures differ from those of `solve`. What it does not reach is left to the search
                 of `solve`. Otherwise results differ from those of `solve` by rounding. Results depend neither on what
                 is solved beside them nor on ``threads`` nor on the width of the registers. It compiles C when it is

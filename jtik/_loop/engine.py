@@ -149,7 +149,8 @@ class Engine:
         self._levels = attempts.levels
         by_level = len(problem.levels) > 1 and self.runners.respects_priority
         search_inputs = self.runners.search_inputs
-        self.search = Search(robot, attempts, turns, search_inputs, has_criterion=has_criterion, by_level=by_level)
+        of_search: dict[str, Any] = {"banks": self.runners.banks, "has_criterion": has_criterion, "by_level": by_level}
+        self.search = Search(robot, attempts, turns, search_inputs, **of_search)
         self._search_in_c()
         self._ahead = ahead = CompileAhead(self.runners if compiled == "auto" else None, self._adopted)
         self._targets = targets = TargetMemory(tasks, self.memory.inputs.target)
@@ -211,6 +212,8 @@ class Engine:
                 builds.append(self._levels.warm_up)
             if self.runners.solve.explorer:
                 builds.append(self.runners.solve.explorer)
+            if self.runners.banks:
+                builds.append(self.runners.banks.warm_up)
             with counted(progress, "building") as report, self._compilation.shown(report, len(builds)):
                 for build in builds:
                     build()

@@ -20,7 +20,7 @@ from jtik._loop.lane_search import LaneLibrary, SearchMemory
 from jtik._loop.native_search import NativeBatch
 from jtik._loop.restarts import RestartConfigurations
 from jtik._loop.runner import Runner
-from jtik._loop.search import PATIENCE, SearchOptions
+from jtik._loop.search import IN_LANES, PATIENCE, SearchOptions
 from jtik._loop.start_bank import StartBanks, aligned
 from jtik.types import Array
 
@@ -49,6 +49,7 @@ class LaneAttempts:
         *,
         has_criterion: bool,
     ) -> None:
+        self._has_criterion = has_criterion
         self._starts, self._memory = starts, SearchMemory(library, runner, turns, has_criterion=has_criterion)
         self.found = NativeBatch.of(1, len(self._memory.q0))
         self._work = aligned(work_size(library.function, library.level))
@@ -88,5 +89,6 @@ class LaneAttempts:
         """Set the restarts: their configurations, and the numbers of the first and the last."""
         self._kept = starts, *kept
         last, limit = min(last, self._options.restarts), self._options.limit
+        patience = PATIENCE if self._has_criterion else IN_LANES
         table, address = self._table.ctypes.data, self._memory.address
-        self._run = partial(self._call, address, starts.ctypes.data, first, last, limit, PATIENCE, table)
+        self._run = partial(self._call, address, starts.ctypes.data, first, last, limit, patience, table)

@@ -36,8 +36,7 @@ class Lanes:
         """The search for several targets side by side.
 
         Args:
-            restarts: whether it has restarts: without a criterion they are then in the order of their distance from
-                the target.
+            restarts: whether it has restarts.
 
         Raises:
             ArgumentError: where the strategy has none.
@@ -45,8 +44,8 @@ class Lanes:
         """
         if restarts not in self._searches:
             problem, runners = self._problem, self._runners
-            banks = runners.banks if restarts and not problem.has_criterion else None
-            library = self._library(replaceable=banks is not None, lanes=math.inf)
+            banks = runners.banks if restarts else None
+            library = self._library(replaceable=banks is not None and not problem.has_criterion, lanes=math.inf)
             has_criterion = problem.has_criterion
             made = LaneSearch(library, runners.solve, runners.turns, has_criterion=has_criterion, banks=banks)
             self._searches[restarts] = made

@@ -20,6 +20,8 @@ from jtik._loop.ends import Ends
 from jtik._loop.full_turns import FullTurns
 from jtik._loop.native_source import EXHAUSTED
 from jtik._loop.runner import Runner
+from jtik._loop.start_bank import SIZE
+from jtik._loop.starts import Starts
 from jtik._step.stopping import Code
 from jtik.symbolic.compile import Library
 from jtik.types import Array
@@ -101,7 +103,9 @@ class NativeSearch:
         limits = [turns.indices, turns.lower, turns.upper]
         ends = [self._best_V, self._best, self._first]
         counts = [nq, len(runner.first_state), len(turns.indices), int(has_criterion)]
-        at = [*_addresses(memory), *counts, *_addresses(limits), *_addresses(ends)]
+        self._distances = np.zeros(SIZE)
+        order = [inputs.target.size, self._distances.ctypes.data]
+        at = [*_addresses(memory), *counts, *_addresses(limits), *_addresses(ends), *order]
         self._context = np.array(at, dtype=np.uintp)
         self._count = len(memory) + 2, len(turns.indices)
         self._kept = (memory, inputs, limits)
@@ -110,8 +114,7 @@ class NativeSearch:
         self._call.argtypes = [ctypes.c_void_p, ctypes.c_void_p, integer, integer, integer, integer, ctypes.c_double]
         self._call.restype = integer
         self._address = self._context.ctypes.data
-        self._starts: tuple[Array | None, int | None] = (None, None)
-        self._prepared_starts: Array | None = None
+        self._prepared_starts: Starts | None = None
         self.run_prepared: Callable[[], int] = partial(self._call, self._address, None, 1, 0, 0, 0, math.inf)
         self._batch = getattr(library.loaded, f"{library.name}_batch")
         self._batch.argtypes = [*self._call.argtypes[:2], integer, integer, integer, ctypes.c_double, ctypes.c_void_p]
@@ -132,25 +135,22 @@ class NativeSearch:
     def turning(self, on: bool) -> None:
         self._context[self._count[0]] = self._count[1] if on else 0
 
-    def prepare(self, starts: Array | None, first: int, last: int, limit: int, patience: float) -> None:
+    def prepare(self, starts: Starts | None, last: int, limit: int, patience: float) -> None:
         """Set the options of ``run_prepared()``, which searches from the content of `q0` and returns as `find` does.
 
         Args:
-            starts: the restart configurations, one a row; None without restarts.
-            first: the attempt whose start is row 0.
+            starts: the restart configurations; None without restarts.
             last: the last attempt.
             limit: most calls of an attempt.
             patience: calls without progress after which an attempt that a restart can replace ends.
         """
         self._prepared_starts = starts  # kept alive
-        table = None if starts is None else starts.ctypes.data
-        self.run_prepared = partial(self._call, self._address, table, first, 0, max(last, 0), limit, patience)
+        self.run_prepared = partial(self._call, self._address, *_of(starts), 0, last, limit, patience)
 
     def find(
         self,
         q0: Array,
-        starts: Array | None,
-        first: int,
+        starts: Starts | None,
         numbers: tuple[int, int],
         ends: Ends,
         limit: int,
@@ -160,8 +160,7 @@ class NativeSearch:
 
         Args:
             q0: where to begin, (nq,).
-            starts: the restart configurations, one a row; None without restarts.
-            first: the attempt whose start is row 0.
+            starts: the restart configurations; None without restarts.
             numbers: the first attempt to run, and the last.
             ends: where the attempts before have ended.
             limit: most calls of an attempt.
@@ -174,8 +173,7 @@ class NativeSearch:
         if ends.best is not None:
             self._best_V[0] = ends.best[0][0]
         number, last = numbers
-        table = self._address_of(starts)
-        return int(self._call(self._address, table, first, number, max(last, 0), limit, patience))
+        return int(self._call(self._address, *_of(starts), number, last, limit, patience))
 
     def end(self, returned: int, ends: Ends) -> NativeEnd:
         """Where the search has stopped that ``returned`` this; the ends of its attempts are added to ``ends``."""
@@ -191,18 +189,11 @@ class NativeSearch:
         code = None if exhausted else _CODES[tally.code]
         return NativeEnd(tally.number, before, code, tally.calls, finished)
 
-    def _address_of(self, starts: Array | None) -> int | None:
-        """The address of a table of configurations, which is kept alive."""
-        if starts is not self._starts[0]:
-            self._starts = starts, None if starts is None else starts.ctypes.data
-        return self._starts[1]
-
     def batch(
         self,
         targets: Array,
         q0: Array,
-        starts: Array | None,
-        first: int,
+        starts: Starts | None,
         last: int,
         limit: int,
         patience: float,
@@ -216,9 +207,13 @@ class NativeSearch:
         arrays = [np.ascontiguousarray(targets[:count]), np.ascontiguousarray(q0), *found]
         sizes = [count, targets.shape[1], len(self.q0) if len(q0) > 1 else 0]
         table = np.array([*_addresses(arrays), *sizes], dtype=np.uintp)
-        starts_at = self._address_of(starts)
-        done = self._batch(self._address, starts_at, first, max(last, 0), limit, patience, table.ctypes.data)
+        done = self._batch(self._address, *_of(starts), last, limit, patience, table.ctypes.data)
         return found.first(done)
+
+
+def _of(starts: Starts | None) -> tuple[int | None, int]:
+    """What the search in C reads of restart configurations, and the number of the first one."""
+    return (None, 1) if starts is None else (starts.address, starts.first)
 
 
 def _addresses(arrays: list[Any]) -> list[int]:

@@ -63,10 +63,44 @@ static double JTIK_NAME_seconds(void) {
 """
 
 _SOURCE = r"""
-/* Attempts number from to last of a search, until one reaches the target; row 0 of starts is attempt number first.
+/* The distances of the configurations of a bank from the target; infinite where they are not finite. */
+static void JTIK_NAME_distances(double* distance, const double* coefficients, long long size, const double* target,
+                                long long numbers) {
+  for (long long i = 0; i < size; ++i) distance[i] = coefficients[i];
+  for (long long j = 0; j < numbers; ++j) {
+    const double number = target[j], *factors = coefficients + (j + 1) * size;
+    for (long long i = 0; i < size; ++i) distance[i] += number * factors[i];
+  }
+  for (long long i = 0; i < size; ++i) {
+    if (!(distance[i] - distance[i] == 0)) distance[i] = INFINITY;
+  }
+}
+
+/* The configuration that follows another one in the order of the distances, then of the bank; -1 before the first. */
+static long long JTIK_NAME_follow(const double* distance, long long size, long long latest) {
+  const double after = latest < 0 ? -INFINITY : distance[latest];
+  double smallest = INFINITY;
+  long long found = -1;
+  for (long long i = 0; i < size; ++i) {
+    if (distance[i] > after && distance[i] < smallest) {
+      smallest = distance[i];
+      found = i;
+    } else if (distance[i] == after && i > latest) {
+      return i;
+    }
+  }
+  for (long long i = 0; found < 0 && i < size; ++i) {
+    if (distance[i] == INFINITY) found = i;
+  }
+  return found;
+}
+
+/* Attempts number from to last of a search, until one reaches the target. table: of starts, NULL without restarts: the
+   configurations, of which row 0 is attempt number first; the coefficients of a bank, whose restarts are the first rows
+   in the order of their distances; its size, 0 without one.
    Returns its code; or JTIK_LOOK: the search in Python takes over this attempt; or JTIK_EXHAUSTED: none reached it, or
    the time JTIK_BUDGET is over, and the attempts after tally[1] are left; or JTIK_UNREADABLE: q0 is not finite. */
-CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const double* starts, long long first, long long from,
+CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, void** table, long long first, long long from,
                                                 long long last, long long limit, double patience) {
   const double** arg = (const double**)at[0];
   double** res = (double**)at[1];
@@ -87,11 +121,20 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const double* starts,
   for (long long j = 0; j < (long long)at[13]; ++j) {
     if (!(q0[j] - q0[j] == 0)) return JTIK_UNREADABLE;
   }
-  const int several = starts != 0;
+  const int several = table != 0;
+  const double* starts = several ? (const double*)table[0] : 0;
+  const long long size = several ? (long long)table[2] : 0;
+  double* distance = (double*)at[24];
+  long long ranked = 0, nearest = -1; /* how many of the bank have been tried, and the latest one */
   const double end = limit > JTIK_CHECKED || several ? JTIK_NAME_seconds() + JTIK_BUDGET : 0;
   for (long long number = from; number <= last; ++number) {
     long long k = 0, here = 0, code = 0;
-    memcpy(q[0], number ? starts + (number - first) * (long long)at[13] : q0, nq);
+    if (0 < number && number <= size) {
+      if (!ranked) JTIK_NAME_distances(distance, (const double*)table[1], size, arg[JTIK_TARGET], (long long)at[23]);
+      for (; ranked < number; ++ranked) nearest = JTIK_NAME_follow(distance, size, nearest);
+    }
+    const long long row = number <= size ? nearest : number - first;
+    memcpy(q[0], number ? starts + row * (long long)at[13] : q0, nq);
     memcpy(state[0], initial, ns);
     if (patience < INFINITY) state[0][JTIK_PATIENCE] = patience;
     while (k < limit && code == 0) {
@@ -142,7 +185,7 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const double* starts,
 
 /* The same for a table of targets, one after the other, each from its row of starts (stride 0: the same for all).
    Returns how many are done when the time is over. */
-CASADI_SYMBOL_EXPORT long long JTIK_NAME_batch(void** at, const double* starts, long long first, long long last,
+CASADI_SYMBOL_EXPORT long long JTIK_NAME_batch(void** at, void** starts, long long first, long long last,
                                           long long limit, double patience, void** table) {
   const double* targets = (const double*)table[0];
   const double* from = (const double*)table[1];

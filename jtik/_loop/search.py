@@ -1,9 +1,10 @@
 """The search: attempts from one configuration or from several until enough of them reach the target.
 
 An attempt calls the fused step until its code ends the attempt. With restarts, an attempt also ends as soon as it has
-not reduced the error for a few calls, and the next one starts from another configuration. When none reaches the target,
-the attempt with the smallest error and the first one are continued until they end (formulations/restarts.md). Joints
-that can turn all the way round move without limits and are brought back at the end (formulations/full_turns.md).
+not reduced the error for a few calls, and the next one starts from another configuration, the closest to the target
+first. When none reaches the target, the attempt with the smallest error and the first one are continued until they end
+(formulations/restarts.md). Joints that can turn all the way round move without limits and are brought back at the end
+(formulations/full_turns.md).
 """
 
 from __future__ import annotations
@@ -24,16 +25,17 @@ from jtik._loop.jump import Jump
 from jtik._loop.lane_search import LaneSearch
 from jtik._loop.native_search import NativeBatch, NativeSearch
 from jtik._loop.native_threads import MOST_THREADS, SMALLEST, in_threads
-from jtik._loop.restarts import RestartConfigurations
 from jtik._loop.runner import Runner
+from jtik._loop.start_bank import StartBanks
+from jtik._loop.starts import SearchStarts, Starts
 from jtik._loop.trace_recorder import TraceRecorder
 from jtik._step.inputs import Inputs, Settings
 from jtik._step.stopping import OUTCOME, Code
 from jtik.robot import Robot
 from jtik.types import Array
 
-PATIENCE = 3.0
-"""Calls without progress after which an attempt that a restart can replace ends."""
+PATIENCE, IN_LANES = 4.0, 3.0
+"""Calls without progress after which an attempt that a restart can replace ends, and one of lanes with own steps."""
 
 MANY = 1000
 """Number of targets of a batch for which more than the first restarts are drawn beforehand, and the most of these."""
@@ -65,6 +67,7 @@ class Search:
         attempts: runs attempts.
         turns: the joints that can turn all the way round.
         inputs: the inputs of the search, in which the limits of these joints are infinite.
+        banks: the restarts by their distance from the target; None where they depend on where a search begins.
         has_criterion: whether there is a criterion.
         by_level: whether failed attempts are compared by their levels of priority.
 
@@ -79,12 +82,14 @@ class Search:
         turns: FullTurns,
         inputs: Inputs[Array],
         *,
+        banks: StartBanks | None,
         has_criterion: bool,
         by_level: bool = False,
     ) -> None:
         self._robot, self._attempts, self._turns, self._inputs = robot, attempts, turns, inputs
         self._has_criterion, self._by_level = has_criterion, by_level
-        self._restarts, self._continuum = RestartConfigurations(robot), attempts.continuum
+        self._restarts, self._continuum = SearchStarts(robot, banks), attempts.continuum
+        self._waiting: SearchOptions | None = None
         self.native: NativeSearch | None = None
         self._beside: list[NativeSearch | LaneSearch] = []
         self._beside_of: NativeSearch | LaneSearch | None = None
@@ -138,15 +143,16 @@ class Search:
         native = self.native if self.native and runner is self.native.runner and recorder is None else None
         ends, arrivals = Ends(), self._arrivals(q0)
         iterations, escapes, number = 0, 0, 0
+        starts: Starts | None = None
         while number <= restarts:
-            starts, first, last = self._starts(number, options, q0, jump)
+            starts = self._starts(number, options, q0, jump, starts)
             finished = False  # whether the search in C has brought the joints back
             if native:
-                last = number if self._by_level else min(last, restarts)
+                last = number if self._by_level or starts is None else min(starts.last, restarts)
                 of_these = Ends() if self._by_level else ends
                 if begun is None:
                     own = patience_of(runner, patience)
-                    begun = native.find(q0, starts, first, (number, last), of_these, limit, own)
+                    begun = native.find(q0, starts, (number, last), of_these, limit, own)
                 end, begun = native.end(begun, of_these), None
                 iterations, number = iterations + end.iterations, end.number
                 if end.code is None:
@@ -161,7 +167,7 @@ class Search:
                 if not finished:
                     ended = self._attempts.go_on(runner, limit, None, patience, code=ended.code, calls=ended.calls)
             else:
-                start = q0 if starts is None or number == 0 else starts[number - first]
+                start = q0 if starts is None or number == 0 else starts.of(number, self._inputs.target)
                 ended = self._attempts.run(runner, start, limit, recorder, patience)
             reached = self._reached(runner, ended)
             if (reached or not restarts) and not finished:
@@ -203,12 +209,15 @@ class Search:
         return Arrivals(robot, self._continuum, self._inputs.target, cost=cost, on_target=attempts.on_target)
 
     def _starts(
-        self, number: int, options: SearchOptions, q0: Array, jump: Jump | None
-    ) -> tuple[Array | None, int, int]:
-        """The restarts around attempt ``number``: their configurations, and the numbers of the first and the last."""
-        if not options.restarts:
-            return None, 1, 0
-        return self._restarts.block(options.seed, max(number, 1), q0, jump)
+        self, number: int, options: SearchOptions, q0: Array, jump: Jump | None, latest: Starts | None = None
+    ) -> Starts | None:
+        """The restarts around attempt ``number``, the ``latest`` ones where it is among them; None without restarts."""
+        if not options.restarts or (latest is not None and latest.first <= number <= latest.last):
+            return latest
+        starts = self._restarts.around(number, options.seed, q0, jump)
+        if number and options == self._waiting:
+            self.prepare(options)
+        return starts
 
     def _bring_back(
         self,
@@ -259,9 +268,11 @@ class Search:
         plain = options.best_of == 1 and options.jump_limit == math.inf and not (self._by_level and options.restarts)
         if self.native is None or not plain or self._restarts.depend_on_start or options.limit == 0:
             return False
-        starts, first, last = self._starts(0, options, self.native.q0, None)
+        starts = self._starts(0, options, self.native.q0, None)
+        last = 0 if starts is None else min(starts.last, options.restarts)
         patience = PATIENCE if options.restarts else patience_of(self.native.runner, math.inf)
-        self.native.prepare(starts, first, min(last, options.restarts), options.limit, patience)
+        self.native.prepare(starts, last, options.limit, patience)
+        self._waiting = options if starts is not None and not last else None  # until a search needs a restart
         return True
 
     def find_all(
@@ -281,23 +292,19 @@ class Search:
         native = lanes or self.native
         if native is None or (len(q0) > 1 and self._restarts.depend_on_start):
             return None
-        bank = lanes.banks.of(options.seed) if lanes and lanes.banks else None
-        starts, first, last = bank.starts if bank else self._starts(0, options, q0[0], None)
-        if (
-            starts is not None and bank is None and len(targets) >= MANY
-        ):  # it pays to draw more than those that most targets need
-            blocks = [starts]
-            while last < min(options.restarts, MANY):
-                more, _, last = self._starts(last + 1, options, q0[0], None)
-                blocks += [more] if more is not None else []
-            starts = np.concatenate(blocks)
-        patience = PATIENCE if options.restarts else patience_of(native.runner, math.inf)
-        last = min(last, options.restarts)
+        starts, last, count = None, 0, min(options.restarts, MANY) if len(targets) >= MANY else 0
+        if options.restarts:
+            starts = self._restarts.of_batch(options.seed, q0[0], 0 if lanes and lanes.banks else count)
+            last = min(starts.last, options.restarts)
+        replaceable = IN_LANES if lanes and not self._has_criterion else PATIENCE
+        patience = replaceable if options.restarts else patience_of(native.runner, math.inf)
 
         def solve(search: NativeSearch | LaneSearch, begin: int, end: int) -> NativeBatch:
             own = q0[begin:] if len(q0) > 1 else q0
-            arguments = targets[begin:end], own, starts, first, last, options.limit, patience
-            return search.batch(*arguments, bank) if isinstance(search, LaneSearch) else search.batch(*arguments)
+            if isinstance(search, NativeSearch):
+                return search.batch(targets[begin:end], own, starts, last, options.limit, patience)
+            table, bank = (starts.configurations, starts.bank) if starts else (None, None)
+            return search.batch(targets[begin:end], own, table, 1, last, options.limit, patience, bank)
 
         threads = min(threads, MOST_THREADS, max(len(targets) // SMALLEST, 1))
         if threads == 1:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -120,6 +121,16 @@ class JointLayout:
         limit is drawn from an interval of that length, 2 pi or 2 m, which starts at the limit. Quaternions are uniform
         on the sphere.
         """
+        low, width = self._drawn_from
+        q: Array = low + width * generator.random(self.nq)
+        for indices in self.quaternions.values():
+            direction = generator.standard_normal(4)
+            q[indices] = direction / np.linalg.norm(direction)
+        return q
+
+    @cached_property
+    def _drawn_from(self) -> tuple[Array, Array]:
+        """The smallest entries of a random configuration and the widths of their intervals, (nq,) each."""
         width = np.ones(self.nq)
         for joint in self.independent:
             if joint.type is JointType.REVOLUTE:
@@ -127,11 +138,7 @@ class JointLayout:
         low = np.where(np.isfinite(self.lower), self.lower, -width)
         high = np.where(np.isfinite(self.upper), self.upper, low + 2 * width)
         low = np.where(np.isfinite(self.lower) | np.isinf(self.upper), low, high - 2 * width)
-        q = generator.uniform(low, high)
-        for indices in self.quaternions.values():
-            direction = generator.standard_normal(4)
-            q[indices] = direction / np.linalg.norm(direction)
-        return q
+        return low, high - low
 
 
 def _tighten(joint: Joint, q: int, v: int, lower: Array, upper: Array, speed: Array) -> None:

@@ -97,8 +97,8 @@ def test_restarts_stay_within_the_jump_of_a_ball_joint(monkeypatch):
     robot = ball_robot()
     ik, q0 = solver(robot, kind="pose"), robot.neutral
     search = ik._engine.search
-    drawn, _, _ = search._restarts.block(0, 1, q0, search.jump(q0, 0.3))
-    angles = [angle(q0, row) for row in drawn]
+    drawn = search._restarts.around(1, 0, q0, search.jump(q0, 0.3))
+    angles = [angle(q0, row) for row in drawn.configurations]
     assert 0.2 < max(angles) <= 0.3 + 1e-9
 
 

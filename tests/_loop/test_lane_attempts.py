@@ -17,7 +17,7 @@ import jtik
 from jtik._loop import lane_search, native_source
 from jtik._loop.lane_attempts_source import TOGETHER
 from jtik._loop.runner import Runner
-from jtik._loop.search import PATIENCE
+from jtik._loop.search import IN_LANES as PATIENCE
 from jtik._loop.start_bank import SIZE, StartBanks
 from jtik._step.fused_step import fused_step
 from jtik._step.stopping import OUTCOME, Code

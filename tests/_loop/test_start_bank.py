@@ -1,4 +1,4 @@
-"""The starts of a search in lanes: reproducible, within the limits, in the order of their distance from a target."""
+"""The restarts by their distance from a target: reproducible, within the limits, about in the order of V."""
 
 from __future__ import annotations
 
@@ -36,11 +36,42 @@ def test_the_same_seed_draws_the_same_starts_within_the_limits():
     assert (first.configurations <= of.robot.upper).all()
 
 
-def test_the_first_starts_are_those_of_every_other_search():
-    ik, of = problem(jtik.Robot.builtin("panda"), kind="pose")
-    starts, first, last = ik._solving._search._restarts.block(5, 1, np.zeros(7))
-    assert (first, last) == (1, len(starts))
-    assert np.array_equal(StartBanks(of).of(5).configurations[: len(starts)], starts)
+def test_the_configurations_are_the_first_restarts_of_the_seed():
+    _, of = problem(jtik.Robot.builtin("panda"), kind="pose")
+    generator = np.random.default_rng(5)
+    expected = [of.robot.random_configuration(generator) for _ in range(SIZE)]
+    assert np.array_equal(StartBanks(of).of(5).configurations, expected)
+
+
+def test_another_seed_between_changes_nothing():
+    _, of = problem(planar(3), kind="position")
+    banks = StartBanks(of)
+    first = banks.of(1)
+    assert banks.known(1) is first
+    banks.of(2)
+    assert banks.known(1) is None
+    again = banks.of(1)
+    assert np.array_equal(first.configurations, again.configurations)
+    assert np.array_equal(first.coefficients, again.coefficients)
+
+
+def test_the_order_is_that_of_the_true_V_of_positions(rng):
+    robot = planar(4)
+    _, of = problem(robot, kind="position")
+    bank, target = StartBanks(of).of(0), np.array([1.5, -0.5])
+    V = [np.sum((robot.pose(q)[:2, 3] - target) ** 2) / 2 for q in bank.configurations]
+    assert np.array_equal(bank.order(target), np.argsort(V))
+
+
+def test_without_a_finite_distance_configurations_come_last_in_their_own_order():
+    _, of = problem(planar(3), kind="position")
+    bank = StartBanks(of).of(0)
+    bank.coefficients[0, [4, 2, 9]] = np.nan, np.inf, -np.inf
+    order = bank.order(np.array([1.0, 1.0])).tolist()
+    assert order[-3:] == [2, 4, 9]
+    assert sorted(order) == list(range(SIZE))
+    bank.coefficients[:] = np.nan
+    assert bank.order(np.array([1.0, 1.0])).tolist() == list(range(SIZE))
 
 
 def test_threads_draw_the_banks_of_one():

@@ -129,7 +129,7 @@ def test_each_file_counts_and_at_the_end_all_are_done(cache, strategy):
     more = len(list(cache.glob("*.so"))) - files
     assert more > 0
     assert is_progress(later)
-    assert later[-1][0] == later[-1][1] >= 5 + more
+    assert later[-1][0] == later[-1][1] >= 6 + more
 
 
 def test_without_a_compiler_the_parts_count():
@@ -138,7 +138,7 @@ def test_without_a_compiler_the_parts_count():
     assert calls == [(0, 1), (1, 1)]
     calls.clear()
     ik.warm_up(progress=lambda *now: calls.append(now))
-    assert calls == [(i, 5) for i in range(6)]
+    assert calls == [(i, 6) for i in range(7)]
 
 
 def test_a_bar_is_on_stderr(capsys):
