@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from jtik._loop import object_layout
 from jtik._loop.criterion_escape import StepEscape
 from jtik._loop.exclusive_use import ExclusiveUse
 from jtik._loop.native_step_source import MEMORY, UNREAD
@@ -81,6 +82,7 @@ class NativeStep:
         }
         flags = {
             "rests": escape.possible,
+            "fills": object_layout.tuples_have_items_only(),
             "remembers": bool(box and box.remembers),
             "ahead": bool(box and box.ahead),
         }
@@ -101,6 +103,8 @@ class NativeStep:
         functions = {
             "call": api.PyObject_CallFunctionObjArgs,
             "number": api.PyFloat_FromDouble,
+            "allocate": api.PyType_GenericAlloc,
+            "fill": api.PyTuple_SetItem,
             "pack": api.PyTuple_Pack,
             "hold": api.Py_IncRef,
             "release": api.Py_DecRef,

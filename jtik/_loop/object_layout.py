@@ -52,6 +52,11 @@ def is_known() -> bool:
     return all(_as_told(array) for array in (table, table.T, table[::2, 1::3], np.zeros(7), table[:, 1]))
 
 
+def tuples_have_items_only() -> bool:
+    """Whether nothing but its length stands in a tuple before its items; Python 3.14 keeps its hash there."""
+    return tuple.__basicsize__ == HEAD + ctypes.sizeof(ctypes.c_ssize_t)
+
+
 def _pointer(of: object, offset: int) -> int | None:
     return ctypes.c_void_p.from_address(id(of) + offset).value
 
