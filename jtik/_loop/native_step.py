@@ -36,6 +36,16 @@ class Method(ctypes.Structure):
     )
 
 
+class Memory(np.ndarray):
+    """The addresses of what C reads and writes, which keep it alive. A function of C has them as its self.
+
+    Attributes:
+        kept: what is kept alive.
+    """
+
+    kept: dict[str, object]
+
+
 class NativeStep:
     """The step in C on the memory of a runner, whose first memory of q and state it begins and ends in.
 
@@ -115,18 +125,18 @@ class NativeStep:
             **{name: id(each) for name, each in objects.items()},
             **{name: ctypes.cast(each, ctypes.c_void_p).value for name, each in functions.items()},
         }
-        self._table = np.array([values[name] for name in MEMORY], dtype=np.uintp)
-        self._kept = arrays, objects, inputs, library
+        self._memory = np.array([values[name] for name in MEMORY], dtype=np.uintp).view(Memory)
+        self._memory.kept = {**arrays, **objects, "inputs": inputs, "library": library}
         # a call keeps the interpreter: it is short, and no controller waits for another thread after it
         methods = (Method * 2).in_dll(library.loaded, f"{library.name}_methods")
         self._step: Call
         self.update: Callable[[Any, Any], Step | None]
-        self._step, self.update = (_NEW_FUNCTION(ctypes.addressof(each), self._table, None) for each in methods)
+        self._step, self.update = (_NEW_FUNCTION(ctypes.addressof(each), self._memory, None) for each in methods)
 
     def before(self, otherwise: Call) -> Call:
         """``step(q, target, dt)``, which calls ``otherwise`` with the same arguments for what is left to Python."""
-        self._otherwise = otherwise
-        self._table[list(MEMORY).index("otherwise")] = id(otherwise)
+        self._memory.kept["otherwise"] = otherwise
+        self._memory[list(MEMORY).index("otherwise")] = id(otherwise)
         return self._step
 
     def left(self) -> int:

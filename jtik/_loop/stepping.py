@@ -196,6 +196,8 @@ class Stepping:
     def adopted(self) -> None:
         """Step in C what runs in generated C from now on."""
         self._untimed, self._timed = (way and self._way(*way[:2]) for way in (self._untimed, self._timed))
+        if self.call != self._step_ahead:
+            self.call = self._in_c()
 
     def _in_c(self) -> Call:
         """`step` behind what there is in C."""

@@ -144,6 +144,18 @@ def test_a_solver_that_is_no_longer_used_ends(ik):
     assert ends() is None
 
 
+def test_a_step_that_is_adopted_anew_replaces_the_one_before_which_keeps_what_it_reads(ik):
+    other = copy.copy(made(compiled=False))
+    first, same = ik.step(Q, GOAL, dt=DT), other.step(Q, GOAL, dt=DT)
+    before = ik._stepping.call
+    ik._stepping.adopted()
+    gc.collect()
+    assert ik._stepping.call != before
+    for call in (before, ik._stepping.call):
+        first, same = call(first.q, GOAL, DT), other.step(same.q, GOAL, dt=DT)
+        assert first.q == pytest.approx(same.q, abs=1e-12)
+
+
 @pytest.mark.slow
 def test_another_compiler(monkeypatch, tmp_path):
     for command in ("gcc", "clang"):
