@@ -117,6 +117,7 @@ def test_nothing_is_left_behind(monkeypatch, items_only):
 
     held = (q, goal, dt, wrong, Step, np.ndarray, ik._stepping, True, False, None)
     run(STEPS // 10)
+    gc.collect()  # what other tests have left
     before, blocks = [sys.getrefcount(each) for each in held], sys.getallocatedblocks()
     run(STEPS)
     gc.collect()
