@@ -159,12 +159,12 @@ class StepEscape:
 
     Attributes:
         possible: whether there is a criterion.
-        rest: the numbers of the rest, as bytes; assign b"" where a call was not done.
+        resting: whether the arm is at rest, (1,); assign 0 where a call was not done.
     """
 
     def __init__(self, criterion: CriterionEscape) -> None:
         self.possible, self._criterion = criterion.possible, criterion
-        self.rest = b""
+        self.resting, self._rest = np.zeros(1, dtype=np.int64), b""
 
     def escape(self, started: bytes, q: Array, inputs: Inputs[Array]) -> bool:
         """Move q, where a call that is done has ended, away from a saddle point or a maximum of H.
@@ -178,10 +178,10 @@ class StepEscape:
             Whether ``q`` was changed.
         """
         same = inputs.target.tobytes() + inputs.parameters.tobytes()
-        if started + same != self.rest:
+        if not self.resting[0] or started + same != self._rest:
             share = float(inputs.settings[SETTING.null_space_share])
             if self._criterion.escape(q, inputs, min(STEP_LENGTH, STEP_SHARE * share)):
-                self.rest = b""
+                self.resting[0] = 0
                 return True
-        self.rest = q.tobytes() + same
+        self.resting[0], self._rest = 1, q.tobytes() + same
         return False

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from jtik._loop.native_source import defined, indices
+from jtik._loop.object_layout import HEAD
 from jtik._step.fused_step import FusedStep
 from jtik._step.solve_progress import UNKNOWN
 from jtik.qp.fast_path import NOT_WRITTEN
@@ -11,14 +12,12 @@ from jtik.symbolic import function as function_of
 from jtik.symbolic.compile import Beside
 from jtik.task import TaskStack
 
-ACCEPTED, DONE = 1, 2
-"""What the native step returns for a usual end, added up; see `USUAL`."""
+UNREAD, USUAL, ENDED, AGAIN = 0, 1, 2, 3
+"""What a step leaves to Python: all, as q or the target is to be read there; nothing; what follows an unusual end; to
+repeat the call."""
 
-USUAL = ((False, False), (True, False), (False, True), (True, True))
-"""Whether the step was accepted and whether nothing is left to do, by what the native step returns."""
-
-ENDED, AGAIN, UNREAD = -1, -2, -3
-"""Otherwise: a call has ended in another way; it is to be repeated in Python; q or the target is to be read there."""
+FASTCALL = 0x80
+"""The kind of a function that Python calls with an array of arguments, METH_FASTCALL."""
 
 MEMORY = {
     "arguments": "const double**",
@@ -30,32 +29,62 @@ MEMORY = {
     "state": "double*",
     "state_after": "double*",
     "outcome": "double*",
-    "errors": "double*",
     "target": "double*",
     "began": "double*",
     "last": "double*",
     "clock": "double*",
     "lower": "double*",
     "upper": "double*",
-    "head": "long long",
-    "array_type": "const char*",
-    "float_type": "const char*",
     "rests": "long long",
+    "fills": "long long",
     "remembers": "long long",
     "ahead": "long long",
+    "resting": "long long*",
+    "left": "long long*",
+    "exclusive": "char*",
+    "otherwise": "char*",
+    "array_type": "char*",
+    "float64": "char*",
+    "float_type": "char*",
+    "none": "char*",
+    "no": "char*",
+    "yes": "char*",
+    "empty": "char*",
+    "size": "char*",
+    "new_tuple": "char*",
+    "step_type": "char*",
+    "call": "JTIK_NAME_to_call",
+    "number": "JTIK_NAME_to_number",
+    "allocate": "JTIK_NAME_to_allocate",
+    "fill": "JTIK_NAME_to_fill",
+    "pack": "JTIK_NAME_to_pack",
+    "hold": "JTIK_NAME_to_count",
+    "release": "JTIK_NAME_to_count",
 }
 """What the native step reads and writes besides its arguments, in this order, and the C type of each.
 
-- ``errors``: the errors after a usual step, in memory of their own.
 - ``began`` to ``clock``: those of a `StepBox`; ``lower``, ``upper``: where it writes the box.
-- ``head``, ``array_type``, ``float_type``: what `jtik._loop.array_layout` tells of arrays.
 - ``rests``: whether what ends done is left to Python, which tests whether the criterion is minimal there.
+- ``fills``: whether a tuple is filled, which takes less time than a copy of another one.
 - ``remembers``, ``ahead``: those of the box.
+- ``resting``: that of a `StepEscape`.
+- ``left``: what is left to Python, after a step.
+- ``exclusive``: the guard of the solver.
+- ``otherwise``: what is called where a call is not usual.
+- ``array_type`` to ``step_type``: objects; ``no`` and ``yes`` are False and True, ``size`` is nq.
+- ``call`` to ``release``: functions of Python's C interface.
 """
 
 _SOURCE = r"""
 #include <stddef.h>
 #include <string.h>
+
+typedef char* (*JTIK_NAME_to_call)(char*, ...);
+typedef char* (*JTIK_NAME_to_number)(double);
+typedef char* (*JTIK_NAME_to_allocate)(char*, ptrdiff_t);
+typedef int (*JTIK_NAME_to_fill)(char*, ptrdiff_t, char*);
+typedef char* (*JTIK_NAME_to_pack)(ptrdiff_t, ...);
+typedef void (*JTIK_NAME_to_count)(char*);
 
 typedef struct {
 JTIK_MEMORY
@@ -71,11 +100,18 @@ typedef struct {
   const char* type;
 } JTIK_NAME_array;
 
+static const JTIK_NAME_array* JTIK_NAME_fields(const char* object) {
+  return (const JTIK_NAME_array*)(object + JTIK_HEAD);
+}
+
+static const char* JTIK_NAME_type(const char* object) {
+  return *(const char* const*)(object + JTIK_HEAD - sizeof(char*));
+}
+
 /* The array of doubles that an object is; 0 where it is something else. */
 static const JTIK_NAME_array* JTIK_NAME_doubles(const JTIK_NAME_memory* at, const char* object) {
-  const JTIK_NAME_array* array = (const JTIK_NAME_array*)(object + at->head);
-  if (*(const char* const*)(object + at->head - sizeof(char*)) != at->array_type) return 0;
-  return array->type == at->float_type ? array : 0;
+  const JTIK_NAME_array* array = JTIK_NAME_fields(object);
+  return JTIK_NAME_type(object) == at->array_type && array->type == at->float64 ? array : 0;
 }
 
 /* Copy a vector of this size; 0 where the array is none. */
@@ -102,10 +138,9 @@ static int JTIK_NAME_read(const JTIK_NAME_array* array, double* to) {
 }
 #endif
 
-/* One step from q to the target, which ends in the array "to" (nq,). It begins in the first memory of q and state, and
-   a usual one leaves the state there. */
-CASADI_SYMBOL_EXPORT long long JTIK_NAME_step(const JTIK_NAME_memory* at, const char* q, const char* target,
-                                              const char* to) {
+/* One step from q to the target. It begins in the first memory of q and state, and a usual one leaves the state there.
+   Returns what it leaves to Python. */
+static int JTIK_NAME_stepped(const JTIK_NAME_memory* at, const char* q, const char* target) {
   const double** arg = at->arguments;
   double** res = at->results;
   const JTIK_NAME_array *from = JTIK_NAME_doubles(at, q), *goal = JTIK_NAME_doubles(at, target);
@@ -159,11 +194,90 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_step(const JTIK_NAME_memory* at, const 
     at->clock[1] = at->clock[0];
   }
 #endif
-  at->errors[0] = at->outcome[JTIK_POSITION_ERROR];
-  at->errors[1] = at->outcome[JTIK_ORIENTATION_ERROR];
-  memcpy(((const JTIK_NAME_array*)(to + at->head))->data, at->after, JTIK_NQ * sizeof(double));
-  return accepted * JTIK_WAS_ACCEPTED + done * JTIK_WAS_DONE;
+  at->resting[0] = 0;
+  return JTIK_USUAL;
 }
+
+/* The Step of these six objects, which it holds from now on; 0 with an error of Python's where there is no memory. */
+static char* JTIK_NAME_tuple(const JTIK_NAME_memory* at, char** of) {
+  char* made = 0;
+  if (at->fills) {
+    made = at->allocate(at->step_type, 6);
+    for (int i = 0; i < 6 && made; ++i) {
+      at->hold(of[i]);
+      at->fill(made, i, of[i]);
+    }
+  } else {
+    char* tuple = at->pack(6, of[0], of[1], of[2], of[3], of[4], of[5]);
+    if (tuple) {
+      made = at->call(at->new_tuple, at->step_type, tuple, (char*)0);
+      at->release(tuple);
+    }
+  }
+  return made;
+}
+
+/* The Step of a usual end; 0 with an error of Python's where there is no memory. */
+static char* JTIK_NAME_made(const JTIK_NAME_memory* at) {
+  const double* outcome = at->outcome;
+  char* q = at->call(at->empty, at->size, (char*)0);
+  char* position = at->number(outcome[JTIK_POSITION_ERROR]);
+  char* orientation = at->number(outcome[JTIK_ORIENTATION_ERROR]);
+  char* accepted = outcome[JTIK_ACCEPTED] == 1 ? at->yes : at->no;
+  char *done = (int)outcome[JTIK_CODE] == JTIK_DONE ? at->yes : at->no, *made = 0;
+  if (q && position && orientation) {
+    memcpy(JTIK_NAME_fields(q)->data, at->after, JTIK_NQ * sizeof(double));
+    made = JTIK_NAME_tuple(at, (char*[]){q, position, orientation, accepted, done, at->no});
+  }
+  if (q) at->release(q);
+  if (position) at->release(position);
+  if (orientation) at->release(orientation);
+  return made;
+}
+
+/* What Python calls: the memory is the data of an array, as the function's self. */
+static const JTIK_NAME_memory* JTIK_NAME_own(const char* self) {
+  return (const JTIK_NAME_memory*)JTIK_NAME_fields(self)->data;
+}
+
+/* update(q, target): the Step; None where something is left to Python. */
+static char* JTIK_NAME_update(char* self, char* const* given, ptrdiff_t count) {
+  const JTIK_NAME_memory* at = JTIK_NAME_own(self);
+  at->left[0] = JTIK_NAME_stepped(at, given[0], given[1]);
+  if (at->left[0] == JTIK_USUAL) return JTIK_NAME_made(at);
+  at->hold(at->none);
+  return at->none;
+}
+
+/* step(q, target, dt): the Step, by "otherwise" where something is left to Python. */
+static char* JTIK_NAME_step(char* self, char* const* given, ptrdiff_t count) {
+  const JTIK_NAME_memory* at = JTIK_NAME_own(self);
+  char* dt = given[2];
+#if JTIK_TIMED
+  const int known = JTIK_NAME_type(dt) == at->float_type && *(double*)(dt + JTIK_HEAD) == at->clock[0];
+#else
+  const int known = dt == at->none;
+#endif
+  at->left[0] = JTIK_UNREAD;
+  if (known && *(char**)(at->exclusive + JTIK_HEAD) == at->no) {
+    at->left[0] = JTIK_NAME_stepped(at, given[0], given[1]);
+    if (at->left[0] == JTIK_USUAL) return JTIK_NAME_made(at);
+  }
+  return at->call(at->otherwise, given[0], given[1], dt, (char*)0);
+}
+
+/* Two of Python's PyMethodDef. */
+typedef struct {
+  const char* name;
+  char* (*call)(char*, char* const*, ptrdiff_t);
+  int kind;
+  const char* text;
+} JTIK_NAME_method;
+
+CASADI_SYMBOL_EXPORT JTIK_NAME_method JTIK_NAME_methods[2] = {
+  {"step", JTIK_NAME_step, JTIK_FASTCALL, 0},
+  {"update", JTIK_NAME_update, JTIK_FASTCALL, 0},
+};
 """
 
 
@@ -191,8 +305,9 @@ def beside(fused: FusedStep, tasks: TaskStack, box: Function | None) -> Beside:
         "VIOLATION": starts.get("violation", -1),
         "UNKNOWN": UNKNOWN,
         "NOT_WRITTEN": int(NOT_WRITTEN),
-        "WAS_ACCEPTED": ACCEPTED,
-        "WAS_DONE": DONE,
+        "HEAD": HEAD,
+        "FASTCALL": FASTCALL,
+        "USUAL": USUAL,
         "ENDED": ENDED,
         "AGAIN": AGAIN,
         "UNREAD": UNREAD,

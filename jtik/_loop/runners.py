@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from jtik._loop import array_layout, native_source, native_step_source
+from jtik._loop import native_source, native_step_source, object_layout
 from jtik._loop.full_turns import FullTurns
 from jtik._loop.restarts import RestartConfigurations
 from jtik._loop.runner import Runner
@@ -76,7 +76,7 @@ class Runners:
         self._box_of_step = box = problem.once("box", lambda: box_function(bounds))
         if compilation:
             compilation.begin([box])  # while the step is compiled
-        self.has_native_step = problem.robot.nq == problem.robot.n and array_layout.is_known()
+        self.has_native_step = problem.robot.nq == problem.robot.n and object_layout.is_known()
         self.solve = self._runner(self._fused(), self.search_inputs, SOLVE)
         if can_explore(problem, strategy):
             self.solve.explorer = lambda: self.exploring

@@ -12,8 +12,8 @@ from jtik._loop.compile_ahead import CompileAhead
 from jtik._loop.criterion_escape import StepEscape
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
-from jtik._loop.native_step import NativeStep
-from jtik._loop.native_step_source import AGAIN, UNREAD, USUAL
+from jtik._loop.native_step import Call, NativeStep
+from jtik._loop.native_step_source import AGAIN, UNREAD
 from jtik._loop.runner import Runner
 from jtik._loop.runners import TIMED, Runners
 from jtik._loop.saddle_escape import SaddleEscape
@@ -28,7 +28,6 @@ from jtik.task import TaskStack
 from jtik.types import Array
 
 _FLOAT = np.dtype(np.float64)
-_empty = np.empty
 _new_tuple = tuple.__new__
 
 
@@ -40,7 +39,7 @@ class Stepping:
     """One update per call; the state of the strategy is kept from call to call.
 
     Attributes:
-        call: `step`, or what compiles its step meanwhile.
+        call: the step in C, which leaves what is not usual to `step`; or `step`, or what compiles its step meanwhile.
     """
 
     def __init__(
@@ -59,7 +58,7 @@ class Stepping:
         ahead: CompileAhead,
     ) -> None:
         self._ahead = ahead
-        self.call = self._step_ahead if ahead.compiles else self.step
+        self.call: Call = self._step_ahead if ahead.compiles else self.step
         self._robot, self._tasks, self._runners = robot, tasks, runners
         self._read, self._shape = configurations.read, (robot.nq,) if configurations.vector else None
         self._escape, self._inspector = escape, inspector
@@ -84,7 +83,7 @@ class Stepping:
         if ahead.waiting and not self._exclusive.busy:
             ahead.adopt()
         if ahead.settled(name):
-            self.call = self.step
+            self.call = self._in_c()
         begin = time.perf_counter()
         stepped = self.step(q, target, dt)
         ahead.spend(name, time.perf_counter() - begin)
@@ -100,21 +99,19 @@ class Stepping:
             way = (self._untimed or self._first()) if dt is None else (self._timed or self._first_timed())
             runner, box, native = way
             if native is not None:
-                if box is not None and dt is not None and dt is not box.dt:
-                    box.lasts(dt)
-                end = _empty(native.nq)
-                returned = native.call(native.memory, id(q), id(target), id(end))
-                if returned == UNREAD:
-                    self._targets.copy(target)
-                    start = self._read("q", q)
-                    returned = native.call(native.memory, id(start), id(native.target), id(end))
-                if returned >= 0:
-                    self._criterion_escape.rest = b""
-                    accepted, done = USUAL[returned]
-                    position, orientation = native.errors
-                    return _new_tuple(Step, (end, position, orientation, accepted, done, False))
-                if returned != UNREAD:
-                    if returned == AGAIN:
+                left = native.left()
+                if left == UNREAD:
+                    if box is not None and dt is not None and dt is not box.dt:
+                        box.lasts(dt)
+                    stepped = native.update(q, target)
+                    if stepped is None and (left := native.left()) == UNREAD:
+                        self._targets.copy(target)
+                        stepped = native.update(self._read("q", q), native.target)
+                        left = native.left()
+                    if stepped is not None:
+                        return stepped
+                if left != UNREAD:
+                    if left == AGAIN:
                         runner.calls[0]()
                     return self._ended(way, q, target, (box.q if box else runner.q[0]).tobytes())
             self._targets.copy(target)
@@ -159,7 +156,7 @@ class Stepping:
             moved = False
             position, orientation = self._inspector.errors(after, runner.inputs)
         if not done:
-            self._criterion_escape.rest = b""
+            self._criterion_escape.resting[0] = 0
         elif self._criterion_escape.possible and self._criterion_escape.escape(started, after, runner.inputs):
             runner.restart(after)
             moved, done, escaped = False, False, True
@@ -199,6 +196,16 @@ class Stepping:
     def adopted(self) -> None:
         """Step in C what runs in generated C from now on."""
         self._untimed, self._timed = (way and self._way(*way[:2]) for way in (self._untimed, self._timed))
+        if self.call != self._step_ahead:
+            self.call = self._in_c()
+
+    def _in_c(self) -> Call:
+        """`step` behind what there is in C."""
+        call: Call = self.step
+        for way in (self._untimed, self._timed):
+            if way is not None and way[2] is not None:
+                call = way[2].before(call)
+        return call
 
     def _first(self) -> Way:
         self._untimed = self._way(self._runners.step, None)
@@ -219,9 +226,9 @@ class Stepping:
         if library is None or not self._runners.has_native_step:
             return runner, box, None
         runner.settle()
-        return runner, box, NativeStep(library, runner, box, rests=self._criterion_escape.possible)
+        native = NativeStep(library, runner, box, escape=self._criterion_escape, exclusive=self._exclusive)
+        return runner, box, native
 
     def _watch(self) -> None:
         """Let a step that is built now be compiled, too, also where the other one has settled."""
-        if self._ahead.compiles:
-            self.call = self._step_ahead
+        self.call = self._step_ahead if self._ahead.compiles else self._in_c()

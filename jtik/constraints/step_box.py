@@ -128,7 +128,8 @@ class StepBox:
         self.ahead = self.remembers and ahead
         self._vector = self._robot.nq == self._robot.n
         self._unboxed = bounds.unboxed
-        self.q, self.last, self.clock = np.zeros(self._robot.nq), np.zeros(self._robot.n), np.array([1.0, 1.0, 0.0])
+        self.q, self.last = np.zeros(self._robot.nq), np.zeros(self._robot.n)
+        self.clock = np.array([math.nan, 1.0, 0.0])
         self.dt = float("nan")  # an object of its own: "math.nan is self.dt" would pass for a known duration
         self._share, self._rate = share, null_space_rate
         self._time = np.zeros(1) if time is None else time

@@ -1,7 +1,7 @@
 """Rows of a quadratic program without a finite bound: generated C leaves them out before DAQP.
 
 They are those of distances beyond their influence. DAQP takes time for each row that it is given, and solves the
-program in the same steps, and to the same bits, without them.
+program in the same steps, and to the same bits, without them. Nor is it asked for the time that its set-up takes.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ static int JTIK_ROWS(DAQPProblem* p, int* kept) {
 
 _SOLVE = "int casadi_daqp_solve(struct casadi_daqp_data* d, "
 _SETUP = "  flag = setup_daqp(&d->daqp,&d->work,&(d->res.setup_time));\n"
+_UNTIMED = _SETUP.replace("&(d->res.setup_time)", "0")
 _MULTIPLIERS = "  casadi_copy(d->res.lam+p_qp->nx, p_qp->na, d_qp->lam_a);\n"
 
 _BEFORE = """\
@@ -51,5 +52,5 @@ def without_unbounded_rows(source: str) -> str:
     """
     if any(source.count(part) != 1 for part in (_SOLVE, _SETUP, _MULTIPLIERS)):
         return source
-    source = source.replace(_SOLVE, _FUNCTION + _SOLVE).replace(_SETUP, _BEFORE + _SETUP)
+    source = source.replace(_SOLVE, _FUNCTION + _SOLVE).replace(_SETUP, _BEFORE + _UNTIMED)
     return source.replace(_MULTIPLIERS, _AFTER).replace("JTIK_ROWS", "CASADI_PREFIX(daqp_rows)")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik._loop import array_layout
+from jtik._loop import object_layout
 from jtik._loop.target_memory import TargetMemory
 from jtik.symbolic.compile import CompilerError, compiler
 from jtik_formulations import JointCentering, ObstacleAvoidance
@@ -70,7 +70,7 @@ def stepped(ik, q, target, dt):
 def in_python(ik):
     """A copy with the same step in generated C, around which everything is Python."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(array_layout, "is_known", lambda: False)
+        patch.setattr(object_layout, "is_known", lambda: False)
         return copy.copy(ik)
 
 
@@ -286,4 +286,4 @@ def test_several_tasks_have_dicts_of_targets():
 
 
 def test_the_layout_of_arrays_is_known():
-    assert array_layout.is_known()
+    assert object_layout.is_known()

@@ -77,6 +77,7 @@ def test_a_program_without_a_solution_has_none(both, rng):
 def test_the_text_of_this_casadi_is_known():
     source = c_source(Conic("daqp").function(2, 1))
     assert "daqp_rows" in source
+    assert "setup_time" not in source  # the clock is not read
     assert without_unbounded_rows(source) == source  # only once
 
 

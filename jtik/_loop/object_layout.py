@@ -1,7 +1,8 @@
-"""Where a NumPy array keeps its data, shape and type, for C that reads arrays without a conversion.
+"""Where objects keep what C reads of them: an array its data, shape and type, a float its number, a slot its object.
 
-The layout is that of ``PyArrayObject_fields`` in NumPy's headers, which every extension module relies on. It is
-compared with what some arrays tell of themselves before anything relies on it.
+The layout of arrays is that of ``PyArrayObject_fields`` in NumPy's headers, and that of floats is ``PyFloatObject`` in
+Python's, which every extension module relies on. Both are compared with what some objects tell of themselves before
+anything relies on them.
 """
 
 from __future__ import annotations
@@ -30,18 +31,39 @@ class Fields(ctypes.Structure):
     )
 
 
+class Slot:
+    """An object with one slot."""
+
+    __slots__ = ("content",)
+
+    def __init__(self, content: object) -> None:
+        self.content = content
+
+
 @cache
 def is_known() -> bool:
-    """Whether arrays of this interpreter and NumPy have this layout."""
+    """Whether arrays, floats and slots of this interpreter and NumPy have this layout."""
     if sys.implementation.name != "cpython":
+        return False
+    slot, number = Slot(object()), 0.1
+    if _pointer(slot, HEAD) != id(slot.content) or ctypes.c_double.from_address(id(number) + HEAD).value != number:
         return False
     table = np.arange(24.0).reshape(4, 6)
     return all(_as_told(array) for array in (table, table.T, table[::2, 1::3], np.zeros(7), table[:, 1]))
 
 
+def tuples_have_items_only() -> bool:
+    """Whether nothing but its length stands in a tuple before its items; Python 3.14 keeps its hash there."""
+    return tuple.__basicsize__ == HEAD + ctypes.sizeof(ctypes.c_ssize_t)
+
+
+def _pointer(of: object, offset: int) -> int | None:
+    return ctypes.c_void_p.from_address(id(of) + offset).value
+
+
 def _as_told(array: NDArray[np.float64]) -> bool:
     fields = Fields.from_address(id(array) + HEAD)
-    kind = ctypes.c_void_p.from_address(id(array) + HEAD - ctypes.sizeof(ctypes.c_void_p)).value
+    kind = _pointer(array, HEAD - ctypes.sizeof(ctypes.c_void_p))
     base = None if array.base is None else id(array.base)
     if (kind, fields.data, fields.dimensions) != (id(np.ndarray), array.ctypes.data, array.ndim):
         return False
