@@ -85,7 +85,7 @@ class Runners:
         self.solve.pauses = self._pauses
         self._box_function = problem.once("compiled box", lambda: compilation.to_c(box)) if compilation else box
         self.step_is_built = strategy.evaluates_candidate(problem.has_criterion) or bool(problem.clearances)
-        self.step_inputs = memory.inputs._replace(settings=np.array(Settings()))
+        self.step_inputs = memory.inputs._replace(settings=np.array(Settings(rests=1.0)))
 
     @cached_property
     def respects_priority(self) -> bool:
@@ -232,13 +232,20 @@ class Runners:
             return lane_library(fused_step(problem, strategy, replaceable=True))
 
         if strategy is own or self._backend is not None:
-            library = problem.once("lanes", lambda: lane_library(self.solve.fused))
+            library = problem.once("lanes", lambda: lane_library(self._of_lanes))
         else:
             library = problem.once("lanes with restarts", replaceable)
         if library is None:
             return None
         banks = problem.once("starts in lanes", lambda: StartBanks(problem)) if ordered else None
         return LaneSearch(library, self.solve, self.turns, has_criterion=problem.has_criterion, banks=banks)
+
+    @property
+    def _of_lanes(self) -> FusedStep:
+        """The step of `solve` as it runs in lanes: without the damping that only `step` uses."""
+        if not CheckedCall(self._strategy, self._strategy, "damps_stagnation").flag():
+            return self.solve.fused
+        return fused_step(self._problem, self._strategy, backend=self._backend, rests=False)
 
     @property
     def step_name(self) -> str:

@@ -10,6 +10,7 @@ from jtik._step.braking import Braking
 from jtik._step.clearances import clearance_model
 from jtik._step.distant_target import NearerTarget
 from jtik._step.inputs import Inputs, Settings
+from jtik._step.stagnation import Stagnation
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.qp.recorder import QPRecorder
 from jtik.robot import WeightedCoordinates
@@ -22,6 +23,7 @@ from jtik.symbolic import (
     horzcat,
     if_else,
     is_finite,
+    norm,
     ratio,
     sqrt,
     substitute,
@@ -58,6 +60,7 @@ class Linearized:
         active_set: the active set; None without limits.
         has_slope: 1 where the gradient of the criterion is finite. Where it is not, the model has a gradient of zero,
             and the task goes on without the criterion.
+        stagnation: whether the error has stopped falling; None for a step that does not ask.
     """
 
     parts: list[Expression]
@@ -65,6 +68,7 @@ class Linearized:
     model: LocalModel
     active_set: ActiveSet | None
     has_slope: Expression = 1
+    stagnation: Stagnation | None = None
 
 
 def linearized(
@@ -80,6 +84,7 @@ def linearized(
     acceleration: Array | None = None,
     explores: bool = False,
     replaceable: bool = False,
+    rests: bool = False,
 ) -> Linearized:
     """The problem at ``start`` (nq, 1), clamped to the limits.
 
@@ -95,6 +100,7 @@ def linearized(
         acceleration: limits of acceleration of a timed step (n,); None without any.
         explores: whether it is the step that takes over where V has stopped falling.
         replaceable: whether a restart replaces what does not soon reach the target: a cheaper model is enough.
+        rests: whether it is damped where the error has stopped falling, if the settings ask for it.
     """
     limits, settings = (inputs.lower, inputs.upper), Settings.of(inputs.settings)
     of_residual = problem.near_jacobian() if replaceable else problem.residual_jacobian
@@ -126,6 +132,7 @@ def linearized(
     J_free = active.masked(J) if active else J
     squared = squared_length(J)
     curvature = _curvature(squared, J.shape[1], state["remaining"], whole) if timed else 0
+    stagnation = Stagnation.of(state, here) if rests else None
     braking = None
     if acceleration is not None:
         braking = Braking.of(
@@ -171,9 +178,12 @@ def linearized(
         position_limits=problem.position_limits if timed else None,
         weak_motion=braking.weak_motion if braking else 0,
         curvature=curvature,
+        stagnation_damping=stagnation.damping(_left_out(norm(residual), squared, J.shape[1]), settings.rests)
+        if stagnation
+        else 0,
         null_space_share=_null_space_share(settings, state, neighbourhood),
     )
-    return Linearized(parts, at, model, active, has_slope)
+    return Linearized(parts, at, model, active, has_slope, stagnation)
 
 
 def _null_space_share(settings: Settings, state: Mapping[str, Expression], neighbourhood: Expression) -> Expression:
@@ -190,7 +200,12 @@ def _curvature(squared: Expression, n: int, remaining: Expression, residual: Exp
     The second derivative of a point's position by two joints is at most as long as a column of J. A share of V bounds
     the first step after the target has come back into reach, and one of |J|^2 keeps a step in the row space.
     """
-    return LEFT_OUT * remaining * sqrt(squared / n) + RETURN * sumsqr(residual) / 2 + SINGULAR * squared
+    return _left_out(remaining, squared, n) + RETURN * sumsqr(residual) / 2 + SINGULAR * squared
+
+
+def _left_out(error: Expression, squared: Expression, n: int) -> Expression:
+    """Size of that curvature for an error, from the squared norm of J."""
+    return LEFT_OUT * error * sqrt(squared / n)
 
 
 def _parts(
