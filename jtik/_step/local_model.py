@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from jtik._step.active_set import ActiveSet, clamped
@@ -105,9 +105,10 @@ def linearized(
     limits, settings = (inputs.lower, inputs.upper), Settings.of(inputs.settings)
     of_residual = problem.near_jacobian() if replaceable else problem.residual_jacobian
     parts = _parts(problem, of_residual, clamped(start, *limits, problem.bounded), inputs.target, inputs.parameters)
-    at = [symbol(f"at{i}", *part.shape) for i, part in enumerate(parts)] if qps else parts
-    q, whole, J, H, gradient = at[:5]
-    residual, unshifted = whole, at[5] if problem.unshifted else None
+    shared = _shared(parts) if qps else parts
+    at = [each for each, part in zip(shared, parts, strict=True) if not part.is_constant()] if qps else parts
+    q, whole, J, H, gradient = shared[:5]
+    residual, unshifted = whole, shared[5] if problem.unshifted else None
     nearer = None if timed or replaceable else NearerTarget.of(problem, whole, by_level=by_level)
     coordinates = problem.coordinates
     if nearer and nearer.weights_differ and explores and not by_level:
@@ -169,7 +170,7 @@ def linearized(
         unshifted_function=problem.unshifted,
         weights=nearer.weights if nearer else 1 if braking else None,
         shift=nearer.shift if nearer else braking.shift if braking else None,
-        clearance=clearance_model(problem, q, at[-3:], inputs.parameters, limits, state)
+        clearance=clearance_model(problem, q, shared[-3:], inputs.parameters, limits, state)
         if problem.clearances
         else None,
         tasks=problem.tasks,
@@ -183,7 +184,13 @@ def linearized(
         else 0,
         null_space_share=_null_space_share(settings, state, neighbourhood),
     )
-    return Linearized(parts, at, model, active, has_slope, stagnation)
+    varying = [part for part in parts if not part.is_constant()] if qps else parts
+    return Linearized(varying, at, model, active, has_slope, stagnation)
+
+
+def _shared(parts: Sequence[Expression]) -> list[Expression]:
+    """Symbols for what the stages of a step share. Constants, such as the gradient of no criterion, stay: they fold."""
+    return [part if part.is_constant() else symbol(f"at{k}", *part.shape) for k, part in enumerate(parts)]
 
 
 def _null_space_share(settings: Settings, state: Mapping[str, Expression], neighbourhood: Expression) -> Expression:
