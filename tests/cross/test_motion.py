@@ -12,7 +12,8 @@ import itertools
 
 import numpy as np
 import pytest
-from scipy.optimize import linprog
+from scipy.optimize import least_squares, linprog
+from scipy.spatial.transform import Rotation
 
 import jtik
 from jtik_formulations import JointCentering, ObstacleAvoidance
@@ -428,3 +429,37 @@ def test_a_step_is_undamped_again_as_soon_as_its_target_moves_or_is_in_reach(str
         assert away[-1] <= 1e-6
         needed.append(int(np.argmax(away <= 1e-6)))
     assert needed[0] <= needed[1] + 10
+
+
+def test_where_a_limit_holds_an_arm_that_comes_back_a_solve_says_so_and_finds_another_posture():
+    """Drawn out with the elbow between its stretched pose and its limit: a true local minimum, by SciPy as well."""
+    dt, rng = 0.01, np.random.default_rng(13)
+    ik = panda("hybrid", limits=jtik.Limits(velocity=2.0))
+    arm = ik.robot
+    rng.uniform(arm.lower, arm.upper)
+    q = arm.lower + (0.1 + 0.8 * rng.uniform(size=7)) * (arm.upper - arm.lower)
+    start, direction = arm.pose(q), rng.normal(size=3)
+    direction /= np.linalg.norm(direction)
+    wrist = start[:3, 3] - [0, 0, 0.333]
+    along = wrist @ direction
+    length = np.sqrt(along**2 - wrist @ wrist + 1.0) - along  # to 1 m from the shoulder
+    t = dt * np.arange(1, round(4 / dt) + 1)
+    share = np.concatenate([(1 - np.cos(np.pi * t / 2)) / 2, np.zeros(100)])
+    targets = moved(start, length * np.outer(share, direction))
+    path = stepped(ik, q, targets, dt)
+    held = path[-1]
+    assert errors(ik, path[1:], targets)[-1] > 0.1
+    solution = ik.solve(start, q0=held)
+    assert solution.status is jtik.Status.LIMITS
+    assert "joint4" in " ".join(solution.active_limits)
+    rotation = Rotation.from_matrix(start[:3, :3])
+
+    def residual(q):
+        pose = arm.pose(q)
+        turn = (Rotation.from_matrix(pose[:3, :3]) * rotation.inv()).as_rotvec()
+        return np.concatenate([pose[:3, 3] - start[:3, 3], turn])
+
+    nearby = np.clip(held + 1e-3, arm.lower + 1e-9, arm.upper - 1e-9)
+    found = least_squares(residual, nearby, bounds=(arm.lower, arm.upper), max_nfev=30)
+    assert np.linalg.norm(found.fun) >= np.linalg.norm(residual(held)) - 1e-3
+    assert ik.solve(start, q0=held, restarts=20).status is jtik.Status.CONVERGED
