@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from jtik._step.active_set import ActiveSet, clamped
@@ -53,8 +53,9 @@ class Linearized:
     """A problem linearised at one configuration.
 
     Attributes:
-        parts: q, residual, Jacobian, H and its gradient as expressions of the inputs; the unshifted residual where the
-            problem has one; with clearances distances, their Jacobian and their figures.
+        parts: q, residual, Jacobian, H and its gradient as expressions of the inputs, the last two only with a
+            criterion where several stages share them; the unshifted residual where the problem has one; with clearances
+            distances, their Jacobian and their figures.
         at: the same as the strategy gets them: symbols where several stages of a step share them.
         model: the local model, written in ``at``.
         active_set: the active set; None without limits.
@@ -105,10 +106,13 @@ def linearized(
     limits, settings = (inputs.lower, inputs.upper), Settings.of(inputs.settings)
     of_residual = problem.near_jacobian() if replaceable else problem.residual_jacobian
     parts = _parts(problem, of_residual, clamped(start, *limits, problem.bounded), inputs.target, inputs.parameters)
-    shared = _shared(parts) if qps else parts
-    at = [each for each, part in zip(shared, parts, strict=True) if not part.is_constant()] if qps else parts
-    q, whole, J, H, gradient = shared[:5]
-    residual, unshifted = whole, shared[5] if problem.unshifted else None
+    local = at = parts
+    if qps:  # without a criterion H and its gradient stay zeros in all stages, from which nothing is computed
+        fixed = range(3, 3 if problem.has_criterion else 5)
+        local = [part if k in fixed else symbol(f"at{k}", *part.shape) for k, part in enumerate(parts)]
+        parts, at = ([each for k, each in enumerate(group) if k not in fixed] for group in (parts, local))
+    q, whole, J, H, gradient = local[:5]
+    residual, unshifted = whole, local[5] if problem.unshifted else None
     nearer = None if timed or replaceable else NearerTarget.of(problem, whole, by_level=by_level)
     coordinates = problem.coordinates
     if nearer and nearer.weights_differ and explores and not by_level:
@@ -170,7 +174,7 @@ def linearized(
         unshifted_function=problem.unshifted,
         weights=nearer.weights if nearer else 1 if braking else None,
         shift=nearer.shift if nearer else braking.shift if braking else None,
-        clearance=clearance_model(problem, q, shared[-3:], inputs.parameters, limits, state)
+        clearance=clearance_model(problem, q, local[-3:], inputs.parameters, limits, state)
         if problem.clearances
         else None,
         tasks=problem.tasks,
@@ -184,13 +188,7 @@ def linearized(
         else 0,
         null_space_share=_null_space_share(settings, state, neighbourhood),
     )
-    varying = [part for part in parts if not part.is_constant()] if qps else parts
-    return Linearized(varying, at, model, active, has_slope, stagnation)
-
-
-def _shared(parts: Sequence[Expression]) -> list[Expression]:
-    """Symbols for what the stages of a step share. Constants, such as the gradient of no criterion, stay: they fold."""
-    return [part if part.is_constant() else symbol(f"at{k}", *part.shape) for k, part in enumerate(parts)]
+    return Linearized(parts, at, model, active, has_slope, stagnation)
 
 
 def _null_space_share(settings: Settings, state: Mapping[str, Expression], neighbourhood: Expression) -> Expression:
