@@ -118,9 +118,9 @@ class Mink(Programmed):
         residual, weak = model.here.residual, zeros(n) + model.weak_motion
         if model.accelerated:
             residual = residual + model.J @ weak
-        # mink's own task has the error to the target itself; no step is refused, so the bound of the norm is needed
+        # mink's own task has the error to the target itself; no step is refused, so more joints need more damping
         distant = ratio(model.here.length, norm(model.here.residual))
-        curvature = max(1, n / 3) * (model.curvature + distant * model.stagnation_damping)
+        curvature = max(1, n / 7) * model.curvature + max(1, n / 3) * distant * model.stagnation_damping
         back = joints.gradient_by_joints(curvature * weak)
         inputs = [model.here.q, model.target, residual, J, gradient, *box, zeros(1) + curvature, back]
         dq, strict = model.compute("mink", step, inputs, [(n, 1), (1, 1)])

@@ -33,7 +33,7 @@ _EQUALITY_TOLERANCE = 1e-6
 
 
 LEFT = 1e-3
-"""Curvature relative to |J|^2 / min(n, 3) above which the target is out of reach for the strict form."""
+"""Curvature relative to |J|^2 / n above which the target is out of reach for the strict form."""
 
 
 class MinkStep:
@@ -102,7 +102,7 @@ class MinkStep:
         self._box.low, self._box.high = low, high
         self._curvature = float(curvature[0])
         self._back.gradient = self._places.leads @ back
-        reached = self._curvature <= LEFT * float((columns**2).sum()) / min(self._robot.n, 3)
+        reached = self._curvature <= LEFT * float((columns**2).sum()) / self._robot.n
         strict = self._solved(strict=True) if self._strategy.strict and reached else None
         if strict is not None:
             return strict, 1.0
