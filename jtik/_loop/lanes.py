@@ -69,7 +69,7 @@ class Lanes:
     def _library(self, *, replaceable: bool, lanes: float) -> LaneLibrary:
         """The code for these steps, with so many lanes at most."""
         problem, own, level = self._problem, self._strategy, highest_with(lanes)
-        fused = self._runners.solve.fused
+        fused = self._runners.of_lanes
         strategy: Strategy = CheckedCall(own, own, "in_lanes")(Strategy) if replaceable else own  # type: ignore[type-abstract]
         differs = strategy is not own and fused.expressions is not None
 

@@ -13,8 +13,8 @@ from jtik._step.inputs import Inputs
 from jtik._step.stopping import StepOutcome
 from jtik.types import Array
 
-OF_ERROR = ("remaining", "left")
-"""Entries of the state of a timed step that tell what its error was."""
+OF_ERROR = ("remaining", "left", "smallest", "idle")
+"""Entries of the state that tell what the error of earlier steps was."""
 
 
 class Runner:

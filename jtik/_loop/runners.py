@@ -83,7 +83,7 @@ class Runners:
         self.solve.pauses = self._pauses
         self._box_function = problem.once("compiled box", lambda: compilation.to_c(box)) if compilation else box
         self.step_is_built = strategy.evaluates_candidate(problem.has_criterion) or bool(problem.clearances)
-        self.step_inputs = memory.inputs._replace(settings=np.array(Settings()))
+        self.step_inputs = memory.inputs._replace(settings=np.array(Settings(rests=1.0)))
 
     @cached_property
     def respects_priority(self) -> bool:
@@ -218,6 +218,13 @@ class Runners:
         made = Runner(self._in_c.get(name, fused), inputs, self._problem.robot.nq)
         self._made.setdefault(name, []).append(made)
         return made
+
+    @cached_property
+    def of_lanes(self) -> FusedStep:
+        """The step of `solve` as it runs in lanes: without the damping that only `step` uses."""
+        if not CheckedCall(self._strategy, self._strategy, "damps_stagnation").flag():
+            return self.solve.fused
+        return fused_step(self._problem, self._strategy, backend=self._backend, rests=False)
 
     @property
     def step_name(self) -> str:

@@ -22,6 +22,7 @@ from jtik._step.local_model import linearized
 from jtik._step.record import figures_of
 from jtik._step.relaxation import RelaxationTerms
 from jtik._step.solve_progress import UNKNOWN, Progress, initial_progress
+from jtik._step.stagnation import initial_stagnation
 from jtik._step.stopping import Code, Stop
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik._step.vector_layout import VectorLayout
@@ -153,6 +154,7 @@ def fused_step(
     explores: bool = False,
     acceleration: Array | None = None,
     replaceable: bool = False,
+    rests: bool = True,
 ) -> FusedStep:
     """Join problem and strategy into one function, or into those between which quadratic programs are solved.
 
@@ -170,6 +172,7 @@ def fused_step(
             any.
         replaceable: whether a restart replaces an attempt that does not soon reach the target. Then the step has a
             cheaper model, and an attempt ends on the target, without progress, or where V is not finite.
+        rests: whether it is damped where a strategy damps stagnation, as `step` without a time asks by its settings.
 
     Raises:
         StrategyError: when a method of the strategy raises or returns what cannot be used.
@@ -177,9 +180,12 @@ def fused_step(
     evaluates = CheckedCall(strategy, strategy, "evaluates_candidate").flag(problem.has_criterion)
     evaluated = evaluated or evaluates or bool(problem.clearances) or timed
     evaluated = evaluated or explores
+    rests = rests and not (timed or replaceable) and CheckedCall(strategy, strategy, "damps_stagnation").flag()
     first = _first_state(problem, strategy, evaluated=evaluated, timed=timed, explores=explores)
     if acceleration is not None:
         first |= initial_braking(problem)
+    if rests:
+        first |= initial_stagnation()
     layout = VectorLayout.of({name: value.size for name, value in first.items()})
     inputs, q, memory = _input_symbols(problem), symbol("q", problem.robot.nq), symbol("state", layout.size)
     state, settings = layout.split(memory), Settings.of(inputs.settings)
@@ -191,7 +197,7 @@ def fused_step(
     by_level = CheckedCall(strategy, strategy, "respects_priority").flag()
     start = start_of_step(state, q)
     flags = {"uses_qp": uses_qp, "timed": timed, "by_level": by_level, "explores": explores}
-    flags["replaceable"] = replaceable
+    flags |= {"replaceable": replaceable, "rests": rests}
     at = linearized(problem, start, inputs, state, qps, acceleration=acceleration, **flags)
     model, active = at.model, at.active_set
     exploration = Exploration.of(model, state, q) if explores else None
@@ -247,6 +253,8 @@ def fused_step(
             after["momentum"] = state["momentum"]
         if problem.has_criterion:
             after["null_space_left"] = if_else(accepted, settings.null_space_again, state["null_space_left"])
+    if at.stagnation:
+        after |= at.stagnation.after(update.candidate, accepted)
     if restoration:
         after |= restoration.after(update.dq, accepted)
     if active and evaluated:

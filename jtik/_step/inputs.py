@@ -25,6 +25,7 @@ class Settings(NamedTuple):
         null_space_share: share of a null-space displacement that a timed step takes, (0, 1].
         null_space_again: 0 if only the first step from a start takes it, else 1.
         braking_time: duration of a step that brakes towards its target [s]; infinite for one that does not.
+        rests: 1 in `step` without a time, which comes to rest at a target out of reach, else 0.
     """
 
     position_tolerance: Any = 1e-6
@@ -34,6 +35,7 @@ class Settings(NamedTuple):
     null_space_share: Any = 1.0
     null_space_again: Any = 1.0
     braking_time: Any = math.inf
+    rests: Any = 0.0
 
     @classmethod
     def of(cls, column: Expression) -> Settings:

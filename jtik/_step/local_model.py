@@ -10,6 +10,7 @@ from jtik._step.braking import Braking
 from jtik._step.clearances import clearance_model
 from jtik._step.distant_target import NearerTarget
 from jtik._step.inputs import Inputs, Settings
+from jtik._step.stagnation import Stagnation
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.qp.recorder import QPRecorder
 from jtik.robot import WeightedCoordinates
@@ -22,6 +23,7 @@ from jtik.symbolic import (
     horzcat,
     if_else,
     is_finite,
+    norm,
     ratio,
     sqrt,
     substitute,
@@ -51,13 +53,15 @@ class Linearized:
     """A problem linearised at one configuration.
 
     Attributes:
-        parts: q, residual, Jacobian, H and its gradient as expressions of the inputs; the unshifted residual where the
-            problem has one; with clearances distances, their Jacobian and their figures.
+        parts: q, residual, Jacobian, H and its gradient as expressions of the inputs, the last two only with a
+            criterion where several stages share them; the unshifted residual where the problem has one; with clearances
+            distances, their Jacobian and their figures.
         at: the same as the strategy gets them: symbols where several stages of a step share them.
         model: the local model, written in ``at``.
         active_set: the active set; None without limits.
         has_slope: 1 where the gradient of the criterion is finite. Where it is not, the model has a gradient of zero,
             and the task goes on without the criterion.
+        stagnation: whether the error has stopped falling; None for a step that does not ask.
     """
 
     parts: list[Expression]
@@ -65,6 +69,7 @@ class Linearized:
     model: LocalModel
     active_set: ActiveSet | None
     has_slope: Expression = 1
+    stagnation: Stagnation | None = None
 
 
 def linearized(
@@ -80,6 +85,7 @@ def linearized(
     acceleration: Array | None = None,
     explores: bool = False,
     replaceable: bool = False,
+    rests: bool = False,
 ) -> Linearized:
     """The problem at ``start`` (nq, 1), clamped to the limits.
 
@@ -95,13 +101,18 @@ def linearized(
         acceleration: limits of acceleration of a timed step (n,); None without any.
         explores: whether it is the step that takes over where V has stopped falling.
         replaceable: whether a restart replaces what does not soon reach the target: a cheaper model is enough.
+        rests: whether it is damped where the error has stopped falling, if the settings ask for it.
     """
     limits, settings = (inputs.lower, inputs.upper), Settings.of(inputs.settings)
     of_residual = problem.near_jacobian() if replaceable else problem.residual_jacobian
     parts = _parts(problem, of_residual, clamped(start, *limits, problem.bounded), inputs.target, inputs.parameters)
-    at = [symbol(f"at{i}", *part.shape) for i, part in enumerate(parts)] if qps else parts
-    q, whole, J, H, gradient = at[:5]
-    residual, unshifted = whole, at[5] if problem.unshifted else None
+    local = at = parts
+    if qps:  # without a criterion H and its gradient stay zeros in all stages, from which nothing is computed
+        fixed = range(3, 3 if problem.has_criterion else 5)
+        local = [part if k in fixed else symbol(f"at{k}", *part.shape) for k, part in enumerate(parts)]
+        parts, at = ([each for k, each in enumerate(group) if k not in fixed] for group in (parts, local))
+    q, whole, J, H, gradient = local[:5]
+    residual, unshifted = whole, local[5] if problem.unshifted else None
     nearer = None if timed or replaceable else NearerTarget.of(problem, whole, by_level=by_level)
     coordinates = problem.coordinates
     if nearer and nearer.weights_differ and explores and not by_level:
@@ -126,6 +137,7 @@ def linearized(
     J_free = active.masked(J) if active else J
     squared = squared_length(J)
     curvature = _curvature(squared, J.shape[1], state["remaining"], whole) if timed else 0
+    stagnation = Stagnation.of(state, here) if rests else None
     braking = None
     if acceleration is not None:
         braking = Braking.of(
@@ -162,7 +174,7 @@ def linearized(
         unshifted_function=problem.unshifted,
         weights=nearer.weights if nearer else 1 if braking else None,
         shift=nearer.shift if nearer else braking.shift if braking else None,
-        clearance=clearance_model(problem, q, at[-3:], inputs.parameters, limits, state)
+        clearance=clearance_model(problem, q, local[-3:], inputs.parameters, limits, state)
         if problem.clearances
         else None,
         tasks=problem.tasks,
@@ -171,9 +183,12 @@ def linearized(
         position_limits=problem.position_limits if timed else None,
         weak_motion=braking.weak_motion if braking else 0,
         curvature=curvature,
+        stagnation_damping=stagnation.damping(_left_out(norm(residual), squared, J.shape[1]), settings.rests)
+        if stagnation
+        else 0,
         null_space_share=_null_space_share(settings, state, neighbourhood),
     )
-    return Linearized(parts, at, model, active, has_slope)
+    return Linearized(parts, at, model, active, has_slope, stagnation)
 
 
 def _null_space_share(settings: Settings, state: Mapping[str, Expression], neighbourhood: Expression) -> Expression:
@@ -190,7 +205,12 @@ def _curvature(squared: Expression, n: int, remaining: Expression, residual: Exp
     The second derivative of a point's position by two joints is at most as long as a column of J. A share of V bounds
     the first step after the target has come back into reach, and one of |J|^2 keeps a step in the row space.
     """
-    return LEFT_OUT * remaining * sqrt(squared / n) + RETURN * sumsqr(residual) / 2 + SINGULAR * squared
+    return _left_out(remaining, squared, n) + RETURN * sumsqr(residual) / 2 + SINGULAR * squared
+
+
+def _left_out(error: Expression, squared: Expression, n: int) -> Expression:
+    """Size of that curvature for an error, from the squared norm of J."""
+    return LEFT_OUT * error * sqrt(squared / n)
 
 
 def _parts(

@@ -6,10 +6,10 @@ from typing import Literal, NamedTuple
 
 from jtik.strategy.evaluation import Evaluation
 from jtik.strategy.model import LocalModel
-from jtik.symbolic import Expression, is_finite, logic_and, logic_not, logic_or
+from jtik.symbolic import Expression, is_finite, is_symbolic, logic_and, logic_not, logic_or
 
 SIGNIFICANT = 1e-9
-"""Predicted decrease of V, relative to it, below which the refusal of a timed step says nothing about its length."""
+"""Predicted decrease of V, relative to it, below which the refusal of a step at rest says nothing about its length."""
 
 Acceptance = Literal["merit", "task", "always"]
 """By which test a step is accepted."""
@@ -64,8 +64,11 @@ def final_verdict(
         shorten_task, shorten_null = (logic_or(part, logic_not(clear)) for part in (shorten_task, shorten_null))
         # what a restoration adds to V says nothing about the length of the task part
         shorten_task = logic_and(shorten_task, logic_not(logic_and(restores, clear)))
-    if model.timed:  # at rest a refusal by rounding must not shorten the step to the next target
+    # at rest a refusal by rounding must not shorten the step to the next target
+    if model.timed or is_symbolic(model.stagnation_damping):
         predicted = model.predicted_decrease(model.J @ dq) if predicted is None else predicted
         matters = predicted > SIGNIFICANT * model.here.V
+        if not model.timed:
+            matters = logic_or(matters, model.stagnation_damping <= 0)
         shorten_task = logic_and(shorten_task, matters)
     return FinalVerdict(accepted, shorten_task, shorten_null)

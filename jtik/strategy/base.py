@@ -145,6 +145,10 @@ class Strategy(metaclass=Constructed):
         """
         return False
 
+    def damps_stagnation(self) -> bool:
+        """Whether `step` without a time adds ``model.stagnation_damping``, to come to rest at a target out of reach."""
+        return False
+
     def in_lanes(self) -> Strategy:
         """The strategy whose steps ``lanes=True`` takes with restarts and without a criterion.
 

@@ -70,6 +70,7 @@ class LocalModel:
             its own; 0 otherwise. It damps the motion that the task cannot stop.
         curvature: size of the curvature of V that J' J leaves out, from the error that the last step left, in a timed
             step; 0 otherwise. As damping it keeps a step along a weak direction from overshooting.
+        stagnation_damping: the same in a step without a time whose error no longer falls; for `damps_stagnation`.
         null_space_share: share of a null-space displacement to take in this step, (0, 1]; 1 in a step without a time.
         coordinates: of the displacements, from the joint weights.
         exploring: 1 in an exploring step, which is taken wherever it ends, else 0. Only for a strategy that explores.
@@ -103,6 +104,7 @@ class LocalModel:
     accelerated: bool = False
     weak_motion: Expression = 0
     curvature: Expression = 0
+    stagnation_damping: Expression = 0
     null_space_share: Expression = 1
     coordinates: WeightedCoordinates = UNWEIGHTED
     exploring: Expression = 0

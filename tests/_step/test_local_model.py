@@ -84,3 +84,6 @@ def test_beside_quadratic_programs_the_strategy_sees_symbols():
     assert found.model.J is found.at[2]
     without = at(planar(3), criteria=JointCentering())
     assert without.at is without.parts
+    no_criterion = at(planar(3), qps=QPRecorder(1e-7))
+    assert len(no_criterion.parts) == len(no_criterion.at) == 4
+    assert numbers(no_criterion.model.gradient).tolist() == [0, 0, 0]

@@ -12,7 +12,8 @@ import itertools
 
 import numpy as np
 import pytest
-from scipy.optimize import linprog
+from scipy.optimize import least_squares, linprog
+from scipy.spatial.transform import Rotation
 
 import jtik
 from jtik_formulations import JointCentering, ObstacleAvoidance
@@ -371,3 +372,94 @@ def test_an_arm_at_its_target_avoids_a_moving_obstacle(strategy, dt, at_once):
         along = np.clip((center - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
         distances.append(np.linalg.norm(center - a - along * (b - a)) - radius)
     assert min(distances) >= safe - 1e-9
+
+
+STAGNANT = [name for name in jtik.strategies if jtik.strategies[name]().damps_stagnation()]
+"""Strategies that a target out of reach used to keep in motion: their steps are longer than their model is right."""
+
+RESTS = [*STAGNANT, "hybrid", "damped", "weighted_qp", "newton+qp"]
+
+
+def stretched(robot):
+    """The largest distance of the tip from the base of a planar arm."""
+    return float(np.linalg.norm(robot.position(np.zeros(robot.n))))
+
+
+@pytest.mark.parametrize("factor", [1.3, *slow(1.02, 3.0)])
+@pytest.mark.parametrize("kind", ["position", "pose"])
+@pytest.mark.parametrize("strategy", [*families_first(RESTS, large=False)])
+def test_at_a_fixed_target_out_of_reach_every_step_comes_to_rest_at_the_closest_posture(strategy, kind, factor):
+    """Without a time as well, where `newton` moved by 0.006 rad a step for ever, up to a third of the reach away."""
+    arm = planar(3)
+    ik = shared_solver(arm, jtik.FrameTask("tip", kind=kind), strategy=strategy)
+    goal = np.eye(3)
+    goal[:2, 2] = factor * stretched(arm) * np.array([0.8, 0.6])
+    target = goal[:2, 2] if kind == "position" else goal
+    ends = []
+    for dt in (None, 0.02):
+        ik.reset()
+        path = stepped(ik, np.array([0.4, 0.1, -0.1]), [target] * 500, dt)
+        assert np.abs(np.diff(path[-50:], axis=0)).max() <= 1e-6, dt
+        ends.append(np.linalg.norm(arm.position(path[-1]) - goal[:2, 2]))
+    assert ends[0] == pytest.approx(ends[1], abs=1e-4 * factor)
+    if kind == "position":
+        assert ends[0] == pytest.approx((factor - 1) * stretched(arm), abs=1e-4 * factor)
+
+
+@pytest.mark.parametrize("strategy", large_ones_slow(["mink", "weighted_qp"]))
+def test_a_long_arm_comes_to_rest_out_of_reach_too(strategy):
+    """Where every step is taken, the damping has to exceed the curvature of ten links: 0.1 rad a step for ever."""
+    arm = planar(10)
+    ik = shared_solver(arm, jtik.FrameTask("tip", kind="position"), strategy=strategy)
+    path = stepped(ik, np.linspace(0.4, 0.2, 10), [30 * np.array([0.8, 0.6])] * 700, 0.02)
+    assert np.abs(np.diff(path[-50:], axis=0)).max() <= 1e-6
+
+
+@pytest.mark.parametrize("strategy", large_ones_slow(STAGNANT))
+def test_a_step_is_undamped_again_as_soon_as_its_target_moves_or_is_in_reach(strategy):
+    """After a long rest a target inside is reached in about as many steps as by a solver that begins there."""
+    arm = planar(4)
+    ik = shared_solver(arm, jtik.FrameTask("tip", kind="position"), strategy=strategy)
+    inside, needed = np.array([1.0, 1.5]), []
+    for before in ([np.array([4.0, 3.0])] * 200, []):
+        ik.reset()
+        stepped(ik, np.array([0.4, 0.3, -0.2, 0.5]), before, None)
+        path = stepped(ik, [0.5, 0.6, -0.3, 0.4], [inside] * 60, None)
+        away = np.array([np.linalg.norm(arm.position(each) - inside) for each in path])
+        assert away[-1] <= 1e-6
+        needed.append(int(np.argmax(away <= 1e-6)))
+    assert needed[0] <= needed[1] + 10
+
+
+def test_where_a_limit_holds_an_arm_that_comes_back_a_solve_says_so_and_finds_another_posture():
+    """Drawn out with the elbow between its stretched pose and its limit: a true local minimum, by SciPy as well."""
+    dt, rng = 0.01, np.random.default_rng(13)
+    ik = panda("hybrid", limits=jtik.Limits(velocity=2.0))
+    arm = ik.robot
+    rng.uniform(arm.lower, arm.upper)
+    q = arm.lower + (0.1 + 0.8 * rng.uniform(size=7)) * (arm.upper - arm.lower)
+    start, direction = arm.pose(q), rng.normal(size=3)
+    direction /= np.linalg.norm(direction)
+    wrist = start[:3, 3] - [0, 0, 0.333]
+    along = wrist @ direction
+    length = np.sqrt(along**2 - wrist @ wrist + 1.0) - along  # to 1 m from the shoulder
+    t = dt * np.arange(1, round(4 / dt) + 1)
+    share = np.concatenate([(1 - np.cos(np.pi * t / 2)) / 2, np.zeros(100)])
+    targets = moved(start, length * np.outer(share, direction))
+    path = stepped(ik, q, targets, dt)
+    held = path[-1]
+    assert errors(ik, path[1:], targets)[-1] > 0.1
+    solution = ik.solve(start, q0=held)
+    assert solution.status is jtik.Status.LIMITS
+    assert "joint4" in " ".join(solution.active_limits)
+    rotation = Rotation.from_matrix(start[:3, :3])
+
+    def residual(q):
+        pose = arm.pose(q)
+        turn = (Rotation.from_matrix(pose[:3, :3]) * rotation.inv()).as_rotvec()
+        return np.concatenate([pose[:3, 3] - start[:3, 3], turn])
+
+    nearby = np.clip(held + 1e-3, arm.lower + 1e-9, arm.upper - 1e-9)
+    found = least_squares(residual, nearby, bounds=(arm.lower, arm.upper), max_nfev=30)
+    assert np.linalg.norm(found.fun) >= np.linalg.norm(residual(held)) - 1e-3
+    assert ik.solve(start, q0=held, restarts=20).status is jtik.Status.CONVERGED

@@ -39,9 +39,13 @@ class ConstantDamped(DampedLeastSquares):
     source = "Wampler 1986"
     bibtex = WAMPLER_1986
 
+    def damps_stagnation(self) -> bool:
+        """With backtracking."""
+        return self.backtracking
+
     def damping_of(self, model: LocalModel) -> Expression:
         """The damping."""
-        return self.damping
+        return self.damping + model.stagnation_damping
 
 
 @register_strategy("sugihara")
@@ -105,9 +109,14 @@ class NakamuraHanafusa(DampedLeastSquares):
     source = "Nakamura and Hanafusa 1986"
     bibtex = NAKAMURA_HANAFUSA_1986
 
+    def damps_stagnation(self) -> bool:
+        """With backtracking."""
+        return self.backtracking
+
     def damping_of(self, model: LocalModel) -> Expression:
         """mu0 (1 - w / w0)^2 below the threshold."""
         m = model.J.shape[0]
         mean_square = model.row_space_free.squared_length / m
         manipulability = ratio(model.row_space_free.volume, mean_square ** (m / 2))
-        return self.damping * mean_square * fmax(1 - manipulability / self.threshold, 0) ** 2
+        damping = self.damping * mean_square * fmax(1 - manipulability / self.threshold, 0) ** 2
+        return damping + model.stagnation_damping

@@ -41,13 +41,18 @@ class JParse(ScaledComposition):
     source = "Guptasarma, Strong, Zhen and Kennedy 2025"
     bibtex = GUPTASARMA_2025
 
+    def damps_stagnation(self) -> bool:
+        """With backtracking."""
+        return self.backtracking
+
     def full_step(self, model: LocalModel, state: State) -> TaskDisplacement:
         """-sum of g_i (u_i' r) sigma_i v_i."""
         found = SingularValues(model.J_free)
         floor = self.threshold**2 * found.squared[0]
+        damping = model.curvature + model.stagnation_damping
         gains = [
             if_else(squared > floor, 1, self.singular_gain)
-            * ratio(component, if_else(squared > floor, squared, floor) + model.curvature)
+            * ratio(component, if_else(squared > floor, squared, floor) + damping)
             for component, squared in zip(found.components(-model.here.residual), found.squared, strict=True)
         ]
         return TaskDisplacement(found.combined(gains), found.image(gains))

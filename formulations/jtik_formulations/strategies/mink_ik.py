@@ -86,6 +86,10 @@ class Mink(Programmed):
         """Always, to end where something is not finite."""
         return True
 
+    def damps_stagnation(self) -> bool:
+        """Always."""
+        return True
+
     def secondary_term(self) -> SecondaryTerm | None:
         """The rule for beta, below strict tasks."""
         return self.descent if self.strict else None
@@ -114,8 +118,11 @@ class Mink(Programmed):
         residual, weak = model.here.residual, zeros(n) + model.weak_motion
         if model.accelerated:
             residual = residual + model.J @ weak
-        back = joints.gradient_by_joints(model.curvature * weak)
-        inputs = [model.here.q, model.target, residual, J, gradient, *box, zeros(1) + model.curvature, back]
+        # mink's own task has the error to the target itself; no step is refused, so more joints need more damping
+        distant = ratio(model.here.length, norm(model.here.residual))
+        curvature = max(1, n / 7) * model.curvature + max(1, n / 3) * distant * model.stagnation_damping
+        back = joints.gradient_by_joints(curvature * weak)
+        inputs = [model.here.q, model.target, residual, J, gradient, *box, zeros(1) + curvature, back]
         dq, strict = model.compute("mink", step, inputs, [(n, 1), (1, 1)])
         dq = model.within_limits(joints.from_joints(dq))
         residual = model.joint_gradient_norm(dq, norm(dq))

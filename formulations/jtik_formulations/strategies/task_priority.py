@@ -30,6 +30,7 @@ from jtik.symbolic import Expression, fmax, fmin, is_symbolic, logic_and, norm, 
 from jtik.symbolic.factorization import RowSpace, damped_multipliers, squared_length
 from jtik.types import Array
 from jtik_formulations.bibliography import ANTONELLI_2009, CHIAVERINI_1997, SICILIANO_SLOTINE_1991
+from jtik_formulations.strategies._parts.damped_least_squares import damped_where_stagnant
 from jtik_formulations.strategies.projected_gradient import ProjectedGradient
 
 Rule = Literal["recursive", "robust"]
@@ -43,11 +44,11 @@ class PriorityLevels:
         r: residual (m, 1).
         rule: rule of `TaskPriority`.
         damping: damping below the highest level.
-        curvature: damping of all levels, that of a timed step; 0 for none.
+        model: the local model, whose damping is that of all levels.
     """
 
-    def __init__(self, J: Expression, r: Expression, rule: Rule, damping: float, curvature: Expression = 0) -> None:
-        self._J, self._r, self._rule, self._damping, self._curvature = J, r, rule, damping, curvature
+    def __init__(self, J: Expression, r: Expression, rule: Rule, damping: float, model: LocalModel) -> None:
+        self._J, self._r, self._rule, self._damping, self._model = J, r, rule, damping, model
         self._above: list[RowSpace] = []
 
     def add(self, rows: Sequence[int], total: Expression) -> Expression:
@@ -68,10 +69,11 @@ class PriorityLevels:
 
     def _solved(self, J: Expression, space: RowSpace, r: Expression) -> Expression:
         """-J^+ r, below the highest level -J' (J J' + mu I)^-1 r."""
+        model = self._model
         damping = self._damping * sumsqr(r) / 2 if self._above and self._damping else 0
-        if is_symbolic(damping) or is_symbolic(self._curvature):
-            return J.T @ damped_multipliers(J, damping + self._curvature, -r)
-        return space.least_squares(-r).vector
+        if is_symbolic(damping) or is_symbolic(model.curvature):
+            return J.T @ damped_multipliers(J, damping + model.curvature + model.stagnation_damping, -r)
+        return damped_where_stagnant(model, J, -r, space.least_squares(-r))[0]
 
 
 def _projected(vector: Expression, above: Sequence[RowSpace]) -> Expression:
@@ -124,6 +126,10 @@ class TaskPriority(Programmed):
     def respects_priority(self) -> bool:
         """Always."""
         return True
+
+    def damps_stagnation(self) -> bool:
+        """With backtracking."""
+        return self.backtracking
 
     def merit(self) -> LevelMerit:
         """The penalty function of the levels; with one level it is |r|."""
@@ -180,7 +186,7 @@ class TaskPriority(Programmed):
 
     def _levels(self, model: LocalModel, fractions: Expression) -> tuple[Expression, list[Expression]]:
         """The sum of all levels' displacements, each within what remains of the Q limit; their norms."""
-        levels = PriorityLevels(model.J_free, model.here.residual, self.rule, self.damping, model.curvature)
+        levels = PriorityLevels(model.J_free, model.here.residual, self.rule, self.damping, model)
         total, lengths = zeros(model.robot.n), []
         for k, rows in enumerate(model.levels):
             part = levels.add(rows, total)

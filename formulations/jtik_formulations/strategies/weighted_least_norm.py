@@ -16,6 +16,7 @@ from jtik.symbolic import Expression, fabs, fmin, horzcat, if_else, is_finite, r
 from jtik.symbolic.factorization import RowSpace, damped_multipliers
 from jtik.types import Array
 from jtik_formulations.bibliography import CHAN_DUBEY_1995
+from jtik_formulations.strategies._parts.damped_least_squares import damped_where_stagnant
 from jtik_formulations.strategies._parts.scaled_step import ScaledComposition
 
 
@@ -63,6 +64,10 @@ class WeightedLeastNorm(ScaledComposition):
     source = "Chan and Dubey 1995"
     bibtex = CHAN_DUBEY_1995
 
+    def damps_stagnation(self) -> bool:
+        """With backtracking."""
+        return self.backtracking
+
     def own_state(self, shape: Shape) -> Mapping[str, Array]:
         """|2 q - u - l| before the last step taken."""
         return {"limit_offset": np.zeros(shape.n)}
@@ -77,7 +82,8 @@ class WeightedLeastNorm(ScaledComposition):
             multipliers = damped_multipliers(scaled, model.curvature, -model.here.residual)
             return TaskDisplacement(vertcat(*light) * (scaled.T @ multipliers))
         shortest = RowSpace(scaled).least_squares(-model.here.residual)
-        return TaskDisplacement(vertcat(*light) * shortest.vector, shortest.image)
+        vector, image = damped_where_stagnant(model, scaled, -model.here.residual, shortest)
+        return TaskDisplacement(vertcat(*light) * vector, image)
 
     def adapt_own_state(self, model: LocalModel, state: State, outcome: Outcome) -> State:
         """The present |2 q - u - l| if the step is taken."""

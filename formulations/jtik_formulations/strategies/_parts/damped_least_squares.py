@@ -6,8 +6,8 @@ from abc import abstractmethod
 from dataclasses import dataclass
 
 from jtik.strategy import LocalModel, State, StepLimit, TaskDisplacement
-from jtik.symbolic import Expression
-from jtik.symbolic.factorization import damped_multipliers
+from jtik.symbolic import MX, Expression, either, function, is_symbolic, symbol
+from jtik.symbolic.factorization import RowVector, damped_multipliers
 from jtik_formulations.strategies._parts.scaled_step import ScaledComposition
 
 
@@ -30,6 +30,32 @@ class DampedLeastSquares(ScaledComposition):
     def full_step(self, model: LocalModel, state: State) -> TaskDisplacement:
         """-J' (J J' + mu I)^-1 r."""
         return damped_step(model, self.damping_of(model) + model.curvature)
+
+
+def damped_where_stagnant(
+    model: LocalModel, J: Expression, r: Expression, shortest: RowVector
+) -> tuple[Expression, Expression]:
+    """J^+ r (n, 1), or J' (J J' + mu I)^-1 r in a step without a time whose error has stopped falling; and its image.
+
+    The second one is evaluated only where it is used (motion.md, Q8).
+
+    Args:
+        model: the local model.
+        J: the matrix (m, n).
+        r: right-hand side (m, 1).
+        shortest: J^+ r.
+    """
+    damping, undamped = model.stagnation_damping, (shortest.vector, shortest.image)
+    if not is_symbolic(damping):
+        return undamped
+    given = [symbol(f"a{i}", *each.shape) for i, each in enumerate((J, r, damping, *undamped))]
+    rows, right, mu, *known = given
+    dq = rows.T @ damped_multipliers(rows, mu, right)
+    found = either(function("damped", given, [dq, rows @ dq]), function("undamped", given, known))
+    inputs = [MX.sym(f"a{i}", *found.size_in(i)) for i in range(found.n_in())]
+    called = function("damped_where_stagnant", inputs, found(*inputs), inline=False)
+    vector, image = called(damping > 0, J, r, damping, *undamped)
+    return vector, image
 
 
 def damped_step(model: LocalModel, damping: Expression) -> TaskDisplacement:

@@ -33,7 +33,7 @@ _EQUALITY_TOLERANCE = 1e-6
 
 
 LEFT = 1e-3
-"""Curvature of a timed step, relative to |J|^2 / n, above which its target is out of reach for the strict form."""
+"""Curvature relative to |J|^2 / n above which the target is out of reach for the strict form."""
 
 
 class MinkStep:
