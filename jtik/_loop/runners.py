@@ -23,6 +23,7 @@ from jtik.constraints.step_box import StepBox, box_function
 from jtik.qp import Backend
 from jtik.qp.call import PythonCall
 from jtik.strategy import Strategy
+from jtik.strategy.checked_call import CheckedCall
 from jtik.symbolic.compilation import Compilation
 from jtik.symbolic.compile import Beside
 from jtik.types import Array
