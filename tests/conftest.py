@@ -16,6 +16,8 @@ from scipy.spatial.transform import Rotation
 import jtik
 from jtik.robot import JointType, Mass
 
+from .thinning import deselected
+
 EXACT = 1e-12
 """Rounding of some dozens of operations on numbers of order one."""
 
@@ -225,6 +227,17 @@ def as_moved(robot, rows, limits=True):
     rows, free = rows.copy(), turning(robot, limits)
     rows[:, free] = np.unwrap(rows[:, free], axis=0)
     return rows
+
+
+def pytest_addoption(parser):
+    parser.addoption("--full", action="store_true", help="run all tests that are marked thinned")
+
+
+def pytest_collection_modifyitems(config, items):
+    dropped = set() if config.getoption("--full") else deselected(items)
+    if dropped:
+        config.hook.pytest_deselected(items=[item for item in items if item in dropped])
+        items[:] = [item for item in items if item not in dropped]
 
 
 @pytest.fixture

@@ -266,12 +266,11 @@ print("done", flush=True)
 
 
 @pytest.mark.slow
-def test_a_batch_that_is_killed_ten_times_is_found_again(tmp_path):
+def test_a_batch_that_is_killed_again_and_again_is_found_again(tmp_path):
     ik, path = solver(), tmp_path / "batch.npz"
     expected, found = ik.solve_batch(TARGETS, q0=Q0), [0]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(each for each in sys.path if each)}
-    moments = np.random.default_rng(0).uniform(0.0, 0.05, 10)
-    for moment in moments:
+    for moment in (0.01, 0.025, 0.04, 0.3):  # the last one long enough for something to be found
         call = [sys.executable, "-c", KILLED, str(path)]
         with subprocess.Popen(call, stdout=subprocess.PIPE, env=environment) as process:
             process.stdout.readline()

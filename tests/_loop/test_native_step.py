@@ -1,4 +1,7 @@
-"""The native step: the numbers of the step in Python, bit by bit, and those of the virtual machine up to rounding."""
+"""The native step: the numbers of the step in Python, bit by bit, and those of the virtual machine up to rounding.
+
+Its slow tests are thinned: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -106,6 +109,7 @@ def native(ik, dt):
     return way[2]
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("dt", [None, 0.01])
 @pytest.mark.parametrize("strategy", STRATEGIES)
 def test_it_steps_as_python_does(strategy, dt):

@@ -1,4 +1,7 @@
-"""Joint limits: kept at every iterate, no obstacle to the other joints, and named where they prevent a target."""
+"""Joint limits: kept at every iterate, no obstacle to the other joints, and named where they prevent a target.
+
+Its slow tests are thinned: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,8 @@ import jtik
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from ..conftest import ACCEPTED_RISE, families_first, planar, planar_points, rises, shared_solver, under_limits
+
+pytestmark = pytest.mark.thinned
 
 NAMES = sorted(jtik.strategies)
 STRATEGIES = families_first(NAMES)
