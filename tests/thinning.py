@@ -4,8 +4,7 @@ A test with parameters that is marked ``thinned`` is a matrix, as of each strate
 target. Of its slow tests those run that are needed for each value to occur, in turn with the values of the others, as
 in a Latin square. Its quick tests all run. The option ``--full`` runs the full matrix.
 
-``thinned(times=2)`` keeps each value twice. ``thinned(together=True)`` makes one matrix of all tests of a file that are
-marked so: the test itself is one more parameter.
+``thinned(times=2)`` keeps each value twice.
 """
 
 from __future__ import annotations
@@ -38,6 +37,7 @@ def thinned(rows, times=1):
 
 
 def _value(value):
+    """The value, or its identity where it cannot be hashed."""
     try:
         hash(value)
     except TypeError:
@@ -49,15 +49,11 @@ def deselected(items):
     """The tests that do not run, of those that pytest has collected."""
     matrices = defaultdict(list)
     for item in items:
-        mark = item.get_closest_marker("thinned")
-        if mark and item.get_closest_marker("slow") and hasattr(item, "callspec"):
-            name = item.nodeid.split("[")[0]
-            matrix = item.path if mark.kwargs.get("together") else name
-            matrices[matrix, mark.kwargs.get("times", 1)].append((name, item))
+        if item.get_closest_marker("thinned") and item.get_closest_marker("slow") and hasattr(item, "callspec"):
+            matrices[item.nodeid.split("[")[0]].append(item)
     dropped = set()
-    for (_, times), tests in matrices.items():
-        names = sorted({key for _, item in tests for key in item.callspec.params})
-        rows = [[name, *(_value(item.callspec.params.get(key, name)) for key in names)] for name, item in tests]
-        kept = set(thinned(rows, times))
-        dropped.update(item for index, (_, item) in enumerate(tests) if index not in kept)
+    for tests in matrices.values():
+        times = tests[0].get_closest_marker("thinned").kwargs.get("times", 1)
+        kept = thinned([[_value(each) for each in item.callspec.params.values()] for item in tests], times)
+        dropped.update(tests[index] for index in set(range(len(tests))) - set(kept))
     return dropped

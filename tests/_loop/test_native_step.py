@@ -27,7 +27,7 @@ except CompilerError:
 ROUNDED = 1e-10
 """Difference of a step from the same step on the virtual machine, whose operations are rounded in another order."""
 
-STRATEGIES = ("hybrid", *slow("weighted_qp", "sns_qp"))
+STRATEGIES = ("hybrid", *slow("weighted_qp"))
 
 TAKEN, REFUSED, DONE, ESCAPED = "taken", "refused", "done", "escaped"
 
