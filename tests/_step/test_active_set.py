@@ -155,7 +155,7 @@ def test_V_falls_at_every_accepted_step_between_limits(seed, strategy):
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=20)
 @given(st.integers(0, 2**32 - 1), st.sampled_from(MONOTONE))
 def test_V_falls_at_every_accepted_step_between_many_limits(seed, strategy):
     check_V_falls(seed, strategy)
