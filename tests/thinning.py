@@ -4,7 +4,8 @@ A test with parameters that is marked ``thinned`` is a matrix, as of each strate
 target. Of its slow tests those run that are needed for each value to occur, in turn with the values of the others, as
 in a Latin square. Its quick tests all run. The option ``--full`` runs the full matrix.
 
-``thinned(times=2)`` keeps each value twice.
+``thinned(times=2)`` keeps each value twice. ``thinned(together=True)`` makes one matrix of all tests of a file that are
+marked so: the test itself is one more parameter.
 """
 
 from __future__ import annotations
@@ -13,11 +14,11 @@ from collections import Counter, defaultdict
 
 
 def thinned(rows, times=1):
-    """Indices of the rows that are kept, each a sequence of values: each value as often as ``times``, where it can be.
+    """Indices of the rows that are kept, each a dict of values: each value as often as ``times``, where it can be.
 
     The row with most of the values that are missing is next, and among equal ones that whose values were used least.
     """
-    rows = [list(enumerate(row)) for row in rows]
+    rows = [list(row.items()) for row in rows]
     available = Counter(value for row in rows for value in row)
     missing = {value: min(times, count) for value, count in available.items()}
     used, kept, left = Counter(), [], list(range(len(rows)))
@@ -49,11 +50,14 @@ def deselected(items):
     """The tests that do not run, of those that pytest has collected."""
     matrices = defaultdict(list)
     for item in items:
-        if item.get_closest_marker("thinned") and item.get_closest_marker("slow") and hasattr(item, "callspec"):
-            matrices[item.nodeid.split("[")[0]].append(item)
+        mark = item.get_closest_marker("thinned")
+        if mark and item.get_closest_marker("slow") and hasattr(item, "callspec"):
+            name = item.nodeid.split("[")[0]
+            together = mark.kwargs.get("together", False)
+            row = {"test": name} | {key: _value(value) for key, value in item.callspec.params.items()}
+            matrices[item.path if together else name, mark.kwargs.get("times", 1)].append((item, row))
     dropped = set()
-    for tests in matrices.values():
-        times = tests[0].get_closest_marker("thinned").kwargs.get("times", 1)
-        kept = thinned([[_value(each) for each in item.callspec.params.values()] for item in tests], times)
-        dropped.update(tests[index] for index in set(range(len(tests))) - set(kept))
+    for (_, times), tests in matrices.items():
+        kept = thinned([row for _, row in tests], times)
+        dropped.update(tests[index][0] for index in set(range(len(tests))) - set(kept))
     return dropped

@@ -16,7 +16,7 @@ from jtik_formulations import JointCentering, ObstacleAvoidance
 from ..conftest import dh_arm, planar, planar_points, shared_solver
 from .conftest import EVERY_STRATEGY
 
-pytestmark = pytest.mark.thinned
+pytestmark = pytest.mark.thinned(together=True, times=3)
 
 STRAIGHT = np.zeros(4)
 FOLDED = np.array([0.0, np.pi, 0.0, 0.0])

@@ -16,7 +16,7 @@ from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from ..conftest import ACCEPTED_RISE, families_first, planar, planar_points, rises, shared_solver, under_limits
 
-pytestmark = pytest.mark.thinned
+pytestmark = pytest.mark.thinned(together=True, times=3)
 
 NAMES = sorted(jtik.strategies)
 STRATEGIES = families_first(NAMES)

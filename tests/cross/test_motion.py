@@ -21,7 +21,7 @@ from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from ..conftest import families_first, large_ones_slow, planar, planar_jacobian, planar_points, shared_solver, slow
 
-pytestmark = pytest.mark.thinned
+pytestmark = pytest.mark.thinned(together=True, times=2)
 
 SLOW_TO_CONVERGE = ("transpose", "transpose_bb")
 """One step of these a sample is not enough to follow a path."""
@@ -280,7 +280,7 @@ def test_random_states_make_the_progress_that_is_feasible_in_the_direction_of_th
     for limit in limits:
         arm = jtik.Robot.planar(links, velocity_limit=limit)
         ik = shared_solver(arm, jtik.FrameTask("tip", kind="position"), strategy=strategy)
-        for _ in range(50 if links == 4 else 150):
+        for _ in range(50):
             q, wanted = rng.uniform(-2, 2, links), rng.normal(size=2) * rng.uniform(0.5, 4)
             ik.reset()
             made = planar_points(ik.step(q, arm.position(q) + dt * wanted, dt=dt).q)[-1] - planar_points(q)[-1]

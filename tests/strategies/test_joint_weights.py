@@ -30,7 +30,7 @@ from jtik_formulations import (
 
 from ..conftest import EXACT, ball_arm, dh_arm, families_first, floating_arm, planar, planar_points, shared_solver, slow
 
-pytestmark = pytest.mark.thinned
+pytestmark = pytest.mark.thinned(together=True, times=2)
 
 ROBOTS = {
     "planar": (lambda: planar(5), "position"),
