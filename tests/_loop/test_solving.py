@@ -17,7 +17,7 @@ from jtik_formulations import JointCentering, ObstacleAvoidance
 from ..conftest import EXACT, ball_arm, families_first, floating_arm, planar, planar_points, shared_solver, slow
 from .conftest import EVERY_STRATEGY, FIELD, STRATEGIES, solver
 
-pytestmark = pytest.mark.thinned
+pytestmark = pytest.mark.thinned(together=True)
 
 
 class TestSolve:
