@@ -4,7 +4,7 @@ A test with parameters that is marked ``thinned`` is a matrix, as of each strate
 target. Of its slow tests those run that are needed for each value to occur, in turn with the values of the others, as
 in a Latin square. Its quick tests all run. The option ``--full`` runs the full matrix.
 
-``thinned(times=2)`` keeps each value twice. ``thinned(together=True)`` makes one matrix of all tests of a file that are
+Values that cannot be hashed, as lists, do not count. ``thinned(times=2)`` keeps each value twice. ``thinned(together=True)`` makes one matrix of all tests of a file that are
 marked so: the test itself is one more parameter.
 """
 
@@ -37,13 +37,12 @@ def thinned(rows, times=1):
     return sorted(kept)
 
 
-def _value(value):
-    """The value, or its identity where it cannot be hashed."""
+def _is_hashable(value):
     try:
         hash(value)
     except TypeError:
-        return id(value)
-    return value
+        return False
+    return True
 
 
 def deselected(items):
@@ -54,7 +53,7 @@ def deselected(items):
         if mark and item.get_closest_marker("slow") and hasattr(item, "callspec"):
             name = item.nodeid.split("[")[0]
             together = mark.kwargs.get("together", False)
-            row = {"test": name} | {key: _value(value) for key, value in item.callspec.params.items()}
+            row = {"test": name} | {key: value for key, value in item.callspec.params.items() if _is_hashable(value)}
             matrices[item.path if together else name, mark.kwargs.get("times", 1)].append((item, row))
     dropped = set()
     for (_, times), tests in matrices.items():

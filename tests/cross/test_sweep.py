@@ -6,8 +6,6 @@ limits, or have obstacles whose clearances contradict each other.
 Nothing raises, nothing is NaN, and limits and clearances hold at every configuration. Every status is checked with
 independent kinematics: planar chains in closed form, Denavit-Hartenberg tables of the manufacturers in space, NumPy's
 SVD, and SciPy's bounded least squares.
-
-Its slow tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -30,6 +28,9 @@ from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from ..conftest import planar, planar_jacobian, planar_points
 from .test_gallery_tables import AHEAD, BACKWARDS, NONE, PANDA, UR5E, multiplied
+
+pytestmark = pytest.mark.thinned
+"""Each strategy with one back end, in turn: ``--full`` runs all pairs."""
 
 PROBLEMS = 2000
 MAX_ITERATIONS = 60
@@ -518,7 +519,6 @@ def test_quick_pairs_cover_every_strategy_and_every_back_end():
     assert set(backends) == {None, *BACKENDS}
 
 
-@pytest.mark.thinned
 @pytest.mark.parametrize(
     ("strategy", "backend"), [pytest.param(*pair, marks=[] if is_quick(*pair) else pytest.mark.slow) for pair in PAIRS]
 )
