@@ -4,8 +4,9 @@ A test with parameters that is marked ``thinned`` is a matrix, as of each strate
 target. Of its slow tests those run that are needed for each value to occur, in turn with the values of the others, as
 in a Latin square. Its quick tests all run. The option ``--full`` runs the full matrix.
 
-Values that cannot be hashed, as lists, do not count. ``thinned(times=2)`` keeps each value twice. ``thinned(together=True)`` makes one matrix of all tests of a file that are
-marked so: the test itself is one more parameter.
+``thinned("strategy", "backend")`` counts these parameters only, ``thinned(times=2)`` keeps each value twice, and
+``thinned(together=True)`` makes one matrix of all tests of a file that are marked so: the test itself is one more
+parameter.
 """
 
 from __future__ import annotations
@@ -37,12 +38,13 @@ def thinned(rows, times=1):
     return sorted(kept)
 
 
-def _is_hashable(value):
+def _value(value):
+    """The value, or its identity where it cannot be hashed."""
     try:
         hash(value)
     except TypeError:
-        return False
-    return True
+        return id(value)
+    return value
 
 
 def deselected(items):
@@ -51,10 +53,10 @@ def deselected(items):
     for item in items:
         mark = item.get_closest_marker("thinned")
         if mark and item.get_closest_marker("slow") and hasattr(item, "callspec"):
-            name = item.nodeid.split("[")[0]
-            together = mark.kwargs.get("together", False)
-            row = {"test": name} | {key: value for key, value in item.callspec.params.items() if _is_hashable(value)}
-            matrices[item.path if together else name, mark.kwargs.get("times", 1)].append((item, row))
+            name, params = item.nodeid.split("[")[0], item.callspec.params
+            row = {"test": name} | {key: _value(params[key]) for key in mark.args or params}
+            matrix = item.path if mark.kwargs.get("together") else name
+            matrices[matrix, mark.kwargs.get("times", 1)].append((item, row))
     dropped = set()
     for (_, times), tests in matrices.items():
         kept = thinned([row for _, row in tests], times)

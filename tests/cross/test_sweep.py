@@ -29,7 +29,7 @@ from jtik_formulations import JointCentering, ObstacleAvoidance
 from ..conftest import planar, planar_jacobian, planar_points
 from .test_gallery_tables import AHEAD, BACKWARDS, NONE, PANDA, UR5E, multiplied
 
-pytestmark = pytest.mark.thinned
+pytestmark = pytest.mark.thinned("strategy", "backend")
 """Each strategy with one back end, in turn: ``--full`` runs all pairs."""
 
 PROBLEMS = 2000
