@@ -14,7 +14,7 @@ from jtik.constraints.clearance import SAMPLES
 from jtik.geometry import segment_distances
 from jtik.robot.collisions.frame_poses import frame_poses
 from jtik.robot.collisions.reach import axis_point
-from jtik_formulations import SelfCollision
+from jtik_formulations import JointCentering, SelfCollision
 
 from .._step.conftest import problem_of
 from ..conftest import dh_arm, planar, shared_solver, slow
@@ -149,7 +149,7 @@ def swept(judge, trace):
     return smallest
 
 
-@pytest.mark.parametrize("criteria", [None, *slow(SelfCollision())])
+@pytest.mark.parametrize("criteria", [None, *slow(JointCentering(), SelfCollision())])
 def test_no_accepted_step_of_a_panda_brings_its_bodies_together(criteria):
     robot, judge, found = problems(12)
     clearance = jtik.Clearance(SelfCollision(), safe=SAFE)

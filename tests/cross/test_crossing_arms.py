@@ -92,7 +92,7 @@ def crossing(strategy):
     return np.mean(errors), smallest
 
 
-@pytest.mark.parametrize("strategy", ["hybrid+qp", *slow("lexicographic_qp", "damped+qp", "weighted_qp")])
+@pytest.mark.parametrize("strategy", ["hybrid+qp", *slow("lexicographic_qp", "damped+qp", "newton+qp", "weighted_qp")])
 def test_the_arms_avoid_each_other_and_no_distance_falls_below_safe(strategy):
     """The mean error [m] of a pair that locks is above 0.14, and 0.087 of one that passes on the wrong side."""
     error, smallest = crossing(strategy)
