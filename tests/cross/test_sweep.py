@@ -6,6 +6,8 @@ limits, or have obstacles whose clearances contradict each other.
 Nothing raises, nothing is NaN, and limits and clearances hold at every configuration. Every status is checked with
 independent kinematics: planar chains in closed form, Denavit-Hartenberg tables of the manufacturers in space, NumPy's
 SVD, and SciPy's bounded least squares.
+
+Its slow tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
