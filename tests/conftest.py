@@ -42,6 +42,17 @@ FAMILIES = ("damped", "hybrid", "newton", "task_priority", "transpose", "weighte
 quick test of what every strategy does alike runs with these."""
 
 
+def pytest_addoption(parser):
+    parser.addoption("--full", action="store_true", help="run all tests that are marked thinned")
+
+
+def pytest_collection_modifyitems(config, items):
+    dropped = set() if config.getoption("--full") else deselected(items)
+    if dropped:
+        config.hook.pytest_deselected(items=[item for item in items if item in dropped])
+        items[:] = [item for item in items if item not in dropped]
+
+
 def slow(*values):
     """Values of a parameter whose tests are marked slow."""
     return [pytest.param(value, marks=pytest.mark.slow) for value in values]
@@ -227,17 +238,6 @@ def as_moved(robot, rows, limits=True):
     rows, free = rows.copy(), turning(robot, limits)
     rows[:, free] = np.unwrap(rows[:, free], axis=0)
     return rows
-
-
-def pytest_addoption(parser):
-    parser.addoption("--full", action="store_true", help="run all tests that are marked thinned")
-
-
-def pytest_collection_modifyitems(config, items):
-    dropped = set() if config.getoption("--full") else deselected(items)
-    if dropped:
-        config.hook.pytest_deselected(items=[item for item in items if item in dropped])
-        items[:] = [item for item in items if item not in dropped]
 
 
 @pytest.fixture
