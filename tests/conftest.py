@@ -16,6 +16,8 @@ from scipy.spatial.transform import Rotation
 import jtik
 from jtik.robot import JointType, Mass
 
+from .thinning import deselected
+
 EXACT = 1e-12
 """Rounding of some dozens of operations on numbers of order one."""
 
@@ -38,6 +40,17 @@ LARGE = ("jparse", "lexicographic_qp", "mink", "selectively_damped", "sns", "sns
 FAMILIES = ("damped", "hybrid", "newton", "task_priority", "transpose", "weighted_qp")
 """Strategies of different families: adaptive damping, a dogleg, the pseudoinverse, levels, the gradient, one QP. A
 quick test of what every strategy does alike runs with these."""
+
+
+def pytest_addoption(parser):
+    parser.addoption("--full", action="store_true", help="run all tests that are marked thinned")
+
+
+def pytest_collection_modifyitems(config, items):
+    dropped = set() if config.getoption("--full") else deselected(items)
+    if dropped:
+        config.hook.pytest_deselected(items=[item for item in items if item in dropped])
+        items[:] = [item for item in items if item not in dropped]
 
 
 def slow(*values):

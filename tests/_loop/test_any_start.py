@@ -1,4 +1,7 @@
-"""Solves from any start to any target, with every strategy, on real arms: the status of each Solution is correct."""
+"""Solves from any start to any target, with every strategy, on real arms: the status of each Solution is correct.
+
+Each strategy meets one arm and one kind of pose, in turn: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -21,6 +24,8 @@ UNCHECKED = Damped(backtracking=False)
 ALL_STRATEGIES = families_first([*sorted(jtik.strategies), UNCHECKED])
 DESCENDING = ["damped", "hybrid"]
 """Strategies that promise the closest posture where the target is out of reach."""
+
+pytestmark = pytest.mark.thinned
 
 TOLERANCE = 1e-6
 """The default one of a solve [m], [rad]."""

@@ -4,6 +4,8 @@ Oracle of the closed form: a planar arm of three unit links, whose end effector 
 1, that is sin(q1)^2. Its self-motion covers the q1 where the end of link 1 is within 2 of T. At the ends of that range
 joint 3 is straight, q3 = 0, and dH/dv vanishes over the self-motion: a maximum where H rises towards the end, otherwise
 a minimum.
+
+Its slow tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -191,6 +193,7 @@ class TestSolve:
         assert solution.converged
         assert solution.second_order == "minimum"
 
+    @pytest.mark.thinned
     @pytest.mark.parametrize("strategy", ["hybrid", *slow("newton+qp", "hybrid+second_order", "sns")])
     @pytest.mark.parametrize("kind", ["position", "pose"])
     def test_from_any_maximum_or_saddle_a_spatial_arm_gets_to_a_minimum(self, strategy, kind, rng):

@@ -1,4 +1,7 @@
-"""The status of a solve: each status occurs."""
+"""The status of a solve: each status occurs.
+
+Its slow tests are thinned: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,8 @@ from jtik_formulations import JointCentering
 
 from ..conftest import planar, planar_points
 from .conftest import EVERY_STRATEGY, solver
+
+pytestmark = pytest.mark.thinned(together=True, times=2)
 
 
 class Stubborn(jtik.Strategy):

@@ -1,4 +1,7 @@
-"""The native step: the numbers of the step in Python, bit by bit, and those of the virtual machine up to rounding."""
+"""The native step: the numbers of the step in Python, bit by bit, and those of the virtual machine up to rounding.
+
+Its slow tests are thinned: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,7 @@ except CompilerError:
 ROUNDED = 1e-10
 """Difference of a step from the same step on the virtual machine, whose operations are rounded in another order."""
 
-STRATEGIES = ("hybrid", *slow("weighted_qp", "sns_qp"))
+STRATEGIES = ("hybrid", *slow("weighted_qp"))
 
 TAKEN, REFUSED, DONE, ESCAPED = "taken", "refused", "done", "escaped"
 
@@ -106,6 +109,7 @@ def native(ik, dt):
     return way[2]
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("dt", [None, 0.01])
 @pytest.mark.parametrize("strategy", STRATEGIES)
 def test_it_steps_as_python_does(strategy, dt):

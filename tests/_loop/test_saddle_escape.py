@@ -1,4 +1,7 @@
-"""Saddle escapes: a straight or folded arm leaves a saddle point of the error, and stays at a minimum."""
+"""Saddle escapes: a straight or folded arm leaves a saddle point of the error, and stays at a minimum.
+
+Its slow tests are thinned: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,8 @@ from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from ..conftest import dh_arm, planar, planar_points, shared_solver
 from .conftest import EVERY_STRATEGY
+
+pytestmark = pytest.mark.thinned(together=True, times=3)
 
 STRAIGHT = np.zeros(4)
 FOLDED = np.array([0.0, np.pi, 0.0, 0.0])

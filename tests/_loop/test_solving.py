@@ -1,4 +1,7 @@
-"""solve: converges, is deterministic, and does not change its arguments, on any robot."""
+"""solve: converges, is deterministic, and does not change its arguments, on any robot.
+
+Its slow tests are thinned: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +16,8 @@ from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from ..conftest import EXACT, ball_arm, families_first, floating_arm, planar, planar_points, shared_solver, slow
 from .conftest import EVERY_STRATEGY, FIELD, STRATEGIES, solver
+
+pytestmark = pytest.mark.thinned(together=True)
 
 
 class TestSolve:

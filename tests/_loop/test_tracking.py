@@ -1,4 +1,7 @@
-"""track: a path of targets within the limits of a step."""
+"""track: a path of targets within the limits of a step.
+
+Its slow tests are thinned: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,8 @@ from jtik_formulations import JointCentering
 
 from ..conftest import EXACT, planar, planar_points, slow
 from .conftest import EVERY_STRATEGY, solver
+
+pytestmark = pytest.mark.thinned(together=True, times=2)
 
 
 class TestTrack:

@@ -1,4 +1,7 @@
-"""Joint limits: kept at every iterate, no obstacle to the other joints, and named where they prevent a target."""
+"""Joint limits: kept at every iterate, no obstacle to the other joints, and named where they prevent a target.
+
+Its slow tests are thinned: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,8 @@ import jtik
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from ..conftest import ACCEPTED_RISE, families_first, planar, planar_points, rises, shared_solver, under_limits
+
+pytestmark = pytest.mark.thinned(together=True, times=3)
 
 NAMES = sorted(jtik.strategies)
 STRATEGIES = families_first(NAMES)
@@ -150,7 +155,7 @@ def test_V_falls_at_every_accepted_step_between_limits(seed, strategy):
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=20)
 @given(st.integers(0, 2**32 - 1), st.sampled_from(MONOTONE))
 def test_V_falls_at_every_accepted_step_between_many_limits(seed, strategy):
     check_V_falls(seed, strategy)

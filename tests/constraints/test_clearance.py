@@ -1,4 +1,7 @@
-"""Clearances as hard constraints: kept along every accepted step, live, and named where they block a solve."""
+"""Clearances as hard constraints: kept along every accepted step, live, and named where they block a solve.
+
+Its slow tests are thinned: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +18,8 @@ from jtik_formulations import JointCentering, KhatibPotential, ObstacleAvoidance
 
 from .._step.conftest import problem_of
 from ..conftest import planar, planar_points, shared_solver, slow
+
+pytestmark = pytest.mark.thinned
 
 FIELD = [jtik.Circle((2.0, 1.2), 0.4), jtik.Circle((3.2, -0.8), 0.5), jtik.Circle((1.0, -1.5), 0.4)]
 SAFE = 0.05

@@ -1,4 +1,7 @@
-"""Limits: what is accepted, and what holds along a path of steps by any strategy."""
+"""Limits: what is accepted, and what holds along a path of steps by any strategy.
+
+Its slow tests are thinned: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,8 @@ import jtik
 from jtik_formulations import JointCentering, Newton
 
 from ..conftest import EXACT, ball_arm, families_first, floating_arm, planar, shared_solver, slow
+
+pytestmark = pytest.mark.thinned(together=True, times=2)
 
 STRATEGIES = [
     *families_first([*sorted(jtik.strategies), "hybrid+qp"]),

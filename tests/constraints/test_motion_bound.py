@@ -1,4 +1,7 @@
-"""Bounds of a step's motion: valid on every path of every robot, whatever limits hold, and so are the clearances."""
+"""Bounds of a step's motion: valid on every path of every robot, whatever limits hold, and so are the clearances.
+
+Its slow tests are thinned: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +19,8 @@ from jtik_formulations import ObstacleAvoidance
 
 from ..conftest import as_moved, ball_arm, dh_arm, floating_arm, planar, shared_solver, slow
 from .random_trees import far_out, path, positions, tree
+
+pytestmark = pytest.mark.thinned
 
 SAFE = 0.05
 ROUNDING = 1e-9
@@ -221,7 +226,7 @@ def test_a_rod_that_is_far_out_does_not_jump_over_a_sphere(before, limits, mimic
     assert passed >= 2  # a step that is judged by its ends would have been taken
 
 
-CASES = [(seed, strategy) for seed in range(12) for strategy in ("weighted_qp", "hybrid+qp")]
+CASES = [(seed, strategy) for seed in range(8) for strategy in ("weighted_qp", "hybrid+qp")]
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,7 @@
-"""Each criterion beside a task: derivatives, and solves from a feasible start with the main strategies."""
+"""Each criterion beside a task: derivatives, and solves from a feasible start with the main strategies.
+
+Each criterion on one robot with one strategy, in turn: ``--full`` runs it on every robot.
+"""
 
 from __future__ import annotations
 
@@ -33,6 +36,7 @@ and all strategies: benchmarks/criteria_matrix.py."""
 QUICK = ("limit_norm", "manipulability volume", "swivel_angle", "effective_mass", "support_polygon", "visibility")
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize(
     ("name", "robot"),
     [
@@ -57,6 +61,7 @@ def test_it_is_pickled(name):
 
 
 @pytest.mark.slow
+@pytest.mark.thinned
 @pytest.mark.parametrize(("name", "robot", "strategy"), SQUARE)
 def test_a_solve_from_a_feasible_start_ends_stationary_on_the_target(name, robot, strategy):
     body = ROBOTS[robot]()

@@ -1,4 +1,7 @@
-"""The public contract, for every registered criterion: a new plugin is tested without editing tests."""
+"""The public contract, for every registered criterion: a new plugin is tested without editing tests.
+
+Each criterion on two robots, in turn: ``--full`` runs it on all of them.
+"""
 
 from __future__ import annotations
 
@@ -23,6 +26,7 @@ NAMES = sorted(jtik.criteria)
 QUICK = {(("planar", "ball")[row % 2], name) for row, name in enumerate(NAMES)}
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize(
     ("robot", "name"),
     [

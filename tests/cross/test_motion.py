@@ -2,6 +2,8 @@
 
 Accelerations are second differences of q. Progress is compared with a linear program on the Jacobian in closed form.
 The figures of all cases, and of more of them, are those of benchmarks/motion.py.
+
+Its slow tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -19,6 +21,8 @@ import jtik
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from ..conftest import families_first, large_ones_slow, planar, planar_jacobian, planar_points, shared_solver, slow
+
+pytestmark = pytest.mark.thinned(together=True, times=2)
 
 SLOW_TO_CONVERGE = ("transpose", "transpose_bb")
 """One step of these a sample is not enough to follow a path."""

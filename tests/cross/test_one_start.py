@@ -37,7 +37,7 @@ def universal(name, limit):
 ARMS = {
     "ur5, one turn": functools.partial(universal, "ur5", math.pi),
     "ur10, two turns": functools.partial(universal, "ur10", 2 * math.pi),
-    **{f"random {seed}": functools.partial(dh_arm, 6, seed, limit=math.pi) for seed in range(3)},
+    **{f"random {seed}": functools.partial(dh_arm, 6, seed, limit=math.pi) for seed in range(2)},
 }
 
 

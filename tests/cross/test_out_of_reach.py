@@ -1,4 +1,7 @@
-"""Targets out of reach, near and far: the closest posture, by SciPy, and a status that says so."""
+"""Targets out of reach, near and far: the closest posture, by SciPy, and a status that says so.
+
+Its slow tests are thinned: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +19,8 @@ import jtik
 from jtik_formulations import JParse
 
 from ..conftest import large_ones_slow, planar, shared_solver, slow
+
+pytestmark = pytest.mark.thinned
 
 FACTORS = [1.5, 10.0, 100.0, 1e4, 1e9]
 """Distances of targets, relative to the reach of the arm."""

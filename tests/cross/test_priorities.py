@@ -1,4 +1,7 @@
-"""Position above orientation on an arm of five joints: the constrained optimum by SciPy, the status and the report."""
+"""Position above orientation on an arm of five joints: the constrained optimum by SciPy, the status and the report.
+
+Its slow tests are thinned: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,8 @@ import jtik
 from jtik import Status
 
 from ..conftest import dh_arm, large_ones_slow, planar, shared_solver
+
+pytestmark = pytest.mark.thinned
 
 LEVELS = large_ones_slow(["task_priority", "lexicographic_qp", "sns", "sns_qp"])
 TASKS = (

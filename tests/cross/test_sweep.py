@@ -6,6 +6,8 @@ limits, or have obstacles whose clearances contradict each other.
 Nothing raises, nothing is NaN, and limits and clearances hold at every configuration. Every status is checked with
 independent kinematics: planar chains in closed form, Denavit-Hartenberg tables of the manufacturers in space, NumPy's
 SVD, and SciPy's bounded least squares.
+
+Its slow tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -28,6 +30,9 @@ from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from ..conftest import planar, planar_jacobian, planar_points
 from .test_gallery_tables import AHEAD, BACKWARDS, NONE, PANDA, UR5E, multiplied
+
+pytestmark = pytest.mark.thinned("strategy", "backend")
+"""Each strategy with one back end, in turn: ``--full`` runs all pairs."""
 
 PROBLEMS = 2000
 MAX_ITERATIONS = 60

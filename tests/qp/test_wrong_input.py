@@ -1,4 +1,7 @@
-"""Solvers, options, QPs and weights that cannot be used: a clear error when built, a status inside a solve."""
+"""Solvers, options, QPs and weights that cannot be used: a clear error when built, a status inside a solve.
+
+Its slow tests are thinned: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -17,6 +20,8 @@ from jtik.symbolic import fmax, fmin, has_conic, identity
 from jtik_formulations import JointCentering, Mink, Newton, ObstacleAvoidance, QPSecondary, SecondOrder, WeightedQP
 
 from ..conftest import planar, slow
+
+pytestmark = pytest.mark.thinned
 
 START = np.array([0.3, 0.2, 0.1, 0.4])
 TARGET = np.array([2.0, 1.5])

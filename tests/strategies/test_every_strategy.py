@@ -16,7 +16,7 @@ QUICK = ("hybrid", "transpose")
 
 @pytest.mark.parametrize("name", [*QUICK, *slow(*(name for name in jtik.strategies if name not in QUICK))])
 def test_contract(name):
-    check_strategy(name)
+    check_strategy(name, samples=1)
 
 
 @pytest.mark.parametrize("name", families_first([*sorted(jtik.strategies), "hybrid+qp"], large=False))

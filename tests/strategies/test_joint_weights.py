@@ -1,4 +1,7 @@
-"""Joint weights: every strategy minimises dq' W dq instead of dq' dq, in the task step and in the null space."""
+"""Joint weights: every strategy minimises dq' W dq instead of dq' dq, in the task step and in the null space.
+
+Its slow tests are thinned: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -26,6 +29,8 @@ from jtik_formulations import (
 )
 
 from ..conftest import EXACT, ball_arm, dh_arm, families_first, floating_arm, planar, planar_points, shared_solver, slow
+
+pytestmark = pytest.mark.thinned(together=True, times=2)
 
 ROBOTS = {
     "planar": (lambda: planar(5), "position"),

@@ -1,4 +1,7 @@
-"""No null-space displacement moves the end effector: |J nu| / |J| against Jacobians of the tests' own, in NumPy."""
+"""No null-space displacement moves the end effector: |J nu| / |J| against Jacobians of the tests' own, in NumPy.
+
+Its slow tests are thinned: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,8 @@ from jtik_formulations import JointCentering
 from jtik_formulations.strategies._parts.significance import LEAKAGE
 
 from ..conftest import planar_jacobian, shared_solver, slow
+
+pytestmark = pytest.mark.thinned
 
 STRATEGIES = ("damped+second_order", "hybrid+qp", "hybrid", *slow("newton+second_order", "sns_qp", "sns"))
 LEXICOGRAPHIC = slow("lexicographic_qp")

@@ -1,4 +1,7 @@
-"""The null-space step as a quadratic program: the projection without active limits, else the constrained optimum."""
+"""The null-space step as a quadratic program: the projection without active limits, else the constrained optimum.
+
+Its slow tests are thinned: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,8 @@ import jtik
 from jtik_formulations import Hybrid, JointCentering, Manipulability, Newton, ProjectedGradient, QPSecondary, Transpose
 
 from ..conftest import ball_arm, dh_arm, floating_arm, planar, planar_jacobian, shared_solver, slow
+
+pytestmark = pytest.mark.thinned
 
 SAME = 1e-10
 """Difference of a projection and a QP solved by an active-set method."""

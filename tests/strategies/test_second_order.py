@@ -1,4 +1,7 @@
-"""The Newton step on the conditions of optimality: one step by hand, its order of convergence, and what it finds."""
+"""The Newton step on the conditions of optimality: one step by hand, its order of convergence, and what it finds.
+
+Its slow tests are thinned: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -30,6 +33,8 @@ from ..conftest import (
     shared_solver,
     slow,
 )
+
+pytestmark = pytest.mark.thinned
 
 FIELD = [jtik.Circle((4.0, 2.5), 0.5), jtik.Circle((6.5, -1.0), 0.8)]
 
@@ -453,7 +458,7 @@ class TestKindOfStationaryPoint:
 @pytest.mark.slow
 @pytest.mark.parametrize("strategy", ["hybrid+second_order", Hybrid(secondary=SecondOrder(curvature="gauss_newton"))])
 def test_contract(strategy):
-    check_strategy(strategy)
+    check_strategy(strategy, samples=1)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,7 @@
-"""Where clearances forbid the task step, the arm moves along them: by oracles of its own, on planar arms."""
+"""Where clearances forbid the task step, the arm moves along them: by oracles of its own, on planar arms.
+
+Its slow tests are thinned: ``--full`` runs all of them.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,8 @@ import jtik
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
 from ...conftest import planar, planar_jacobian, planar_points, shared_solver, slow
+
+pytestmark = pytest.mark.thinned
 
 SAFE, MARGIN = 0.05, 0.01
 PRIMARIES = ["hybrid+qp", "damped+qp", *slow("newton+qp", "transpose+qp")]

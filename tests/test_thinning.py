@@ -1,0 +1,69 @@
+"""Which tests of a matrix run: each value of each parameter occurs, in turn with the values of the others."""
+
+from __future__ import annotations
+
+import itertools
+from collections import Counter
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import pytest
+
+from .thinning import deselected, thinned
+
+FULL = [
+    dict(zip(("strategy", "length", "limits"), row, strict=True))
+    for row in itertools.product("abcdef", (0.5, 2.0, 3.5), (True, False))
+]
+
+
+@pytest.mark.parametrize("times", [1, 2, 5])
+def test_each_value_is_kept_so_often_and_no_row_more_than_that_needs(times):
+    rows = [FULL[index] for index in thinned(FULL, times)]
+    assert len(rows) == 6 * times
+    for column, size in (("strategy", 6), ("length", 3), ("limits", 2)):  # and equally often, as in a Latin square
+        assert set(Counter(row[column] for row in rows).values()) == {6 * times // size}
+
+
+def test_what_occurs_less_often_is_kept():
+    rows = [{"x": x, "y": y} for x, y in (("a", 1), ("a", 2), ("b", 2), ("c", 3))]
+    assert thinned(rows, 3) == [0, 1, 2, 3]
+    assert thinned(rows) == [0, 2, 3]
+
+
+@dataclass(eq=False)
+class Item:
+    """What a test that pytest has collected shows of itself."""
+
+    nodeid: str
+    marks: dict
+    path: str = "test_file.py"
+
+    def get_closest_marker(self, name):
+        return self.marks.get(name)
+
+
+def collected(*, slow=True, **options):
+    """Two tests with a strategy, one of them with a time as well, and one without parameters."""
+    marks = {"thinned": pytest.mark.thinned(**options).mark} | ({"slow": pytest.mark.slow.mark} if slow else {})
+    every = [Item("test_file.py::test_alone", marks)]
+    for name, times in (("one", (0.1, 0.2, 0.3)), ("another", (None,))):
+        for strategy, dt in itertools.product("abc", times):
+            every.append(Item(f"test_file.py::test_{name}[{strategy}-{dt}]", marks))
+            every[-1].callspec = SimpleNamespace(params={"strategy": strategy} | ({"dt": dt} if dt else {}))
+    return every
+
+
+@pytest.mark.parametrize(("together", "one", "another"), [(False, 3, 3), (True, 3, 1)])
+def test_of_a_matrix_some_run_and_of_a_test_without_parameters_the_only_one(together, one, another):
+    items = collected(together=together)
+    names = Counter(item.nodeid.split("[")[0] for item in items if item not in deselected(items))
+    assert names == {
+        "test_file.py::test_alone": 1,
+        "test_file.py::test_one": one,
+        "test_file.py::test_another": another,
+    }
+
+
+def test_quick_tests_all_run():
+    assert not deselected(collected(slow=False))

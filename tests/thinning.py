@@ -1,0 +1,64 @@
+"""Which of the slow tests of a matrix run: so many that each value of each parameter still occurs.
+
+A test with parameters that is marked ``thinned`` is a matrix, as of each strategy with each robot and each kind of
+target. Of its slow tests those run that are needed for each value to occur, in turn with the values of the others, as
+in a Latin square. Its quick tests all run. The option ``--full`` runs the full matrix.
+
+``thinned("strategy", "backend")`` counts these parameters only, ``thinned(times=2)`` keeps each value twice, and
+``thinned(together=True)`` makes one matrix of all tests of a file that are marked so: the test itself is one more
+parameter.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+
+
+def thinned(rows, times=1):
+    """Indices of the rows that are kept, each a dict of values: each value as often as ``times``, where it can be.
+
+    The row with most of the values that are missing is next, and among equal ones that whose values were used least.
+    """
+    rows = [list(row.items()) for row in rows]
+    available = Counter(value for row in rows for value in row)
+    missing = {value: min(times, count) for value, count in available.items()}
+    used, kept, left = Counter(), [], list(range(len(rows)))
+    while any(missing.values()):
+
+        def order(index):
+            row = rows[index]
+            return -sum(missing[value] > 0 for value in row), sum(used[value] for value in row), index
+
+        best = min(left, key=order)
+        left.remove(best)
+        kept.append(best)
+        for value in rows[best]:
+            missing[value] -= missing[value] > 0
+            used[value] += 1
+    return sorted(kept)
+
+
+def _value(value):
+    """The value, or its identity where it cannot be hashed."""
+    try:
+        hash(value)
+    except TypeError:
+        return id(value)
+    return value
+
+
+def deselected(items):
+    """The tests that do not run, of those that pytest has collected."""
+    matrices = defaultdict(list)
+    for item in items:
+        mark = item.get_closest_marker("thinned")
+        if mark and item.get_closest_marker("slow") and hasattr(item, "callspec"):
+            name, params = item.nodeid.split("[")[0], item.callspec.params
+            row = {"test": name} | {key: _value(params[key]) for key in mark.args or params}
+            matrix = item.path if mark.kwargs.get("together") else name
+            matrices[matrix, mark.kwargs.get("times", 1)].append((item, row))
+    dropped = set()
+    for (_, times), tests in matrices.items():
+        kept = thinned([row for _, row in tests], times)
+        dropped.update(tests[index][0] for index in set(range(len(tests))) - set(kept))
+    return dropped
