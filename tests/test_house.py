@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import importlib
 import statistics
 from collections.abc import Iterator
@@ -79,8 +80,9 @@ def imports(path: Path) -> Iterator[Import]:
             yield Import(file, node.module or "", tuple(alias.name for alias in node.names))
 
 
-def all_imports(package: Path) -> list[Import]:
-    return [one for path in modules(package) for one in imports(path)]
+@functools.cache
+def all_imports(package: Path) -> tuple[Import, ...]:
+    return tuple(one for path in modules(package) for one in imports(path))
 
 
 def lines(path: Path) -> int:
