@@ -23,8 +23,9 @@ SHORTER = [
     ("range(1000)", "range(20)"),
     ('"reachable": 20', '"reachable": 2'),
     ('"near_singular": 20', '"near_singular": 2'),
+    ("check_strategy(NearSingular())", "check_strategy(NearSingular(), samples=1)"),
 ]
-"""What the tests change: fewer problems."""
+"""What the tests change: fewer problems and starts."""
 
 PYTHON = re.compile(r"^```python\n(.*?)^```", flags=re.DOTALL | re.MULTILINE)
 PAGES = [

@@ -77,7 +77,7 @@ def test_warming_up_loads_the_second_solver() -> None:
 
 
 @pytest.mark.parametrize(
-    "module", ["qp", "progress", "strategy", "task", "result", "registry", "constraints", "solver"]
+    "module", ["qp", "registry", "solver", *slow("progress", "strategy", "task", "result", "constraints")]
 )
 def test_a_public_module_is_there_when_it_is_named(module: str) -> None:
     run(f"""

@@ -10,7 +10,7 @@ import re
 import sys
 from dataclasses import dataclass
 from enum import Enum
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import pairwise
 from types import ModuleType
 from typing import Any, TypeVar
@@ -141,7 +141,7 @@ def _modules_below(package: str) -> list[ModuleType]:
     return [module for name, module in sorted(sys.modules.items()) if name.startswith(f"{package}.")]
 
 
-@lru_cache
+@cache
 def _documented(module: ModuleType) -> dict[str, str]:
     """The values that a module assigns with a docstring below, and the docstrings."""
     try:

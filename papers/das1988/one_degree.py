@@ -126,7 +126,7 @@ def local(size: float, count: int) -> Row:
 
 def compute(quick: bool) -> list[Row]:
     """Rows of both tests."""
-    return equality(20 if quick else 200) + [local(size, 20 if quick else 200) for size in SIZES]
+    return equality(10 if quick else 200) + [local(size, 10 if quick else 200) for size in SIZES]
 
 
 def statements(rows: Sequence[Row]) -> dict[str, bool]:

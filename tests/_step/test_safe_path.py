@@ -19,7 +19,7 @@ from ..conftest import EXACT, dh_arm, planar
 from .conftest import problem_of
 
 SAFE, MARGIN = 0.05, 0.02
-FEW = 200
+FEW = 80
 
 
 def circles(count, rng):

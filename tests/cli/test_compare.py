@@ -14,7 +14,7 @@ import pytest
 
 import jtik
 from jtik.cli import main
-from jtik.study import Comparison
+from jtik.study import Comparison, html
 
 from .conftest import Capture, refusal
 
@@ -22,7 +22,9 @@ pytest.importorskip("matplotlib")
 pytest.importorskip("rich")
 
 
-def test_the_command_prints_a_table_and_writes_files(tmp_path, capsys) -> None:
+def test_the_command_prints_a_table_and_writes_files(tmp_path, capsys, monkeypatch) -> None:
+    # one picture in the report; tests/study/test_html.py has all of them
+    monkeypatch.setattr(html, "_figures", lambda comparison: [("Profile", comparison.plot_profile())])
     files = {name: str(tmp_path / name) for name in ("r.html", "rows.csv", "study.npz")}
     words = [
         "compare",
@@ -49,6 +51,7 @@ def test_the_command_prints_a_table_and_writes_files(tmp_path, capsys) -> None:
     assert main(words) == 0  # resumes a complete study
 
 
+@pytest.mark.usefixtures("short_report")
 def test_a_named_problem_sets_robot_task_and_criterion(tmp_path, capsys) -> None:
     words = ["compare", "--problems", "named:centering_3r", "--strategies", "newton", "--until", "stationary"]
     assert main([*words, "--markdown", "--repeats", "1", "--out", str(tmp_path / "r.html")]) == 0

@@ -166,9 +166,15 @@ def test_obstacles_that_nothing_takes_are_a_warning(capsys: Capture) -> None:
     assert err.count("\n") == 1
 
 
-@pytest.mark.parametrize("robot", ["planar:3", "panda"])
-@pytest.mark.parametrize("more", ["", "--restarts 3 --best-of 2"])
-@pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])
+@pytest.mark.parametrize(
+    ("suffix", "more", "robot"),
+    [
+        (".png", "", "planar:3"),
+        (".svg", "--restarts 3 --best-of 2", "planar:3"),
+        (".pdf", "", "planar:3"),
+        (".png", "--restarts 3 --best-of 2", "panda"),
+    ],
+)
 def test_a_picture_is_drawn(capsys: Capture, tmp_path: Path, robot: str, more: str, suffix: str) -> None:
     pytest.importorskip("matplotlib")
     target = "1 2" if robot == "planar:3" else "0.4 0.2 0.5"

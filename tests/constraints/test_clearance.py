@@ -152,12 +152,12 @@ def scenes(count, bodies, least, most=math.inf, seed=5):
 @pytest.mark.parametrize("strategy", ["weighted_qp", "lexicographic_qp"])
 def test_strategies_of_one_quadratic_program_keep_clearances(strategy, criteria, bodies):
     ten, reached = ten_links(strategy, criteria, bodies), 0
-    for scene in scenes(20, bodies, SAFE + 0.02):
+    for scene in scenes(8, bodies, SAFE + 0.02):
         solution = ten.solve(scene, max_iterations=100)
         assert solution.status is not jtik.Status.UNSOLVED
         assert ten.ways(solution.trace).min(initial=1.0) >= SAFE - ROUNDING
         reached += solution.position_error < 0.01
-    assert reached >= 5
+    assert reached >= 2
 
 
 def test_two_levels_keep_clearances_and_report_the_level_not_met():
@@ -185,7 +185,7 @@ RECOVERING = ["hybrid+qp", "newton+qp", "weighted_qp", "lexicographic_qp"]
 @pytest.mark.parametrize("strategy", ["hybrid+qp", "weighted_qp", *slow("newton+qp", "lexicographic_qp")])
 def test_a_start_too_close_is_restored_and_no_pair_comes_closer(strategy):
     ten = ten_links(strategy, None, "links")
-    for scene in scenes(20, "links", 0.0, SAFE):
+    for scene in scenes(8, "links", 0.0, SAFE):
         solution = ten.solve(scene, max_iterations=100)
         assert solution.status is not jtik.Status.UNSOLVED
         assert ten.gaps(solution.q).min() >= SAFE - ROUNDING
@@ -220,8 +220,15 @@ def test_the_speed_of_restoration_is_that_of_the_barrier():
     assert demanded == pytest.approx([0.5 * lacking], rel=1e-3)
 
 
-@pytest.mark.parametrize("criteria", [None, JointCentering()], ids=["alone", "centring"])
-@pytest.mark.parametrize("strategy", ["hybrid+qp", "transpose+qp", "weighted_qp", "lexicographic_qp"])
+@pytest.mark.parametrize(
+    ("strategy", "criteria"),
+    [
+        pytest.param("hybrid+qp", None, id="hybrid+qp-alone"),
+        pytest.param("transpose+qp", JointCentering(), id="transpose+qp-centring"),
+        pytest.param("weighted_qp", None, id="weighted_qp-alone"),
+        pytest.param("lexicographic_qp", JointCentering(), id="lexicographic_qp-centring"),
+    ],
+)
 def test_contradictory_clearances_have_a_status_and_are_named(strategy, criteria):
     """A joint between two circles that are too close to each other: both clearances cannot hold."""
     arm, q = planar(5), np.array([0.3, -0.5, 0.4, 0.6, -0.3])

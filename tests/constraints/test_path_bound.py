@@ -106,13 +106,10 @@ def judged():
 
 def gaps(q, center, radius):
     """The smallest distance of a link to the circle, at configurations (samples, n)."""
-    found = []
-    for each in q:
-        points = np.vstack([[0.0, 0.0], planar_points(each)])
-        a, along = points[:-1], np.diff(points, axis=0)
-        share = np.clip(((center - a) * along).sum(-1) / (along**2).sum(-1), 0, 1)
-        found.append(np.linalg.norm(a + share[:, None] * along - center, axis=-1).min() - radius)
-    return np.array(found)
+    points = np.concatenate([np.zeros((len(q), 1, 2)), planar_points(q)], axis=1)
+    a, along = points[:, :-1], np.diff(points, axis=1)
+    share = np.clip(((center - a) * along).sum(-1) / (along**2).sum(-1), 0, 1)
+    return np.linalg.norm(a + share[..., None] * along - center, axis=-1).min(axis=1) - radius
 
 
 def test_a_step_that_is_judged_safe_is_safe_on_its_whole_path(rng):

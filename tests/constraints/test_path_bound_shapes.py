@@ -84,7 +84,7 @@ class Judged:
 
     def links(self, way):
         if self.robot.dimension == 2:
-            points = np.stack([np.vstack([np.zeros(2), planar_points(q)]) for q in way])
+            points = np.concatenate([np.zeros((len(way), 1, 2)), planar_points(way)], axis=1)
             return np.stack([points[:, :-1], points[:, 1:]], axis=2)
         places = positions(self.robot, way)
         pairs = [np.stack([places[a], places[b]], axis=1) for a, b in self.robot.segments]
@@ -118,13 +118,12 @@ def test_a_step_that_is_judged_safe_is_safe_on_its_whole_path(kind, dimension, r
         obstacle = moved(obstacle, (d - SAFE - rng.exponential(0.01)) * beside)
         if distance(obstacle, *link)[0] < SAFE:
             continue
-        gap = gaps(obstacle, links) - SAFE
-        if gap[0] < 0:
+        if gaps(obstacle, links[:1])[0] < SAFE:
             continue
         judged.place(obstacle)
         if float(judged.keeps(q, dq, judged.live.memory)):
             kept += 1
-            closest = min(closest, gap.min())
+            closest = min(closest, gaps(obstacle, links).min() - SAFE)
         else:
             refused += 1
     assert closest >= -1e-7

@@ -100,7 +100,7 @@ def test_a_step_that_is_judged_safe_is_safe_on_its_whole_path(name, rng):
     """The safe distance is near the smallest one on the path, or between it and the smallest one at the samples."""
     robot, pairs, live, keeps = judged(name)
     kept, tight, at_samples, broken = 0, 0, 0, 0
-    for trial in range(300):
+    for trial in range(150):
         q = robot.random_configuration(rng)
         dq = rng.uniform(-1, 1, robot.n) * 10 ** rng.uniform(-2, 0)
         dq = np.clip(q + dq, robot.lower, robot.upper) - q
@@ -119,8 +119,8 @@ def test_a_step_that_is_judged_safe_is_safe_on_its_whole_path(name, rng):
             tight += gaps.min() - safe < 0.005
             broken += gaps.min() < safe - ROUNDING
     assert broken == 0
-    assert kept > 20
-    assert tight > 10
+    assert kept >= 8
+    assert tight >= 4
     assert at_samples > 0  # safe at the samples only
 
 
@@ -149,9 +149,15 @@ def swept(judge, trace):
     return smallest
 
 
-@pytest.mark.parametrize("criteria", [None, *slow(JointCentering(), SelfCollision())])
-def test_no_accepted_step_of_a_panda_brings_its_bodies_together(criteria):
-    robot, judge, found = problems(12)
+@pytest.mark.parametrize(
+    ("criteria", "count"),
+    [
+        (None, 4),
+        *(pytest.param(each, 12, marks=pytest.mark.slow) for each in (None, JointCentering(), SelfCollision())),
+    ],
+)
+def test_no_accepted_step_of_a_panda_brings_its_bodies_together(criteria, count):
+    robot, judge, found = problems(count)
     clearance = jtik.Clearance(SelfCollision(), safe=SAFE)
     ik = shared_solver(robot, jtik.FrameTask(), criteria=criteria, clearances=clearance, strategy="hybrid+qp")
     plain = shared_solver(robot, jtik.FrameTask(), strategy="hybrid+qp")
@@ -162,8 +168,8 @@ def test_no_accepted_step_of_a_panda_brings_its_bodies_together(criteria):
         assert judge.distances(solution.q).min() >= SAFE - ROUNDING
         reached += solution.position_error < 1e-5
         through += swept(judge, plain.solve(goal, q0=start, max_iterations=200, trace=True).trace) < 0
-    assert reached >= 6
-    assert through >= 2  # without, some go through the body
+    assert reached >= count / 2
+    assert through >= count / 6  # without, some go through the body
 
 
 def test_what_blocks_a_solve_is_named():

@@ -33,7 +33,7 @@ SQUARE = [
 and all strategies: benchmarks/criteria_matrix.py."""
 
 
-QUICK = ("limit_norm", "manipulability volume", "swivel_angle", "effective_mass", "support_polygon", "visibility")
+QUICK = ("manipulability volume", "support_polygon")
 
 
 @pytest.mark.thinned

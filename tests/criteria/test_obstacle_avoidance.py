@@ -169,9 +169,14 @@ def test_inside_an_obstacle_the_force_is_finite_and_points_outwards(depth, bodie
     assert after > before
 
 
-@pytest.mark.parametrize("bodies", ["joints", "links", "both"])
-@pytest.mark.parametrize("radius", [0.0, 0.3])
-@pytest.mark.parametrize("frame", ["link2", "link3", "tip"])
+@pytest.mark.parametrize(
+    ("frame", "bodies", "radius"),
+    [
+        (frame, bodies, [0.0, 0.3][(row + column) % 2])
+        for row, frame in enumerate(["link2", "link3", "tip"])
+        for column, bodies in enumerate(["joints", "links", "both"])
+    ],
+)
 def test_an_obstacle_exactly_on_a_joint_is_finite_and_the_solve_ends(bodies, radius, frame):
     robot = planar(4)
     q = np.array([0.4, 0.3, 0.2, 0.1])

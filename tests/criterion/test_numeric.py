@@ -17,7 +17,7 @@ from jtik.testing import check_criterion
 from jtik_formulations import JointCentering
 
 from ..conftest import DIFFERENCES, EXACT, differences, planar, planar_points
-from .shared import STRATEGIES, at, new_solver
+from .shared import STRATEGIES, at, new_solver, solver
 
 
 def height(q, aim):
@@ -76,7 +76,7 @@ class TestValuesAndDerivatives:
 
     @pytest.mark.parametrize("criterion", [elbow, elbow_with_gradient])
     def test_it_fulfils_the_contract(self, criterion):
-        check_criterion(criterion, planar(5), samples=5)
+        check_criterion(criterion, planar(5), samples=2)
 
     def test_on_a_ball_joint_the_derivatives_follow_rotations(self, rng):
         robot = jtik.Robot(
@@ -88,7 +88,7 @@ class TestValuesAndDerivatives:
         q = robot.random_configuration(rng)
         expected = differences(lambda p: tilt(p, robot), robot, q)[0]
         assert tilt.gradient(q, robot) == pytest.approx(expected, abs=DIFFERENCES)
-        check_criterion(tilt, robot, samples=5)
+        check_criterion(tilt, robot, samples=2)
 
     def test_parameters_are_live_and_have_their_shapes(self):
         seen = []
@@ -112,7 +112,7 @@ class TestSolves:
     @pytest.mark.parametrize("strategy", [*STRATEGIES, "hybrid+qp", "hybrid+second_order"])
     def test_every_strategy_solves_as_with_the_traced_criterion(self, strategy):
         options = {"q0": Q0, "max_iterations": 3000, "position_tolerance": 1e-4, "optimality_tolerance": 1e-4}
-        expected = new_solver(planar(5), elbow_traced, strategy).solve(TARGET, **options)
+        expected = solver(planar(5), elbow_traced, strategy).solve(TARGET, **options)
         for criterion in (elbow_with_gradient, *([elbow] if strategy in ("hybrid", "weighted_qp") else [])):
             found = new_solver(planar(5), criterion, strategy).solve(TARGET, **options)
             assert found.status is expected.status
@@ -121,7 +121,7 @@ class TestSolves:
 
     def test_the_minimum_is_recognised(self):
         solution = new_solver(planar(5), elbow, "hybrid+second_order").solve(TARGET, q0=Q0)
-        expected = new_solver(planar(5), elbow_traced, "hybrid+second_order").solve(TARGET, q0=Q0)
+        expected = solver(planar(5), elbow_traced, "hybrid+second_order").solve(TARGET, q0=Q0)
         assert solution.second_order == expected.second_order == "minimum"
         assert solution.iterations == expected.iterations
 
@@ -131,11 +131,12 @@ class TestSolves:
         assert found.q == pytest.approx(expected.q, abs=1e-6)
 
     def test_step_track_trace_and_batch(self):
-        ik, traced = new_solver(planar(5), elbow), new_solver(planar(5), elbow_traced)
+        ik, traced = new_solver(planar(5), elbow), solver(planar(5), elbow_traced)
         assert ik.step(Q0, TARGET, dt=0.01).q == pytest.approx(traced.step(Q0, TARGET, dt=0.01).q, abs=1e-9)
-        path = [np.add(TARGET, (0.01 * k, 0.0)) for k in range(5)]
+        path = [np.add(TARGET, (0.01 * k, 0.0)) for k in range(3)]
         assert ik.track(path, q0=Q0).q == pytest.approx(traced.track(path, q0=Q0).q, abs=1e-6)
-        assert ik.solve(TARGET, q0=Q0, trace=True).trace.H[-1] == pytest.approx(ik.solve(TARGET, q0=Q0).cost)
+        solution = ik.solve(TARGET, q0=Q0, trace=True)
+        assert solution.trace.H[-1] == pytest.approx(solution.cost)
         assert ik.solve_batch([TARGET], q0=Q0).q[0] == pytest.approx(traced.solve(TARGET, q0=Q0).q, abs=1e-5)
 
     def test_evaluations_are_counted(self):
@@ -155,21 +156,26 @@ class TestSolves:
         assert len({tuple(q) for q in calls}) > 0.9 * len(calls)  # hardly anything is computed twice
         cheaper = new_solver(planar(5), elbow_with_gradient).solve(TARGET, q0=Q0)
         assert cheaper.evaluations < new_solver(planar(5), elbow).solve(TARGET, q0=Q0).evaluations / 3
-        assert new_solver(planar(5), elbow_traced).solve(TARGET, q0=Q0).evaluations == 0
+        assert solver(planar(5), elbow_traced).solve(TARGET, q0=Q0).evaluations == 0
 
     def test_copies_and_pickles(self):
-        ik = new_solver(planar(5), elbow)
-        expected = ik.solve(TARGET, q0=Q0).q
+        ik, options = new_solver(planar(5), elbow), {"q0": Q0, "max_iterations": 8}
+        expected = ik.solve(TARGET, **options).q
         for again in (copy.deepcopy(ik), pickle.loads(pickle.dumps(ik))):
-            assert again.solve(TARGET, q0=Q0).q.tolist() == expected.tolist()
+            assert again.solve(TARGET, **options).q.tolist() == expected.tolist()
         with ThreadPoolExecutor(2) as pool:
             twins = [copy.deepcopy(ik) for _ in range(4)]
-            found = list(pool.map(lambda each: each.solve(TARGET, q0=Q0).q.tolist(), twins))
+            found = list(pool.map(lambda each: each.solve(TARGET, **options).q.tolist(), twins))
         assert found == [expected.tolist()] * 4
 
     def test_in_a_study(self):
         study = jtik.compare(
-            planar(5), jtik.FrameTask(), strategies=["hybrid", "newton+qp"], criteria=elbow, count=3, repeats=1
+            planar(5),
+            jtik.FrameTask(),
+            strategies=["hybrid", "newton+qp"],
+            criteria=elbow_with_gradient,
+            count=2,
+            repeats=1,
         )
         assert study.columns["success"].all()
 
@@ -327,7 +333,7 @@ def test_what_interrupts_a_function_reaches_the_caller(interruption):
         return float(((q - c) ** 2).sum())
 
     ik = jtik.InverseKinematics(arm, jtik.FrameTask(), criteria=interrupted)
-    targets = [arm.position(arm.random_configuration(seed)) for seed in range(4)]
+    targets = [arm.position(arm.random_configuration(seed)) for seed in range(3)]
     expected = ik.solve_batch(targets)
 
     def set_off(after):

@@ -19,7 +19,7 @@ from ..conftest import shared_solver
 NOISE = 0.5
 """Largest distance of each joint from home [rad] or [m]."""
 
-POSES = 100
+POSES = 25
 
 ARMS = {
     "panda.urdf": None,

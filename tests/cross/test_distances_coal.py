@@ -32,7 +32,7 @@ def test_every_pair_of_shapes(kind, rng):
 @pytest.mark.parametrize("kind", ["ball", "capsule", "box", "half_space"])
 def test_the_depth_of_penetration(kind, rng):
     compared = 0
-    for _ in range(400):
+    for _ in range(60):
         solid = random_obstacle(kind, 3, rng)
         for body in random_bodies(solid, 8, rng, reach=0.8):
             d = distance(solid, *body)[0]
@@ -41,4 +41,4 @@ def test_the_depth_of_penetration(kind, rng):
             if d < 0:
                 compared += 1
                 assert d - RADIUS == pytest.approx(by_coal(in_coal(solid), body, RADIUS), abs=1e-6)
-    assert compared > 100
+    assert compared > 15

@@ -126,14 +126,13 @@ SMOOTH = [name for name in FOLLOWING if name not in JUMPING_WEIGHTS]
 
 
 @pytest.mark.parametrize(
-    ("strategy", "limit"),
+    ("strategy", "limit", "dt"),
     [
-        *((name, None) for name in ("hybrid", "newton", "task_priority")),
-        *(pytest.param(name, 20.0, marks=pytest.mark.slow) for name in SMOOTH),
+        *((name, None, 0.005) for name in ("hybrid", "newton", "task_priority")),
+        *(pytest.param(name, 20.0, 0.002, marks=pytest.mark.slow) for name in SMOOTH),
     ],
 )
-def test_out_of_the_workspace_and_back(strategy, limit):
-    dt = 0.002
+def test_out_of_the_workspace_and_back(strategy, limit, dt):
     ik = panda(strategy, limits=jtik.Limits(velocity=2.0, acceleration=limit))
     home = ik.robot.keyframes["home"]
     t = dt * np.arange(1, round(4 / dt) + 1)
@@ -208,7 +207,7 @@ def test_a_path_that_starts_at_speed_is_joined_soon_and_quietly(strategy, dt, li
 COMPROMISING = ("weighted_qp",)
 """Their rate in the null space is that of their weights."""
 
-NULL_SPACE_FIRST = ("hybrid", "newton", "hybrid+qp")
+NULL_SPACE_FIRST = ("hybrid+qp",)
 """The others are tested slowly."""
 
 
@@ -281,7 +280,7 @@ def test_random_states_make_the_progress_that_is_feasible_in_the_direction_of_th
     for limit in limits:
         arm = jtik.Robot.planar(links, velocity_limit=limit)
         ik = shared_solver(arm, jtik.FrameTask("tip", kind="position"), strategy=strategy)
-        for _ in range(50 if links == 4 else 150):
+        for _ in range(25 if links == 4 else 150):
             q, wanted = rng.uniform(-2, 2, links), rng.normal(size=2) * rng.uniform(0.5, 4)
             ik.reset()
             made = planar_points(ik.step(q, arm.position(q) + dt * wanted, dt=dt).q)[-1] - planar_points(q)[-1]
@@ -350,7 +349,7 @@ def test_a_saddle_is_left_under_acceleration_limits():
     ik = shared_solver(arm, jtik.FrameTask("tip", kind="position"), limits=limits)
     target = ik.robot.position(ik.robot.keyframes["home"])
     stuck = np.array([0.0, 1.291, 0.0, -0.0698, 0.0, 3.7525, 0.785])
-    path = stepped(ik, stuck, [target] * 5000, dt)
+    path = stepped(ik, stuck, [target] * 3000, dt)
     assert np.linalg.norm(ik.robot.position(path[-1]) - target) <= 1e-6
 
 

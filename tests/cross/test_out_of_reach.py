@@ -52,6 +52,7 @@ def closest(robot, target, q):
         xtol=1e-15,
         ftol=1e-15,
         gtol=1e-13,
+        max_nfev=100,
     )
     return robot.position(found.x)
 
@@ -189,7 +190,7 @@ def test_an_arm_within_its_limits(strategy, kind):
     robot = ik.robot
     for factor in [1e3, 1e6, 1e9] if strategy in SLOW else [1.5, 10.0, 100.0, 1e3, 1e6, 1e9]:
         rng = np.random.default_rng(2)
-        for _ in range(5):
+        for _ in range(3):
             q0, direction = robot.random_configuration(rng), rng.normal(size=3)
             target = robot.pose(robot.random_configuration(rng))
             target[:3, 3] = factor * direction / np.linalg.norm(direction)

@@ -172,25 +172,31 @@ def skip_pictures(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
 
 @pytest.fixture
 def few_strategies(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two strategies in place of all, which `result` has tried."""
-    monkeypatch.setattr(demo, "strategies", ("hybrid", "newton"))
+    """One strategy in place of all, which `result` has tried."""
+    monkeypatch.setattr(demo, "strategies", ("hybrid",))
 
 
 @pytest.mark.usefixtures("few_strategies")
-def test_the_command_runs_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_runs_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    skip_pictures(monkeypatch, tmp_path)
     out = tmp_path / "pictures"
     assert main(["demo", "--quick", "--out", str(out)]) == 0
     printed = capsys.readouterr()
     assert "every strategy" in printed.out
     assert printed.err == ""
-    assert (out / "postures.png").exists()
+    assert (out / "results.json").exists()
 
 
 @pytest.mark.usefixtures("few_strategies")
 def test_without_a_console_nothing_is_printed(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, result: demo.DemoResult, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """With the path that `result` has followed, and whose progress another test reports."""
     skip_pictures(monkeypatch, tmp_path)
+    monkeypatch.setattr(demo, "follow_path", lambda *_, **__: result.path)
+    capsys.readouterr()
     demo.run(tmp_path, quick=True)
     assert capsys.readouterr() == ("", "")
 

@@ -74,7 +74,7 @@ KINDS = ("skew", "parallel", "in line", "crossing", "a point", "points", "one po
 @pytest.mark.parametrize("kind", KINDS)
 def test_it_is_the_smallest_distance_of_their_points_and_its_derivatives_are_finite(evaluated, kind, rng):
     function, dimension = evaluated
-    for _ in range(300):
+    for _ in range(60):
         ends = some_ends(rng, kind, dimension)
         for order in ((0, 1, 2, 3), (3, 2, 0, 1)):
             distance, gradient, hessian, *_ = function(np.concatenate([ends[i] for i in order]))
@@ -86,7 +86,7 @@ def test_it_is_the_smallest_distance_of_their_points_and_its_derivatives_are_fin
             assert np.isfinite(hessian.full()).all()
 
 
-@pytest.mark.parametrize("exponent", range(-16, -2))
+@pytest.mark.parametrize("exponent", range(-16, -2, 2))
 def test_it_is_accurate_for_segments_that_are_nearly_parallel(exponent, rng):
     ends = casadi.SX.sym("ends", 12)
     function = casadi.Function("distance", [ends], [segment_to_segment(*casadi.vertsplit(ends, 3))])
@@ -104,7 +104,7 @@ def test_capsules_around_them_are_as_far_apart_as_mujoco_says(kind, rng):
     function = casadi.Function("distance", [ends], [segment_to_segment(*casadi.vertsplit(ends, 3)) - 2 * RADIUS])
     model = mujoco.MjModel.from_xml_string(CAPSULES)
     data = mujoco.MjData(model)
-    for _ in range(200):
+    for _ in range(60):
         given = some_ends(rng, kind, 3)
         for geom in range(2):
             start, end = given[2 * geom : 2 * geom + 2]

@@ -29,7 +29,7 @@ def to_segment(point, body):
 @pytest.mark.parametrize(("kind", "dimension"), EVERY)
 def test_both_points_are_on_their_surfaces_and_the_distance_apart(kind, dimension, rng):
     apart = 0
-    for _ in range(8):
+    for _ in range(4):
         obstacle = random_obstacle(kind, dimension, rng)
         for body in random_bodies(obstacle, 4, rng):
             found = witness(obstacle, *body, radius=RADIUS)
@@ -41,7 +41,7 @@ def test_both_points_are_on_their_surfaces_and_the_distance_apart(kind, dimensio
             assert found.on_body - found.on_obstacle == pytest.approx(found.distance * found.normal, abs=1e-9)
             assert distance(obstacle, found.on_obstacle)[0] == pytest.approx(0, abs=CLOSE)
             assert to_segment(found.on_body, body) == pytest.approx(RADIUS, abs=CLOSE)
-    assert apart > 3
+    assert apart > 1
 
 
 @pytest.mark.parametrize("kind", SPATIAL)

@@ -82,7 +82,7 @@ def test_what_is_drawn_is_the_body_and_the_obstacles(arm: jtik.Robot) -> None:
 
 
 def test_every_shape_in_space_is_drawn(arm: jtik.Robot) -> None:
-    bare = len(drawn_triangles(arm.plot(width=2.0)))
+    bare = len(drawn_triangles(arm.plot(show="links", width=2.0)))
     field = [
         jtik.Point((0.5, 0, 0.5)),
         jtik.Sphere((0.5, 0.5, 0.5), 0.1),
@@ -92,7 +92,7 @@ def test_every_shape_in_space_is_drawn(arm: jtik.Robot) -> None:
         HalfSpace((0, 0, -0.1), (0, 0, 1)),
     ]
     for obstacle in field:
-        assert len(drawn_triangles(arm.plot(obstacles=obstacle, width=2.0))) > bare
+        assert len(drawn_triangles(arm.plot(obstacles=obstacle, show="links", width=2.0))) > bare
 
 
 def test_several_postures_have_their_own_colours(arm: jtik.Robot) -> None:
@@ -103,8 +103,15 @@ def test_several_postures_have_their_own_colours(arm: jtik.Robot) -> None:
     assert len(drawn_triangles(figure)) > 2.5 * len(drawn_triangles(arm.plot(table[0], show="links", width=3.0)))
 
 
-@pytest.mark.parametrize("q", [np.zeros(6), np.array([0.0, -np.pi / 2, 0, 0, 0, 0]), np.array([1.0, -1.2, 1, 0, 0, 0])])
-@pytest.mark.parametrize("view", [(22.0, -52.0), (50.0, -120.0), (15.0, 35.0)])
+@pytest.mark.parametrize(
+    ("q", "view"),
+    [
+        (np.zeros(6), (22.0, -52.0)),
+        (np.array([0.0, -np.pi / 2, 0, 0, 0, 0]), (50.0, -120.0)),
+        (np.array([1.0, -1.2, 1, 0, 0, 0]), (15.0, 35.0)),
+    ],
+    ids=["straight", "upright", "bent"],
+)
 def test_labels_do_not_overlap_and_the_scale_is_equal(
     arm: jtik.Robot, q: np.ndarray, view: tuple[float, float]
 ) -> None:

@@ -250,7 +250,7 @@ class TestTheStep:
         robot = planar(10, lower=-1.0, upper=1.0)
         ik = shared_solver(robot, jtik.FrameTask(), strategy=SNS(**BARE))
         scaled = 0
-        for _ in range(60):
+        for _ in range(25):
             q = rng.uniform(-1, 1, 10)
             at = rng.permutation(10)[:3]
             q[at] = np.sign(q[at])
@@ -261,7 +261,7 @@ class TestTheStep:
             _, largest = best(J, xdot, -1.0 - q, 1.0 - q)
             scaled += largest < 1
             assert trace.scale_0 == pytest.approx([largest], abs=AGREE)
-        assert scaled > 10
+        assert scaled > 3
 
     @pytest.mark.parametrize("criteria", [None, JointCentering()], ids=["alone", "centring"])
     @pytest.mark.parametrize("n", [4, 7])
@@ -270,7 +270,7 @@ class TestTheStep:
         robot = planar(n, lower=-1.0, upper=1.0)
         strategies = SNS(), SNSQP()
         one, other = (shared_solver(robot, jtik.FrameTask(), criteria=criteria, strategy=s) for s in strategies)
-        for _ in range(40):
+        for _ in range(15):
             q = rng.uniform(-1, 1, n)
             q = np.where(rng.random(n) < 0.2, np.sign(q), q)
             target = planar_points(rng.uniform(-1, 1, n))[-1]
@@ -334,7 +334,7 @@ class TestLevels:
     def test_lower_levels_do_not_disturb_higher_ones(self, strategy, rng):
         solvers = [self.solver(strategy, count) for count in (1, 2, 3)]
         moved = 0.0
-        for _ in range(20):
+        for _ in range(8):
             q, target = self.problem(rng)
             steps = []
             for count, ik in enumerate(solvers, 1):
@@ -351,9 +351,10 @@ class TestLevels:
         assert moved > 0.1
 
     def test_both_strategies_agree(self, rng):
-        one, other = self.solver(SNS(rounds=12, **BARE), 3), self.solver(SNSQP(**BARE), 3)
-        for _ in range(20):
+        one, other = self.solver(SNS(rounds=12, **BARE)), self.solver(SNSQP(**BARE))
+        for _ in range(8):
             q, target = self.problem(rng)
+            del target["wrist"]
             one.reset()
             other.reset()
             assert one.step(q, target).q == pytest.approx(other.step(q, target).q, abs=1e-6)

@@ -119,8 +119,14 @@ def test_within_the_tolerance_the_compromise_has_converged():
         assert ik.solve_batch([[2.0, 1.5]], q0=[0.3] * 5, position_tolerance=tolerance).status == (status,)
 
 
-@pytest.mark.parametrize("weight", [1e-1, 1e-3, 1e-5])
-@pytest.mark.parametrize("case", ["free", "limits", "obstacles", "pose"])
+@pytest.mark.parametrize(
+    ("case", "weight"),
+    [
+        pytest.param(case, weight, marks=[] if (row + column) % 3 == 0 else pytest.mark.slow)
+        for row, case in enumerate(["free", "limits", "obstacles", "pose"])
+        for column, weight in enumerate([1e-1, 1e-3, 1e-5])
+    ],
+)
 def test_the_compromise_is_a_minimum_of_the_weighted_sum(weight, case, rng):
     """SciPy, from there and within the limits, finds no smaller sum, and its multipliers have the right sign."""
     robot, kind, criteria = {
@@ -199,7 +205,7 @@ def test_the_weighted_sum_falls_at_every_step_taken(rng):
     strategy = WeightedQP(weight=1e-3, curvature=0.2)
     for robot, kind in ((planar(8), "position"), (dh_arm(7, 1), "pose"), (ball_arm(), "position")):
         ik = solver(robot, strategy, kind, criteria=JointCentering())
-        for _ in range(5):
+        for _ in range(2):
             q = robot.random_configuration(rng)
             target = robot.pose(robot.random_configuration(rng))
             trace = ik.solve(target, q0=q, max_iterations=60, trace=True).trace

@@ -42,6 +42,14 @@ def counted(monkeypatch):
     return done
 
 
+@pytest.fixture(scope="module")
+def before(arm, task, tmp_path_factory):
+    """The file of a complete study."""
+    path = tmp_path_factory.mktemp("before") / "study.npz"
+    jtik.compare(arm, task, **options(), save=path)
+    return path.read_bytes()
+
+
 def test_an_interrupted_study_returns_completed_units(arm, task):
     study = jtik.compare(arm, task, **options(), progress=interrupt_after(3))
     assert not study.complete
@@ -110,11 +118,9 @@ def test_completed_units_are_saved_after_an_error(arm, task, tmp_path):
         {"limits": False},
     ],
 )
-def test_the_file_of_another_study_is_refused(arm, task, tmp_path, changed, counted):
+def test_the_file_of_another_study_is_refused(arm, task, tmp_path, changed, counted, before):
     path = tmp_path / "study.npz"
-    jtik.compare(arm, task, **options(), save=path)
-    before = path.read_bytes()
-    counted.clear()
+    path.write_bytes(before)
     with pytest.raises(jtik.ArgumentError, match=r"save: given .*another study"):
         jtik.compare(arm, task, **options(**changed), save=path)
     assert not counted

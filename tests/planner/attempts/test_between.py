@@ -67,7 +67,7 @@ def test_random_motions_against_dense_sampling(kind, accuracy, rng):
         dense = math.inf
         for start, end in itertools.pairwise(q):
             dq = robot.difference(start, end)
-            for share in np.linspace(0, 1, 150):
+            for share in np.linspace(0, 1, 50):
                 values = distances._distances(
                     start, dq, share, *[np.asarray(v) for v in measure.parameters(robot).values()]
                 )
