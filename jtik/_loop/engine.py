@@ -5,19 +5,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jtik._loop.arguments import ConfigurationReader
-from jtik._loop.attempts import Attempts
-from jtik._loop.compile_ahead import CompileAhead
-from jtik._loop.criterion_escape import CriterionEscape, Escapes, StepEscape
+from jtik._loop.escapes.criterion import CriterionEscape, Escapes, StepEscape
+from jtik._loop.escapes.saddle import SaddleEscape
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
 from jtik._loop.jogging import Jogging
-from jtik._loop.lanes import Lanes
+from jtik._loop.lanes.lanes import Lanes
 from jtik._loop.minimum_certificate import MinimumCertificate
-from jtik._loop.native_search import NativeSearch
+from jtik._loop.native.compile_ahead import CompileAhead
+from jtik._loop.native.search import NativeSearch
 from jtik._loop.options import Compiled, read_compiled, read_rate
 from jtik._loop.runners import SOLVE, Runners
-from jtik._loop.saddle_escape import SaddleEscape
-from jtik._loop.search import Search
+from jtik._loop.search.attempts import Attempts
+from jtik._loop.search.search import Search
 from jtik._loop.solving import Solving
 from jtik._loop.stepping import Stepping
 from jtik._loop.target_memory import TargetMemory

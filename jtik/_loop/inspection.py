@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from jtik._loop.escapes.saddle import FLAT, NEGATIVE, SaddleEscape
 from jtik._loop.minimum_certificate import MinimumCertificate
 from jtik._loop.runners import Runners
-from jtik._loop.saddle_escape import FLAT, NEGATIVE, SaddleEscape
 from jtik._loop.task_alone import TaskAlone
 from jtik._step.distant_target import is_distant
 from jtik._step.inputs import Inputs, Settings

@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jtik._loop.arguments import ConfigurationReader
+from jtik._loop.escapes.saddle import SaddleEscape
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.jog_direction import DirectionReader, Wish
 from jtik._loop.runners import Runners
-from jtik._loop.saddle_escape import SaddleEscape
 from jtik._step.self_motion import displaced, error_change, null_space, tangent
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.arguments import number

@@ -8,7 +8,7 @@ import sys
 import warnings
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from jtik._loop.search import SearchOptions
+from jtik._loop.search.search import SearchOptions
 from jtik._step.inputs import Settings
 from jtik.arguments import flag, integer, positive_number, positive_or_infinite
 from jtik.errors import ArgumentError

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from jtik._loop import native_source, native_step_source, object_layout
-from jtik._loop.full_turns import FullTurns
-from jtik._loop.restarts import RestartConfigurations
+from jtik._loop.native import object_layout, search_source, step_source
 from jtik._loop.runner import Runner
-from jtik._loop.start_bank import StartBanks
+from jtik._loop.search.full_turns import FullTurns
+from jtik._loop.search.restarts import RestartConfigurations
+from jtik._loop.search.start_bank import StartBanks
 from jtik._step.fused_step import Compiled, FusedStep, can_explore, fused_step
 from jtik._step.inputs import SETTING, InputMemory, Inputs, Settings
 from jtik._step.relaxation import RelaxationTerms
@@ -265,10 +265,10 @@ class Runners:
 
     def _beside(self, fused: FusedStep, *, timed: bool = False) -> Beside:
         """What is compiled with a fused step: the native step, and with one without a duration the search."""
-        search = "" if timed else native_source.source(fused.state)
+        search = "" if timed else search_source.source(fused.state)
         if not self.has_native_step:
             return Beside(search)
-        step = native_step_source.beside(fused, self._problem.tasks, self._box_of_step if timed else None)
+        step = step_source.beside(fused, self._problem.tasks, self._box_of_step if timed else None)
         return step._replace(source=search + step.source)
 
     def _started(self, runner: Runner) -> Runner:

@@ -6,9 +6,9 @@ import time
 from functools import partial
 from typing import Any
 
-from jtik._loop.arrivals import SearchResult
 from jtik._loop.inspection import Inspector
-from jtik._loop.jump import Jump
+from jtik._loop.search.arrivals import SearchResult
+from jtik._loop.search.jump import Jump
 from jtik._step.inputs import InputMemory
 from jtik.criterion import CriterionTerms
 from jtik.result.solution import Solution

@@ -13,19 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jtik._loop.arguments import ConfigurationReader, read_targets
-from jtik._loop.arrivals import SearchResult
-from jtik._loop.batch import BatchRows, collect, solved
-from jtik._loop.batch_searches import BatchSearches, BatchTargets
-from jtik._loop.compile_ahead import CompileAhead
+from jtik._loop.batch.rows import BatchRows, collect, solved
+from jtik._loop.batch.searches import BatchSearches, BatchTargets
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
-from jtik._loop.jump import Jump
-from jtik._loop.lanes import Lanes
-from jtik._loop.native_source import UNREADABLE
+from jtik._loop.lanes.lanes import Lanes
+from jtik._loop.native.compile_ahead import CompileAhead
+from jtik._loop.native.search_source import UNREADABLE
 from jtik._loop.options import check_lanes, read_search_options, read_settings
 from jtik._loop.runner import Runner
 from jtik._loop.runners import EXPLORING, SOLVE, TIMED, Runners
-from jtik._loop.search import Search, SearchOptions
+from jtik._loop.search.arrivals import SearchResult
+from jtik._loop.search.jump import Jump
+from jtik._loop.search.search import Search, SearchOptions
 from jtik._loop.solutions import Solutions
 from jtik._loop.target_memory import TargetMemory
 from jtik._loop.trace_recorder import TraceRecorder
@@ -182,8 +182,8 @@ class Solving:
         save: str | Path | None,
     ) -> SolutionBatch:
         """Solve for each target by itself, as `InverseKinematics.solve_batch` describes it."""
-        from jtik._loop.batch_file import BatchFile
-        from jtik._loop.batch_pool import BatchPool
+        from jtik._loop.batch.file import BatchFile
+        from jtik._loop.batch.pool import BatchPool
 
         given, numbers = read_targets(self._tasks, targets)
         progress = read_progress(progress)

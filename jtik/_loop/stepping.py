@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 
 from jtik._loop.arguments import ConfigurationReader
-from jtik._loop.compile_ahead import CompileAhead
-from jtik._loop.criterion_escape import StepEscape
+from jtik._loop.escapes.criterion import StepEscape
+from jtik._loop.escapes.saddle import SaddleEscape
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
-from jtik._loop.native_step import Call, NativeStep
-from jtik._loop.native_step_source import AGAIN, UNREAD
+from jtik._loop.native.compile_ahead import CompileAhead
+from jtik._loop.native.step import Call, NativeStep
+from jtik._loop.native.step_source import AGAIN, UNREAD
 from jtik._loop.runner import Runner
 from jtik._loop.runners import TIMED, Runners
-from jtik._loop.saddle_escape import SaddleEscape
 from jtik._loop.target_memory import TargetMemory
 from jtik._step.solve_progress import UNKNOWN
 from jtik._step.stopping import Code

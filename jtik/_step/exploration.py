@@ -4,7 +4,7 @@ A monotone strategy ends in the first local minimum of V. Where V has not fallen
 second configuration, the explorer, which begins at q and takes every step. q waits. As soon as V at the explorer is
 below V at q, q moves there and the ordinary steps go on; after a number of exploring steps they go on from q. The step
 of a solve does not explore: the loop goes on with the one that does, from the same state, once V has not fallen for
-`STUCK` calls (`jtik._loop.attempts`).
+`STUCK` calls (`jtik._loop.search.attempts`).
 """
 
 from __future__ import annotations

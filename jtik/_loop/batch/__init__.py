@@ -1,0 +1,1 @@
+"""Batches: their rows, their file, the processes and threads that solve them."""

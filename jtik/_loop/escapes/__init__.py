@@ -1,0 +1,1 @@
+"""What leads on from where an update law rests without having arrived: saddle points, levels out of reach."""

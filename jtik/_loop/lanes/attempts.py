@@ -1,0 +1,94 @@
+"""Attempts in lanes: a solve for one target from several starts, side by side in the registers of one processor.
+
+The caller's start and the restarts, in the order of their distance from the target, are tried at the same time
+(formulations/restarts.md). Which attempt wins depends on the numbers of their iterations alone, neither on time nor on
+the width of the registers. What is unusual, and a target that none of them reaches, is left to the search in Python,
+which begins anew; so is a search that takes more than a tenth of a second: Ctrl-C is obeyed then.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from functools import partial
+
+import numpy as np
+
+from jtik._loop.lanes.attempts_source import work_size
+from jtik._loop.lanes.search import LaneLibrary, SearchMemory
+from jtik._loop.native.search import NativeBatch
+from jtik._loop.runner import Runner
+from jtik._loop.search.full_turns import FullTurns
+from jtik._loop.search.restarts import RestartConfigurations
+from jtik._loop.search.search import IN_LANES, PATIENCE, SearchOptions
+from jtik._loop.search.start_bank import StartBanks, aligned
+from jtik.types import Array
+
+
+class LaneAttempts:
+    """The attempts in lanes on memory of their own, with the inputs of a runner.
+
+    Args:
+        library: the search.
+        runner: the runner of solves, whose target, parameters, limits and settings are read where they are.
+        turns: the joints that can turn all the way round.
+        starts: the restarts: by their distance from the target, or, where they depend on where a search begins, those
+            of all searches.
+        has_criterion: whether there is a criterion.
+
+    Attributes:
+        found: where the last search ended, one row.
+    """
+
+    def __init__(
+        self,
+        library: LaneLibrary,
+        runner: Runner,
+        turns: FullTurns,
+        starts: StartBanks | RestartConfigurations,
+        *,
+        has_criterion: bool,
+    ) -> None:
+        self._has_criterion = has_criterion
+        self._starts, self._memory = starts, SearchMemory(library, runner, turns, has_criterion=has_criterion)
+        self.found = NativeBatch.of(1, len(self._memory.q0))
+        self._work = aligned(work_size(library.function, library.level))
+        self._table = np.zeros(7, dtype=np.uintp)
+        found = self.found.q, self.found.errors, self.found.tallies, self._work
+        self._table[:4] = [each.ctypes.data for each in found]
+        self._call = getattr(library.loaded, f"{library.name}_attempts")
+        integer, pointer = ctypes.c_longlong, ctypes.c_void_p
+        self._call.argtypes = [pointer, pointer, integer, integer, integer, ctypes.c_double, pointer]
+        self._call.restype = integer
+        self._options, self._kept = SearchOptions(0, 0, 0), tuple[Array, ...]()
+        self._run = partial(self._call, self._memory.address, None, 1, 0, 0, math.inf, self._table.ctypes.data)
+
+    def prepare(self, options: SearchOptions, *, nearest: bool) -> None:
+        """Set the options of `run`.
+
+        Args:
+            options: the options, with restarts.
+            nearest: whether the attempt from q0 goes on where another one arrives before it, and wins if it arrives.
+        """
+        self._table[6] = nearest
+        if self._options is not options:
+            self._options = options
+            if isinstance(self._starts, StartBanks):
+                bank = self._starts.of(options.seed)
+                self._table[4:6] = bank.coefficients.ctypes.data, len(bank.configurations)
+                self._set(*bank.starts, bank.coefficients)
+
+    def run(self, q0: Array) -> int:
+        """Search from ``q0`` (nq,) for the target in memory; the result and what it returns are in `found`."""
+        self._memory.q0[:] = q0
+        if isinstance(self._starts, RestartConfigurations):
+            self._set(*self._starts.block(self._options.seed, 1, q0))
+        return int(self._run())
+
+    def _set(self, starts: Array, first: int, last: int, *kept: Array) -> None:
+        """Set the restarts: their configurations, and the numbers of the first and the last."""
+        self._kept = starts, *kept
+        last, limit = min(last, self._options.restarts), self._options.limit
+        patience = PATIENCE if self._has_criterion else IN_LANES
+        table, address = self._table.ctypes.data, self._memory.address
+        self._run = partial(self._call, address, starts.ctypes.data, first, last, limit, patience, table)

@@ -1,0 +1,178 @@
+"""The search in lanes: several targets of a batch at the same time, side by side in the registers of one processor.
+
+Each lane follows the rules of `jtik._loop.search.search` with a target, a state and restarts of its own; where its
+search ends it takes the next target. What a lane holds does not change what the others compute. Sine and cosine are not
+those of the C library, so that results differ from those of the other searches by rounding. What is unusual is left to
+the search in Python, as by the native search, and so is a search that goes on for more than a tenth of a second after
+all others of its call: Ctrl-C is obeyed then.
+
+Restarts come in the order of their distance from the target (`jtik._loop.search.start_bank`, formulations/restarts.md).
+With restarts, and without a criterion, the steps are those of `Strategy.in_lanes`; where none of the attempts reaches
+the target, the search in Python begins anew.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from jtik._loop.lanes.search_source import source, work_size
+from jtik._loop.native.search import NativeBatch
+from jtik._loop.runner import Runner
+from jtik._loop.search.full_turns import FullTurns
+from jtik._loop.search.start_bank import SIZE, StartBank, StartBanks, aligned
+from jtik._step.fused_step import FusedStep
+from jtik.symbolic import Function
+from jtik.symbolic.compile import plain_library
+from jtik.symbolic.lane_maths import EXACT, LEVELS, PROBE, Level
+from jtik.symbolic.lane_source import has_lanes
+from jtik.types import Array
+
+MOST_ROWS = 16384
+"""Most targets of one call: at its end some lanes have nothing to do."""
+
+
+class LaneLibrary(NamedTuple):
+    """The search in lanes for one step.
+
+    Attributes:
+        function: the step.
+        first_state: the state that a search begins with.
+        level: the instructions that it uses.
+        loaded: its shared library.
+        name: the beginning of its names.
+    """
+
+    function: Function
+    first_state: Array
+    level: Level
+    loaded: ctypes.CDLL
+    name: str
+
+
+def lane_library(fused: FusedStep, level: Level) -> LaneLibrary | None:
+    """The search in lanes, compiled now; None for a step that calls a solver or Python, or cannot be written so.
+
+    Args:
+        fused: the step.
+        level: the instructions that it uses.
+
+    Raises:
+        CompilerError: without a compiler.
+    """
+    function = fused.expressions
+    if function is None or not has_lanes(function):
+        return None
+    loaded, name = plain_library(source(function, fused.state, level), EXACT)
+    return LaneLibrary(function, fused.first_state, level, loaded, name)
+
+
+def highest_with(lanes: float) -> Level:
+    """The highest of `LEVELS` that this machine has, with so many lanes at most.
+
+    Raises:
+        CompilerError: without a compiler.
+    """
+    return [level for level in LEVELS[: highest_level() + 1] if level.lanes <= lanes][-1]
+
+
+@cache
+def highest_level() -> int:
+    """The number of the highest of `LEVELS` that this machine has.
+
+    Raises:
+        CompilerError: without a compiler.
+    """
+    loaded, name = plain_library(PROBE)
+    return int(getattr(loaded, f"{name}_level")())
+
+
+class SearchMemory:
+    """What every search in lanes reads: the inputs of a runner, and where it begins.
+
+    Args:
+        library: the search.
+        runner: the runner of solves, whose parameters, limits and settings are read where they are.
+        turns: the joints that can turn all the way round.
+        has_criterion: whether there is a criterion.
+
+    Attributes:
+        q0: where a search begins, (nq,).
+        address: its address, in the order of `jtik._loop.native.search.NativeSearch`.
+    """
+
+    def __init__(self, library: LaneLibrary, runner: Runner, turns: FullTurns, *, has_criterion: bool) -> None:
+        inputs, self.q0 = runner.inputs, np.zeros(len(runner.q[0]))
+        pointers = np.array([0, *(array.ctypes.data if array.size else 0 for array in inputs)], dtype=np.uintp)
+        first_state, limits = library.first_state.copy(), [turns.indices, turns.lower, turns.upper]
+        at = np.zeros(20, dtype=np.uintp)
+        at[[0, 9, 10, 12]] = [each.ctypes.data for each in (pointers, first_state, inputs.settings, self.q0)]
+        at[13:17] = [len(self.q0), len(first_state), len(turns.indices), int(has_criterion)]
+        at[17:20] = [each.ctypes.data for each in limits]
+        self.address = at.ctypes.data
+        self._kept = at, pointers, first_state, limits, inputs
+
+
+class LaneSearch:
+    """The search in lanes on memory of its own, with the inputs of a runner.
+
+    Args:
+        library: the search.
+        runner: the runner of solves, whose parameters, limits and settings are read where they are.
+        turns: the joints that can turn all the way round.
+        has_criterion: whether there is a criterion.
+        banks: the restarts by their distance from the target; None for those of all searches.
+
+    Attributes:
+        runner: the runner.
+        banks: as given.
+    """
+
+    def __init__(
+        self,
+        library: LaneLibrary,
+        runner: Runner,
+        turns: FullTurns,
+        *,
+        has_criterion: bool,
+        banks: StartBanks | None = None,
+    ) -> None:
+        self.runner, self.banks, self._arguments = runner, banks, (library, runner, turns)
+        self._has_criterion = has_criterion
+        self._nq = len(runner.q[0])
+        self._memory = SearchMemory(library, runner, turns, has_criterion=has_criterion)
+        self._work = aligned(work_size(library.function, library.level) + library.level.lanes * SIZE)
+        self._call = getattr(library.loaded, f"{library.name}_lanes")
+        integer, pointer = ctypes.c_longlong, ctypes.c_void_p
+        self._call.argtypes = [pointer, pointer, integer, integer, integer, ctypes.c_double, pointer]
+        self._call.restype = integer
+
+    def beside(self) -> LaneSearch:
+        """A search on memory of its own, for another thread."""
+        return LaneSearch(*self._arguments, has_criterion=self._has_criterion, banks=self.banks)
+
+    def batch(
+        self,
+        targets: Array,
+        q0: Array,
+        starts: Array | None,
+        first: int,
+        last: int,
+        limit: int,
+        patience: float,
+        bank: StartBank | None = None,
+    ) -> NativeBatch:
+        """As `jtik._loop.native.search.NativeSearch.batch`; ``starts`` are those of ``bank``, where there is one."""
+        found = NativeBatch.of(min(len(targets), MOST_ROWS), self._nq)
+        count = len(found.q)
+        arrays = [np.ascontiguousarray(targets[:count]), np.ascontiguousarray(q0), *found]
+        sizes = [count, targets.shape[1], self._nq if len(q0) > 1 else 0]
+        order = [bank.coefficients.ctypes.data, len(bank.configurations)] if bank else [0, 0]
+        addresses = [each.ctypes.data for each in arrays]
+        table = np.array([*addresses, *sizes, self._work.ctypes.data, *order], dtype=np.uintp)
+        starts_at = None if starts is None else starts.ctypes.data
+        done = self._call(self._memory.address, starts_at, first, max(last, 0), limit, patience, table.ctypes.data)
+        return found.first(done)
