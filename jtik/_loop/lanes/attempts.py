@@ -72,23 +72,23 @@ class LaneAttempts:
         """
         self._table[6] = nearest
         if self._options is not options:
-            self._options = options
             if isinstance(self._starts, StartBanks):
                 bank = self._starts.of(options.seed)
                 self._table[4:6] = bank.coefficients.ctypes.data, len(bank.configurations)
-                self._set(*bank.starts, bank.coefficients)
+                self._set(options, *bank.starts, bank.coefficients)
+            self._options = options
 
     def run(self, q0: Array) -> int:
         """Search from ``q0`` (nq,) for the target in memory; the result and what it returns are in `found`."""
         self._memory.q0[:] = q0
         if isinstance(self._starts, RestartConfigurations):
-            self._set(*self._starts.block(self._options.seed, 1, q0))
+            self._set(self._options, *self._starts.block(self._options.seed, 1, q0))
         return int(self._run())
 
-    def _set(self, starts: Array, first: int, last: int, *kept: Array) -> None:
+    def _set(self, options: SearchOptions, starts: Array, first: int, last: int, *kept: Array) -> None:
         """Set the restarts: their configurations, and the numbers of the first and the last."""
         self._kept = starts, *kept
-        last, limit = min(last, self._options.restarts), self._options.limit
+        last, limit = min(last, options.restarts), options.limit
         patience = PATIENCE if self._has_criterion else IN_LANES
         table, address = self._table.ctypes.data, self._memory.address
         self._run = partial(self._call, address, starts.ctypes.data, first, last, limit, patience, table)

@@ -173,7 +173,7 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, void** table, long lo
     }
     tally[0] += k;
     if (number == 0) memcpy((double*)at[22], q[here], nq);
-    if (outcome[JTIK_V] < best[0]) {
+    if (number == 0 || outcome[JTIK_V] < best[0]) {
       best[0] = outcome[JTIK_V];
       tally[4] = number;
       memcpy((double*)at[21], q[here], nq);

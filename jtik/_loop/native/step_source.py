@@ -243,8 +243,9 @@ static const JTIK_NAME_memory* JTIK_NAME_own(const char* self) {
 /* update(q, target): the Step; None where something is left to Python. */
 static char* JTIK_NAME_update(char* self, char* const* given, ptrdiff_t count) {
   const JTIK_NAME_memory* at = JTIK_NAME_own(self);
-  at->left[0] = JTIK_NAME_stepped(at, given[0], given[1]);
-  if (at->left[0] == JTIK_USUAL) return JTIK_NAME_made(at);
+  const int left = JTIK_NAME_stepped(at, given[0], given[1]);
+  at->left[0] = left == JTIK_USUAL ? JTIK_UNREAD : left; /* the next call need not come from C */
+  if (left == JTIK_USUAL) return JTIK_NAME_made(at);
   at->hold(at->none);
   return at->none;
 }

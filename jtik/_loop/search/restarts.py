@@ -75,6 +75,7 @@ class RestartConfigurations:
         if self._drawing is None or self._drawing[0] != seed or self._drawing[1] > index:
             self._drawing = seed, 0, np.random.default_rng(seed)
         _, following, generator = self._drawing
+        self._drawing = None  # where Ctrl-C ends this, the generator is used no more
         for _ in range(following, index + 1):
             drawn = self._draw(generator)
         self._drawing = seed, index + 1, generator

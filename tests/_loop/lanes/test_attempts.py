@@ -88,6 +88,22 @@ def replaceable_step():
     return ik, Runner(fused, runners.search_inputs, ik.robot.nq), StartBanks(runners._problem).of(0)
 
 
+def test_an_interrupted_preparation_is_repeated(monkeypatch, rng):
+    """Ctrl-C while the bank of another seed is drawn: the next solve has that bank, not the one before."""
+    ik, other, pose = copy.copy(solver()), copy.copy(solver()), poses(solver().robot, rng, 2)[1]
+    ik.solve(pose, restarts=100, lanes=True, seed=11)
+    of = StartBanks.of
+
+    def interrupted(*given):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(StartBanks, "of", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        ik.solve(pose, restarts=50, lanes=True, seed=12)
+    monkeypatch.setattr(StartBanks, "of", of)
+    same(ik.solve(pose, restarts=50, lanes=True, seed=12), other.solve(pose, restarts=50, lanes=True, seed=12))
+
+
 def by_the_rule(target, q0, restarts, nearest):
     """The rule of formulations/restarts.md, carried out one attempt after the other.
 

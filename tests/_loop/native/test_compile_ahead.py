@@ -322,6 +322,29 @@ def test_a_timed_step_that_begins_after_the_other_has_settled_is_compiled_too(ea
     assert ik._stepping.call != ik._stepping._step_ahead
 
 
+def test_a_step_that_has_changed_over_beside_one_that_has_not(eager):
+    """Steps with and without a duration take turns: each is made from its own q."""
+    ik, other, goal = solver(), solver(compiled=False), targets(1)[0]
+    for each in (ik, other):
+        each.step(each.robot.neutral, goal)
+        each.step(each.robot.neutral, goal, dt=0.02)
+    ik._engine._ahead.begin()
+    when(lambda: ik._engine._ahead._ready.qsize() == 2)
+    name, fused = ik._engine._ahead._ready.get()  # the other one is not ready yet
+    ik._engine._ahead._steps.adopt(name, fused)
+    ik._stepping.adopted()
+    ik._engine._ahead._ready.get()
+    assert ik._stepping._untimed[2] is not None
+    assert ik._stepping._timed[2] is None
+    rng = np.random.default_rng(0)
+    for _ in range(10):
+        for dt in (None, 0.02):
+            q = rng.uniform(-1, 1, ik.robot.n)
+            one, two = ik.step(q, goal, dt=dt), other.step(q, goal, dt=dt)
+            assert np.abs(one.q - two.q).max() < EXACT
+    assert ik._stepping.call == ik._stepping._step_ahead
+
+
 @pytest.mark.slow
 def test_the_exploring_step_is_compiled_once_it_is_needed(eager):
     ik, other = solver(), solver(compiled=False)

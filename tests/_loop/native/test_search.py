@@ -52,6 +52,16 @@ def test_a_call_whose_time_is_over_leaves_no_attempt_out(rng, monkeypatch):
         same(native.solve(target, **options), plain.solve(target, **options))
 
 
+@pytest.mark.parametrize("restarts", [1, 3, 300])
+def test_a_target_whose_V_is_infinite_ends_the_same(restarts):
+    native, plain = pair(ARM)
+    target = np.eye(4)
+    target[0, 3] = 1e200
+    found = native.solve(target, restarts=restarts)
+    same(found, plain.solve(target, restarts=restarts))
+    assert found.status is jtik.Status.NOT_FINITE
+
+
 def test_with_a_criterion_too(rng):
     native, plain = pair(criteria=JointCentering(), strategy="hybrid")
     for _ in range(10):

@@ -45,6 +45,23 @@ def test_the_same_seed_gives_the_same_whatever_was_drawn_before():
     assert np.array_equal(again, many[BLOCK : 2 * BLOCK])
 
 
+def test_an_interrupted_draw_changes_none_that_follow(monkeypatch):
+    restarts, configuration, drawn = RestartConfigurations(ARM), Robot.random_configuration, []
+
+    def interrupted(*given):
+        drawn.append(0)
+        if len(drawn) == BLOCK + 5:
+            raise KeyboardInterrupt
+        return configuration(*given)
+
+    monkeypatch.setattr(Robot, "random_configuration", interrupted)
+    restarts.block(3, 1, np.zeros(7))
+    with pytest.raises(KeyboardInterrupt):
+        restarts.block(3, BLOCK + 1, np.zeros(7))
+    found = first(restarts, 3, 3 * BLOCK, np.zeros(7))
+    assert np.array_equal(found, first(RestartConfigurations(ARM), 3, 3 * BLOCK, np.zeros(7)))
+
+
 def test_are_drawn_when_they_are_needed(monkeypatch):
     drawn = []
     configuration = Robot.random_configuration
