@@ -56,3 +56,14 @@ def test_starts_and_parameters(size):
     read(ik.solve([1.0, 1.0], q0=[size, 0.1, -size]))
     ik.parameters["joint_centering.weight"] = size
     read(ik.solve([1.0, 1.0], q0=[0.3, 0.2, 0.4]))
+
+
+@pytest.mark.parametrize("size", [1e7, 1e10, *HUGE])
+def test_a_restart_that_arrives_is_not_turned_so_far_that_rounding_moves_the_arm(size):
+    arm = planar(3)
+    ik, arrived = solver(arm), 0
+    for seed in range(3):
+        solution = read(ik.solve([1.5, 1.0], q0=[size, 0.3, -size], restarts=5, seed=seed))
+        arrived += bool(solution)
+        assert not solution or np.hypot(*(arm.position(solution.q, "tip")[:2] - [1.5, 1.0])) <= 1e-6
+    assert arrived

@@ -23,6 +23,7 @@ def evaluation(V=1.0, H=2.0):
 def model(*, criterion=False, keeps=None, restores=0):
     """What `final_verdict` reads of a local model; with a clearance if ``keeps`` is given."""
     return SimpleNamespace(
+        stagnation_damping=0,
         timed=False,
         has_criterion=criterion,
         clearance=None if keeps is None else SimpleNamespace(keeps=lambda dq: keeps),

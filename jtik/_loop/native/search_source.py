@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from jtik._loop.search.full_turns import ROUNDING, TURN
+from jtik._loop.search.full_turns import FARTHEST, ROUNDING, TURN
 from jtik._step.inputs import SETTING, Inputs
 from jtik._step.stopping import OUTCOME, Code
 from jtik._step.vector_layout import VectorLayout
@@ -40,6 +40,7 @@ static int JTIK_NAME_turned(void** at, double* q) {
       const double least = ceil((lower[i] - own - JTIK_ROUNDING) / JTIK_TURN);
       const double most = floor((upper[i] - own + JTIK_ROUNDING) / JTIK_TURN);
       double turns = rint((q0[index[i]] - own) / JTIK_TURN);
+      if (fabs(own + turns * JTIK_TURN) > JTIK_FARTHEST) turns = 0;
       if (turns < least) turns = least;
       if (turns > most) turns = most;
       if (least > most || (criterion && turns != 0)) return 1;
@@ -226,7 +227,7 @@ def source(state: VectorLayout) -> str:
 def macros(state: VectorLayout) -> str:
     """The numbers that the C code names: every index comes from the named structures."""
     integers = {"CHECKED": CHECKED, "LOOK": LOOK, "EXHAUSTED": EXHAUSTED, "UNREADABLE": UNREADABLE}
-    numbers = {"TURN": TURN, "ROUNDING": ROUNDING, "BUDGET": BUDGET}
+    numbers = {"TURN": TURN, "FARTHEST": FARTHEST, "ROUNDING": ROUNDING, "BUDGET": BUDGET}
     return defined(indices(state) | integers | numbers)
 
 

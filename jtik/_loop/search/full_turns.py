@@ -27,6 +27,9 @@ SHORT_OF_A_TURN = 0.02
 ROUNDING = 1e-12
 """A position this far outside a limit is moved to the limit [rad]."""
 
+FARTHEST = 1e6
+"""No joint is turned further from zero than this: its angle would be rounded by more than 1e-10 [rad]."""
+
 PERIODIC = 1e-9
 """Largest relative change of the task error by a full turn of a joint that only turns its links."""
 
@@ -70,6 +73,7 @@ class FullTurns:
         """
         own, lower, upper = q[self.indices], self.lower, self.upper
         turns = np.rint((reference[self.indices] - own) / TURN)
+        turns[np.abs(own + turns * TURN) > FARTHEST] = 0
         least = np.ceil((lower - own - ROUNDING) / TURN)
         most = np.floor((upper - own + ROUNDING) / TURN)
         turns = np.minimum(np.maximum(turns, least), most)
