@@ -129,7 +129,6 @@ class Solving:
 
     def solve_in_lanes(self, target: Any, q0: Any, options: Options, *, nearest: bool) -> Solution:
         """Iterate to the target from several starts, as `InverseKinematics.solve` describes it for ``lanes``."""
-        begin = time.perf_counter()
         exclusive = self._exclusive
         if exclusive.busy:
             raise in_use()
@@ -141,6 +140,7 @@ class Solving:
             check_lanes(search_options)
             attempts = self._lanes.attempts
             attempts.prepare(search_options, nearest=nearest)
+            begin = time.perf_counter()  # what is compiled or drawn once takes none of its time
             self._targets.copy(target)  # if it is not finite, the search does not end in DONE; q0 is read there
             start, found = self._unread(q0), attempts.found
             if attempts.run(start) == Code.DONE and not self._has_criterion:
