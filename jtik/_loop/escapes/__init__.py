@@ -1,1 +1,1 @@
-"""What leads on from where an update law rests without having arrived: saddle points, levels out of reach."""
+"""Escapes from saddle points and maxima, and Newton's method for levels of priority that are out of reach."""
