@@ -13,7 +13,7 @@ from jtik._step.inputs import Inputs
 from jtik._step.stopping import StepOutcome
 from jtik.types import Array
 
-OF_ERROR = ("remaining", "left", "smallest", "stagnant")
+OF_ERROR = ("remaining", "left", "smallest", "unimproved")
 """Entries of the state that tell what the error of earlier steps was."""
 
 

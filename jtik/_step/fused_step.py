@@ -183,9 +183,9 @@ def fused_step(
     rests = rests and not (timed or replaceable) and CheckedCall(strategy, strategy, "damps_stagnation").flag()
     first = _first_state(problem, strategy, evaluated=evaluated, timed=timed, explores=explores)
     if acceleration is not None:
-        first |= initial_braking(problem)
+        first = VectorLayout.united(first, initial_braking(problem))
     if rests:
-        first |= initial_stagnation()
+        first = VectorLayout.united(first, initial_stagnation())
     layout = VectorLayout.of({name: value.size for name, value in first.items()})
     inputs, q, memory = _input_symbols(problem), symbol("q", problem.robot.nq), symbol("state", layout.size)
     state, settings = layout.split(memory), Settings.of(inputs.settings)
@@ -307,7 +307,7 @@ def _first_state(
         state["active"] = np.zeros(len(problem.bounded))
     robot = problem.robot
     if explores:
-        state |= initial_exploration(robot.nq)
+        state = VectorLayout.united(state, initial_exploration(robot.nq))
     shape = Shape(robot.n, robot.nq, problem.m, problem.has_criterion, bool(problem.clearances), timed)
     return state | {f"{STRATEGY_PREFIX}{name}": value for name, value in first_state(strategy, shape).items()}
 

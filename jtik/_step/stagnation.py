@@ -30,10 +30,10 @@ UNKNOWN = 1e300
 def initial_stagnation() -> dict[str, Array]:
     """The state before the first step.
 
-    "remaining" is the error that the last step left, "smallest" the smallest error so far, "stagnant" the number of
+    "remaining" is the error that the last step left, "smallest" the smallest error so far, "unimproved" the number of
     calls in a row that have not lowered it.
     """
-    return {"remaining": np.full(1, UNKNOWN), "smallest": np.full(1, UNKNOWN), "stagnant": np.zeros(1)}
+    return {"remaining": np.full(1, UNKNOWN), "smallest": np.full(1, UNKNOWN), "unimproved": np.zeros(1)}
 
 
 @dataclass(frozen=True)
@@ -43,12 +43,12 @@ class Stagnation:
     Attributes:
         here: the task at q.
         smallest: the smallest error to this target so far.
-        stagnant: number of calls in a row that have not lowered it by much.
+        unimproved: number of calls in a row that have not lowered it by much.
     """
 
     here: Evaluation
     smallest: Expression
-    stagnant: Expression
+    unimproved: Expression
 
     @classmethod
     def of(cls, state: Mapping[str, Expression], here: Evaluation) -> Stagnation:
@@ -56,17 +56,17 @@ class Stagnation:
         length = here.length
         moved = length > MOVED * state["remaining"]
         falls = logic_or(moved, length < FALL * state["smallest"])
-        return cls(here, if_else(falls, length, state["smallest"]), if_else(falls, 0, state["stagnant"] + 1))
+        return cls(here, if_else(falls, length, state["smallest"]), if_else(falls, 0, state["unimproved"] + 1))
 
     def damping(self, curvature: Expression, rests: Expression) -> Expression:
         """``curvature``, the size of what J' J leaves out of the Hessian of V, once the error of a step that ``rests``
         has stopped falling."""
-        return if_else(logic_and(rests, self.stagnant >= PATIENCE), curvature, 0)
+        return if_else(logic_and(rests, self.unimproved >= PATIENCE), curvature, 0)
 
     def after(self, end: Evaluation, accepted: Expression) -> dict[str, Expression]:
         """The state after a step to ``end``."""
         return {
             "remaining": if_else(accepted, end.length, self.here.length),
             "smallest": self.smallest,
-            "stagnant": self.stagnant,
+            "unimproved": self.unimproved,
         }

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 from jtik.symbolic import Expression, vertcat
+
+Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,20 @@ class VectorLayout:
             slices[name] = slice(start, start + size)
             start += size
         return cls(slices, start)
+
+    @staticmethod
+    def united(*groups: Mapping[str, Value]) -> dict[str, Value]:
+        """The parts of all groups, one group after the other.
+
+        Raises:
+            ValueError: when two groups have a part of the same name, so that one would overwrite the other.
+        """
+        united: dict[str, Value] = {}
+        for group in groups:
+            if twice := united.keys() & group.keys():
+                raise ValueError(f"Two groups of parts have the names {sorted(twice)}.")
+            united |= group
+        return united
 
     def split(self, column: Expression) -> dict[str, Expression]:
         """The named parts of a column."""

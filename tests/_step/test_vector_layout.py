@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import casadi
 import numpy as np
+import pytest
 
 from jtik._step.vector_layout import VectorLayout
 
@@ -30,3 +31,9 @@ def test_plain_numbers_can_be_joined():
 def test_an_empty_layout_has_no_entries():
     empty = VectorLayout.of({})
     assert (empty.size, dict(empty.slices), empty.join({}).numel()) == (0, {}, 0)
+
+
+def test_groups_are_united_unless_one_would_overwrite_the_other():
+    assert VectorLayout.united({"a": 1}, {}, {"b": 2, "c": 3}) == {"a": 1, "b": 2, "c": 3}
+    with pytest.raises(ValueError, match=r"\['b'\]"):
+        VectorLayout.united({"a": 1, "b": 2}, {"b": 3})
