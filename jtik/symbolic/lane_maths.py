@@ -82,8 +82,14 @@ JTIK_INLINE V where(M m, V a) { return of_bits(bits(a) & m); }
 JTIK_INLINE V number(M m) { return where(m, ALL(1.0)); }
 JTIK_INLINE int any(M m) { int64_t r = 0; for (int i = 0; i < JTIK_LANES; ++i) r |= m[i]; return r != 0; }
 JTIK_INLINE V v_fabs(V x) { return of_bits(bits(x) & 0x7fffffffffffffffLL); }
+#if defined(JTIK_INSTRUCTIONS) && defined(__x86_64__) && JTIK_LANES == 4 /* their own return y where one is NaN */
+JTIK_INLINE V v_other(V r, V x, V y) { return (V)_mm256_blendv_pd((__m256d)r, (__m256d)x, (__m256d)of_bits(y != y)); }
+JTIK_INLINE V v_fmin(V x, V y) { return v_other((V)_mm256_min_pd((__m256d)x, (__m256d)y), x, y); }
+JTIK_INLINE V v_fmax(V x, V y) { return v_other((V)_mm256_max_pd((__m256d)x, (__m256d)y), x, y); }
+#else
 JTIK_INLINE V v_fmin(V x, V y) { return choose((x < y) | (y != y), x, y); }
 JTIK_INLINE V v_fmax(V x, V y) { return choose((x > y) | (y != y), x, y); }
+#endif
 JTIK_INLINE V v_sign(V x) { return choose(x < 0, ALL(-1.0), choose(x > 0, ALL(1.0), x)); }
 JTIK_INLINE V v_sqrt(V x) { V r; for (int i = 0; i < JTIK_LANES; ++i) r[i] = sqrt(x[i]); return r; }
 #if defined(JTIK_INSTRUCTIONS) && defined(__x86_64__) && JTIK_LANES == 4

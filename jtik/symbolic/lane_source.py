@@ -4,7 +4,8 @@ CasADi's own C is one number at a time. Here each instruction of the function be
 once; a truth value stays a mask for as long as it is used as one. All branches are evaluated, as in CasADi's C.
 
 A product that only a sum or a difference uses is one operation with it, rounded once. The difference of two products
-stays as it is: that of equal products is exactly zero.
+stays as it is: that of equal products is exactly zero. Several divisions by the same number are one division, and
+products with the inverse: they differ by rounding, and a division takes as long as ten products.
 """
 
 from __future__ import annotations
@@ -146,7 +147,7 @@ def lane_source(function: Function, name: str, shared: Collection[int]) -> str:
         assigned.append(_Assignment(part, kind + variable, value, tuple(operands), operation))
         held[out[0]], part_of[variable] = variable, part
     lines: list[list[str]] = [[] for _ in range(len(angles) + 1)]
-    for each in _fused(assigned, uses):
+    for each in _fused(_with_inverses(assigned), uses):
         lines[each.part].append(f"{each.variable} = {each.value.format(*each.operands)};")
     for k, own_angles in enumerate(angles):
         count = len(own_angles)
@@ -175,6 +176,28 @@ class _Assignment:
     value: str
     operands: tuple[str, ...] = ()
     operation: str = ""
+
+
+def _with_inverses(assigned: list[_Assignment]) -> list[_Assignment]:
+    """The assignments with an inverse, and products, for each divisor of several divisions.
+
+    Args:
+        assigned: the assignments, each after those that it uses.
+    """
+    divisions = Counter(each.operands[1] for each in assigned if each.operation == "DIV")
+    part_of = {each.variable.split()[-1]: each.part for each in assigned}
+    inverses: dict[str, str] = {}
+    found: list[_Assignment] = []
+    for each in assigned:
+        if each.operation == "DIV" and divisions[each.operands[1]] > 1:
+            number, divisor = each.operands
+            if divisor not in inverses:
+                inverses[divisor] = f"i{len(inverses)}"
+                part = part_of.get(divisor, each.part)  # `number(mask)` is no variable
+                found.append(_Assignment(part, f"const V {inverses[divisor]}", "1.0 / {0}", (divisor,), "INV"))
+            each = _Assignment(each.part, each.variable, "{0} * {1}", (number, inverses[divisor]), "MUL")
+        found.append(each)
+    return found
 
 
 def _fused(assigned: list[_Assignment], uses: Counter[str]) -> list[_Assignment]:

@@ -155,6 +155,7 @@ def collect(rows: BatchRows, *, targets: Array, inspect: Callable[[int, Array], 
         inspect: computes the report of a configuration for the target with a number.
     """
     numbers = rows.numbers
+    complete = len(numbers) == len(targets)
 
     def diagnose() -> tuple[Status, ...]:
         statuses = [Status.CONVERGED] * len(numbers)
@@ -173,8 +174,8 @@ def collect(rows: BatchRows, *, targets: Array, inspect: Callable[[int, Array], 
         escapes=rows.counts[:, 1].copy(),
         restarts=rows.counts[:, 2].copy(),
         seconds=rows.seconds,
-        targets=targets[numbers] if len(numbers) else np.zeros((0, 0)),
+        targets=np.zeros((0, 0)) if not len(numbers) else targets.copy() if complete else targets[numbers],
         indices=numbers,
-        complete=len(numbers) == len(targets),
+        complete=complete,
         inspect=lambda row: inspect(int(numbers[row]), rows.q[row].copy()),
     )

@@ -118,7 +118,8 @@ class BatchSearches:
         """Which rows have converged, so that nothing is left to do."""
         if self._has_criterion:
             return np.zeros(len(batch.q), dtype=bool)
-        within = (batch.errors <= options[5:7]).all(axis=1)
+        position, orientation = batch.errors.T
+        within = (position <= options[5]) & (orientation <= options[6])
         return np.asarray(within & (batch.tallies[:, 0] == Code.DONE))
 
     def _row(self, i: int, found: SearchResult, given: Any, options: tuple[Any, ...], seconds: float) -> BatchRows:
