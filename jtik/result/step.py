@@ -10,6 +10,8 @@ from jtik.types import Array
 class Step(NamedTuple):
     """One update, for controllers.
 
+    Where the arm rests off its target a step does not say why; ``ik.solve(target, q0=q)`` does, or goes on.
+
     Attributes:
         q: configuration after the step, (nq,) [rad] and [m].
         position_error: norm of the position error there [m].
