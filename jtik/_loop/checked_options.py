@@ -30,12 +30,16 @@ class CheckedOptions:
 
     def forget(self) -> None:
         """Check the next ones in any case."""
+        self._natives.forget_lanes()
+        self._forget_search()
+
+    def _forget_search(self) -> None:
         self._natives.forget()
         self._options, self._prepared, self._prepared_for = (), (), self._search.native
 
     def is_prepared(self, options: Options) -> bool:
         """Whether the search in C is prepared for these options."""
-        return self._search.native is self._prepared_for and self._known(options, self._prepared)
+        return self._search.native is self._prepared_for and self._known(options, self._prepared, self._kinds)
 
     def read(self, options: Options) -> SearchOptions:
         """The options of a search; tolerances are written to memory. Both when they, or the search in C, are new.
@@ -43,8 +47,10 @@ class CheckedOptions:
         Raises:
             ArgumentError: for a value that cannot be used, naming it.
         """
-        if not self._known(options, self._options) or self._search.native is not self._prepared_for:
-            self.forget()
+        if not self._known(options, self._options, self._kinds) or self._search.native is not self._prepared_for:
+            if not self._known(options[5:], self._options[5:], self._kinds[5:]):
+                self._natives.forget_lanes()  # which have the same tolerances in memory
+            self._forget_search()
             self._search_options = read_search_options(*options[:5])
             self._settings[:] = read_settings(*options[5:])
             self._options, self._kinds = options, [*map(type, options)]
@@ -53,6 +59,7 @@ class CheckedOptions:
                 self._natives.know(options)
         return self._search_options
 
-    def _known(self, options: Options, checked: tuple[Any, ...]) -> bool:
+    @staticmethod
+    def _known(options: tuple[Any, ...], checked: tuple[Any, ...], kinds: list[type]) -> bool:
         """Whether the options are those that have been checked, of the same types: True equals 1, and is none."""
-        return [*map(type, options)] == self._kinds and options == checked
+        return [*map(type, options)] == kinds and options == checked

@@ -178,7 +178,7 @@ class Solving:
         usual = not (attempts.depend_on_start or self._has_criterion)
         if usual:
             natives.by_lanes(attempts, self._go_on_in_lanes)
-            natives.forget(lanes_only=True)
+            natives.forget_lanes()
         attempts.prepare(search_options, nearest=nearest)
         if usual:
             natives.know_lanes(options, nearest)

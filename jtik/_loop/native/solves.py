@@ -95,11 +95,15 @@ class NativeSolves:
             call = native.before(call) if native else call
         self.call = call
 
-    def forget(self, *, lanes_only: bool = False) -> None:
-        """Leave every call to Python, until one is known."""
-        for native in (self._lanes, None if lanes_only else self._search):
-            if native:
-                native.forget()
+    def forget(self) -> None:
+        """Leave every call without lanes to Python, until one is known."""
+        if self._search:
+            self._search.forget()
+
+    def forget_lanes(self) -> None:
+        """The same for calls with lanes."""
+        if self._lanes:
+            self._lanes.forget()
 
     def know(self, options: tuple[Any, ...]) -> None:
         """The search is prepared for these options, without lanes."""

@@ -149,6 +149,18 @@ def test_a_usual_call_is_one_call_of_c(ik, way):
     assert python_calls(lambda: ik.solve(T, q0=q0, **options))  # the tolerances are new once more
 
 
+def test_solves_with_and_without_lanes_take_turns(ik):
+    """Each with restarts of its own: what both have in memory are the tolerances."""
+    T, q0, other = ARM.pose(ARM.neutral + 0.3), ARM.neutral + 0.25, in_python(ik)
+    for options in ({}, LANES, {}):
+        ik.solve(T, q0=q0, **options)
+    for options in (LANES, {}, LANES, {}):
+        assert not python_calls(lambda options=options: ik.solve(T, q0=q0, **options))
+        assert solved(ik, T, q0=q0, **options) == solved(other, T, q0=q0, **options)
+    for options in ({"position_tolerance": 1e-3}, LANES, {"until": "reached"}, LANES, {"restarts": 3}, LANES):
+        assert solved(ik, T, q0=q0, **options) == solved(other, T, q0=q0, **options)
+
+
 class Own(np.ndarray):
     """An array of another class."""
 
