@@ -158,15 +158,17 @@ def calls(given: argparse.Namespace) -> list[native_calls.CallTimes]:
     targets = np.array([arm.pose(arm.draw(generator)) for _ in range(given.calls)])
     ik, middle = solver(arm, given.strategy), arm.middle()
 
-    def solve(target: Array, **how: bool) -> Array | None:
-        found = ik.solve(target, q0=middle, restarts=RESTARTS, **how)
+    def reached(found: jtik.Solution) -> Array | None:
         return found.q if found.converged else None
 
-    kinds: dict[str, dict[str, bool]] = {"solve": {}, "lanes": {"lanes": True}}
-    kinds["lanes, nearest"] = {"lanes": True, "nearest": True}
-    rows: dict[str, tuple[native_calls.Call, list[Any]]] = {
-        name: (partial(solve, **how), list(targets)) for name, how in kinds.items()
+    own: dict[str, native_calls.Call] = {
+        "solve": lambda target: reached(ik.solve(target, q0=middle, restarts=RESTARTS)),
+        "lanes": lambda target: reached(ik.solve(target, q0=middle, restarts=RESTARTS, lanes=True)),
+        "lanes, nearest": lambda target: reached(
+            ik.solve(target, q0=middle, restarts=RESTARTS, lanes=True, nearest=True)
+        ),
     }
+    rows: dict[str, tuple[native_calls.Call, list[Any]]] = {name: (call, list(targets)) for name, call in own.items()}
     for name, build in PEERS.items():
         try:
             prepared = build(arm, ACCURACY)

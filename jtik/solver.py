@@ -13,7 +13,7 @@ from jtik._loop.control_loop import ControlLoop
 from jtik._loop.copying import FixedSolver
 from jtik._loop.engine import Engine
 from jtik._loop.locked_joints import LockedJoints
-from jtik._loop.options import Compiled, Until, read_executor, read_lanes
+from jtik._loop.options import Compiled, Until, read_executor
 from jtik.arguments import flag, positive_integer
 from jtik.constraints.clearance import Clearance, clearances_of
 from jtik.constraints.limits import Limits, limits_of
@@ -193,13 +193,22 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver, metaclass=Constr
                 with best_of, jump_limit or trace, or with a strategy that has none.
             CompilerError: for ``lanes`` without a compiler.
         """
-        tolerances = position_tolerance, orientation_tolerance, optimality_tolerance
-        options = (restarts, seed, max_iterations, best_of, jump_limit, *tolerances, until)
-        if lanes is not False or nearest is not False:
-            lanes, nearest = read_lanes(lanes, nearest, trace)
-            if lanes:
-                return self._solving.solve_in_lanes(target, q0, options, nearest=nearest)
-        return self._solving.solve(target, q0, options, trace)
+        return self._solving.natives.call(
+            target,
+            q0,
+            lanes,
+            nearest,
+            trace,
+            restarts,
+            seed,
+            max_iterations,
+            best_of,
+            jump_limit,
+            position_tolerance,
+            orientation_tolerance,
+            optimality_tolerance,
+            until,
+        )
 
     def solve_batch(
         self,

@@ -15,6 +15,8 @@ from jtik.robot import Robot
 from jtik.task import TaskStack
 from jtik.types import Array
 
+_FLOAT = np.dtype(np.float64)
+
 
 class ConfigurationReader:
     """Reads configurations of one robot.
@@ -56,6 +58,18 @@ class ConfigurationReader:
             ArgumentError: for a configuration that `read` refuses.
         """
         return self._robot.home if q0 is None else self._read_start("q0", q0)
+
+    def unread(self, q0: Any) -> Array:
+        """The same; an array of numbers is returned as it is, and need not be finite.
+
+        Raises:
+            ArgumentError: for anything else that `read` refuses.
+        """
+        start = self._robot.home if q0 is None else q0
+        if self.vector and type(start) is np.ndarray and start.dtype is _FLOAT and start.shape == self._shape:
+            usual: Array = start
+            return usual
+        return self.start(q0)
 
     def _read_start(self, argument: str, q0: Any) -> Array:
         """The configuration as `read` gives it; clamped to the limits where its sum is too large for a number."""

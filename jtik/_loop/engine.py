@@ -184,6 +184,7 @@ class Engine:
         """Let what uses a step use it in C, too."""
         if name == SOLVE:
             self._search_in_c()
+            self.solving.adopted()
         self.stepping.adopted()
 
     def _search_in_c(self) -> None:

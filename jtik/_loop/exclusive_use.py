@@ -21,6 +21,7 @@ class ExclusiveUse:
     The interpreter changes threads and delivers signals where something is called or a loop goes round, which is not
     the case from the test to the assignment. So neither a thread nor Ctrl-C can come in between; a test reads it from
     the instructions of every such method. An interpreter without a global lock takes one when it imports CasADi.
+    A solve in C (`jtik._loop.native.solve`) reads and sets it there.
 
     Attributes:
         busy: whether a call is within.

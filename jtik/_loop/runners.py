@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from jtik._loop.native import object_layout, search_source, step_source
+from jtik._loop.native import object_layout, search_source, solve_source, step_source
 from jtik._loop.runner import Runner
 from jtik._loop.search.full_turns import FullTurns
 from jtik._loop.search.restarts import RestartConfigurations
@@ -52,7 +52,7 @@ class Runners:
         step_inputs: the inputs of `step`: those of the solver, with settings of their own.
         step_is_built: whether `step` uses the function that `solve` has built.
         explores: whether a solve has needed the runner that explores.
-        has_native_step: whether a step in generated C has a native step with it.
+        has_native_step: whether a step in generated C has a native step with it, and a search a native solve.
     """
 
     def __init__(
@@ -264,12 +264,13 @@ class Runners:
             runner.adopt(fused)
 
     def _beside(self, fused: FusedStep, *, timed: bool = False) -> Beside:
-        """What is compiled with a fused step: the native step, and with one without a duration the search."""
+        """What is compiled with a fused step: the native step, and with one without a duration search and solve."""
         search = "" if timed else search_source.source(fused.state)
         if not self.has_native_step:
             return Beside(search)
         step = step_source.beside(fused, self._problem.tasks, self._box_of_step if timed else None)
-        return step._replace(source=search + step.source)
+        solve = "" if timed else solve_source.source(search_source.RUN)
+        return step._replace(source=search + step.source + solve)
 
     def _started(self, runner: Runner) -> Runner:
         runner.start(self._problem.robot.neutral)

@@ -6,11 +6,14 @@ import time
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from jtik._loop.inspection import Inspector
 from jtik._loop.search.arrivals import SearchResult
 from jtik._loop.search.jump import Jump
 from jtik._step.inputs import InputMemory
 from jtik.criterion import CriterionTerms
+from jtik.result.report import Report
 from jtik.result.solution import Solution
 from jtik.result.status import Status, is_success
 from jtik.types import Array
@@ -28,6 +31,21 @@ class Solutions:
     def __init__(self, terms: CriterionTerms, memory: InputMemory, inspector: Inspector) -> None:
         self._terms, self._memory, self._inspector = terms, memory, inspector
         self._evaluations_before = 0
+
+    @property
+    def numbers(self) -> Array:
+        """The inputs, one after the other, where they are."""
+        return self._memory.numbers
+
+    def report(self, given: tuple[bytes, Any]) -> Report:
+        """The report of a Solution that is made in C.
+
+        Args:
+            given: numbers of q and of the inputs, and the target as it was given.
+        """
+        numbers, target = np.frombuffer(given[0]).copy(), given[1]
+        nq = len(numbers) - len(self._memory.numbers)
+        return self._inspector.report(numbers[:nq], numbers[nq:], target)
 
     def begin(self) -> None:
         """Count the evaluations of the search that begins."""

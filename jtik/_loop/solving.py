@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +15,15 @@ from numpy.typing import NDArray
 from jtik._loop.arguments import ConfigurationReader, read_targets
 from jtik._loop.batch.rows import BatchRows, collect, solved
 from jtik._loop.batch.searches import BatchSearches, BatchTargets
+from jtik._loop.checked_options import CheckedOptions, Options
 from jtik._loop.exclusive_use import ExclusiveUse, in_use
 from jtik._loop.inspection import Inspector
+from jtik._loop.lanes.attempts import LaneAttempts
 from jtik._loop.lanes.lanes import Lanes
 from jtik._loop.native.compile_ahead import CompileAhead
 from jtik._loop.native.search_source import UNREADABLE
-from jtik._loop.options import check_lanes, read_search_options, read_settings
+from jtik._loop.native.solves import NativeSolves
+from jtik._loop.options import check_lanes, read_lanes
 from jtik._loop.runner import Runner
 from jtik._loop.runners import EXPLORING, SOLVE, TIMED, Runners
 from jtik._loop.search.arrivals import SearchResult
@@ -47,9 +50,6 @@ if TYPE_CHECKING:
 
     from jtik._loop.copying import FixedSolver
 
-Options = tuple[int, int | None, int, int, float | None, float, float, float, str]
-"""restarts, seed, max_iterations, best_of, jump_limit, tolerances of position, orientation and optimality, until."""
-
 _FLOAT = np.dtype(np.float64)
 
 _UNREAD = (UNREADABLE, Code.NOT_FINITE)
@@ -57,7 +57,11 @@ _UNREAD = (UNREADABLE, Code.NOT_FINITE)
 
 
 class Solving:
-    """Runs searches and returns their ends as Solutions."""
+    """Runs searches and returns their ends as Solutions.
+
+    Attributes:
+        natives: the solves in C, which leave what is not usual to `solve`.
+    """
 
     def __init__(
         self,
@@ -78,8 +82,11 @@ class Solving:
         self._configurations, self._exclusive, self._lanes = configurations, exclusive, lanes
         self._memory, self._targets, self._ahead = runners.memory, targets, ahead
         self._target = self._memory.inputs.target
-        self._options, self._kinds, self._prepared = tuple[Any, ...](), list[type](), tuple[Any, ...]()
         self._solutions = Solutions(problem.terms, self._memory, inspector)
+        in_c = runners.has_native_step
+        self.natives = NativeSolves(problem.robot.home, self._solutions, exclusive, self.solve, possible=in_c)
+        settings, has_criterion = self._memory.inputs.settings, self._has_criterion
+        self._checked = CheckedOptions(search, self.natives, settings, has_criterion=has_criterion)
         self._batch = BatchSearches(
             search,
             self._memory,
@@ -88,11 +95,19 @@ class Solving:
             has_criterion=self._has_criterion,
             find=lambda start, search_options: self._search_in_memory(start, search_options, runners.solve),
         )
-        self._search_options, self._prepared_for = SearchOptions(0, 0, 0), search.native
+        self.adopted()
 
-    def solve(self, target: Any, q0: Any, options: Options, trace: bool) -> Solution:
-        """Iterate to the target, as `InverseKinematics.solve` describes it."""
-        begin = time.perf_counter()
+    def adopted(self) -> None:
+        """Solve in C what the search in C can solve, from now on."""
+        self.natives.by_search(self._search.native, self._go_on)
+
+    def solve(self, target: Any, q0: Any, lanes: bool, nearest: bool, trace: bool, *given: Any) -> Solution:
+        """Iterate to the target, as `InverseKinematics.solve` describes it, with `Options`."""
+        begin, options = time.perf_counter(), cast(Options, given)
+        if lanes is not False or nearest is not False:
+            lanes, nearest = read_lanes(lanes, nearest, trace)
+            if lanes:
+                return self._solve_in_lanes(target, q0, options, nearest)
         if trace is not False:
             trace = flag("trace", trace, "whether every iteration is kept in solution.trace")
         exclusive = self._exclusive
@@ -102,33 +117,41 @@ class Solving:
             exclusive.busy = True
             if self._ahead.waiting:
                 self._ahead.adopt()
-            native = self._known(options, self._prepared) and not trace
+            native = self._checked.is_prepared(options) and not trace
             begun = self._solve_native(target, q0, begin) if native else None
-            if isinstance(begun, Solution):
-                return begun
-            self._targets.read(target)
-            start = self._configurations.start(q0)
-            search_options = self._read_options(options)
-            jump = None
-            if search_options.jump_limit < math.inf:
-                self._configurations.check_within_limits(start, "q0")
-                jump = self._search.jump(start, search_options.jump_limit)
-            recorder = None
-            if trace:
-                recorder = TraceRecorder(self._runners.traced_limited_solve if jump else self._runners.traced_solve)
-            runner = recorder.runner if recorder else self._runners.limited_solve if jump else self._runners.solve
-            found = self._search_in_memory(start, search_options, runner, recorder, begun, jump)
-            solution = self._solutions.of(found, target, options, begin, jump)
-            if recorder:
-                solution.__dict__["trace"] = recorder.trace(found.q, self._error)
-            others = [self._solutions.of(other, target, options, begin, jump) for other in found.alternatives]
-            solution.__dict__["alternatives"] = tuple(others)
-            return solution
+            return begun if isinstance(begun, Solution) else self._solve(target, q0, options, trace, begin, begun)
         finally:
             exclusive.busy = False
 
-    def solve_in_lanes(self, target: Any, q0: Any, options: Options, *, nearest: bool) -> Solution:
-        """Iterate to the target from several starts, as `InverseKinematics.solve` describes it for ``lanes``."""
+    def _go_on(self, target: Any, q0: Any, *given: Any) -> Solution:
+        """`solve` from where the native solve, whose guard holds, has ended."""
+        returned, elapsed = self.natives.ended
+        begun = None if returned in _UNREAD else returned
+        return self._solve(target, q0, cast(Options, given[3:]), False, time.perf_counter() - elapsed, begun)
+
+    def _solve(self, target: Any, q0: Any, options: Options, trace: bool, begin: float, begun: int | None) -> Solution:
+        """`solve`, after what the native search has returned; None where it has not begun."""
+        self._targets.read(target)
+        start = self._configurations.start(q0)
+        search_options = self._read_options(options)
+        jump = None
+        if search_options.jump_limit < math.inf:
+            self._configurations.check_within_limits(start, "q0")
+            jump = self._search.jump(start, search_options.jump_limit)
+        recorder = None
+        if trace:
+            recorder = TraceRecorder(self._runners.traced_limited_solve if jump else self._runners.traced_solve)
+        runner = recorder.runner if recorder else self._runners.limited_solve if jump else self._runners.solve
+        found = self._search_in_memory(start, search_options, runner, recorder, begun, jump)
+        solution = self._solutions.of(found, target, options, begin, jump)
+        if recorder:
+            solution.__dict__["trace"] = recorder.trace(found.q, self._error)
+        others = [self._solutions.of(other, target, options, begin, jump) for other in found.alternatives]
+        solution.__dict__["alternatives"] = tuple(others)
+        return solution
+
+    def _solve_in_lanes(self, target: Any, q0: Any, options: Options, nearest: bool) -> Solution:
+        """The same from several starts, side by side."""
         exclusive = self._exclusive
         if exclusive.busy:
             raise in_use()
@@ -138,34 +161,42 @@ class Solving:
                 self._ahead.adopt()
             search_options = self._read_options(options)
             check_lanes(search_options)
-            attempts = self._lanes.attempts
-            attempts.prepare(search_options, nearest=nearest)
+            attempts = self._prepared_attempts(search_options, nearest, options)
             begin = time.perf_counter()  # what is compiled or drawn once takes none of its time
             self._targets.copy(target)  # if it is not finite, the search does not end in DONE; q0 is read there
-            start, found = self._unread(q0), attempts.found
+            start, found = self._configurations.unread(q0), attempts.found
             if attempts.run(start) == Code.DONE and not self._has_criterion:
                 _, iterations, restarts = found.tallies[0].tolist()
                 return self._solutions.converged(found.q[0].copy(), iterations, restarts, target, begin)
-            self._targets.read(target)
-            result = self._search.found(found, 0, self._target)
-            if result is None:
-                start = self._configurations.start(q0)
-                result = self._search_in_memory(start, search_options, self._runners.solve)
-            return self._solutions.of(result, target, options, begin)
+            return self._after_lanes(target, q0, options, begin)
         finally:
             exclusive.busy = False
 
-    def _unread(self, q0: Any) -> Array:
-        """Where a search begins, (nq,): an array of numbers as it is, which need not be finite."""
-        start = self._robot.home if q0 is None else q0
-        if (
-            type(start) is np.ndarray
-            and start.dtype is _FLOAT
-            and start.shape == self._robot.home.shape
-            and self._configurations.vector
-        ):
-            return start
-        return self._configurations.start(q0)
+    def _prepared_attempts(self, search_options: SearchOptions, nearest: bool, options: Options) -> LaneAttempts:
+        """The attempts in lanes; solves with these options run in C from now on, where that is possible."""
+        attempts, natives = self._lanes.attempts, self.natives
+        usual = not (attempts.depend_on_start or self._has_criterion)
+        if usual:
+            natives.by_lanes(attempts, self._go_on_in_lanes)
+            natives.forget_lanes()
+        attempts.prepare(search_options, nearest=nearest)
+        if usual:
+            natives.know_lanes(options, nearest)
+        return attempts
+
+    def _go_on_in_lanes(self, target: Any, q0: Any, *given: Any) -> Solution:
+        """`solve_in_lanes` from where the native solve, whose guard holds, has ended."""
+        begin = time.perf_counter() - self.natives.ended[1]
+        return self._after_lanes(target, q0, cast(Options, given[3:]), begin)
+
+    def _after_lanes(self, target: Any, q0: Any, options: Options, begin: float) -> Solution:
+        """The Solution after attempts in lanes whose end is not usual."""
+        self._targets.read(target)
+        result = self._search.found(self._lanes.attempts.found, 0, self._target)
+        if result is None:
+            start = self._configurations.start(q0)
+            result = self._search_in_memory(start, self._read_options(options), self._runners.solve)
+        return self._solutions.of(result, target, options, begin)
 
     def solve_batch(
         self,
@@ -259,24 +290,12 @@ class Solving:
                 path = watched(given, progress, "targets")
                 return follow(self._robot, path, start, dt, box, solve, self._at_another_q)
             finally:
-                self._options = self._prepared = ()
+                self._checked.forget()
         finally:
             exclusive.busy = False
 
-    def _known(self, options: Options, checked: tuple[Any, ...]) -> bool:
-        """Whether the options are those that have been checked, of the same types: True equals 1, and is none."""
-        return [*map(type, options)] == self._kinds and options == checked
-
     def _read_options(self, options: Options) -> SearchOptions:
-        """The options of a search; tolerances are written to memory. Both when they, or the search in C, are new."""
-        if not self._known(options, self._options) or self._search.native is not self._prepared_for:
-            self._options, self._prepared, self._prepared_for = (), (), self._search.native
-            self._search_options = read_search_options(*options[:5])
-            self._memory.inputs.settings[:] = read_settings(*options[5:])
-            self._options, self._kinds = options, [*map(type, options)]
-            if not self._has_criterion and self._search.prepare(self._search_options):
-                self._prepared = options
-        return self._search_options
+        return self._checked.read(options)
 
     def _solve_native(self, target: Any, q0: Any, begin: float) -> Solution | int | None:
         """Solve by the native search alone, with as little work in Python as possible.

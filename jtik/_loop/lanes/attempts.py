@@ -16,7 +16,7 @@ import numpy as np
 
 from jtik._loop.lanes.attempts_source import work_size
 from jtik._loop.lanes.search import LaneLibrary, SearchMemory
-from jtik._loop.native.search import NativeBatch
+from jtik._loop.native.search import NativeBatch, PreparedSearch
 from jtik._loop.runner import Runner
 from jtik._loop.search.full_turns import FullTurns
 from jtik._loop.search.restarts import RestartConfigurations
@@ -38,6 +38,8 @@ class LaneAttempts:
 
     Attributes:
         found: where the last search ended, one row.
+        library: the search.
+        prepared: what a native solve reads, after `prepare`.
     """
 
     def __init__(
@@ -49,7 +51,7 @@ class LaneAttempts:
         *,
         has_criterion: bool,
     ) -> None:
-        self._has_criterion = has_criterion
+        self._has_criterion, self.library = has_criterion, library
         self._starts, self._memory = starts, SearchMemory(library, runner, turns, has_criterion=has_criterion)
         self.found = NativeBatch.of(1, len(self._memory.q0))
         self._work = aligned(work_size(library.function, library.level))
@@ -60,8 +62,15 @@ class LaneAttempts:
         integer, pointer = ctypes.c_longlong, ctypes.c_void_p
         self._call.argtypes = [pointer, pointer, integer, integer, integer, ctypes.c_double, pointer]
         self._call.restype = integer
+        memory = self._memory
+        self.prepared = PreparedSearch.of(memory.addresses, memory.q0, runner.inputs.target, self._table)
         self._options, self._kept = SearchOptions(0, 0, 0), tuple[Array, ...]()
         self._run = partial(self._call, self._memory.address, None, 1, 0, 0, math.inf, self._table.ctypes.data)
+
+    @property
+    def depend_on_start(self) -> bool:
+        """Whether the restarts depend on where a search begins: they are not known before `run`."""
+        return isinstance(self._starts, RestartConfigurations)
 
     def prepare(self, options: SearchOptions, *, nearest: bool) -> None:
         """Set the options of `run`.
@@ -92,3 +101,4 @@ class LaneAttempts:
         patience = PATIENCE if self._has_criterion else IN_LANES
         table, address = self._table.ctypes.data, self._memory.address
         self._run = partial(self._call, address, starts.ctypes.data, first, last, limit, patience, table)
+        self.prepared.prepare(starts.ctypes.data, first, last, limit, patience)

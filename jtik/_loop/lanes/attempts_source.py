@@ -119,6 +119,18 @@ JTIK_CPU long long JTIK_NAME_attempts(void** at, const double* starts, long long
 }
 """
 
+RUN = r"""
+/* Run the attempts that are prepared, and return what they return. */
+static long long JTIK_NAME_run(const JTIK_NAME_solver* at, JTIK_NAME_end* end) {
+  const long long *order = at->order, *tally = (const long long*)at->table[2];
+  const long long returned = JTIK_NAME_attempts(at->context, (const double*)order[0], order[1], order[2], order[3],
+                                                at->patience[0], at->table);
+  *end = (JTIK_NAME_end){(const double*)at->table[0], tally[1], tally[2]};
+  return returned;
+}
+"""
+"""What runs them in `jtik._loop.native.solve_source`."""
+
 
 def sizes(level: Level) -> dict[str, int]:
     """The numbers that the code names, for these instructions."""

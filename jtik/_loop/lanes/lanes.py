@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 
+from jtik._loop.lanes import attempts_source
 from jtik._loop.lanes.attempts import LaneAttempts
 from jtik._loop.lanes.attempts_source import TOGETHER
 from jtik._loop.lanes.search import LaneLibrary, LaneSearch, highest_with, lane_library
+from jtik._loop.native import solve_source
 from jtik._loop.runners import Runners
 from jtik._loop.search.restarts import RestartConfigurations
 from jtik._step.fused_step import fused_step
@@ -14,6 +16,7 @@ from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.errors import ArgumentError
 from jtik.strategy import Strategy
 from jtik.strategy.checked_call import CheckedCall
+from jtik.symbolic.compile import NOTHING
 
 
 class Lanes:
@@ -74,7 +77,10 @@ class Lanes:
         differs = strategy is not own and fused.expressions is not None
 
         def build() -> LaneLibrary | None:
-            return lane_library(fused_step(problem, strategy, replaceable=True) if differs else fused, level)
+            beside = NOTHING
+            if self._runners.has_native_step:
+                beside = solve_source.beside(problem.tasks, attempts_source.RUN)
+            return lane_library(fused_step(problem, strategy, replaceable=True) if differs else fused, level, beside)
 
         library = problem.once(f"lanes, {differs=}, {level}", build)
         if library is None:

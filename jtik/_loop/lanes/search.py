@@ -26,7 +26,8 @@ from jtik._loop.search.full_turns import FullTurns
 from jtik._loop.search.start_bank import SIZE, StartBank, StartBanks, aligned
 from jtik._step.fused_step import FusedStep
 from jtik.symbolic import Function
-from jtik.symbolic.compile import plain_library
+from jtik.symbolic.compile import Beside, plain_library
+from jtik.symbolic.generated_c import c_source
 from jtik.symbolic.lane_maths import EXACT, LEVELS, PROBE, Level
 from jtik.symbolic.lane_source import has_lanes
 from jtik.types import Array
@@ -53,12 +54,13 @@ class LaneLibrary(NamedTuple):
     name: str
 
 
-def lane_library(fused: FusedStep, level: Level) -> LaneLibrary | None:
+def lane_library(fused: FusedStep, level: Level, beside: Beside) -> LaneLibrary | None:
     """The search in lanes, compiled now; None for a step that calls a solver or Python, or cannot be written so.
 
     Args:
         fused: the step.
         level: the instructions that it uses.
+        beside: what is compiled with it.
 
     Raises:
         CompilerError: without a compiler.
@@ -66,7 +68,9 @@ def lane_library(fused: FusedStep, level: Level) -> LaneLibrary | None:
     function = fused.expressions
     if function is None or not has_lanes(function):
         return None
-    loaded, name = plain_library(source(function, fused.state, level), EXACT)
+    code = source(function, fused.state, level)
+    called = c_source(*beside.functions) if beside.functions else ""
+    loaded, name = plain_library(called + code + beside.source, EXACT)
     return LaneLibrary(function, fused.first_state, level, loaded, name)
 
 
@@ -101,7 +105,8 @@ class SearchMemory:
 
     Attributes:
         q0: where a search begins, (nq,).
-        address: its address, in the order of `jtik._loop.native.search.NativeSearch`.
+        addresses: of all it reads, in the order of `jtik._loop.native.search.NativeSearch`.
+        address: the address of these.
     """
 
     def __init__(self, library: LaneLibrary, runner: Runner, turns: FullTurns, *, has_criterion: bool) -> None:
@@ -112,8 +117,8 @@ class SearchMemory:
         at[[0, 9, 10, 12]] = [each.ctypes.data for each in (pointers, first_state, inputs.settings, self.q0)]
         at[13:17] = [len(self.q0), len(first_state), len(turns.indices), int(has_criterion)]
         at[17:20] = [each.ctypes.data for each in limits]
-        self.address = at.ctypes.data
-        self._kept = at, pointers, first_state, limits, inputs
+        self.addresses, self.address = at, at.ctypes.data
+        self._kept = pointers, first_state, limits, inputs
 
 
 class LaneSearch:

@@ -68,6 +68,35 @@ class NativeEnd(NamedTuple):
     finished: bool
 
 
+class PreparedSearch(NamedTuple):
+    """What a native solve reads of a search.
+
+    Attributes:
+        context: addresses of the memory of the search.
+        order: address of the restarts, number of the first one, the last attempt, and most calls of an attempt.
+        patience: calls without progress after which an attempt that a restart can replace ends, (1,).
+        q0: where the search begins, (nq,).
+        target: the numbers of its target.
+        table: addresses of what else it reads and writes; empty where it has nothing else.
+    """
+
+    context: NDArray[np.uintp]
+    order: NDArray[np.int64]
+    patience: Array
+    q0: Array
+    target: Array
+    table: NDArray[np.uintp]
+
+    @classmethod
+    def of(cls, context: NDArray[np.uintp], q0: Array, target: Array, table: NDArray[np.uintp]) -> PreparedSearch:
+        """A search that is not prepared yet."""
+        return cls(context, np.zeros(4, dtype=np.int64), np.zeros(1), q0, target, table)
+
+    def prepare(self, starts: int | None, first: int, last: int, limit: int, patience: float) -> None:
+        """Set the options; ``starts`` is the address of the restarts, None without any."""
+        self.order[:], self.patience[0] = (starts or 0, first, last, limit), patience
+
+
 class NativeSearch:
     """The search in C on the memory of a runner, whose step is in generated C.
 
@@ -78,15 +107,17 @@ class NativeSearch:
         has_criterion: whether there is a criterion.
 
     Attributes:
+        library: as given.
         runner: the runner.
         q0: where a search begins, (nq,).
         counts: iterations, restarts used, and which memory of the runner holds q, after a search that converged.
         run_prepared: the search that `prepare` has described, without arguments.
+        prepared: the same for a native solve.
     """
 
     def __init__(self, library: Library, runner: Runner, turns: FullTurns, *, has_criterion: bool) -> None:
         self.runner = runner
-        self._library, self._turns, self._has_criterion = library, turns, has_criterion
+        self.library, self._turns, self._has_criterion = library, turns, has_criterion
         nq = len(runner.q[0])
         self.q0 = np.zeros(nq)
         self._tally = np.zeros(len(Tally._fields), dtype=np.int64)
@@ -114,6 +145,7 @@ class NativeSearch:
         self._call.argtypes = [ctypes.c_void_p, ctypes.c_void_p, integer, integer, integer, integer, ctypes.c_double]
         self._call.restype = integer
         self._address = self._context.ctypes.data
+        self.prepared = PreparedSearch.of(self._context, self.q0, inputs.target, np.zeros(0, dtype=np.uintp))
         self._prepared_starts: Starts | None = None
         self.run_prepared: Callable[[], int] = partial(self._call, self._address, None, 1, 0, 0, 0, math.inf)
         self._batch = getattr(library.loaded, f"{library.name}_batch")
@@ -124,7 +156,7 @@ class NativeSearch:
         """A search on memory of its own, for another thread, with the parameters, limits and settings of this one."""
         inputs = self.runner.inputs._replace(target=self.runner.inputs.target.copy())
         runner = Runner(self.runner.fused, inputs, len(self.q0))
-        return NativeSearch(self._library, runner, self._turns, has_criterion=self._has_criterion)
+        return NativeSearch(self.library, runner, self._turns, has_criterion=self._has_criterion)
 
     @property
     def turning(self) -> bool:
@@ -145,6 +177,7 @@ class NativeSearch:
             patience: calls without progress after which an attempt that a restart can replace ends.
         """
         self._prepared_starts = starts  # kept alive
+        self.prepared.prepare(*_of(starts), last, limit, patience)
         self.run_prepared = partial(self._call, self._address, *_of(starts), 0, last, limit, patience)
 
     def find(

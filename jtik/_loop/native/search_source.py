@@ -218,6 +218,18 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_batch(void** at, void** starts, long lo
 }
 """
 
+RUN = r"""
+/* Run the search that is prepared, and return what it returns. */
+static long long JTIK_NAME_run(const JTIK_NAME_solver* at, JTIK_NAME_end* end) {
+  const long long *order = at->order, *tally = (const long long*)at->context[11];
+  const long long returned =
+      JTIK_NAME_search(at->context, (void**)order[0], order[1], 0, order[2], order[3], at->patience[0]);
+  *end = (JTIK_NAME_end){(const double*)at->context[4 + tally[2]], tally[0], tally[1]};
+  return returned;
+}
+"""
+"""What runs this search in `jtik._loop.native.solve_source`."""
+
 
 def source(state: VectorLayout) -> str:
     """The C code for a step whose state has this layout."""

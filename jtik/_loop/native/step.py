@@ -1,12 +1,10 @@
 """The native step: one call of `InverseKinematics.step` in one call of C, for a step in generated C.
 
-Its results are bitwise equal to those of `jtik._loop.stepping`, which goes on where a call ends in an unusual way. Its
-functions are those of an extension module: calls through ctypes take longer, the more so where caches are cold.
+Its results are bitwise equal to those of `jtik._loop.stepping`, which goes on where a call ends in an unusual way.
 """
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable
 from typing import Any
 
@@ -15,6 +13,7 @@ import numpy as np
 from jtik._loop.escapes.criterion import StepEscape
 from jtik._loop.exclusive_use import ExclusiveUse
 from jtik._loop.native import object_layout
+from jtik._loop.native.python_function import functions, memory_of
 from jtik._loop.native.step_source import MEMORY, UNREAD
 from jtik._loop.runner import Runner
 from jtik.constraints.step_box import StepBox
@@ -23,27 +22,6 @@ from jtik.symbolic.compile import Library
 
 Call = Callable[[Any, Any, Any], Step]
 """(q, target, dt) -> the step."""
-
-
-class Method(ctypes.Structure):
-    """Python's PyMethodDef."""
-
-    _fields_ = (
-        ("name", ctypes.c_char_p),
-        ("call", ctypes.c_void_p),
-        ("kind", ctypes.c_int),
-        ("text", ctypes.c_char_p),
-    )
-
-
-class Memory(np.ndarray):
-    """The addresses of what C reads and writes, which keep it alive. A function of C has them as its self.
-
-    Attributes:
-        kept: what is kept alive.
-    """
-
-    kept: dict[str, object]
 
 
 class NativeStep:
@@ -70,7 +48,6 @@ class NativeStep:
         self.target = inputs.target
         self._left = np.zeros(1, dtype=np.int64)
         unused = np.zeros(1)
-        api = ctypes.pythonapi
         arrays = {
             "arguments": arguments,
             "results": np.zeros(function.sz_res(), dtype=np.uintp),
@@ -91,10 +68,10 @@ class NativeStep:
             "left": self._left,
         }
         flags = {
-            "rests": escape.possible,
-            "fills": object_layout.tuples_have_items_only(),
-            "remembers": bool(box and box.remembers),
-            "ahead": bool(box and box.ahead),
+            "rests": int(escape.possible),
+            "fills": int(object_layout.tuples_have_items_only()),
+            "remembers": int(bool(box and box.remembers)),
+            "ahead": int(bool(box and box.ahead)),
         }
         objects = {
             "exclusive": exclusive,
@@ -110,28 +87,12 @@ class NativeStep:
             "new_tuple": tuple.__new__,
             "step_type": Step,
         }
-        functions = {
-            "call": api.PyObject_CallFunctionObjArgs,
-            "number": api.PyFloat_FromDouble,
-            "allocate": api.PyType_GenericAlloc,
-            "fill": api.PyTuple_SetItem,
-            "pack": api.PyTuple_Pack,
-            "hold": api.Py_IncRef,
-            "release": api.Py_DecRef,
-        }
-        values = {
-            **{name: array.ctypes.data for name, array in arrays.items()},
-            **{name: int(flag) for name, flag in flags.items()},
-            **{name: id(each) for name, each in objects.items()},
-            **{name: ctypes.cast(each, ctypes.c_void_p).value for name, each in functions.items()},
-        }
-        self._memory = np.array([values[name] for name in MEMORY], dtype=np.uintp).view(Memory)
-        self._memory.kept = {**arrays, **objects, "inputs": inputs, "library": library}
+        kept = {"inputs": inputs, "library": library}
+        self._memory = memory_of(MEMORY, arrays=arrays, numbers=flags, objects=objects, kept=kept)
         # a call keeps the interpreter: it is short, and no controller waits for another thread after it
-        methods = (Method * 2).in_dll(library.loaded, f"{library.name}_methods")
         self._step: Call
         self.update: Callable[[Any, Any], Step | None]
-        self._step, self.update = (_NEW_FUNCTION(ctypes.addressof(each), self._memory, None) for each in methods)
+        self._step, self.update = functions(library.loaded, f"{library.name}_methods", 2, self._memory)
 
     def before(self, otherwise: Call) -> Call:
         """``step(q, target, dt)``, which calls ``otherwise`` with the same arguments for what is left to Python."""
@@ -143,9 +104,3 @@ class NativeStep:
         """What the last call has left to Python, which is then no longer left; UNREAD where there was none."""
         left, self._left[0] = int(self._left[0]), UNREAD
         return left
-
-
-_NEW_FUNCTION = ctypes.PYFUNCTYPE(ctypes.py_object, ctypes.c_void_p, ctypes.py_object, ctypes.c_void_p)(
-    ("PyCFunction_NewEx", ctypes.pythonapi)
-)
-"""(method, self, module) -> function."""

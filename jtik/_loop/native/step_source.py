@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from jtik._loop.native.object_layout import HEAD
+from jtik._loop.native import python_source
 from jtik._loop.native.search_source import defined, indices
 from jtik._step.fused_step import FusedStep
 from jtik._step.solve_progress import UNKNOWN
 from jtik.qp.fast_path import NOT_WRITTEN
 from jtik.symbolic import Function
-from jtik.symbolic import function as function_of
 from jtik.symbolic.compile import Beside
 from jtik.task import TaskStack
 
 UNREAD, USUAL, ENDED, AGAIN = 0, 1, 2, 3
 """What a step leaves to Python: all, as q or the target is to be read there; nothing; what follows an unusual end; to
 repeat the call."""
-
-FASTCALL = 0x80
-"""The kind of a function that Python calls with an array of arguments, METH_FASTCALL."""
 
 MEMORY = {
     "arguments": "const double**",
@@ -58,8 +54,8 @@ MEMORY = {
     "allocate": "JTIK_NAME_to_allocate",
     "fill": "JTIK_NAME_to_fill",
     "pack": "JTIK_NAME_to_pack",
-    "hold": "JTIK_NAME_to_count",
-    "release": "JTIK_NAME_to_count",
+    "hold": "JTIK_NAME_to_hold",
+    "release": "JTIK_NAME_to_release",
 }
 """What the native step reads and writes besides its arguments, in this order, and the C type of each.
 
@@ -76,80 +72,19 @@ MEMORY = {
 """
 
 _SOURCE = r"""
-#include <stddef.h>
-#include <string.h>
-
-typedef char* (*JTIK_NAME_to_call)(char*, ...);
-typedef char* (*JTIK_NAME_to_number)(double);
-typedef char* (*JTIK_NAME_to_allocate)(char*, ptrdiff_t);
-typedef int (*JTIK_NAME_to_fill)(char*, ptrdiff_t, char*);
-typedef char* (*JTIK_NAME_to_pack)(ptrdiff_t, ...);
-typedef void (*JTIK_NAME_to_count)(char*);
-
 typedef struct {
 JTIK_MEMORY
 } JTIK_NAME_memory;
-
-/* A NumPy array after the head of every object. */
-typedef struct {
-  char* data;
-  int dimensions;
-  const ptrdiff_t* shape;
-  const ptrdiff_t* strides;
-  void* base;
-  const char* type;
-} JTIK_NAME_array;
-
-static const JTIK_NAME_array* JTIK_NAME_fields(const char* object) {
-  return (const JTIK_NAME_array*)(object + JTIK_HEAD);
-}
-
-static const char* JTIK_NAME_type(const char* object) {
-  return *(const char* const*)(object + JTIK_HEAD - sizeof(char*));
-}
-
-/* The array of doubles that an object is; 0 where it is something else. */
-static const JTIK_NAME_array* JTIK_NAME_doubles(const JTIK_NAME_memory* at, const char* object) {
-  const JTIK_NAME_array* array = JTIK_NAME_fields(object);
-  return JTIK_NAME_type(object) == at->array_type && array->type == at->float64 ? array : 0;
-}
-
-/* Copy a vector of this size; 0 where the array is none. */
-static int JTIK_NAME_copied(const JTIK_NAME_array* array, ptrdiff_t size, double* to) {
-  if (array->dimensions != 1 || array->shape[0] != size) return 0;
-  for (ptrdiff_t i = 0; i < size; ++i) memcpy(to + i, array->data + i * array->strides[0], sizeof(double));
-  return 1;
-}
-
-#if JTIK_READS
-/* Read a matrix (4, 4) as a target; 0 where the array is none, or is no pose. */
-static int JTIK_NAME_read(const JTIK_NAME_array* array, double* to) {
-  double T[16], target[JTIK_TARGET_SIZE], valid[1], w[JTIK_READER_W];
-  const double* arg[JTIK_READER_ARG] = {T};
-  double* res[JTIK_READER_RES] = {target, valid};
-  long long iw[JTIK_READER_IW];
-  if (array->dimensions != 2 || array->shape[0] != 4 || array->shape[1] != 4) return 0;
-  for (ptrdiff_t i = 0; i < 16; ++i) {
-    memcpy(T + i, array->data + i / 4 * array->strides[0] + i % 4 * array->strides[1], sizeof(double));
-  }
-  if (JTIK_NAME_matrix(arg, res, iw, w, 0) || !valid[0]) return 0;
-  memcpy(to, target, sizeof target);
-  return 1;
-}
-#endif
 
 /* One step from q to the target. It begins in the first memory of q and state, and a usual one leaves the state there.
    Returns what it leaves to Python. */
 static int JTIK_NAME_stepped(const JTIK_NAME_memory* at, const char* q, const char* target) {
   const double** arg = at->arguments;
   double** res = at->results;
-  const JTIK_NAME_array *from = JTIK_NAME_doubles(at, q), *goal = JTIK_NAME_doubles(at, target);
+  const JTIK_NAME_array* from = JTIK_NAME_doubles(q, at->array_type, at->float64);
+  const JTIK_NAME_array* goal = JTIK_NAME_doubles(target, at->array_type, at->float64);
   if (!from || !goal) return JTIK_UNREAD;
-  int read = goal->data == (char*)at->target;
-#if JTIK_READS
-  read = read || JTIK_NAME_read(goal, at->target);
-#endif
-  if (!read && !(JTIK_IS_VECTOR && JTIK_NAME_copied(goal, JTIK_TARGET_SIZE, at->target))) return JTIK_UNREAD;
+  if (goal->data != (char*)at->target && !JTIK_NAME_aimed(goal, at->target)) return JTIK_UNREAD;
   if (!JTIK_NAME_copied(from, JTIK_NQ, at->q)) return JTIK_UNREAD;
 #if JTIK_TIMED
   {
@@ -267,14 +202,6 @@ static char* JTIK_NAME_step(char* self, char* const* given, ptrdiff_t count) {
   return at->call(at->otherwise, given[0], given[1], dt, (char*)0);
 }
 
-/* Two of Python's PyMethodDef. */
-typedef struct {
-  const char* name;
-  char* (*call)(char*, char* const*, ptrdiff_t);
-  int kind;
-  const char* text;
-} JTIK_NAME_method;
-
 CASADI_SYMBOL_EXPORT JTIK_NAME_method JTIK_NAME_methods[2] = {
   {"step", JTIK_NAME_step, JTIK_FASTCALL, 0},
   {"update", JTIK_NAME_update, JTIK_FASTCALL, 0},
@@ -290,45 +217,23 @@ def beside(fused: FusedStep, tasks: TaskStack, box: Function | None) -> Beside:
         tasks: its tasks.
         box: gives the box of a step with a duration; None without one.
     """
-    reader, box = _named(tasks.matrix_reader, "matrix"), _named(box, "box")
+    reader, box = python_source.matrix_reader(tasks), python_source.named(box, "jtik_step_box")
     starts = {name: where.start for name, where in fused.state.slices.items()}
     constants = {
         **indices(fused.state),
-        **_work("READER", reader),
-        **_work("BOX", box),
-        "READS": int(reader is not None),
-        "IS_VECTOR": int(tasks.target_is_vector),
+        **python_source.constants(tasks),
+        **python_source.work_sizes("BOX", box),
         "TIMED": int(box is not None),
-        "NQ": tasks.robot.nq,
-        "TARGET_SIZE": tasks.target_size,
         "STATE_SIZE": fused.state.size,
         "MOMENTUM": starts.get("momentum", -1),
         "VIOLATION": starts.get("violation", -1),
         "UNKNOWN": UNKNOWN,
         "NOT_WRITTEN": int(NOT_WRITTEN),
-        "HEAD": HEAD,
-        "FASTCALL": FASTCALL,
         "USUAL": USUAL,
         "ENDED": ENDED,
         "AGAIN": AGAIN,
         "UNREAD": UNREAD,
     }
-    members = "\n".join(f"  {kind} {name};" for name, kind in MEMORY.items())
+    source = _SOURCE.replace("JTIK_MEMORY", python_source.members(MEMORY))
     functions = tuple(each for each in (reader, box) if each is not None)
-    return Beside(defined(constants) + _SOURCE.replace("JTIK_MEMORY", members), functions)
-
-
-def _named(function: Function | None, name: str) -> Function | None:
-    """The same function with this name beside that of a fused step."""
-    if function is None:
-        return None
-    symbols = function.sx_in() if function.is_a("SXFunction") else function.mx_in()
-    return function_of(f"jtik_step_{name}", symbols, function.call(symbols))
-
-
-def _work(prefix: str, function: Function | None) -> dict[str, int]:
-    """Sizes of the memory that a call of a function works in."""
-    if function is None:
-        return {}
-    sizes = {"ARG": function.sz_arg(), "RES": function.sz_res(), "IW": function.sz_iw(), "W": function.sz_w()}
-    return {f"{prefix}_{name}": max(size, 1) for name, size in sizes.items()}
+    return Beside(defined(constants) + python_source.SOURCE + source, functions)

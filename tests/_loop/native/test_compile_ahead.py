@@ -369,7 +369,7 @@ def test_a_solve_is_prepared_where_a_step_has_changed_over(eager):
     ik.solve(goal, q0=q)
     compiled_by(ik, lambda: ik.step(q, goal))
     ik.solve(goal, q0=q)
-    assert ik._solving._prepared
+    assert ik._solving._checked._prepared
 
 
 PROGRAM = """

@@ -24,6 +24,7 @@ def pair(robot=ARM, kind="pose", strategy="damped", build=shared_solver, **optio
     )
     assert native._engine.search.native is not None
     plain._engine.search.native = None
+    plain._solving.adopted()
     return native, plain
 
 
