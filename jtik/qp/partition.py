@@ -6,7 +6,7 @@ factorisation, are passed on as numbers instead of being computed twice.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass
 
 from jtik.symbolic import (
@@ -150,12 +150,13 @@ class Graph:
             if operation == OP_CALL:
                 operands = tuple(memory[place] for place in joined.instruction_input(at))
                 call = Call(written.nz[at].which_function(), operands)
+                stage = max((graph.stage[operand] for operand in operands), default=0)
                 for entry, place in enumerate(joined.instruction_output(at)):
                     if place >= 0:  # of an output that is used
                         graph.calls[len(graph.nodes)] = call, entry
                         memory[place] = len(graph.nodes)
                         graph.nodes.append((operation, operands))
-                        graph.stage.append(max((graph.stage[operand] for operand in operands), default=0))
+                        graph.stage.append(stage)
                 continue
             node = len(graph.nodes)
             if operation == OP_INPUT:
@@ -181,19 +182,37 @@ class Graph:
             for node in (node for nodes in group for node in nodes):
                 computed.add(node)
                 self._use(node, k)
-        for node in reversed(range(len(self.nodes))):
-            if node in computed:
-                for operand in self.nodes[node][1]:
-                    computed.add(operand)
-                    self._use(operand, self.stage[node])
+        for node in self._backwards(computed):
+            for operand in self.nodes[node][1]:
+                computed.add(operand)
+                self._use(operand, self.stage[node])
+        evaluated = {self.calls[node][0] for node in computed if node in self.calls}
+        computed |= {node for node, (call, _) in self.calls.items() if call in evaluated}  # with all its results
         self.computed = sorted(computed)
         for group in self.deferred:
             wanted = {node for nodes in group for node in nodes}
-            for node in reversed(range(len(self.nodes))):
-                if node in wanted and node not in computed:
-                    wanted.update(self.nodes[node][1])
+            for node in self._backwards(wanted, but=computed):
+                wanted.update(self.nodes[node][1])
             self.used_later |= {node for node in wanted if node in computed and node not in self.given}
             self.only_deferred.append(sorted(wanted - computed))
+
+    def _backwards(self, wanted: set[int], but: Set[int] = frozenset()) -> Iterator[int]:
+        """The nodes of a set that grows meanwhile, the last first; one of those of a call, whose operands are the same.
+
+        Args:
+            wanted: the set.
+            but: nodes that are left out.
+        """
+        calls = set[Call]()
+        for node in reversed(range(len(self.nodes))):
+            if node not in wanted or node in but:
+                continue
+            call, _ = self.calls.get(node, (None, 0))
+            if call is None:
+                yield node
+            elif call not in calls:
+                calls.add(call)
+                yield node
 
     def _use(self, node: int, stage: int) -> None:
         """Note that a stage needs a node; symbols and constants are available in every stage."""

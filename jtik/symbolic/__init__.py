@@ -5,9 +5,10 @@ The operations are those that a criterion, a strategy or a task is made of:
 - expressions: `Expression`, `SX`, `MX`, `symbol`, `zeros`, `identity`, `numbers`, `is_symbolic`
 - elementwise: `sin`, `cos`, `atan2`, `sqrt`, `log`, `exp`, `fabs`, `floor`, `fmax`, `fmin`
 - conditions: `if_else`, `logic_and`, `logic_or`, `logic_not`, `is_finite`
-- vectors and matrices: `vertcat`, `horzcat`, `stack`, `reshape`, `vec`, `densify`, `diag`, `trace`, `skew`, `dot`,
-  `cross`, `gram`, `sum1`, `sumsqr`, `norm`, `norm_inf`, `mmax`, `mmin`, `ratio`
+- vectors and matrices: `vertcat`, `horzcat`, `stack`, `reshape`, `vec`, `densify`, `diag`, `trace`, `tril`, `skew`,
+  `dot`, `cross`, `gram`, `sum1`, `sumsqr`, `norm`, `norm_inf`, `mmax`, `mmin`, `ratio`
 - symmetric matrices: `LDL`, `solve_ldl`
+- products of large matrices as loops: `looped`
 - derivatives: `gradient`, `jacobian`, `hessian`
 - a value without its derivative: `without_derivative`
 - inspection: `symvar`, `substitute`, `is_equal`; `once_for_each`
@@ -22,6 +23,7 @@ The operations are those that a criterion, a strategy or a task is made of:
 
 from jtik.symbolic.generated_c import c_source
 from jtik.symbolic.ldl import LDL, solve_ldl
+from jtik.symbolic.loops import looped
 from jtik.symbolic.operations import (
     LARGEST,
     MX,
@@ -85,6 +87,7 @@ from jtik.symbolic.operations import (
     symbol,
     symvar,
     trace,
+    tril,
     vec,
     vertcat,
     without_derivative,
@@ -136,6 +139,7 @@ __all__ = [
     "logic_and",
     "logic_not",
     "logic_or",
+    "looped",
     "mmax",
     "mmin",
     "no_silent_float",
@@ -157,6 +161,7 @@ __all__ = [
     "symbol",
     "symvar",
     "trace",
+    "tril",
     "vec",
     "vertcat",
     "without_derivative",

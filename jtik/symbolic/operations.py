@@ -50,6 +50,7 @@ vec: Any = casadi.vec
 densify: Any = casadi.densify
 diag: Any = casadi.diag
 trace: Any = casadi.trace
+tril: Any = casadi.tril
 skew: Any = casadi.skew
 dot: Any = casadi.dot
 cross: Any = casadi.cross

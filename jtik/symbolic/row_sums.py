@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from functools import cache
-
-from jtik.symbolic.operations import MX, Expression, Function, function, horzcat
+from jtik.symbolic.loops import looped
+from jtik.symbolic.operations import Expression, horzcat
 
 
 def weighted_sums(matrix: Expression, weights: Expression, values: Expression) -> tuple[Expression, Expression]:
@@ -17,12 +16,10 @@ def weighted_sums(matrix: Expression, weights: Expression, values: Expression) -
         weights: one for each row (m, 1).
         values: one for each row (m, 1).
     """
-    found: tuple[Expression, Expression] = _sums(*matrix.shape)(matrix, weights, values)
-    return found
+    product, sums = looped(_sums, matrix, weights, values)
+    return product, sums
 
 
-@cache
-def _sums(rows: int, columns: int) -> Function:
-    matrix, weights, values = MX.sym("M", rows, columns), MX.sym("w", rows), MX.sym("v", rows)
-    weighted = horzcat(*[weights * matrix[:, j] for j in range(columns)])
-    return function("sums", [matrix, weights, values], [matrix.T @ weighted, matrix.T @ values], inline=False)
+def _sums(matrix: Expression, weights: Expression, values: Expression) -> list[Expression]:
+    weighted = horzcat(*[weights * matrix[:, j] for j in range(matrix.shape[1])])
+    return [matrix.T @ weighted, matrix.T @ values]

@@ -2,7 +2,7 @@
 
 Five thousand solves of every strategy, with a table of what was found:
 
-    python -m tests.cross.test_generated_c [--solves 5000] [--seed 0] [--strategies hybrid sns+qp]
+    python -m tests.cross.test_generated_c [--solves 5000] [--seed 0] [--robot spatial] [--strategies hybrid sns+qp]
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import jtik
 from jtik.symbolic.compile import CompilerError, compiler
 from jtik_formulations import JointCentering
 
-from ..conftest import dh_arm
+from ..conftest import dh_arm, planar
 from .hostile import strategies
 
 ROUNDED = 1e-10
@@ -39,7 +39,15 @@ KINDS = ("near", "anywhere", "limits", "out of reach", "stretched", "restarts")
 """Kinds of problems: the target near the start, anywhere, at limits of joints, beyond reach, from a singular start, and
 anywhere with restarts."""
 
-ARM = dh_arm(7, limit=2.0)
+LIMIT = 2.0
+"""Limit of every joint [rad]."""
+
+ROBOTS = {
+    "spatial": dh_arm(7, limit=LIMIT),
+    "six": dh_arm(6, seed=1, limit=LIMIT),
+    "planar": planar(5, lower=-LIMIT, upper=LIMIT),
+}
+"""Arms: in space with a redundant joint and with none, and in the plane with three."""
 
 
 @dataclass
@@ -61,40 +69,48 @@ class Found:
     longer: int = 0
 
 
-def solver(strategy: str, *, compiled: bool) -> jtik.InverseKinematics:
+def solver(strategy: str, robot: str = "spatial", *, compiled: bool) -> jtik.InverseKinematics:
     """A solver of the problems."""
-    criteria = JointCentering()
-    return jtik.InverseKinematics(ARM, jtik.FrameTask("tip"), criteria=criteria, strategy=strategy, compiled=compiled)
+    given = {"criteria": JointCentering(), "strategy": strategy, "compiled": compiled}
+    return jtik.InverseKinematics(ROBOTS[robot], jtik.FrameTask("tip"), **given)
 
 
-def pair(strategy: str) -> tuple[jtik.InverseKinematics, jtik.InverseKinematics]:
+def pair(strategy: str, robot: str = "spatial") -> tuple[jtik.InverseKinematics, jtik.InverseKinematics]:
     """A solver in generated C, and the same one on the virtual machine."""
-    c, vm = (solver(strategy, compiled=compiled) for compiled in (True, False))
-    assert [each._engine.runners.solve.fused.library is None for each in (c, vm)] == [False, True]
+    c, vm = (solver(strategy, robot, compiled=compiled) for compiled in (True, False))
+    assert [in_c(each) for each in (c, vm)] == [True, False]
     return c, vm
 
 
-def problems(seed: int) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
+def in_c(ik: jtik.InverseKinematics) -> bool:
+    """Whether the steps of a solver run in generated C, also of one that calls Python between several functions."""
+    fused = ik._engine.runners.solve.fused
+    parts = fused.parts
+    return fused.library is not None or (parts is not None and parts.local.class_name() == "External")
+
+
+def problems(arm: jtik.Robot, seed: int) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
     """The kind of a problem, its start and its target; without end."""
-    rng = np.random.default_rng(seed)
+    rng, most = np.random.default_rng(seed), LIMIT - 0.1
     for kind in itertools.cycle(KINDS):
-        q0, goal = rng.uniform(-1.9, 1.9, ARM.n), rng.uniform(-1.9, 1.9, ARM.n)
+        q0, goal = rng.uniform(-most, most, arm.n), rng.uniform(-most, most, arm.n)
         if kind == "near":
-            goal = np.clip(q0 + rng.normal(0, 0.1, ARM.n), -1.9, 1.9)
+            goal = np.clip(q0 + rng.normal(0, 0.1, arm.n), -most, most)
         elif kind == "limits":
-            goal[rng.random(ARM.n) < 0.4] = 2.0
+            goal[rng.random(arm.n) < 0.4] = LIMIT
         elif kind == "stretched":
-            q0 = np.zeros(ARM.n)
-        target = ARM.pose(goal)
+            q0 = np.zeros(arm.n)
+        target = arm.pose(goal) if arm.dimension == 3 else arm.position(goal)
         if kind == "out of reach":
-            target[:3, 3] *= rng.uniform(1.5, 4.0)
+            position = target[:3, 3] if arm.dimension == 3 else target
+            position *= rng.uniform(1.5, 4.0)
         yield kind, q0, target
 
 
 def compare(c: Any, vm: Any, count: int, seed: int = 0) -> Found:
     """Solve the same problems with both, and make the first step of each."""
     found = Found()
-    for k, (kind, q0, target) in enumerate(itertools.islice(problems(seed), count)):
+    for k, (kind, q0, target) in enumerate(itertools.islice(problems(vm.robot, seed), count)):
         options = {"q0": q0, "max_iterations": ITERATIONS, "restarts": 3 if kind == "restarts" else 0}
         one, two = (ik.solve(target, **options) for ik in (c, vm))
         found.counts[two.status.name] = found.counts.get(two.status.name, 0) + 1
@@ -142,6 +158,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Generated C beside the virtual machine.")
     parser.add_argument("--solves", type=int, default=5000, help="solves of each strategy (%(default)s)")
     parser.add_argument("--seed", type=int, default=0, help="seed (%(default)s)")
+    parser.add_argument("--robot", choices=ROBOTS, default="spatial", help="the arm (%(default)s)")
     parser.add_argument("--strategies", nargs="+", default=strategies(), help="only these")
     options = parser.parse_args()
     headings = f"{'status':>8}{'longer':>8}{'steps':>7}{'largest':>10}{'seconds':>9}"
@@ -149,7 +166,7 @@ def main() -> None:
     for strategy in options.strategies:
         begin = time.perf_counter()
         try:
-            found = compare(*pair(strategy), options.solves, options.seed)
+            found = compare(*pair(strategy, options.robot), options.solves, options.seed)
         except jtik.JtikError as error:
             print(f"{strategy}: {error}", file=sys.stderr, flush=True)
             continue

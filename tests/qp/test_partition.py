@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import casadi
+import numpy as np
 import pytest
 
 from jtik.qp.partition import partitioned
-from jtik.symbolic import symbol
+from jtik.symbolic import looped, symbol
 from jtik.symbolic.compile import CompiledFunction
 
 from ..conftest import EXACT
@@ -21,6 +22,11 @@ def run(stages, known):
         if k < len(stages) - 1:
             arguments += [intermediate, *known[k + 1]]
     return given
+
+
+def squared(A):
+    """What a call returns: the square of a matrix."""
+    return (A @ A,)
 
 
 def example():
@@ -86,3 +92,39 @@ def test_deferred_expressions_are_computed_after_their_stage(rng):
 
     assert [count(each, casadi.OP_COS) for each in (*stages, *after)] == [0, 0, 0, 1, 1]
     assert [count(each, casadi.OP_EXP) for each in (*stages, *after)] == [1, 0, 0, 0, 0]
+
+
+def test_a_call_is_evaluated_once_for_a_stage_and_what_is_deferred(rng):
+    """Its results are passed on, also those that only deferred expressions need; so is what such a call needs."""
+    a, b = symbol("a", 4), symbol("b", 2)
+    A = casadi.reshape(a, 2, 2)
+
+    def called(matrix):
+        return looped(squared, matrix)[0]
+
+    first, second = called(A), called(A + 1)
+    known, wanted = [[a], [b]], [[first[0, 0]], [b + second[1, 1]]]
+    deferred = [[first[0, 1] + 2 * second[0, 1]]]
+    stages, (data,) = partitioned(["one", "two"], known, wanted, deferred)
+    x = rng.uniform(-1, 1, 4)
+    of_first, of_second = (np.linalg.matrix_power(x.reshape(2, 2).T + shift, 2) for shift in (0, 1))
+    wanted_now, intermediate = CompiledFunction(stages[0])(x)
+    assert wanted_now == pytest.approx(of_first[0, 0], abs=EXACT)
+    assert CompiledFunction(data)(x, intermediate)[0] == pytest.approx(of_first[0, 1] + 2 * of_second[0, 1], abs=EXACT)
+    last = CompiledFunction(stages[1])(x, intermediate, [3.0, 4.0])[0].ravel()
+    assert last == pytest.approx(np.array([3.0, 4.0]) + of_second[1, 1], abs=EXACT)
+    calls = [sum(f.instruction_id(i) == casadi.OP_CALL for i in range(f.n_instructions())) for f in (*stages, data)]
+    assert calls == [2, 0, 0]
+
+
+def test_a_call_that_only_deferred_expressions_need_is_evaluated_with_them(rng):
+    a, b = symbol("a", 4), symbol("b", 1)
+    root = casadi.sqrt(a)
+    power = looped(squared, casadi.reshape(root, 2, 2))[0]
+    stages, (data,) = partitioned(["one", "two"], [[a], [b]], [[root[0]], [b]], [[power[1, 0] + power[0, 1]]])
+    x = rng.uniform(1, 2, 4)
+    *_, intermediate = CompiledFunction(stages[0])(x)
+    expected = np.linalg.matrix_power(np.sqrt(x).reshape(2, 2).T, 2)
+    assert CompiledFunction(data)(x, intermediate)[0] == pytest.approx(expected[1, 0] + expected[0, 1], abs=EXACT)
+    calls = [sum(f.instruction_id(i) == casadi.OP_CALL for i in range(f.n_instructions())) for f in (*stages, data)]
+    assert calls == [0, 0, 1]

@@ -16,9 +16,10 @@ import pytest
 from scipy.optimize import minimize
 
 import jtik
-from jtik.symbolic import SX, function
+from jtik.symbolic import SX, function, looped
 from jtik.testing import check_strategy
 from jtik_formulations import Hybrid, JointCentering, Newton, ObstacleAvoidance, SecondOrder
+from jtik_formulations.strategies import second_order
 from jtik_formulations.strategies.second_order import convexified
 
 from ..conftest import (
@@ -56,6 +57,25 @@ def two_points(q, robot):
     """Springs at two frames; for robots that no angles describe."""
     first, last = robot.position(q, robot.moving_frames[1]), robot.position(q, robot.moving_frames[-2])
     return casadi.sumsqr(first - np.array([0.3, 0.2, 0.5])) + casadi.sumsqr(last - np.array([0.2, 0.3, 0.5]))
+
+
+@jtik.criterion
+def waves(q, robot):
+    """Many minima and maxima."""
+    return casadi.sumsqr(casadi.sin(3 * q))
+
+
+@jtik.criterion(residual=True)
+def reaching(q, robot):
+    """A frame that cannot reach a point, in residual form: its Hessian is not positive definite everywhere."""
+    return robot.position(q, robot.moving_frames[1])[:2] - np.array([0.0, 9.0])
+
+
+def instructions(ik):
+    """Instructions of the functions of a step."""
+    parts = ik._engine.runners.solve.fused.parts
+    of_calls = [each for call in parts.calls for each in call.functions]
+    return sum(each.n_instructions() for each in (parts.local, *parts.stages, *parts.data, *of_calls))
 
 
 @functools.cache
@@ -150,28 +170,124 @@ class TestOneStep:
         assert with_term.step(q, (2.0, 1.0)).q.tolist() == plain.step(q, (2.0, 1.0)).q.tolist()
 
 
+def modified_factorisation(A):
+    """What Gill, Murray and Wright's factorisation adds to the diagonal, and the smallest pivot or 0."""
+    n, left, added, lowest = len(A), A.copy(), np.zeros(len(A)), 0.0
+    bound = max(2 * np.abs(np.diag(A)).max(), np.abs(A - np.diag(np.diag(A))).max()) + 1e-300
+    for j in range(n):
+        pivot, column = left[j, j], left[j + 1 :, j]
+        smallest = np.abs(column).max(initial=0) ** 2 / bound
+        good = pivot > 1e-8 and pivot >= smallest
+        used = pivot if good else max(abs(pivot), smallest, 1e-2)
+        added[j], lowest = used - pivot, min(lowest, pivot)
+        left[j + 1 :, j + 1 :] -= np.outer(column / used, column)
+    return added, lowest
+
+
+def matrices(n, rng):
+    """Symmetric matrices: positive definite, indefinite, singular, badly scaled; with entries of order 1."""
+    turn = np.linalg.qr(rng.normal(size=(n, n)))[0]
+    signs = np.where(rng.random(n) < 0.3, -1.0, 1.0)
+    scale = 10.0 ** -rng.uniform(0, 4, n)
+    for eigenvalues in (rng.uniform(0.1, 1, n), signs * rng.uniform(0.1, 1, n), np.arange(n) % 3, np.zeros(n)):
+        matrix = turn @ np.diag(eigenvalues) @ turn.T
+        matrix = (matrix + matrix.T) / 2
+        yield from (matrix, scale[:, None] * matrix * scale)
+
+
+@functools.cache
+def factorised(n, loops):
+    """The results of `convexified` as a function, with loops or written out."""
+    A = SX.sym("A", n, n)
+    return function("convexified", [A], looped(convexified, A, when=loops))
+
+
 class TestConvexified:
+    @pytest.mark.parametrize("loops", [False, True])
     @pytest.mark.parametrize("n", [1, 2, 5, 8])
-    def test_a_matrix_stays_as_it_is_exactly_where_it_is_positive_definite(self, n, rng):
-        A = SX.sym("A", n, n)
-        both = function("convexified", [A], [*convexified(A)])
+    def test_a_matrix_stays_as_it_is_exactly_where_it_is_positive_definite(self, n, loops, rng):
         spread = 10.0 ** np.linspace(-6, 0, n)
         for sign in [*np.eye(n)[:3], np.zeros(n)]:
             turn = np.linalg.qr(rng.normal(size=(n, n)))[0]
             eigenvalues = np.where(sign > 0, -1.0, 1.0) * spread
             matrix = turn @ np.diag(eigenvalues) @ turn.T
-            changed, definite, lowest = (np.array(part) for part in both((matrix + matrix.T) / 2))
+            changed, definite, lowest = (np.array(part) for part in factorised(n, loops)((matrix + matrix.T) / 2))
             assert definite[0, 0] == (lowest[0, 0] == 0) == (not sign.any())
             if definite[0, 0]:
                 assert np.array_equal(changed, (matrix + matrix.T) / 2)
             assert np.linalg.eigvalsh(changed)[0] > 0
             assert np.abs(changed - matrix).max() < 100
 
+    @pytest.mark.parametrize("loops", [False, True])
+    @pytest.mark.parametrize("n", [1, 2, 3, 12, 13, 30])
+    def test_it_is_the_factorisation_on_numbers(self, n, loops, rng):
+        definite = []
+        for A in (each for _ in range(5) for each in matrices(n, rng)):
+            found = [np.array(part) for part in factorised(n, loops)(A)]
+            added, lowest = modified_factorisation(A)
+            assert found[0] == pytest.approx(A + np.diag(added), abs=1e-9)
+            assert found[1].item() == (not added.any())
+            assert found[2].item() == pytest.approx(lowest, abs=1e-9)
+            definite.append(not added.any())
+        assert 0 < sum(definite) < len(definite)
+
+    def test_loops_give_the_same_bits(self, rng):
+        for n in (2, 7, 20):
+            for A in matrices(n, rng):
+                one, two = (factorised(n, loops)(A) for loops in (False, True))
+                assert all(np.array_equal(np.array(a), np.array(b)) for a, b in zip(one, two, strict=True))
+
     def test_zero_is_not_positive_definite(self):
-        A = SX.sym("A", 3, 3)
-        changed, definite, _ = function("convexified", [A], [*convexified(A)])(np.zeros((3, 3)))
+        changed, definite, _ = factorised(3, False)(np.zeros((3, 3)))
         assert not definite
         assert np.linalg.eigvalsh(np.array(changed))[0] > 1e-3
+
+
+class TestManyJoints:
+    """Products and factorisations of many joints are loops over numbers."""
+
+    @pytest.mark.parametrize(("n", "criteria"), [(3, waves), (5, reaching + JointCentering())])
+    def test_the_step_is_that_of_the_written_out_matrices(self, n, criteria, monkeypatch, rng):
+        robot, task = planar(n, lower=-2.0, upper=2.0), jtik.FrameTask()
+        written_out = jtik.InverseKinematics(robot, task, criteria=criteria, strategy="hybrid+second_order")
+        monkeypatch.setattr(second_order, "UNROLLED", 1)
+        loops = jtik.InverseKinematics(robot, task, criteria=criteria, strategy="hybrid+second_order")
+        definite = set()
+        for k in range(20):
+            q, goal = rng.uniform(-1.9, 1.9, (2, n))
+            if k % 3 == 0:
+                q[k % n] = 2.0
+            one, two = (
+                ik.solve(robot.position(goal), q0=q, max_iterations=1, trace=True) for ik in (written_out, loops)
+            )
+            assert one.q == pytest.approx(two.q, abs=1e-10)
+            definite.add(one.trace.positive_definite[0])
+        assert definite == ({0.0, 1.0} if criteria is waves else {1.0})  # Gauss-Newton takes over
+
+    @pytest.mark.parametrize(("rows", "n"), [(2, 3), (2, 9), (6, 20), (2, 1)])
+    def test_the_reduced_hessian_is_that_of_numpy(self, rows, n, rng):
+        W, moved, free = rng.normal(size=(n, n)), rng.normal(size=n), (rng.random(n) < 0.7) * 1.0
+        basis = np.zeros((rows, n))
+        independent = min(rows, int(free.sum()))
+        basis[:independent, free > 0] = np.linalg.qr(rng.normal(size=(int(free.sum()), independent)))[0].T
+        N = np.diag(free) - basis.T @ basis
+        given = [SX.sym("W", n, n), SX.sym("B", rows, n), SX.sym("f", n), SX.sym("t", n)]
+        for loops in (True, False):
+            f = function("reduced", given, looped(second_order._reduced, *given, when=loops))
+            reduced, largest, change = (np.array(each) for each in f(W, basis, free, moved))
+            assert reduced == pytest.approx(N @ W @ N, abs=1e-12)
+            assert largest.item() == np.abs(reduced).max()
+            assert change.ravel() == pytest.approx(N @ W @ moved, abs=1e-12)
+
+    def test_a_step_grows_with_the_square_of_the_joints(self):
+        """What a Hessian has of entries; products and a factorisation written out would need the cube."""
+        robots = [planar(n) for n in (16, 32)]
+        solvers = [
+            jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=JointCentering(), strategy="hybrid+second_order")
+            for robot in robots
+        ]
+        few, many = map(instructions, solvers)
+        assert many <= 4.2 * few
 
 
 def at_limit(q, limit):

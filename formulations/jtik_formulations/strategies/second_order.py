@@ -38,6 +38,7 @@ from jtik.symbolic import (
     logic_and,
     logic_not,
     logic_or,
+    looped,
     norm,
     norm_inf,
     ratio,
@@ -56,6 +57,9 @@ NEGATIVE = 1e-3
 
 SMALLEST_SHARE = 1e-6
 """Smallest share of a step for which its bounds are enlarged."""
+
+UNROLLED = 12
+"""Most joints for which products and the factorisation of matrices are written out, which is faster for a few."""
 
 SHORT = 0.5
 """Longest second-order correction, relative to the step that it corrects; a longer one is omitted."""
@@ -122,18 +126,17 @@ class SecondOrder(SecondaryTerm):
         W = if_else(is_finite(W), W, 0)  # as the gradient where H has no slope
         if self.curvature == "gauss_newton":
             W = _hessian_scale(W, state["null_step"], gradient - state["lagrangian_gradient"]) * W
-        basis = rows.unit_basis
-        onto_null = diag(free) - basis.T @ basis
-        others = identity(model.robot.n) - onto_null
-        reduced = onto_null @ W @ onto_null
+        basis, moved = rows.unit_basis, rows.least_squares(model.J @ task_dq).vector
+        loops = model.robot.n > UNROLLED
+        reduced, largest, change = looped(_reduced, W, basis, free, moved, when=loops)
         if exact and model.least_squares is not None:
-            definite = convexified(reduced / (norm_inf(vec(reduced)) + TINY) + others)[1]
+            definite = looped(_made_convex, reduced, largest + TINY, basis, free, when=loops)[1]
             gauss_newton = _hessian(model, None, exact=False)
             W = if_else(definite, W, if_else(is_finite(gauss_newton), gauss_newton, 0))
-            reduced = onto_null @ W @ onto_null
-        after_task = gradient + onto_null @ (W @ rows.least_squares(model.J @ task_dq).vector)
-        size = fmax(norm_inf(vec(reduced)), norm_inf(after_task) / self.step_limit) + TINY
-        hessian, definite, lowest = convexified(reduced / size + others)
+            reduced, largest, change = looped(_reduced, W, basis, free, moved, when=loops)
+        after_task = gradient + change
+        size = fmax(largest, norm_inf(after_task) / self.step_limit) + TINY
+        hessian, definite, lowest = looped(_made_convex, reduced, size, basis, free, when=loops)
 
         cap = state["null_cap"]
         low, high = model.box
@@ -212,6 +215,35 @@ def _hessian(model: LocalModel, multipliers: Expression | None, *, exact: bool) 
         least_squares=None if exact else model.least_squares,
     )
     return model.coordinates.hessian(second)
+
+
+def _reduced(
+    W: Expression, basis: Expression, free: Expression, moved: Expression
+) -> tuple[Expression, Expression, Expression]:
+    """N W N (n, n), its largest entry, and N W t (n, 1), N being the projector diag(free) - basis' basis.
+
+    Args:
+        W: the Hessian (n, n).
+        basis: orthonormal rows of the row space, zero for joints at a limit (m, n).
+        free: 1 for each joint that is not at a limit, else 0 (n, 1).
+        moved: t (n, 1).
+    """
+    rows, n = basis.shape
+    if 2 * rows < n:  # then products with the basis are fewer than those with N
+        once = diag(free) @ W - basis.T @ (basis @ W)
+        reduced, change = once @ diag(free) - (once @ basis.T) @ basis, once @ moved
+    else:
+        onto_null = diag(free) - basis.T @ basis
+        reduced, change = onto_null @ W @ onto_null, onto_null @ (W @ moved)
+    return reduced, norm_inf(vec(reduced)), change
+
+
+def _made_convex(
+    reduced: Expression, size: Expression, basis: Expression, free: Expression
+) -> tuple[Expression, Expression, Expression]:
+    """N W N / size + I - N, convexified (n, n), and the other results of `convexified`; N as in `_reduced`."""
+    onto_null = diag(free) - basis.T @ basis
+    return convexified(reduced / size + (np.eye(free.shape[0]) - onto_null))
 
 
 def _hessian_scale(W: Expression, step: Expression, change: Expression) -> Expression:

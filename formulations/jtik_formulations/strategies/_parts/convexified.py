@@ -2,9 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from jtik.symbolic import TINY, Expression, diag, fabs, fmax, fmin, if_else, logic_and, vertcat
+from jtik.symbolic import (
+    TINY,
+    Expression,
+    diag,
+    fabs,
+    fmax,
+    fmin,
+    if_else,
+    logic_and,
+    norm_inf,
+    tril,
+    vec,
+    vertcat,
+)
 
 FLAT = 1e-8
 """A pivot below this fraction of the largest entry counts as zero."""
@@ -25,31 +36,15 @@ def convexified(A: Expression) -> tuple[Expression, Expression, Expression]:
     Returns:
         The positive definite matrix (n, n), 1 where the diagonal is zero, and the smallest pivot or 0.
     """
-    n = A.shape[0]
-    diagonal = [fabs(A[i, i]) for i in range(n)]
-    others = [fabs(A[i, j]) for i in range(n) for j in range(i)]
-    bound = fmax(2 * largest(diagonal), largest(others)) + TINY  # of any entry of L D^1/2, squared
-    rest = [[A[i, j] for j in range(i + 1)] for i in range(n)]
-    added, definite, lowest = [], 1, 0
-    for j in range(n):
-        column = [rest[i][j] for i in range(j + 1, n)]
-        smallest = largest([fabs(entry) for entry in column]) ** 2 / bound
-        pivot = rest[j][j]
+    bound = fmax(2 * norm_inf(diag(A)), norm_inf(vec(tril(A)))) + TINY  # of any entry of L D^1/2, squared
+    rest, added, definite, lowest = A, [], 1, 0  # only the lower triangle of what is left is used
+    for _ in range(A.shape[0]):
+        pivot, column = rest[0, 0], rest[1:, 0]
+        smallest = norm_inf(vertcat(0, column)) ** 2 / bound
         good = logic_and(pivot > FLAT, pivot >= smallest)
         used = if_else(good, pivot, fmax(fmax(fabs(pivot), smallest), RAISED))
         added.append(used - pivot)
         definite = logic_and(definite, good)
         lowest = fmin(lowest, pivot)
-        for i in range(j + 1, n):
-            factor = rest[i][j] / used
-            for k in range(j + 1, i + 1):
-                rest[i][k] = rest[i][k] - factor * rest[k][j]
+        rest = rest[1:, 1:] - (column / used) @ column.T
     return A + diag(vertcat(*added)), definite, lowest
-
-
-def largest(values: Sequence[Expression]) -> Expression:
-    """The largest of non-negative values; 0 of none."""
-    found: Expression = 0
-    for value in values:
-        found = fmax(found, value)
-    return found
