@@ -186,7 +186,7 @@ def main() -> None:
     arguments = parser.parse_args()
     if arguments.repeats < 1:
         parser.error("--repeats must be at least 1")
-    options = {"compiled": True} if arguments.compiled else {}
+    options = {"compiled": arguments.compiled}
     q = np.linspace(0.05, 0.3, LINKS)
 
     names = list(jtik.strategies)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -161,25 +162,42 @@ class FunctionCall:
     Attributes:
         name: name of the function.
         function: (inputs) -> result, a column.
+        direct: (inputs) -> what the result mostly is, and 1 where it is; None without one.
     """
 
     name: str
     function: Function
+    direct: Function | None = None
 
     @property
     def sizes(self) -> list[int]:
-        """The length of the result."""
-        return [self.function.numel_out(0)]
+        """The length of the result, and of whether the direct one was taken."""
+        return [self.function.numel_out(0), *([1] if self.direct else [])]
+
+    def known(self, x: Expression) -> list[Expression]:
+        """The results where the result x (k, 1) is known without an evaluation."""
+        return [x, *([type(x)(0)] if self.direct else [])]
+
+    @cached_property
+    def complete(self) -> Function:
+        """(inputs) -> the direct result where it is the result, else that of the function; whether it is."""
+        if self.direct is None:
+            return self.function
+        given, x = _inputs(self.direct), MX.sym("x", self.function.numel_out(0))
+        skip = function("skip", [x, *given], [x])
+        evaluate = function("evaluate", [x, *given], called(self.function, given))
+        result, found = called(self.direct, given)
+        return function(self.name, given, [*called(either(skip, evaluate), [found, result, *given]), found])
 
     def solver_function(self, data: Function) -> Function:
-        """(whether the result is known, the known one, arguments of ``data``) -> result.
+        """(whether the result is known, the known one, arguments of ``data``) -> results.
 
         Args:
             data: arguments -> the inputs.
         """
         known, arguments = MX.sym("known", self.function.numel_out(0)), _inputs(data)
-        skip = function("skip", [known, *arguments], [known])
-        evaluate = function("evaluate", [known, *arguments], called(self.function, called(data, arguments)))
+        skip = function("skip", [known, *arguments], self.known(known))
+        evaluate = function("evaluate", [known, *arguments], called(self.complete, called(data, arguments)))
         return either(skip, evaluate)
 
 

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from enum import Enum
 from typing import Any
+
+import numpy as np
 
 from jtik.qp.backend import CalledBackend, NumericQP, QPSolver
 from jtik.qp.call import in_turn, output_memory
@@ -42,7 +45,7 @@ def fast_or_qp_path(
     """The step as a call on this memory.
 
     It uses the fast path where no QP has to be solved, else the QP path with the back end; if that finds no solution,
-    the QP path with the back end's fallback. After a step that needed a QP the fast path is left out until none does.
+    the QP path with the back end's fallback. A step begins with the path that the step before it has needed.
 
     Args:
         joined: the parts joined by a fused back end.
@@ -61,22 +64,52 @@ def fast_or_qp_path(
     begin, rest, known = parts.bound_stages(arguments, results, local, between[len(local) :])
     known_results: Any = known
     qp_path = _with_fallback(in_turn(rest), fallback, unsolved, results)
-    qp_expected = False
+    unneeded = np.zeros(1)
+    direct_was_unneeded: Any = memoryview(unneeded.data)
+    direct_path = fast_path
+    if parts.direct_path is not None:
+        direct_path = bind(parts.direct_path, arguments, [*results, valid, *between, unneeded])
+    expected = StepPath.FAST
+
+    def path_needed() -> StepPath:
+        """The path that this step has needed."""
+        needed = StepPath.FAST
+        for is_known, direct_taken in known_results:
+            if not is_known[0]:
+                if direct_taken is None or not direct_taken[0]:
+                    return StepPath.QP
+                needed = StepPath.DIRECT
+        return needed
 
     def step() -> None:
-        nonlocal qp_expected
-        if qp_expected:  # as in the last step: the end of the step is evaluated once, not by the fast path as well
-            for call in begin:
-                call()
-            qp_path()
-            qp_expected = not all(each[0] for each in known_results)
-        else:
+        nonlocal expected
+        if expected is StepPath.FAST:
             fast_path()
             if not no_qp_needed[0]:
                 qp_path()
-                qp_expected = True
+                expected = path_needed()
+        elif expected is StepPath.DIRECT:
+            direct_path()
+            if not no_qp_needed[0]:
+                qp_path()
+                expected = path_needed()
+            elif direct_was_unneeded[0]:
+                expected = StepPath.FAST
+        else:  # the end of the step is evaluated once, not by the fast path as well
+            for call in begin:
+                call()
+            qp_path()
+            expected = path_needed()
 
     return step
+
+
+class StepPath(Enum):
+    """What a step begins with: the fast path, the direct path, or the stages of the QP path."""
+
+    FAST = 0
+    DIRECT = 1
+    QP = 2
 
 
 class _Fallback:

@@ -17,6 +17,7 @@ from jtik.symbolic import (
     logic_and,
     logic_not,
     logic_or,
+    mmax,
     norm_inf,
     ratio,
     symbol,
@@ -24,6 +25,7 @@ from jtik.symbolic import (
     zeros,
 )
 from jtik.symbolic.factorization import RowSpace
+from jtik.symbolic.reflections import Reflections
 
 PASSES = 2
 """Largest number of joints that saturate before the null space is used up."""
@@ -46,7 +48,15 @@ def few_saturated(m: int, n: int) -> Function:
     x is the fitted displacement if it is in the box and every multiplier has the right sign.
     """
     J, t, lower, upper = given = [symbol("J", m, n), symbol("t", n), symbol("lower", n), symbol("upper", n)]
-    space, freedom = RowSpace(J), n - m
+    freedom = n - m
+    space: Reflections | RowSpace
+    found: Expression = 1
+    if freedom > 1:
+        space = RowSpace(J)
+        full_rank = space.rank == m
+    else:
+        space = Reflections(J)
+        full_rank = found = space.full_rank  # where the rank is smaller, the null space has more directions
 
     def outside(x: Expression) -> list[Expression]:
         """How far each joint has to go back into the box."""
@@ -61,19 +71,18 @@ def few_saturated(m: int, n: int) -> Function:
         x, along = x + each.gain * each.motion, along - ratio(dot(joint, along), each.squared) * each.motion
         saturated.append(each)
     gains = _of_unit_vectors(saturated, [each.gain for each in saturated])
-    found: Expression = 1
     for each, gain in zip(saturated, gains, strict=True):
         found = logic_and(found, logic_or(each.way == 0, logic_and(each.independent, gain * each.way >= 0)))
     if freedom <= PASSES:
         back = outside(x)
         # the saturated joints are at their bounds to rounding, which may not be divided by rounding
-        free = 1 - sum((each.joint for each in saturated), zeros(n))
-        lost = [free[j] * fmax(ratio(-back[j] * along[j], along[j] ** 2), 0) for j in range(n)]
-        joint, most = _first_largest(lost), norm_inf(vertcat(*lost))
+        held = sum((each.joint for each in saturated), zeros(n)) - 1
+        lost = [held[j] * fmin(ratio(back[j] * along[j], along[j] ** 2), 0) for j in range(n)]
+        joint, most = _first_largest(lost), mmax(vertcat(*lost))
         x = x - most * along
         way = dot(joint, vertcat(*back))
         shares = _of_unit_vectors(saturated, [ratio(dot(each.motion, joint), each.squared) for each in saturated])
-        shortened = logic_and(space.rank == m, most <= 1 - SHORTEST)
+        shortened = logic_and(full_rank, most <= 1 - SHORTEST)
         for each, share in zip(saturated, shares, strict=True):
             shortened = logic_and(shortened, logic_and(each.independent, share * way * each.way < 0))
         found = if_else(most > 0, shortened, found)
@@ -103,7 +112,9 @@ class _Saturated:
     before: Sequence[Expression]
 
     @classmethod
-    def of(cls, space: RowSpace, joint: Expression, way: Expression, saturated: Sequence[_Saturated]) -> _Saturated:
+    def of(
+        cls, space: Reflections | RowSpace, joint: Expression, way: Expression, saturated: Sequence[_Saturated]
+    ) -> _Saturated:
         """That of the joint with the unit vector ``joint`` (n, 1)."""
         motion, before = space.null_part(joint), []
         for each in saturated:
@@ -132,8 +143,8 @@ def _of_unit_vectors(saturated: Sequence[_Saturated], shares: Sequence[Expressio
 
 
 def _first_largest(values: Sequence[Expression]) -> Expression:
-    """1 at the first of the largest values, else 0, (n, 1); zeros if none is positive."""
-    largest, entries = norm_inf(vertcat(*values)), list[Expression]()
+    """1 at the first of the largest values, which are not negative, else 0, (n, 1); zeros if none is positive."""
+    largest, entries = mmax(vertcat(*values)), list[Expression]()
     wanted = largest > 0
     for value in values:
         entries.append(logic_and(wanted, value >= largest))

@@ -12,7 +12,6 @@ from jtik.symbolic import (
     Expression,
     Function,
     dot,
-    either,
     fmax,
     fmin,
     function,
@@ -42,20 +41,27 @@ BLOCKED = 0.01
 """Where the direction allows less than this share of the progress of clipping each joint, the joints are clipped."""
 
 
+def fitted_by(m: int, n: int, *, least_error: bool) -> tuple[Function, Function | None]:
+    """The function that fits a displacement by a QP, and the one that mostly finds the same without it, or None.
+
+    Args:
+        m: number of rows of J.
+        n: number of its columns.
+        least_error: whether the error is to be the smallest, rather than the direction of the task to be kept.
+    """
+    return (least_error_fitting(m, n), None) if least_error else (fitting(m, n), few_saturated(m, n))
+
+
 def fitting(m: int, n: int) -> Function:
     """(J (m, n), t (n, 1), lower (n, 1), upper (n, 1)) -> x (n, 1), the displacement t fitted into the box.
 
     J x = s J t with the largest s up to 1, and of these x the closest to t. The box contains 0. Where that direction is
-    blocked, and clipping joint by joint is not, x is the clipped t. The QP is solved only where many joints saturate.
+    blocked, and clipping joint by joint is not, x is the clipped t. It solves a QP; `few_saturated` does where it can.
     """
-    few, data, finish = few_saturated(m, n), _quadratic_program(m, n), _finish(m, n)
+    data, finish = _quadratic_program(m, n), _finish(m, n)
     given = [MX.sym(f"a{i}", *data.size_in(i)) for i in range(data.n_in())]
-    x = MX.sym("x", n)
     z, _, _ = called(Conic().function(n, m), called(data, given))
-    skipped = function("few", [x, *given], [x])
-    solved = function("many", [x, *given], called(finish, [*given, z]))
-    x, found = called(few, given)
-    return function("fitting", given, called(either(skipped, solved), [found, x, *given]))
+    return function("fitting", given, called(finish, [*given, z]))
 
 
 def least_error_fitting(m: int, n: int) -> Function:

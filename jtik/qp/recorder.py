@@ -92,7 +92,8 @@ class RecordedFunction:
         function: (inputs) -> result, a column.
         inputs: expressions of its arguments.
         known: the result where it is known (k, 1), and 1 there, else 0.
-        result_symbols: the symbol of the result.
+        result_symbols: the symbol of the result, and of whether the direct one was taken.
+        direct: (inputs) -> what the result mostly is, and 1 where it is; None where no such expression is known.
     """
 
     name: str
@@ -100,6 +101,7 @@ class RecordedFunction:
     inputs: list[Expression]
     known: tuple[Expression, Expression]
     result_symbols: list[Expression]
+    direct: Function | None = None
 
     def data(self) -> list[Expression]:
         """Expressions of the arguments."""
@@ -164,7 +166,12 @@ class QPRecorder:
         return symbols
 
     def evaluate(
-        self, name: str, function: Function, inputs: Sequence[Expression], known: tuple[Expression, Expression]
+        self,
+        name: str,
+        function: Function,
+        inputs: Sequence[Expression],
+        known: tuple[Expression, Expression],
+        direct: Function | None = None,
     ) -> Expression:
         """Record a function that is evaluated only where its result is not known without it.
 
@@ -173,13 +180,16 @@ class QPRecorder:
             function: (inputs) -> result, a column.
             inputs: expressions of its arguments.
             known: the result where it is known (k, 1), and 1 there, else 0.
+            direct: (inputs) -> what the result mostly is, and 1 where it is: expressions, which are tried first. The
+                known result where there is one.
 
         Returns:
             The symbol of the result.
         """
-        result = symbol(f"f{len(self.calls)}", function.size1_out(0))
-        self.calls.append(RecordedFunction(name, function, list(inputs), known, [result]))
-        return result
+        k = len(self.calls)
+        symbols = [symbol(f"f{k}", function.size1_out(0)), *([symbol(f"direct{k}", 1)] if direct else [])]
+        self.calls.append(RecordedFunction(name, function, list(inputs), known, symbols, direct))
+        return symbols[0]
 
     def solve(self, qp: QuadraticProgram) -> QPSolution:
         """Record a QP and return its solution, as symbols.

@@ -4,7 +4,9 @@ The stages are SX functions, fast and available as generated C. A fused back end
 function; any other back end is called between the stages. Most steps need no solver, because each QP has a closed-form
 solution or an unconstrained minimiser that is feasible. With a fused back end such a step is one function, the fast
 path, which also reports whether it was valid; where it was not, the QP path continues from the values of the fast path.
-The data of a QP, and the check of its solution, are evaluated only where the solver is called.
+A function in a step may have a direct result, expressions that mostly need no QP. The direct path has them in it: it
+costs more than the fast path, and is used while steps need them. The data of a QP, and the check of its solution, are
+evaluated only where the solver is called.
 """
 
 from __future__ import annotations
@@ -33,7 +35,7 @@ from jtik.qp.conic import Conic
 from jtik.qp.partition import partitioned
 from jtik.qp.preparation import PreparationCall
 from jtik.qp.recorder import QPRecorder, RecordedComputation, RecordedFunction, RecordedQP
-from jtik.symbolic import MX, Expression, Function, either, function, logic_and, symbol
+from jtik.symbolic import MX, Expression, Function, either, function, if_else, logic_and, logic_or, symbol
 from jtik.symbolic.compilation import Compilation
 from jtik.symbolic.compile import bind
 from jtik.types import Array
@@ -48,12 +50,13 @@ class BoundStages(NamedTuple):
     Attributes:
         begin: the local model and the first stage.
         rest: the first call and what follows it.
-        known: for each call that a back end makes in CasADi, whether its result is known without it.
+        known: for each call that a back end makes in CasADi, whether its result is known without it, and whether a
+            direct result was taken instead; None for a call without one.
     """
 
     begin: list[Callable[[], None]]
     rest: list[Callable[[], None]]
-    known: list[memoryview]
+    known: list[tuple[memoryview, memoryview | None]]
 
 
 @dataclass(frozen=True)
@@ -74,6 +77,8 @@ class Staged:
         fast_path: inputs -> outputs if no QP needs a solver, whether that is so, the local model, outputs of the first
             stage; None for a step that a called back end solves, that has preparations or computations, or that
             was built without one.
+        direct_path: the same with the direct results of its functions, and at the end 1 where none of them was needed;
+            None without any, or without a fast path.
     """
 
     local: Function
@@ -83,6 +88,7 @@ class Staged:
     backend: Backend
     preparations: tuple[PreparationCall, ...] = ()
     fast_path: Function | None = None
+    direct_path: Function | None = None
 
     @property
     def fusible(self) -> bool:
@@ -92,7 +98,7 @@ class Staged:
     def compiled(self, compilation: Compilation) -> Staged:
         """The same as generated C, all but the solver."""
         qps = [call for call in self.calls if isinstance(call, QPCall)]
-        fast = [self.fast_path] if self.fast_path else []
+        fast = [path for path in (self.fast_path, self.direct_path) if path]
         of_qps = [function for call in qps for function in call.functions]
         of_preparations = [function for each in self.preparations for function in each.functions]
         compilation.begin([self.local, *fast, *self.stages, *self.data, *of_qps, *of_preparations])
@@ -105,6 +111,7 @@ class Staged:
             calls=tuple(call.compiled(to_c) if isinstance(call, QPCall) else call for call in self.calls),
             preparations=tuple(each.compiled(to_c) for each in self.preparations),
             fast_path=to_c(self.fast_path) if self.fast_path else None,
+            direct_path=to_c(self.direct_path) if self.direct_path else None,
         )
 
     def joined(self) -> Function:
@@ -219,7 +226,7 @@ class Staged:
             call_results = [np.zeros(size) for size in each.sizes]
             begin.append(each.bind(self.backend, at, call_results))
             known = [*known, *call_results]
-        rest, known_before = list[Callable[[], None]](), list[memoryview]()
+        rest, known_before = list[Callable[[], None]](), list[tuple[memoryview, memoryview | None]]()
         for k, (stage, call) in enumerate(zip(self.stages, self.calls, strict=False)):
             *without, intermediate = outputs = output_memory(stage) if k else first
             (rest if k else begin).append(bind(stage, known, outputs))
@@ -228,7 +235,8 @@ class Staged:
                 rest.append(BoundComputation(call.compute, without, call_results))
             elif isinstance(call, FunctionCall) or isinstance(self.backend, FusedBackend):
                 rest.append(bind(self._solver_functions[k], [*without, *known, intermediate], call_results))
-                known_before.append(memoryview(without[0].data))
+                direct = isinstance(call, FunctionCall) and call.direct
+                known_before.append((memoryview(without[0].data), memoryview(call_results[1].data) if direct else None))
             else:
                 data = output_memory(self.data[k])
                 rest.append(bind(self.data[k], [*known, intermediate], data))
@@ -270,7 +278,7 @@ def staged(
             sizes = [int(result.numel()) for result in recorded.result_symbols]
             calls.append(PythonCall(recorded.name, recorded.compute, sizes))
         elif isinstance(recorded, RecordedFunction):
-            calls.append(FunctionCall(recorded.name, recorded.function))
+            calls.append(FunctionCall(recorded.name, recorded.function, recorded.direct))
         else:
             calls.append(QPCall.of(recorded.qp, recorder.accuracy))
         known.append(recorded.result_symbols)
@@ -280,22 +288,33 @@ def staged(
     prepared = tuple(PreparationCall.of(each, at) for each in recorder.preparations)
     parts = Staged(model, tuple(stages), tuple(data), tuple(calls), backend, prepared)
     fast_path = fast_path and all(qp.has_fast_path for qp, _ in recorder.solutions())
-    return replace(parts, fast_path=_fast_path(parts)) if fast_path and parts.fusible and not prepared else parts
+    if not fast_path or not parts.fusible or prepared:
+        return parts
+    direct = any(isinstance(call, FunctionCall) and call.direct for call in calls)
+    return replace(parts, fast_path=_fast_path(parts), direct_path=_fast_path(parts, direct=True) if direct else None)
 
 
-def _fast_path(parts: Staged) -> Function:
-    """The step without a solver; see `Staged`."""
+def _fast_path(parts: Staged, *, direct: bool = False) -> Function:
+    """The step without a solver, with or without direct results; see `Staged`."""
     inputs = [symbol(f"i{k}", *parts.local.size_in(k)) for k in range(parts.local.n_in())]
     local = called(parts.local, inputs)
     known: list[Expression] = [*inputs, *local]
     first = given = called(parts.stages[0], known)
-    valid: Expression = 1
-    for stage, call in zip(parts.stages[1:], parts.calls, strict=True):
+    valid = unneeded = type(inputs[0])(1)
+    for k, (stage, call) in enumerate(zip(parts.stages[1:], parts.calls, strict=True)):
         valid_here, x, intermediate = given
+        unneeded = logic_and(unneeded, valid_here)
+        if direct and isinstance(call, FunctionCall) and call.direct:
+            result, found = called(call.direct, called(parts.data[k], [*known, intermediate]))
+            x, valid_here = if_else(valid_here, x, result), logic_or(valid_here, found)
+            first = first if k else [valid_here, x, intermediate]
         valid = logic_and(valid, valid_here)
-        known += [intermediate, *(call.known(x) if isinstance(call, QPCall) else [x])]
+        known += [intermediate, *([x] if isinstance(call, PythonCall) else call.known(x))]
         given = called(stage, known)
-    return function("jtik_fast_path", inputs, [*given, valid, *local, *first])
+    if not direct:
+        return function("jtik_fast_path", inputs, [*given, valid, *local, *first])
+    # its expressions were written once: to look for common ones takes long
+    return function("jtik_direct_path", inputs, [*given, valid, *local, *first, unneeded], cse=False)
 
 
 def _columns(of: Function, count: int) -> list[MX]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from jtik.constraints.clearance import ClearanceModel
 from jtik.criterion.least_squares import LeastSquares
 from jtik.errors import ArgumentError, JtikError
-from jtik.qp.fitting import fitting, least_error_fitting
+from jtik.qp.fitting import fitted_by
 from jtik.qp.quadratic_program import QPSolution, QuadraticProgram
 from jtik.qp.recorder import Compute, QPRecorder
 from jtik.robot import UNWEIGHTED, Robot, WeightedCoordinates
@@ -327,8 +327,8 @@ class LocalModel:
             return clipped
         low, high = self.box
         inside = norm_inf(clipped - dq) <= 0
-        function = (least_error_fitting if self.accelerated and len(self.levels) == 1 else fitting)(*self.J.shape)
-        return self.qps.evaluate("fitting", function, [self.J, dq, low, high], (dq, inside))
+        by_qp, direct = fitted_by(*self.J.shape, least_error=self.accelerated and len(self.levels) == 1)
+        return self.qps.evaluate("fitting", by_qp, [self.J, dq, low, high], (dq, inside), direct)
 
     def candidate(self, dq: Expression) -> Evaluation:
         """Task and criterion after the displacement ``dq`` (n, 1), which must end within the limits."""

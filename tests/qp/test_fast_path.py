@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.qp import FusedBackend, QPSolversBackend
+from jtik.qp import Conic, FusedBackend, QPSolversBackend, QuadraticProgram
 from jtik.qp.call import output_memory
-from jtik.symbolic import MX, function
+from jtik.qp.fast_path import fast_or_qp_path
+from jtik.qp.recorder import QPRecorder
+from jtik.qp.staged import staged
+from jtik.symbolic import MX, function, symbol, zeros
 from jtik.symbolic.compile import bind
 from jtik_formulations import JointCentering, ObstacleAvoidance
 
@@ -80,6 +83,74 @@ def test_a_step_with_clearances_has_no_fast_path():
         clearances=jtik.Clearance(field, safe=0.1),
     )
     assert ik._engine.runners.solve.fused.parts.fast_path is None
+
+
+KNOWN, DIRECT, EVALUATED = 1.0, 2.0, 3.0
+"""Results of the function below, which show where they come from."""
+
+
+def step_with_a_direct_result(arguments, results):
+    """(c, d) -> the result of a function: known for c > 2, direct for c > 1; then x = d, or 1 by a QP for d <= 2."""
+    recorder, (c, d, e) = QPRecorder(1e-6), (symbol(name, 1) for name in "cde")
+    direct = function("direct", [e], [zeros(1) + DIRECT, e > 1])
+    f = recorder.evaluate("f", function("f", [e], [zeros(1) + EVALUATED]), [c], (zeros(1) + KNOWN, c > 2), direct)
+    one = zeros(1) + 1
+    qp = QuadraticProgram(P=2 * one, q=-4 * one, lower=-one, upper=one, closed_form=(d + zeros(1), d > 2))
+    x = recorder.solve(qp).x
+    inputs = [symbol(name, 1) for name in "ab"]
+    parts = staged(inputs, inputs, [c, d], recorder, [f, x, recorder.solved()], Conic())
+    return fast_or_qp_path(parts.joined(), parts, -5, arguments, results)
+
+
+def test_a_function_takes_what_is_known_then_what_is_direct_and_else_evaluates(rng):
+    """Whatever the steps before it have needed."""
+    arguments, results = ([np.zeros(1) for _ in range(count)] for count in (2, 3))
+    step = step_with_a_direct_result(arguments, results)
+    sources = {2.5: KNOWN, 1.5: DIRECT, 0.5: EVALUATED}
+    for c, d in zip(rng.choice([0.5, 1.5, 2.5], 200), np.repeat(rng.choice([0.5, 2.5], 20), 10), strict=True):
+        arguments[0][:], arguments[1][:] = c, d
+        step()
+        assert results[0][0] == sources[c]
+        assert results[1][0] == pytest.approx(d if d > 2 else 1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("criteria", [None, JointCentering()], ids=["task", "criterion"])
+@pytest.mark.parametrize(
+    ("arm", "kind", "strategy"),
+    [
+        (4, "position", "hybrid"),
+        (10, "position", "damped"),
+        ("panda", "pose", "hybrid"),
+        ("panda", "pose", "hybrid+qp"),
+        ("ur5e", "pose", "hybrid"),
+    ],
+)
+def test_at_limits_of_velocity_a_step_is_that_of_the_qp_path(arm, kind, strategy, criteria, rng):
+    """Along motions on which joints saturate and are released again."""
+    robot = planar(arm) if isinstance(arm, int) else jtik.Robot.builtin(arm)
+    limits = jtik.Limits(velocity=1.0)
+    tasks = jtik.FrameTask(kind=kind)
+    ik = shared_solver(robot, tasks, criteria=criteria, strategy=strategy, limits=limits, compiled=False)
+    runner, _ = ik._engine.runners.timed_step
+    parts, saturated, released = runner.fused.parts, 0, 0
+    for _ in range(3):
+        q, goal = robot.random_configuration(rng), robot.random_configuration(rng)
+        ik.reset()
+        for k in range(30):
+            between = q + 0.02 * (1 + np.sin(k)) * (goal - q)
+            target = robot.position(between) if kind == "position" else robot.pose(between)
+            at, state = runner.at, runner.state[runner.at].copy()
+            ik.step(q, target, dt=0.01)
+            expected = [np.zeros_like(each) for each in (runner.q[0], state, runner.outcome)]
+            parts.bind([q, *runner.inputs, state], expected)()
+            assert runner.q[1 - at] == pytest.approx(expected[0], abs=1e-9)
+            assert runner.outcome[:3].tolist() == expected[2][:3].tolist()
+            fastest = np.abs(expected[0] - q).max() / 0.01
+            saturated += fastest > 0.999
+            released += fastest < 0.9
+            q = expected[0]
+    assert saturated > 5
+    assert released > 5
 
 
 class Failing(FusedBackend):
