@@ -65,5 +65,15 @@ def test_of_a_matrix_some_run_and_of_a_test_without_parameters_the_only_one(toge
     }
 
 
-def test_quick_tests_all_run():
-    assert not deselected(collected(slow=False))
+def test_quick_and_slow_tests_are_matrices_of_their_own():
+    quick, slow = collected(slow=False), collected()
+    kept = Counter(item.nodeid.split("[")[0] for item in {*quick, *slow} - deselected([*quick, *slow]))
+    assert kept == {"test_file.py::test_alone": 2, "test_file.py::test_one": 6, "test_file.py::test_another": 6}
+
+
+def test_values_that_are_equal_but_not_the_same_both_run():
+    items = []
+    for value in (0, False, 0.0, -0.0, [], []):
+        items.append(Item(f"test_file.py::test_one[{value}]", {"thinned": pytest.mark.thinned.mark}))
+        items[-1].callspec = SimpleNamespace(params={"value": value})
+    assert not deselected(items)

@@ -1,6 +1,6 @@
 """The status of a solve: each status occurs.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations

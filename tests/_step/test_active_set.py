@@ -1,6 +1,6 @@
 """Joint limits: kept at every iterate, no obstacle to the other joints, and named where they prevent a target.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Clearances as hard constraints: kept along every accepted step, live, and named where they block a solve.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Limits: what is accepted, and what holds along a path of steps by any strategy.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Bounds of a step's motion: valid on every path of every robot, whatever limits hold, and so are the clearances.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations

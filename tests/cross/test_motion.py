@@ -3,7 +3,7 @@
 Accelerations are second differences of q. Progress is compared with a linear program on the Jacobian in closed form.
 The figures of all cases, and of more of them, are those of benchmarks/motion.py.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Targets out of reach, near and far: the closest posture, by SciPy, and a status that says so.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Position above orientation on an arm of five joints: the constrained optimum by SciPy, the status and the report.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations

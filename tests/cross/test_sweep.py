@@ -9,7 +9,7 @@ Nothing raises, nothing is NaN, and limits and clearances hold at every configur
 independent kinematics: planar chains in closed form, Denavit-Hartenberg tables of the manufacturers in space, NumPy's
 SVD, and SciPy's bounded least squares.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Solvers, options, QPs and weights that cannot be used: a clear error when built, a status inside a solve.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The null-space step as a quadratic program: the projection without active limits, else the constrained optimum.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations

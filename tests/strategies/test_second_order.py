@@ -1,6 +1,6 @@
 """The Newton step on the conditions of optimality: one step by hand, its order of convergence, and what it finds.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations

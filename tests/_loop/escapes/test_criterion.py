@@ -5,7 +5,7 @@ Oracle of the closed form: a planar arm of three unit links, whose end effector 
 joint 3 is straight, q3 = 0, and dH/dv vanishes over the self-motion: a maximum where H rises towards the end, otherwise
 a minimum.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Saddle escapes: a straight or folded arm leaves a saddle point of the error, and stays at a minimum.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The native step: the numbers of the step in Python, bit by bit, and those of the virtual machine up to rounding.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Where clearances forbid the task step, the arm moves along them: by oracles of its own, on planar arms.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
