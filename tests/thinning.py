@@ -5,8 +5,10 @@ target. Of its quick tests those run that are needed for each of their values to
 others, as in a Latin square, and of its slow tests likewise. The option ``--full`` runs the full matrix.
 
 ``thinned("strategy", "backend")`` counts these parameters only, ``thinned(times=2)`` keeps each value of the slow tests
-twice, and ``thinned(together=True)`` makes one matrix of all tests of a file that are marked so: the test itself is one more
-parameter.
+twice, and ``thinned(together=True)`` makes one matrix of all tests of a file that are marked so: the test itself is one
+more parameter.
+
+Of a test that is marked ``quick(3)`` three cases are quick, from the first to the last, and the others are slow.
 """
 
 from __future__ import annotations
@@ -47,13 +49,31 @@ def _value(value):
     return type(value), repr(value) if isinstance(value, float) else value
 
 
+def _name(item):
+    return item.nodeid.split("[")[0]
+
+
+def mostly_slow(items):
+    """The tests that are to be marked slow: all but the given number of those marked ``quick``, evenly spaced."""
+    cases = defaultdict(list)
+    for item in items:
+        if item.get_closest_marker("quick") and not item.get_closest_marker("slow"):
+            cases[_name(item)].append(item)
+    found = []
+    for each in cases.values():
+        (count,) = each[0].get_closest_marker("quick").args
+        kept = {round(i * (len(each) - 1) / max(count - 1, 1)) for i in range(count)}
+        found += [item for index, item in enumerate(each) if index not in kept]
+    return found
+
+
 def deselected(items):
     """The tests that do not run, of those that pytest has collected."""
     matrices = defaultdict(list)
     for item in items:
         mark = item.get_closest_marker("thinned")
         if mark and hasattr(item, "callspec"):
-            name, params = item.nodeid.split("[")[0], item.callspec.params
+            name, params = _name(item), item.callspec.params
             slow = item.get_closest_marker("slow") is not None
             row = {"test": name} | {key: _value(params[key]) for key in mark.args or params}
             matrix = item.path if mark.kwargs.get("together") else name

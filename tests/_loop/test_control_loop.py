@@ -12,6 +12,8 @@ from jtik_formulations import JointCentering, ObstacleAvoidance
 from ..conftest import families_first, planar, slow
 from .conftest import STRATEGIES, new_solver
 
+pytestmark = pytest.mark.thinned(together=True)
+
 STRAIGHT = np.zeros(4)
 ON_ITS_LINE = [2.0, 0.0]
 """A target at which the straight arm is a saddle point of the error."""

@@ -14,6 +14,8 @@ from jtik_formulations import Damped, Hybrid, JointCentering, Newton, ProjectedG
 
 from ..conftest import DIFFERENCES, dh_arm, planar, rises, shared_solver, slow
 
+pytestmark = pytest.mark.thinned(together=True)
+
 TOLERANCE = 1e-6
 GOALS = 40
 STRATEGIES = {"hybrid": Hybrid, "damped": Damped}

@@ -117,6 +117,7 @@ def test_the_table_fits_and_names_what_it_leaves_out(tmp_path, capsys, monkeypat
         assert next(csv.reader(file)) == list(found.columns)
 
 
+@pytest.mark.slow
 def test_a_pipe_has_80_columns(tmp_path) -> None:
     words = [sys.executable, "-m", "jtik", *STUDY.split(), "hybrid", "damped", "--out", str(tmp_path / "r.html")]
     root = Path(jtik.__file__).parents[1]

@@ -166,6 +166,7 @@ def test_obstacles_that_nothing_takes_are_a_warning(capsys: Capture) -> None:
     assert err.count("\n") == 1
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("suffix", "more", "robot"),
     [

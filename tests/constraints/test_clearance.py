@@ -146,6 +146,7 @@ def scenes(count, bodies, least, most=math.inf, seed=5):
     return found
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("bodies", "criteria"), [("links", None), pytest.param("joints", JointCentering(), marks=pytest.mark.slow)], ids=str
 )
@@ -182,6 +183,7 @@ def test_two_levels_keep_clearances_and_report_the_level_not_met():
 RECOVERING = ["hybrid+qp", "newton+qp", "weighted_qp", "lexicographic_qp"]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("strategy", ["hybrid+qp", "weighted_qp", *slow("newton+qp", "lexicographic_qp")])
 def test_a_start_too_close_is_restored_and_no_pair_comes_closer(strategy):
     ten = ten_links(strategy, None, "links")
@@ -220,6 +222,7 @@ def test_the_speed_of_restoration_is_that_of_the_barrier():
     assert demanded == pytest.approx([0.5 * lacking], rel=1e-3)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("strategy", "criteria"),
     [

@@ -209,6 +209,7 @@ class TestStep:
             assert ((arm.lower <= step.q) & (step.q <= arm.upper)).all()
             q, speed = step.q, after
 
+    @pytest.mark.slow
     def test_generated_c_is_the_same(self, arm):
         options = {"criteria": JointCentering(), "limits": jtik.Limits(acceleration=5.0)}
         ways = [solver(arm, **options), solver(arm, compiled=True, **options)]

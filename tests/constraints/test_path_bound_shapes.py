@@ -97,6 +97,7 @@ EVERY = [*((kind, 2) for kind in PLANAR), *((kind, 3) for kind in SPATIAL)]
 QUICK = [*((kind, 2) for kind in PLANAR), ("box", 3)]
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(
     ("kind", "dimension"),
     [pytest.param(*case, marks=[] if case in QUICK else pytest.mark.slow) for case in EVERY],
@@ -184,6 +185,7 @@ def test_the_radius_of_a_body_makes_longer_steps_safe(rng):
     assert found["shapes"] == [0.2]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("strategy", ["weighted_qp", "hybrid+qp"])
 @pytest.mark.parametrize("influence", [0.3, np.inf])
 def test_a_clearance_gains_and_loses_obstacles_while_in_use(strategy, influence):

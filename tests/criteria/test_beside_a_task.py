@@ -36,6 +36,7 @@ and all strategies: benchmarks/criteria_matrix.py."""
 QUICK = ("manipulability volume", "support_polygon")
 
 
+@pytest.mark.quick(1)
 @pytest.mark.thinned
 @pytest.mark.parametrize(
     ("name", "robot"),

@@ -38,6 +38,7 @@ def damped_values(J, damping=DAMPING):
 ROBOTS = {"planar": lambda: planar(5), "dh": lambda: dh_arm(7, 1), "panda": panda, "short": lambda: dh_arm(3, 2)}
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(
     ("name", "kind"),
     [

@@ -92,6 +92,7 @@ def crossing(strategy, sweeps):
     return np.mean(errors), smallest
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("strategy", "sweeps"),
     [

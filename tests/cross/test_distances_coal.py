@@ -14,6 +14,7 @@ CLOSE = 1e-8
 """Tolerance of distances outside [m]; coal's own tolerance is set far below."""
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("kind", SPATIAL)
 def test_every_pair_of_shapes(kind, rng):
     """Coal does not converge for one in a thousand capsules beside a cylinder: these differ by far more."""

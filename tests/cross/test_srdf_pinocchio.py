@@ -47,6 +47,7 @@ def loaded(name):
         return jtik.Robot.from_urdf(urdf, srdf=srdf)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", PAIRS)
 def test_the_same_pairs_are_disabled(name):
     urdf, srdf, packages = located(name)

@@ -545,6 +545,7 @@ def test_quick_cases_have_every_arm_every_criterion_and_clearances():
     assert any(case.clear for case in quick)
 
 
+@pytest.mark.quick(10)
 @pytest.mark.parametrize(("strategy", "backend", "cases"), list(parts(PAIRS)))
 def test_solutions_are_correct_and_within_limits(strategy, backend, cases):
     unsolved, found = 0, []

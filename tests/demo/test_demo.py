@@ -176,6 +176,7 @@ def few_strategies(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(demo, "strategies", ("hybrid",))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("few_strategies")
 def test_the_command_runs_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -189,6 +190,7 @@ def test_the_command_runs_it(
     assert (out / "results.json").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("few_strategies")
 def test_without_a_console_nothing_is_printed(
     tmp_path: Path, result: demo.DemoResult, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

@@ -19,6 +19,7 @@ AXIS = 1e-6
 """Distance of a body from the axis of a ball or capsule below which the normal is not judged."""
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize(("kind", "dimension"), EVERY)
 def test_moved_along_its_normal_a_body_gains_that_distance(kind, dimension, rng):
     """The gradient is finite everywhere, and that of a translation is a unit vector away from the obstacle."""
@@ -40,6 +41,7 @@ def test_moved_along_its_normal_a_body_gains_that_distance(kind, dimension, rng)
             assert abs(there - d) <= h * (1 + 1e-6) + 1e-9  # it changes no faster than the body moves
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize(("kind", "dimension"), EVERY)
 def test_the_gradient_agrees_with_differences(kind, dimension, rng):
     """Where both one-sided differences agree, so that no kink is near."""

@@ -36,6 +36,7 @@ def test_by_default_it_is_the_arm_of_the_paper_in_front_of_a_field() -> None:
         assert setup.dt == pytest.approx(1 / 60)
 
 
+@pytest.mark.slow
 def test_a_spatial_robot_is_guided_in_its_pose_and_with_its_limits() -> None:
     planner = made(jtik.Robot.builtin("panda"))
     joints = planner.loop.setup.robot["joints"]

@@ -81,6 +81,7 @@ def test_what_is_drawn_is_the_body_and_the_obstacles(arm: jtik.Robot) -> None:
     assert corners[:, 1].min() == pytest.approx(-0.6, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_every_shape_in_space_is_drawn(arm: jtik.Robot) -> None:
     bare = len(drawn_triangles(arm.plot(show="links", width=2.0)))
     field = [

@@ -62,6 +62,7 @@ def solver(setup):
     return shared_solver(robot, task)
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize(
     ("generator", "setup"),
     [
@@ -88,6 +89,7 @@ def test_cases_are_valid_and_reachable_according_to_mujoco(generator, setup):
             assert distance_to(robot, q, target, task.kind) < ARRIVED
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("generator", GENERATORS)
 def test_cases_depend_on_the_seed_and_not_on_the_count(generator):
     robot, task, made = drawn(generator, "planar position")

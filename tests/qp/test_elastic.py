@@ -94,6 +94,7 @@ def slsqp(data, penalty, curvature, max_slack=np.inf):
     return found.x[:n]
 
 
+@pytest.mark.slow
 def test_equals_the_hard_qp_where_the_penalty_exceeds_its_multipliers(rng):
     for _ in range(8):
         data = random_data(rng)
@@ -120,6 +121,7 @@ def hard_answer(qp):
     return results[:2]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("penalty", [0.2, 1.0])
 def test_with_a_smaller_penalty_rows_are_relaxed_as_by_scipy(penalty, rng):
     relaxed = 0
@@ -149,6 +151,7 @@ def test_no_slack_exceeds_its_upper_bound(rng):
     assert relaxed >= 5
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("backend", BACKENDS, ids=repr)
 def test_every_back_end_returns_the_same_solution(backend, rng):
     for _ in range(5):

@@ -101,6 +101,7 @@ class TestNeighbours:
 
 
 class TestProofs:
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize("seed", range(2))
     def test_what_is_never_near_is_far_at_every_sample(self, seed):
         rng = np.random.default_rng(seed)

@@ -32,6 +32,7 @@ def test_the_step_minimises_error_and_length_together(n, damping, rng):
         assert ik.step(q, target).q - q == pytest.approx(-p, rel=1e-9, abs=1e-11)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("name", ["dh6", "dh9", "ball", "floating"])
 @pytest.mark.parametrize("kind", ["position", "orientation", "pose"])
 def test_in_space_and_on_manifolds_too(name, kind, rng):

@@ -36,6 +36,7 @@ def expected(name, J, e):
     return -np.linalg.lstsq(stacked, np.concatenate([e, np.zeros(n)]), rcond=None)[0]
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("bend", [1.0, 1e-3, 1e-8, 1e-12, 0.0])
 @pytest.mark.parametrize("name", STRATEGIES)
 @pytest.mark.parametrize("n", [2, 3, 10])

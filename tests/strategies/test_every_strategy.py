@@ -14,6 +14,7 @@ from ..conftest import families_first, shared_solver, slow
 QUICK = ("hybrid", "transpose")
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", [*QUICK, *slow(*(name for name in jtik.strategies if name not in QUICK))])
 def test_contract(name):
     check_strategy(name, samples=1)

@@ -60,6 +60,7 @@ def check_planar_arm(strategy, n, pose, reach, on_line, seed):
     assert (np.diff(errors) <= 1e-13 * n).all()
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize("strategy", MONOTONE)
 @settings(deadline=None, max_examples=20)
 @given(n=st.sampled_from([2, 5]), **PLANAR)

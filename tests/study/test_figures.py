@@ -31,6 +31,7 @@ def bare(bare_study):
 PLOTS = ("convergence", "profile", "lyapunov", "criteria", "postures", "joints")
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("name", PLOTS)
 def test_every_axis_is_labelled_with_its_unit(study: Comparison, name: str) -> None:
     figure = getattr(study, f"plot_{name}")()
@@ -90,6 +91,7 @@ def test_lines_have_distinct_styles() -> None:
     assert len({(style["color"], str(style["linestyle"])) for style in styles.values()}) == 28
 
 
+@pytest.mark.slow
 def test_an_animation_has_its_minimum_number_of_frames(study: Comparison, tmp_path, monkeypatch) -> None:
     image = pytest.importorskip("PIL.Image")
     monkeypatch.setattr(importlib.import_module("jtik.study.figures.animation"), "FRAMES", 4)

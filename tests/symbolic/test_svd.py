@@ -82,6 +82,7 @@ KINDS = (
 )
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("shape", SHAPES)
 def test_it_is_a_singular_value_decomposition(shape, kind, rng):
@@ -99,6 +100,7 @@ def test_it_is_a_singular_value_decomposition(shape, kind, rng):
         assert (np.diff(sigma) <= ROUNDING * size).all()
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("kind", ["generic", "near-singular", "singular", "zero"])
 @pytest.mark.parametrize("shape", SHAPES)
 def test_components_and_images_need_no_U(shape, kind, rng):

@@ -106,6 +106,7 @@ class TestRotationOnto:
             assert np.array_equal(across(axis), basis)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", ROBOTS)
 def test_error_is_the_rotation_in_the_frames_axes(name, rng):
     robot = ROBOTS[name]()
@@ -132,6 +133,7 @@ def test_for_the_z_axis_it_is_the_orientation_task_without_rz(rng):
     assert report_at(built(robot, jtik.AxisTask), q, target[:, 2]).error == pytest.approx(error[:2], abs=1e-11)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-7, 1e-5, 0.4, 2.0, np.pi - 0.1])
 @pytest.mark.parametrize("name", ROBOTS)
 def test_jacobian_is_the_derivative_of_the_error(name, angle, rng):

@@ -184,6 +184,7 @@ LEVELS = {
 }
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["one lane", "eight lanes", *slow("two lanes", "four lanes", "AVX2", "AVX-512")])
 def test_a_result_does_not_depend_on_instructions_and_number_of_lanes(name, monkeypatch, rng):
     level = LEVELS[name]

@@ -140,6 +140,7 @@ LEVELS = {
 }
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("kind", ["position", "pose"])
 @pytest.mark.parametrize("name", LEVELS)
 def test_a_result_does_not_depend_on_instructions_and_number_of_lanes(name, kind, monkeypatch, rng):
@@ -200,6 +201,7 @@ def test_live_numbers_are_read_where_they_are():
     assert moved.q == pytest.approx(ik.solve_batch([[1.5, 1.5]], q0=[0.3, 0.4, 0.5]).q, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_signal_ends_it(monkeypatch):
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     ik, batch = solver(strategy="damped"), lane_search.LaneSearch.batch

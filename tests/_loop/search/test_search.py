@@ -30,6 +30,7 @@ def solver(robot, strategy="hybrid", kind="pose", **options):
     return shared_solver(robot, jtik.FrameTask("tip", kind), strategy=strategy, **options)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("strategy", ["damped", "hybrid", "newton", Damped(backtracking=False)], ids=str)
 def test_they_find_what_one_start_does_not(arm, targets, strategy):
     ik = solver(arm, strategy)

@@ -127,6 +127,7 @@ def test_a_restart_begins_at_the_nearest_start():
     assert np.array_equal(found.q, bank.configurations[chosen])
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("k", [1, 2, 3, 40, SIZE])
 def test_restarts_follow_in_the_order_of_their_distances(k, rng):
     """Where only the k-th nearest configuration is on target, and attempts have one iteration, k restarts are made."""

@@ -134,6 +134,7 @@ class TestABankIsDrawnWhenARestartIsNeeded:
         assert banks.known(5) is not None
         same(first, ik.solve(far[0], q0=ik.robot.neutral, restarts=100, seed=5))
 
+    @pytest.mark.slow
     def test_warm_up_draws_that_of_the_default_seed(self, ik):
         ik.warm_up()
         assert ik._engine.runners.banks.known(0) is not None

@@ -324,6 +324,7 @@ while True:
 """
 
 
+@pytest.mark.slow
 def test_after_kill_9_everything_but_the_last_second_is_there(tmp_path):
     root = Path(jtik.__file__).parents[1]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(root), str(root / "formulations")])}

@@ -73,6 +73,7 @@ def test_an_obstacle_on_the_arm_is_seen_and_the_arm_yields(operator: Operator) -
     np.testing.assert_allclose(operator.tip, target, atol=1e-4)
 
 
+@pytest.mark.slow
 def test_more_obstacles_than_places_build_a_solver_with_more(operator: Operator) -> None:
     operator.does(AVOIDING)
     for i in range(5):
@@ -106,6 +107,7 @@ def test_the_old_solver_goes_on_while_another_one_is_built() -> None:
     assert operator.state.solver.ik.parameters["joint_centering.preferred"][1] == -0.4
 
 
+@pytest.mark.slow
 def test_of_several_requests_the_latest_is_built() -> None:
     operator = Operator(at_once=False)
     operator.does(SetStrategy("hybrid"))
@@ -247,6 +249,7 @@ def run(planner: Planner, seconds: float) -> np.ndarray:
     return np.array(found)
 
 
+@pytest.mark.slow
 def test_another_solver_goes_on_as_fast_as_the_arm_moves(slow_starter: Planner) -> None:
     slow_starter.loop.submit(MoveTarget(tuple(np.add(slow_starter.loop.frame.position, (1.0, -0.6)))))
     before = run(slow_starter, 0.5)
@@ -259,6 +262,7 @@ def test_another_solver_goes_on_as_fast_as_the_arm_moves(slow_starter: Planner) 
     assert accelerations(q).max() < ACCELERATION * (1 + 1e-6)
 
 
+@pytest.mark.slow
 def test_a_branch_goes_on_as_fast_as_the_attempt_and_undo_is_at_rest(slow_starter: Planner) -> None:
     loop = slow_starter.loop
     loop.submit(Record())

@@ -57,6 +57,7 @@ def test_weights_that_cannot_be_used_change_nothing(weights: dict[str, float], w
     assert operator.loop.settings.to_json() == before
 
 
+@pytest.mark.slow
 def test_attempts_and_plans_have_them(tmp_path) -> None:
     operator = Operator().does(SetJointWeights({"joint2": 9.0}), Record())
     operator.does(MoveTarget((2.2, 0.9)), seconds=1).does(StopRecording())

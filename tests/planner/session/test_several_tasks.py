@@ -70,6 +70,7 @@ def test_another_one_is_guided_from_where_its_target_is() -> None:
     assert [task["held"] is None for task in session.loop.settings.tasks] == [False, True]
 
 
+@pytest.mark.slow
 def test_attempts_keep_which_one_was_guided_and_where_the_others_were() -> None:
     session = Session()
     elbow, tip = session.at("link4"), session.at("tip")

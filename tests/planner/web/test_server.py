@@ -57,6 +57,7 @@ def frame(socket):
     return head, rest[:7], rest[7 : 7 + nq], rest[7 + nq :].reshape(count, 7)
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("name", sorted(FILES))
 def test_every_file_of_the_page_is_served(server, name):
     status, body, headers = get(server.port, name)
