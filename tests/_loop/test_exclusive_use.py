@@ -190,6 +190,7 @@ def test_nothing_at_which_threads_change_is_between_the_test_and_the_mark(method
     assert between <= QUIET
 
 
+@pytest.mark.slow
 def test_copies_in_several_threads_give_the_numbers_of_one():
     ik = jtik.InverseKinematics(
         jtik.Robot.planar(4), jtik.FrameTask(kind="position"), criteria=JointCentering(), strategy="weighted_qp"

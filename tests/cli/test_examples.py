@@ -98,6 +98,7 @@ def test_every_command_has_an_example() -> None:
     assert len(commands("README.md")) >= 6
 
 
+@pytest.mark.slow
 def test_the_problem_file_is_the_first_example_of_the_readme(folder: Path, capsys: Capture) -> None:
     """The same arm, field and criteria by hand give the same configuration."""
     from jtik_formulations import JointCentering, ObstacleAvoidance

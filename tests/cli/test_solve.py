@@ -137,6 +137,7 @@ def test_compiled_steps_and_another_solver_lead_to_the_same_posture(capsys: Capt
     assert solved(capsys, line, "--solver", "osqp")["q"] == pytest.approx(q, abs=1e-4)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("line", "shape"),
     [

@@ -196,6 +196,7 @@ def test_a_start_too_close_is_restored_and_no_pair_comes_closer(strategy):
         assert (ways - floor).min() >= -1e-8
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("strategy", RECOVERING)
 def test_restoration_at_the_target_does_not_lose_it(strategy):
     """On target, and too close: the null space restores the clearance before the solve converges."""
@@ -332,6 +333,7 @@ def test_the_barrier_form_keeps_clear_from_any_distance(problems):
     assert swept(trace) >= SAFE - ROUNDING
 
 
+@pytest.mark.slow
 def test_limits_and_clearances_together(problems):
     robot = planar(5, lower=-1.5, upper=1.5)
     ik = solver(robot, criteria=JointCentering())

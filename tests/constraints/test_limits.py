@@ -73,6 +73,7 @@ def test_every_strategy_keeps_all_three_limits_step_by_step(strategy, arm):
     assert (np.abs(np.diff(speeds, axis=0)) / DT > 0.99 * np.array([3, 6, 9, 12])).any()  # and the limits did bind
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("strategy", ["hybrid", "newton+qp", "weighted_qp", "mink"])
 def test_track_keeps_all_three_limits_from_rest(strategy, arm):
     q0, acceleration = np.array([0.5, -0.4, 0.9, 0.3]), 5.0
@@ -236,6 +237,7 @@ class TestStep:
         assert ways[0].step(q, [2.0, 2.0], dt=DT).q.tolist() == ways[1].step(q, [2.0, 2.0], dt=DT).q.tolist()
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("robot", [ball_arm, floating_arm])
 @pytest.mark.parametrize("strategy", ["hybrid", "weighted_qp"])
 def test_ball_and_free_joints_keep_speed_and_acceleration_too(robot, strategy, rng):

@@ -196,6 +196,7 @@ def test_a_pair_whose_gain_is_zero_blocks_nothing():
     assert not solution.active_clearances
 
 
+@pytest.mark.slow
 def test_bodies_that_overlap_at_the_start_are_separated():
     robot, judge, _ = problems(12)
     clearance = jtik.Clearance(SelfCollision(), safe=SAFE)

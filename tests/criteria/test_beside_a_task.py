@@ -51,6 +51,7 @@ def test_derivatives(name, robot):
     assert_derivatives(CASES[name](body), body)
 
 
+@pytest.mark.quick(8)
 @pytest.mark.parametrize("name", CASES)
 def test_it_is_pickled(name):
     body = ROBOTS["panda"]()

@@ -196,6 +196,7 @@ def test_the_direction_is_live_and_of_any_length(measure, rng):
     assert np.isfinite(criterion.gradient(q, robot, direction=[0.0, 0.0])).all()
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("criterion", ALL)
 @pytest.mark.parametrize("damping", [1e-3, 1e-300])
 def test_finite_at_singular_poses_with_any_damping(criterion, damping):

@@ -74,6 +74,7 @@ class TestValuesAndDerivatives:
         assert isinstance(criterion(aim=1.0), jtik.Criterion)
         assert criterion(aim=1.0)(q, robot) == pytest.approx(elbow_traced(q, robot, aim=1.0), rel=EXACT)
 
+    @pytest.mark.slow
     @pytest.mark.quick(1)
     @pytest.mark.parametrize("criterion", [elbow, elbow_with_gradient])
     def test_it_fulfils_the_contract(self, criterion):
@@ -327,6 +328,7 @@ def _calling(function):
     return jtik.criterion(called)
 
 
+@pytest.mark.slow
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("interruption", [KeyboardInterrupt, SystemExit])
 def test_what_interrupts_a_function_reaches_the_caller(interruption):

@@ -110,6 +110,7 @@ def test_the_others_do_not_claim_it(strategy):
         assert (solution.status is jtik.Status.LOCAL_MINIMUM) <= (off < 4e-3)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("factor", [1.5, 10.0, 1e9])
 @pytest.mark.parametrize("kind", ["position", "pose"])
 @pytest.mark.parametrize("strategy", large_ones_slow(["hybrid", "damped", "weighted_qp"]))

@@ -18,6 +18,8 @@ from jtik.demo.measure import clearances, follow_path
 from jtik.demo.report import strategy_table
 from jtik.demo.scene import Scene
 
+pytestmark = pytest.mark.slow
+
 matplotlib = pytest.importorskip("matplotlib")
 image = pytest.importorskip("PIL.Image")
 console = pytest.importorskip("rich.console")

@@ -69,6 +69,7 @@ def test_the_loop_runs_in_a_thread_of_its_own() -> None:
     assert not [thread for thread in threading.enumerate() if thread.name == "jtik planner"]
 
 
+@pytest.mark.slow
 def test_what_is_recorded_is_in_a_folder_from_the_first_second_on(tmp_path: Path) -> None:
     with made(folder=tmp_path) as planner:
         planner.loop.submit(Record())
@@ -142,6 +143,7 @@ def test_an_unknown_name_is_named(arguments: dict) -> None:
         made(**arguments)
 
 
+@pytest.mark.slow
 def test_a_session_killed_before_anything_was_done_is_not_offered(tmp_path) -> None:
     now = [0.0]
     planner = made(folder=tmp_path, clock=lambda: now[0])

@@ -79,6 +79,7 @@ def test_an_animation_takes_the_time_of_the_trajectory(
     assert sum(durations[:-1]) / 1000 == pytest.approx(trajectory.times[-1] / speed, abs=0.051)
 
 
+@pytest.mark.slow
 def test_an_animation_in_space_moves(tmp_path) -> None:
     arm = jtik.Robot.builtin("ur5e")
     file = tmp_path / "arm.gif"

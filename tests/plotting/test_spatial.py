@@ -96,6 +96,7 @@ def test_every_shape_in_space_is_drawn(arm: jtik.Robot) -> None:
         assert len(drawn_triangles(arm.plot(obstacles=obstacle, show="links", width=2.0))) > bare
 
 
+@pytest.mark.slow
 def test_several_postures_have_their_own_colours(arm: jtik.Robot) -> None:
     table = np.array([arm.home, arm.home + 0.3, arm.home + 0.6])
     figure = arm.plot(table, width=3.0)

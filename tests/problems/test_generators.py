@@ -233,6 +233,7 @@ def test_invalid_arguments_of_generators_are_named(generator):
         make(robot, jtik.FrameTask("hand"), 1)
 
 
+@pytest.mark.quick(9)
 @pytest.mark.parametrize(
     ("generator", "options", "argument"),
     [

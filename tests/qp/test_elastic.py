@@ -139,6 +139,7 @@ def test_with_a_smaller_penalty_rows_are_relaxed_as_by_scipy(penalty, rng):
     assert relaxed >= 5
 
 
+@pytest.mark.slow
 def test_no_slack_exceeds_its_upper_bound(rng):
     relaxed = 0
     for _ in range(10):
@@ -202,6 +203,7 @@ def test_equalities_may_be_relaxed_to_either_side():
     assert y == pytest.approx([-2, 2], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_hard_rows_beside_them_stay_hard(rng):
     for _ in range(10):
         data, C = random_data(rng), rng.standard_normal((2, 5))

@@ -125,6 +125,7 @@ def test_threads_do_not_share_the_solver_s_memory():
         assert batch.status == expected.status
 
 
+@pytest.mark.slow
 def test_a_solver_without_a_static_library_is_called_between_functions_in_c():
     without = Conic("daqp")
     without.archive = None

@@ -152,6 +152,7 @@ class TestTheExample:
 
 
 class TestOnMatrices:
+    @pytest.mark.quick(3)
     @pytest.mark.parametrize(("m", "n"), SIZES)
     def test_the_optimal_rule_and_the_quadratic_programs_are_optimal(self, m, n, rng):
         scaled = 0
@@ -331,6 +332,7 @@ class TestLevels:
         target = {name: points[i] + rng.uniform(-0.8, 0.8, 2) for name, i in names}
         return q, target
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         "strategy",
         [

@@ -155,6 +155,7 @@ def test_only_the_attempt_that_led_to_the_answer_is_drawn() -> None:
     np.testing.assert_array_equal(V, np.maximum(trace.V[rows], style.FLOOR))
 
 
+@pytest.mark.slow
 def test_a_spatial_robot_is_drawn_in_3d() -> None:
     robot = jtik.Robot.builtin("ur5e")
     study = compare(robot, jtik.FrameTask(robot.tip), strategies=["hybrid"], count=1, repeats=1)

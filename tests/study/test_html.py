@@ -23,6 +23,7 @@ def bare(bare_study):
     return bare_study
 
 
+@pytest.mark.slow
 def test_the_report_is_self_contained(study: Comparison, bare: Comparison, tmp_path) -> None:
     for each, figures in ((study, 6), (bare, 1)):
         each.to_html(tmp_path / "report.html")

@@ -155,6 +155,7 @@ def test_a_full_disk_does_not_cost_the_study(arm, task, tmp_path, monkeypatch, a
     assert_same(study, complete)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="mounts need root")
 def test_a_disk_that_is_full_keeps_no_part_of_a_file(arm, task, tmp_path, assert_same):
     mounted = subprocess.run(

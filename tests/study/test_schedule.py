@@ -36,6 +36,7 @@ def serial(arm, task):
     return jtik.compare(arm, task, **options(arm, task))
 
 
+@pytest.mark.slow
 def test_serial_runs_agree(serial, arm, task, assert_same):
     assert_same(serial, jtik.compare(arm, task, **options(arm, task)))
 

@@ -49,6 +49,7 @@ def write(path, header, arrays):
 WRONG = (None, 5, "x", [], {}, [1, "a"], {"a": 1}, [[1, 2]], -1, True)
 
 
+@pytest.mark.slow
 def test_a_forged_header(saved, tmp_path):
     header, arrays = saved
     path = tmp_path / "forged.npz"

@@ -177,6 +177,7 @@ def test_ctrl_c_ends_the_compilers_and_leaves_nothing(cache, slow_compiler, pids
     assert list(cache.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_after_ctrl_c_in_warm_up_the_solver_goes_on(cache, slow_compiler, pids, interruptible, monkeypatch):
     ik = solver(strategy="hybrid", compiled=True)
     before = set(cache.iterdir())
@@ -224,6 +225,7 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
+@pytest.mark.slow
 def test_on_a_terminal_the_command_line_shows_a_bar(monkeypatch, capsys):
     pytest.importorskip("rich")
     from jtik.cli import main

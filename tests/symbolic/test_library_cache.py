@@ -213,6 +213,7 @@ def test_a_compiler_that_misbehaves(cache, monkeypatch, text, reason):
     assert left(cache) == []
 
 
+@pytest.mark.slow
 def test_a_library_without_the_function_is_not_kept(cache, monkeypatch):
     empty = cache.parent / "empty.c"
     empty.write_text("int nothing;\n")

@@ -51,6 +51,7 @@ class TestRotationOnto:
         vector = found @ np.array(across(axis))
         assert Rotation.from_rotvec(vector).apply(direction) == pytest.approx(axis, abs=1e-10)
 
+    @pytest.mark.thinned
     @pytest.mark.parametrize("axis", AXES)
     @pytest.mark.parametrize("angle", [1e-3, 2e-6, 5e-7, 1e-9, 1e-13, 0.0])
     def test_small_angles_keep_their_accuracy(self, axis, angle):
@@ -69,6 +70,7 @@ class TestRotationOnto:
         assert found == pytest.approx([np.pi, 0.0], abs=EXACT)
         assert Rotation.from_rotvec(found @ np.array(across(axis))).apply(-axis) == pytest.approx(axis, abs=EXACT)
 
+    @pytest.mark.thinned
     @pytest.mark.parametrize("side", np.linspace(-3, 3, 7))
     @pytest.mark.parametrize("angle", [NARROW * 0.999, NARROW * 1.001, np.pi - NARROW * 0.999, np.pi - NARROW * 1.001])
     def test_the_length_is_the_angle_on_both_sides_of_where_the_formula_changes(self, angle, side):

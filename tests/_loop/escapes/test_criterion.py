@@ -143,6 +143,7 @@ class TestSolve:
         assert batch.converged.all()
         assert batch.escapes.tolist() == [1, 0]
 
+    @pytest.mark.slow
     def test_compiled_it_does_the_same(self):
         q0, target = outstretched(*MAXIMUM)
         compiled = solver(planar(3), criteria=height, compiled=True)

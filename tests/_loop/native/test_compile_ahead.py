@@ -426,6 +426,7 @@ def test_a_fork_compiles_by_itself_and_leaves_what_its_parent_compiles(delay):
     assert (run.returncode, run.stdout.split(), run.stderr) == (0, ["child", "True", "parent", "True"], "")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="the compiler is a shell script")
 def test_a_compiler_that_does_not_tell_its_version_ends_with_the_process(tmp_path):
     hanging, pid = tmp_path / "cc", tmp_path / "pid"

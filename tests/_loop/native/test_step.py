@@ -109,6 +109,7 @@ def native(ik, dt):
     return way[2]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.thinned
 @pytest.mark.parametrize("dt", [None, 0.01])
 @pytest.mark.parametrize("strategy", STRATEGIES)

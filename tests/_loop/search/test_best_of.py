@@ -75,6 +75,7 @@ def test_one_is_the_default_and_the_search_is_the_same(rng):
     assert np.array_equal(ik.solve(target, restarts=30).q, ik.solve(target, restarts=30, best_of=1).q)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("compiled", [False, True], ids=["interpreted", "compiled"])
 def test_no_joint_goes_further_than_the_jump_limit(compiled, rng):
     ik = solver(PANDA, compiled=compiled)

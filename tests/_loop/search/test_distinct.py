@@ -158,6 +158,7 @@ def test_restarts_choose_by_the_levels_of_priority(compiled):
     assert kept == 6
 
 
+@pytest.mark.slow
 def test_a_singular_spherical_wrist_gives_each_posture_once():
     """There the first and the last axis of the wrist are one: any share of the turn between them is on target."""
     half = np.pi / 2

@@ -61,6 +61,7 @@ def test_obstacles_in_their_places_build_nothing(operator: Operator) -> None:
     assert operator.told == []
 
 
+@pytest.mark.slow
 def test_an_obstacle_on_the_arm_is_seen_and_the_arm_yields(operator: Operator) -> None:
     operator.does(AVOIDING, seconds=8)
     elbow = ROBOT.position(operator.loop.frame.q, "link3")
@@ -163,6 +164,7 @@ def test_what_cannot_be_done_is_told_and_changes_nothing(operator: Operator, edi
     assert not operator.executor.waiting
 
 
+@pytest.mark.slow
 def test_a_build_that_fails_leaves_the_old_solver(operator: Operator) -> None:
     solver = operator.state.solver
     operator.does(SetClearance(True))  # which this strategy does not support

@@ -21,6 +21,7 @@ def displacement(operator: Operator) -> tuple[np.ndarray, np.ndarray]:
     return operator.loop.frame.q - q, ROBOT.jacobian(q, rows="linear")
 
 
+@pytest.mark.slow
 def test_a_heavy_joint_moves_less_for_the_task() -> None:
     operator = Operator().does(SetCriteria(()), SetJointWeights({"joint1": 50.0}), SetJointWeights({"joint3": 0.2}))
     assert operator.told == []

@@ -263,6 +263,7 @@ def test_a_server_that_is_closed_can_be_closed_again(planner):
         get(server.port, "/")
 
 
+@pytest.mark.slow
 def test_a_planner_shows_itself_in_a_notebook():
     with Planner(jtik.Robot.planar(3), folder=False) as planner:
         html = planner._repr_html_()
