@@ -89,3 +89,10 @@ def test_so_many_cases_are_quick_from_the_first_to_the_last(count, quick):
     slow = mostly_slow([*items, *already])
     assert [number for number, item in enumerate(items) if item not in slow] == quick
     assert not set(already) & set(slow)
+
+
+def test_of_the_others_so_many_run():
+    marks = {"quick": pytest.mark.quick(1, slow=3).mark, "slow": pytest.mark.slow.mark}
+    items = [Item(f"test_file.py::test_one[{number}]", marks) for number in range(9)]
+    dropped = deselected(items)
+    assert [number for number, item in enumerate(items) if item not in dropped] == [0, 4, 8]

@@ -39,7 +39,7 @@ def jogged(ik, q, rate, *, count=5000, **options):
 
 
 class TestOneStep:
-    @pytest.mark.quick(1)
+    @pytest.mark.quick(1, slow=8)
     @pytest.mark.parametrize("strategy", ["hybrid", *sorted(set(jtik.strategies) - {"hybrid"})])
     def test_it_is_along_the_null_space_and_as_fast_as_asked(self, strategy):
         ik = solver(PANDA, strategy=strategy)

@@ -60,6 +60,7 @@ def problems():
     return found
 
 
+@pytest.mark.quick(1, slow=2)
 @pytest.mark.parametrize("strategy", ["hybrid+qp", *slow("newton+qp", "transpose+qp", "damped+qp")])
 @pytest.mark.parametrize("criteria", [JointCentering(), *slow(None)], ids=["centring", "alone"])
 def test_no_accepted_step_is_closer_than_safe(strategy, criteria, problems):

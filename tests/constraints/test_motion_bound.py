@@ -231,7 +231,7 @@ def test_a_rod_that_is_far_out_does_not_jump_over_a_sphere(before, limits, mimic
 CASES = [(seed, strategy) for seed in range(8) for strategy in ("weighted_qp", "hybrid+qp")]
 
 
-@pytest.mark.quick(1)
+@pytest.mark.quick(1, slow=4)
 @pytest.mark.parametrize(
     ("seed", "strategy"), [pytest.param(*case, marks=pytest.mark.slow if case[0] >= 2 else ()) for case in CASES]
 )

@@ -151,7 +151,7 @@ def swept(judge, trace):
     return smallest
 
 
-@pytest.mark.slow
+@pytest.mark.quick(0, slow=2)
 @pytest.mark.parametrize(
     ("criteria", "count"),
     [

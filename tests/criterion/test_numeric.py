@@ -112,7 +112,7 @@ class TestValuesAndDerivatives:
 
 
 class TestSolves:
-    @pytest.mark.quick(3)
+    @pytest.mark.quick(3, slow=6)
     @pytest.mark.parametrize("strategy", [*STRATEGIES, "hybrid+qp", "hybrid+second_order"])
     def test_every_strategy_solves_as_with_the_traced_criterion(self, strategy):
         options = {"q0": Q0, "max_iterations": 3000, "position_tolerance": 1e-4, "optimality_tolerance": 1e-4}

@@ -127,7 +127,7 @@ def pinocchio_model(robot):
     return model
 
 
-@pytest.mark.quick(4)
+@pytest.mark.quick(4, slow=8)
 @pytest.mark.parametrize("seed", [*range(12), *slow(*range(12, 30))])
 def test_random_trees(seed):
     """Revolute, prismatic, ball and mimic joints in every order, planar ones in between, and lengths up to 1 km."""

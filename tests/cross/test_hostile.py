@@ -23,7 +23,7 @@ from jtik.progress import watched
 
 from .hostile import LEAKAGE, Setup, answers, leaking, off_target, problem, setup, solved, stepped, strategies, too_near
 
-PROBLEMS = 25
+PROBLEMS = 12
 """Problems of each slow test, on one random robot: building a solver takes longer than dozens of its solves."""
 
 QUICK = ("hybrid", "sns_qp", "newton+second_order", "weighted_qp")

@@ -163,7 +163,7 @@ def oracle_of(humanoid):
     return Oracle(humanoid)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.quick(1, slow=2)
 @pytest.mark.parametrize(
     ("humanoid", "feet", "strategy", "criteria"),
     [

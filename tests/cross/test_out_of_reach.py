@@ -183,7 +183,7 @@ def angle_between(one, other):
     return np.linalg.norm(Rotation.from_matrix(one[:3, :3].T @ other[:3, :3]).as_rotvec())
 
 
-@pytest.mark.quick(1)
+@pytest.mark.quick(1, slow=5)
 @pytest.mark.parametrize("kind", ["position", "pose"])
 @pytest.mark.parametrize(
     "strategy", ["hybrid", "damped", *slow(*(name for name in POSES if name not in ("hybrid", "damped")))]

@@ -62,7 +62,7 @@ def solver(setup):
     return shared_solver(robot, task)
 
 
-@pytest.mark.quick(5)
+@pytest.mark.quick(5, slow=10)
 @pytest.mark.parametrize(
     ("generator", "setup"),
     [

@@ -56,7 +56,7 @@ def same(one, other):
 STRATEGIES = ["weighted_qp", *slow("lexicographic_qp", "sns_qp")]
 
 
-@pytest.mark.slow
+@pytest.mark.quick(0, slow=1)
 @pytest.mark.parametrize("strategy", STRATEGIES)
 def test_steps_and_solves_are_those_of_the_virtual_machine(strategy):
     fast, other = solver(strategy=strategy), solver(strategy=strategy, compiled=False)

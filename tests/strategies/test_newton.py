@@ -206,7 +206,7 @@ class TestNullSpaceTerm:
                 dq = ik.step(q, target).q - q
                 assert dq == pytest.approx(-pinv @ e - beta * (g - pinv @ J @ g), rel=1e-8, abs=1e-10)
 
-    @pytest.mark.quick(3)
+    @pytest.mark.quick(3, slow=6)
     @pytest.mark.parametrize("strategy", large_ones_slow(WITH_FIGURES))
     def test_it_does_not_move_the_end_effector(self, strategy, rng):
         """|J nu| / |nu|, as the trace reports it and as computed from on-target steps."""
