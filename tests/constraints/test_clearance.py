@@ -295,6 +295,7 @@ def test_without_restoration_a_distance_does_not_decrease(problems):
     assert min(smallest) >= gaps(q, [near]).min() - 1e-6
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("backend", ["osqp", jtik.qp.QPSolversBackend("daqp"), jtik.qp.PersistentOSQP()], ids=str)
 def test_any_back_end_restores_clearances(backend):
     arm, q = planar(5), np.array([0.4, 0.3, -0.5, -0.4, 0.3])

@@ -132,6 +132,7 @@ def test_a_step_that_is_judged_safe_is_safe_on_its_whole_path(kind, dimension, r
     assert refused > 0
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize(("kind", "dimension"), EVERY)
 def test_an_obstacle_that_is_absent_constrains_nothing(kind, dimension, rng):
     judged = Judged(kind, dimension)

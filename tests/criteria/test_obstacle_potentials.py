@@ -131,6 +131,7 @@ def test_gradients_with_every_shape_agree_with_differences(kind, dimension, rng)
     assert agreeing > 2
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("kind", CLASSES)
 def test_each_measures_for_a_clearance(kind):
     """The arm turns towards a box, and stops in front of it."""

@@ -135,6 +135,7 @@ class TestSolves:
         expected = new_solver(planar(5), 0.5 * elbow_traced + JointCentering()).solve(TARGET, q0=Q0)
         assert found.q == pytest.approx(expected.q, abs=1e-6)
 
+    @pytest.mark.slow
     def test_step_track_trace_and_batch(self):
         ik, traced = new_solver(planar(5), elbow), solver(planar(5), elbow_traced)
         assert ik.step(Q0, TARGET, dt=0.01).q == pytest.approx(traced.step(Q0, TARGET, dt=0.01).q, abs=1e-9)

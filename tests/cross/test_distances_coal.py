@@ -30,6 +30,7 @@ def test_every_pair_of_shapes(kind, rng):
     assert np.quantile(differences, share) < CLOSE
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("kind", ["ball", "capsule", "box", "half_space"])
 def test_the_depth_of_penetration(kind, rng):
     compared = 0

@@ -167,6 +167,7 @@ def test_corners_that_are_repeated_change_nothing():
         assert distance(triangle, np.array(point, dtype=float))[0] == pytest.approx(expected, abs=EXACT)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("radius", [1e-6, 0.1, 1e6])
 @pytest.mark.parametrize("across", [(0.0, 0.0, 0.01), (0.3, 0.0, 0.0)])
 @pytest.mark.parametrize("along", [(0.0, -1e-6, 0.0), (0.0, 1.0, 0.0)])

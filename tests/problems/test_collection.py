@@ -21,6 +21,7 @@ def known(case, name, count):
     return np.array([case.known[f"{name}_{i}"] for i in range(1, count + 1)])
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize("name", problems.names())
 def test_every_problem_of_the_collection_is_valid_and_has_a_source(name):
     entry = named(name)

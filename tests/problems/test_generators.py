@@ -136,6 +136,7 @@ def test_generators_that_move_a_position_refuse_tasks_without_one(generator):
         assert caught.value.argument == "task"
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("generator", GENERATORS)
 def test_several_tasks_have_targets_by_name(generator):
     robot = limited()
@@ -164,6 +165,7 @@ TASKS = {
 }
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(("robot", "task"), TASKS.values(), ids=TASKS)
 def test_targets_of_all_tasks_are_those_of_the_goal(robot, task):
     robot, task = robot(), task()

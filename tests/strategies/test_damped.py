@@ -19,6 +19,7 @@ def solver(robot, strategy, kind="position", **options):
     return shared_solver(robot, jtik.FrameTask("tip", kind), strategy=strategy, limits=False, **options)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("damping", [1e-3, 0.1, 10.0])
 @pytest.mark.parametrize("n", [2, 3, 10])
 def test_the_step_minimises_error_and_length_together(n, damping, rng):

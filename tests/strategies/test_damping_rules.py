@@ -48,6 +48,7 @@ def test_the_step_of_a_planar_arm(n, name, bend, rng):
         assert ik.step(q, target).q - q == pytest.approx(step, rel=1e-8, abs=1e-10)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("name", STRATEGIES)
 @pytest.mark.parametrize("kind", ["position", "pose"])
 def test_the_step_in_space(kind, name, rng):

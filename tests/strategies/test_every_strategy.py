@@ -20,6 +20,7 @@ def test_contract(name):
     check_strategy(name, samples=1)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", families_first([*sorted(jtik.strategies), "hybrid+qp"], large=False))
 def test_an_arm_at_rest_at_the_minimum_of_H_follows_a_moving_target(name):
     """There grad H and all multipliers are zero, and every step to the target raises H."""

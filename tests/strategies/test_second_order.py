@@ -180,6 +180,7 @@ def at_limit(q, limit):
 
 
 class TestOrder:
+    @pytest.mark.slow
     @pytest.mark.parametrize("limit", [0.25, *slow(np.inf)])
     def test_ten_links_among_obstacles(self, limit):
         """Quadratic, with limits that bind and without; the projected gradient takes more steps to four digits less."""

@@ -178,6 +178,7 @@ class TestOnMatrices:
             assert J @ dq == pytest.approx(s * xdot, abs=STRAIGHT)
             assert 0 <= s <= best(J, xdot, lower, upper)[1] + AGREE
 
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize("rounds", [1, 2, 5])
     def test_too_few_rounds_cost_speed_only(self, rounds, rng):
         short = 0
@@ -406,6 +407,7 @@ class TestSolving:
         assert solution.converged
         assert planar_points(solution.q)[-1] == pytest.approx(target, abs=1e-6)
 
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize("strategy", STRATEGIES, ids=["sns", "basic", "qp"])
     def test_a_criterion_is_minimised_with_joints_at_their_limits(self, strategy):
         """Against SLSQP."""

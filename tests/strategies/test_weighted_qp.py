@@ -182,6 +182,7 @@ def test_steps_without_a_time_know_when_they_do_not_follow_each_other():
     assert ik.step(q, target).q == pytest.approx(fresh, abs=SOLVED)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("weight", "beyond", "status"),
     [

@@ -119,6 +119,7 @@ def test_obstacles_of_a_scene_are_drawn() -> None:
     assert {tuple(np.round(center, 9)) for center in scenes[0].parameters["obstacle_avoidance.centers"]} <= drawn
 
 
+@pytest.mark.slow
 def test_obstacles_of_criteria_and_of_clearances_are_drawn_each_once(tmp_path) -> None:
     robot, task = jtik.Robot.planar(4), jtik.FrameTask("tip", kind="position")
     near, far = jtik.Circle((2.0, 2.5), 0.3), jtik.Circle((-2.0, 1.5), 0.4)

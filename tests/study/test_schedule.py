@@ -41,6 +41,7 @@ def test_serial_runs_agree(serial, arm, task, assert_same):
     assert_same(serial, jtik.compare(arm, task, **options(arm, task)))
 
 
+@pytest.mark.slow
 def test_figures_do_not_depend_on_the_unit_size(serial, arm, task, assert_same):
     assert_same(serial, jtik.compare(arm, task, **{**options(arm, task), "block": 100}))
 

@@ -157,6 +157,7 @@ def cosines(m, sweeps, rng):
     return worst
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("m", [3, 4, 5, 6])
 def test_the_sweeps_are_as_many_as_needed(m, rng):
     """Enough for singular vectors orthogonal to working precision at any singular value, and not many more."""

@@ -104,6 +104,7 @@ def test_a_trace_has_the_rows_of_all_attempts(arm, targets):
     assert "restarts" in repr(plain)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("strategy", EVERY_STRATEGY)
 def test_patience_changes_nothing_for_one_start(strategy):
     ik, q0 = solver(planar(5), strategy, "position"), np.full(5, 0.3)

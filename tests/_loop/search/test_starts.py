@@ -34,6 +34,7 @@ def drawn(robot, seed, count):
     return np.array([robot.random_configuration(generator) for _ in range(count)])
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("target", [FAR, (-4.0, 0.5)])
 @pytest.mark.parametrize("criteria", [None, JointCentering()], ids=["task alone", "with a criterion"])
 def test_restarts_follow_in_the_order_of_the_true_V(target, criteria):

@@ -118,6 +118,7 @@ def test_a_deleted_attempt_stays_deleted(tmp_path):
     assert found.notes == ()
 
 
+@pytest.mark.quick(10)
 @pytest.mark.parametrize("seed", range(40))
 def test_a_journal_that_ends_anywhere_gives_every_whole_line(tmp_path, seed):
     """The oracle counts the whole lines with samples by itself."""

@@ -176,6 +176,7 @@ def test_a_build_that_fails_leaves_the_old_solver(operator: Operator) -> None:
     assert operator.loop.settings.strategy == {"name": "newton+qp", "options": {"secondary.weight": 2.0}}
 
 
+@pytest.mark.slow
 def test_a_clearance_is_kept(operator: Operator) -> None:
     operator.does(SetStrategy("newton+qp"), SetClearance(True, 0.2))
     assert operator.loop.settings.clearance

@@ -232,6 +232,7 @@ def test_a_page_that_only_looks_stops_nothing_when_it_is_gone(server, planner):
     wait_for(lambda: is_still(planner))
 
 
+@pytest.mark.slow
 def test_a_page_that_reads_nothing_gets_the_newest_frame_and_holds_up_nobody(server, planner):
     with join(server) as slow, join(server) as quick:
         quick.send(json.dumps({"edit": "hold_target", "velocity": [0.0, -0.1]}))
