@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 import jtik
 from jtik.robot import JointType, Mass
 
-from .thinning import deselected
+from .thinning import deselected, mostly_slow
 
 EXACT = 1e-12
 """Rounding of some dozens of operations on numbers of order one."""
@@ -47,7 +47,10 @@ def pytest_addoption(parser):
     parser.addoption("--full", action="store_true", help="run all tests that are marked thinned")
 
 
+@pytest.hookimpl(tryfirst=True)  # before -m selects
 def pytest_collection_modifyitems(config, items):
+    for item in mostly_slow(items):
+        item.add_marker(pytest.mark.slow)
     dropped = set() if config.getoption("--full") else deselected(items)
     if dropped:
         config.hook.pytest_deselected(items=[item for item in items if item in dropped])

@@ -39,6 +39,7 @@ def test_every_recipe_is_checked():
     assert RECIPES.keys() == CHECKS.keys()
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", CHECKS)
 def test_a_recipe(name, tmp_path):
     file = tmp_path / "recipe.py"

@@ -61,6 +61,7 @@ def test_guides_have_code() -> None:
     assert len(PAGES) >= 12
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize("page", PAGES)
 def test_a_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

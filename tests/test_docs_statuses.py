@@ -22,6 +22,7 @@ def test_every_status_has_an_example():
     assert list(EXAMPLES) == NAMES
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_an_example_ends_so(name):
     namespace = {"__name__": "example"}

@@ -18,6 +18,7 @@ LARGEST = 200_000
 """Size of a picture of the docs [bytes]."""
 
 
+@pytest.mark.slow
 def test_the_examples(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}

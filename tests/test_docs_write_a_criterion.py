@@ -5,12 +5,15 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pytest
+
 import jtik
 from jtik.testing import check_criterion
 
 TEXT = (Path(__file__).parents[1] / "docs" / "guides" / "write_a_criterion.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_examples() -> None:
     names: dict[str, object] = {}
     for code in re.findall(r"```python\n(.*?)```", TEXT, flags=re.DOTALL):

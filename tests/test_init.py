@@ -53,6 +53,8 @@ FIRST_ANSWER = """
 """
 
 
+@pytest.mark.slow
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("strategy", ["hybrid", "weighted_qp"])
 def test_a_first_answer_loads_what_it_uses(strategy: str) -> None:
     """No other robot or strategy, no solver of quadratic programs but CasADi's, and nothing that reads packages."""
@@ -64,6 +66,7 @@ def test_a_first_answer_loads_what_it_uses(strategy: str) -> None:
     assert not loaded & {*others, *late}
 
 
+@pytest.mark.slow
 def test_warming_up_loads_the_second_solver() -> None:
     """So that a step whose program DAQP of CasADi gives up is as fast as the others."""
     run(
@@ -76,6 +79,7 @@ def test_warming_up_loads_the_second_solver() -> None:
     )
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     "module", ["qp", "registry", "solver", *slow("progress", "strategy", "task", "result", "constraints")]
 )
@@ -105,6 +109,7 @@ def test_the_decorator_is_not_hidden_by_its_module() -> None:
     """)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     "name", ["Comparison", "plotting", *slow("compare", "interop", "problems", "study", "testing")]
 )
@@ -154,6 +159,7 @@ def test_a_former_name_warns_and_is_the_new_one(old: str, new: str) -> None:
     assert old not in jtik.__all__
 
 
+@pytest.mark.slow
 def test_the_docstring_names_the_public_modules_and_they_exist() -> None:
     public = [
         "constraints",

@@ -90,6 +90,7 @@ class TestBuiltIns:
         assert list(jtik.strategies) == sorted(jtik.strategies)
         assert len(jtik.strategies) == len(set(jtik.strategies))
 
+    @pytest.mark.quick(6)
     @pytest.mark.parametrize("name", sorted(jtik.strategies))
     def test_a_strategy_name_stands_for_the_defaults(self, name):
         strategy = jtik.strategies[name]
@@ -119,6 +120,7 @@ class TestBuiltIns:
         with pytest.raises(jtik.UnknownNameError, match="unknown criterion"):
             jtik.criteria["laziness"]
 
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize(
         ("registry", "name", "module"),
         [
@@ -136,6 +138,7 @@ class TestBuiltIns:
         assert "jtik_formulations.criteria.manipulability" not in sys.modules
         """)
 
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize("name", ["sugihara", "mink"])
     def test_a_name_is_found_in_a_module_of_another_name(self, name):
         run(f"import jtik; assert jtik.strategies[{name!r}].name == {name!r}")

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from .thinning import deselected, thinned
+from .thinning import deselected, mostly_slow, thinned
 
 FULL = [
     dict(zip(("strategy", "length", "limits"), row, strict=True))
@@ -65,5 +65,34 @@ def test_of_a_matrix_some_run_and_of_a_test_without_parameters_the_only_one(toge
     }
 
 
-def test_quick_tests_all_run():
-    assert not deselected(collected(slow=False))
+def test_quick_and_slow_tests_are_matrices_of_their_own():
+    quick, slow = collected(slow=False), collected()
+    kept = Counter(item.nodeid.split("[")[0] for item in {*quick, *slow} - deselected([*quick, *slow]))
+    assert kept == {"test_file.py::test_alone": 2, "test_file.py::test_one": 6, "test_file.py::test_another": 6}
+
+
+def test_values_that_are_equal_but_not_the_same_both_run():
+    items = []
+    for value in (0, False, 0.0, -0.0, [], []):
+        items.append(Item(f"test_file.py::test_one[{value}]", {"thinned": pytest.mark.thinned.mark}))
+        items[-1].callspec = SimpleNamespace(params={"value": value})
+    assert not deselected(items)
+
+
+@pytest.mark.parametrize(
+    ("count", "quick"), [(1, [0]), (2, [0, 8]), (3, [0, 4, 8]), (9, list(range(9))), (20, [*range(9)])]
+)
+def test_so_many_cases_are_quick_from_the_first_to_the_last(count, quick):
+    marks = {"quick": pytest.mark.quick(count).mark}
+    items = [Item(f"test_file.py::test_one[{number}]", marks) for number in range(9)]
+    already = [Item(f"test_file.py::test_one[{number}]", marks | {"slow": pytest.mark.slow.mark}) for number in (9, 10)]
+    slow = mostly_slow([*items, *already])
+    assert [number for number, item in enumerate(items) if item not in slow] == quick
+    assert not set(already) & set(slow)
+
+
+def test_of_the_others_so_many_run():
+    marks = {"quick": pytest.mark.quick(1, slow=3).mark, "slow": pytest.mark.slow.mark}
+    items = [Item(f"test_file.py::test_one[{number}]", marks) for number in range(9)]
+    dropped = deselected(items)
+    assert [number for number, item in enumerate(items) if item not in dropped] == [0, 4, 8]

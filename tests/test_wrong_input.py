@@ -150,6 +150,7 @@ class TestLimits:
 
 
 class TestTargets:
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize("pose", [STRETCHED, MIRRORED, SHEARED, np.zeros((4, 4))])
     def test_what_is_no_rotation_is_named_wherever_it_stands(self, pose):
         one = jtik.InverseKinematics(PANDA, jtik.FrameTask("tip", "pose"))

@@ -25,7 +25,7 @@ ALL_STRATEGIES = families_first([*sorted(jtik.strategies), UNCHECKED])
 DESCENDING = ["damped", "hybrid"]
 """Strategies that promise the closest posture where the target is out of reach."""
 
-pytestmark = pytest.mark.thinned
+pytestmark = pytest.mark.thinned(together=True, times=2)
 
 TOLERANCE = 1e-6
 """The default one of a solve [m], [rad]."""
@@ -91,7 +91,7 @@ def assert_true(robot, solution, target):
 @pytest.mark.parametrize("name", ["panda", *slow("ur5e")])
 def test_from_anywhere_to_anywhere_the_status_is_correct_and_limits_hold(name, strategy, restarts):
     robot, ik, rng = arm(name), solver(name, strategy), np.random.default_rng(7)
-    for _ in range(4):
+    for _ in range(2):
         for q0 in starts(robot, rng):
             for target in targets(robot, rng):
                 solution = ik.solve(target, q0=q0, max_iterations=100, restarts=restarts, trace=True)

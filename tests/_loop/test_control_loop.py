@@ -12,6 +12,8 @@ from jtik_formulations import JointCentering, ObstacleAvoidance
 from ..conftest import families_first, planar, slow
 from .conftest import STRATEGIES, new_solver
 
+pytestmark = pytest.mark.thinned(together=True)
+
 STRAIGHT = np.zeros(4)
 ON_ITS_LINE = [2.0, 0.0]
 """A target at which the straight arm is a saddle point of the error."""
@@ -49,6 +51,7 @@ def check_that_nothing_is_built(strategy, criteria, refuse_to_build, monkeypatch
     ik.track([[1.0, 2.5]] * 3, q0=q, dt=0.01)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("strategy", families_first([*STRATEGIES, "hybrid+qp"], large=False))
 def test_neither_the_first_step_nor_after_warm_up_a_timed_step_or_a_path(strategy, refuse_to_build, monkeypatch):
     check_that_nothing_is_built(strategy, JointCentering(), refuse_to_build, monkeypatch)

@@ -65,6 +65,7 @@ def aimed(ik):
     return ik.robot.pose(q) if ik.tasks.tasks[0].kind == "pose" else ik.robot.position(q)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("name", SOLVERS)
 def test_a_copy_gives_the_same_answer(name, way):
@@ -98,6 +99,7 @@ def test_a_copy_begins_its_steps_anew():
     assert copy.copy(ik).step(q, target).q.tolist() == first.q.tolist()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SOLVERS)
 def test_a_copy_builds_neither_problem_nor_step_again(name, monkeypatch):
     ik = original(name)
@@ -122,6 +124,7 @@ def test_only_a_deep_copy_has_a_robot_of_its_own():
     assert copy.deepcopy(ik).robot is not ik.robot
 
 
+@pytest.mark.slow
 def test_a_process_pool_solves_with_the_same_answer():
     ik = SOLVERS["criteria"]()
     ik.parameters["obstacle_avoidance.weight"] = 0.25

@@ -65,6 +65,7 @@ CALLS = {
 }
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", CALLS)
 def test_a_second_thread_is_refused_while_the_first_is_within(name):
     ik = new_solver(planar(3), criteria=JointCentering(), strategy="newton+qp")
@@ -82,6 +83,7 @@ def test_the_first_thread_is_not_disturbed():
     assert np.array_equal(other.batch.q, alone.q)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", CALLS)
 def test_a_callback_cannot_use_the_solver_that_calls_it(name):
     ik = new_solver(planar(3), criteria=JointCentering(), strategy="newton+qp")
@@ -188,6 +190,7 @@ def test_nothing_at_which_threads_change_is_between_the_test_and_the_mark(method
     assert between <= QUIET
 
 
+@pytest.mark.slow
 def test_copies_in_several_threads_give_the_numbers_of_one():
     ik = jtik.InverseKinematics(
         jtik.Robot.planar(4), jtik.FrameTask(kind="position"), criteria=JointCentering(), strategy="weighted_qp"
@@ -205,6 +208,7 @@ def test_copies_in_several_threads_give_the_numbers_of_one():
 IN_LANES = {"solve in lanes": lambda ik: ik.solve((1.0, 1.5), q0=Q0, restarts=5, lanes=True)}
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", ["solve", "step", "solve_batch", "track", "reset", *IN_LANES])
 def test_an_interrupt_leaves_a_solver_that_can_be_used(name):
     """Wherever Ctrl-C arrives in a call, the next one is not refused."""

@@ -42,6 +42,7 @@ class TestFingerprint:
         ring.append(ring)
         assert fingerprint(ring) == fingerprint(ring)
 
+    @pytest.mark.slow
     def test_a_fingerprint_is_the_same_in_another_process(self):
         import subprocess
         import sys

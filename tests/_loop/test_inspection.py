@@ -1,6 +1,6 @@
 """The status of a solve: each status occurs.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -82,6 +82,7 @@ class TestStatuses:
         assert np.isfinite(solution.trace.H).all()
         assert (solution.trace.q[:, 0] <= 0.5).all()
 
+    @pytest.mark.quick(2)
     @pytest.mark.parametrize("strategy", [*EVERY_STRATEGY, "hybrid+qp", "newton+second_order"])
     def test_where_only_the_slope_is_not_finite_the_task_goes_on(self, strategy):
         """norm(q) has no slope at zero, and the straight arm starts there."""

@@ -39,6 +39,7 @@ def test_arrays_of_other_numbers_are_read(compiled, kind):
     assert solution.converged
 
 
+@pytest.mark.quick(1)
 @BOTH
 def test_quaternions_have_norm_one(compiled):
     robot = ball_arm()
@@ -95,6 +96,7 @@ def test_options_are_checked_although_they_equal_known_ones(compiled, option, kn
     assert caught.value.argument == option
 
 
+@pytest.mark.quick(1)
 @BOTH
 def test_a_start_whose_sum_is_no_number(compiled):
     """Warnings are errors here. Joints with limits are clamped to them as from any other start."""

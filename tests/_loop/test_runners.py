@@ -15,6 +15,7 @@ from .conftest import FIELD, new_solver
 class TestCompiled:
     """The same step as generated C."""
 
+    @pytest.mark.slow
     def test_agrees_with_the_virtual_machine(self, tmp_path, monkeypatch):
         monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
         options = {"criteria": JointCentering() + 0.3 * ObstacleAvoidance(FIELD[:1])}

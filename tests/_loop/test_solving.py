@@ -1,6 +1,6 @@
 """solve: converges, is deterministic, and does not change its arguments, on any robot.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations

@@ -13,6 +13,7 @@ from .conftest import STRATEGIES, solver
 
 
 class TestStep:
+    @pytest.mark.quick(2)
     @pytest.mark.parametrize("strategy", families_first(STRATEGIES, large=False))
     def test_a_sequence_is_a_solve(self, strategy):
         self.check_sequence(strategy, JointCentering())

@@ -66,6 +66,7 @@ def harmed(T, how):
 NOT_FINITE = [(row, column, value) for row in range(4) for column in range(4) for value in (np.nan, np.inf, -np.inf)]
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("how", ["scaled", "mirrored", "last row", "not orthogonal", *NOT_FINITE], ids=str)
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_no_pose_is_left_to_the_tasks(kind, how):

@@ -1,6 +1,6 @@
 """track: a path of targets within the limits of a step.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations

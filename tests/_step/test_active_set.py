@@ -1,6 +1,6 @@
 """Joint limits: kept at every iterate, no obstacle to the other joints, and named where they prevent a target.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -148,6 +148,7 @@ def check_V_falls(seed, strategy):
 MONOTONE = [name for name in NAMES if name != "mink"]
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=8)
 @given(st.integers(0, 2**32 - 1), st.sampled_from(MONOTONE))
 def test_V_falls_at_every_accepted_step_between_limits(seed, strategy):

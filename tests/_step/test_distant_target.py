@@ -115,6 +115,7 @@ class TestTheStep:
             target[:3, 3] += distance * direction / np.linalg.norm(direction)
             yield q, target, model_at(self.robot, q, target, jtik.FrameTask(kind=kind))[1]
 
+    @pytest.mark.thinned
     def test_it_follows_the_gradient_of_V(self, kind, distance, rng):
         ik = problem_of(self.robot, jtik.FrameTask(kind=kind))
         for q, target, model in self.cases(kind, distance, rng):
@@ -124,6 +125,7 @@ class TestTheStep:
             cosine = gradient @ own / np.linalg.norm(gradient) / np.linalg.norm(own)
             assert cosine == pytest.approx(1, abs=1e-12)
 
+    @pytest.mark.thinned
     def test_V_falls_where_that_of_the_nearer_point_does(self, kind, distance, rng):
         fell = 0
         for _, _, model in self.cases(kind, distance, rng):

@@ -14,6 +14,8 @@ from jtik_formulations import Damped, Hybrid, JointCentering, Newton, ProjectedG
 
 from ..conftest import DIFFERENCES, dh_arm, planar, rises, shared_solver, slow
 
+pytestmark = pytest.mark.thinned(together=True)
+
 TOLERANCE = 1e-6
 GOALS = 40
 STRATEGIES = {"hybrid": Hybrid, "damped": Damped}
@@ -65,6 +67,7 @@ def stuck_case():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, *slow(1, 2)])
 def test_from_one_start_it_arrives_at_least_as_often_as_a_plain_damped_loop(seed):
     robot, (start, targets) = dh_arm(6, seed, limit=2.5), goals(seed)
@@ -164,6 +167,7 @@ def test_only_where_the_merit_function_tests_the_step():
     assert not Newton().explores(False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("strategy", ["hybrid", "damped"])
 def test_the_same_in_generated_C(strategy):
     start, targets = goals(1)

@@ -11,6 +11,8 @@ from jtik_formulations import JointCentering
 
 from ..conftest import large_ones_slow, planar, shared_solver
 
+pytestmark = pytest.mark.thinned(together=True)
+
 LOCKED, AT = 2, 0.4
 LOWER, UPPER = np.full(5, -2.0), np.full(5, 2.0)
 LOWER[LOCKED] = UPPER[LOCKED] = AT

@@ -81,6 +81,7 @@ def expected(problem, q, dq):
     return good, lacks[counted].sum(), start - REACH * L >= aim
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("problem", [planar_problem, spatial_problem, panda_problem])
 def test_the_answer_is_that_of_all_distances(problem, rng):
     problem = problem(rng)

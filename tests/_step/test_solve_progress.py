@@ -148,6 +148,7 @@ class TestStalled:
         assert set(codes(falls, evaluated=False)) == {Code.CONTINUE}
         assert codes([(1.0, math.nan, 1)] * (STAGNATIONS + 1), evaluated=False)[-2:] == [Code.CONTINUE, Code.STALLED]
 
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize("options", [{"evaluated": False}, {"clearance": "some"}], ids=["every step", "clearances"])
     def test_by_cycling(self, options):
         """V alternates: no step stagnates, and none is progress."""

@@ -113,6 +113,7 @@ class TestStationary:
 class TestStepAndReport:
     """The stopping test never measures less than the report of the solution, whichever limits are active."""
 
+    @pytest.mark.thinned
     @pytest.mark.parametrize("weights", [None, np.array([1.0, 9.0, 0.25, 4.0, 1.0, 2.0, 1.0])])
     @pytest.mark.parametrize("kind", ["position", "pose"])
     def test_the_residual_of_the_step_is_at_least_that_of_the_report(self, kind, weights, rng):

@@ -79,6 +79,7 @@ def case(rng, spread):
     return p, mu, K
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize("spread", [-2.0, 0.0, 1.0, 3.0, 6.0])
 def test_it_is_given_for_minima_and_for_nothing_else(spread, rng):
     for _ in range(100):

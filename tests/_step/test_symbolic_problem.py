@@ -156,6 +156,7 @@ class TestClearances:
 class TestNearJacobian:
     """The cheaper Jacobian of attempts that a restart replaces."""
 
+    @pytest.mark.thinned
     @pytest.mark.parametrize("kind", ["position", "orientation", "pose"])
     @pytest.mark.parametrize("name", ["dh", "ball", "floating"])
     def test_it_has_the_same_gradient_and_is_the_jacobian_on_target(self, name, kind, rng):

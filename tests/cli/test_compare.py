@@ -22,6 +22,7 @@ pytest.importorskip("matplotlib")
 pytest.importorskip("rich")
 
 
+@pytest.mark.slow
 def test_the_command_prints_a_table_and_writes_files(tmp_path, capsys, monkeypatch) -> None:
     # one picture in the report; tests/study/test_html.py has all of them
     monkeypatch.setattr(html, "_figures", lambda comparison: [("Profile", comparison.plot_profile())])
@@ -97,6 +98,7 @@ def short_report(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Comparison, "to_html", lambda comparison, path: Path(path).write_text("report"))
 
 
+@pytest.mark.quick(1)
 @pytest.mark.usefixtures("short_report")
 @pytest.mark.parametrize("columns", ["80", "100", "60"])
 def test_the_table_fits_and_names_what_it_leaves_out(tmp_path, capsys, monkeypatch, columns: str) -> None:
@@ -117,6 +119,7 @@ def test_the_table_fits_and_names_what_it_leaves_out(tmp_path, capsys, monkeypat
         assert next(csv.reader(file)) == list(found.columns)
 
 
+@pytest.mark.slow
 def test_a_pipe_has_80_columns(tmp_path) -> None:
     words = [sys.executable, "-m", "jtik", *STUDY.split(), "hybrid", "damped", "--out", str(tmp_path / "r.html")]
     root = Path(jtik.__file__).parents[1]

@@ -65,6 +65,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.quick(6)
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_command_runs(command: str, folder: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
     for old, new in SHORTER:
@@ -97,6 +98,7 @@ def test_every_command_has_an_example() -> None:
     assert len(commands("README.md")) >= 6
 
 
+@pytest.mark.slow
 def test_the_problem_file_is_the_first_example_of_the_readme(folder: Path, capsys: Capture) -> None:
     """The same arm, field and criteria by hand give the same configuration."""
     from jtik_formulations import JointCentering, ObstacleAvoidance

@@ -67,6 +67,7 @@ def test_json_has_every_name_of_a_kind(capsys: Capture, kind: str) -> None:
         assert all(row["summary"] and list(row) == ["name", "summary", "source"] for row in rows)
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_kind_is_a_table_that_fits_80_columns(capsys: Capture, monkeypatch: pytest.MonkeyPatch, kind: str) -> None:
     pytest.importorskip("rich")

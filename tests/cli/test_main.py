@@ -142,6 +142,7 @@ def test_what_a_command_raises_is_one_line(
     assert err.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_a_reader_that_ends_early_is_no_error() -> None:
     root = Path(jtik.__file__).parents[1]
     path = os.pathsep.join([str(root), str(root / "formulations"), *sys.path])

@@ -74,6 +74,7 @@ def test_a_problem_file_names_it_from_its_own_folder(
         assert jtik.Robot.planar(5).position(document["q"], "link4")[1] == pytest.approx(0.4, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_processes_of_a_study_know_it(capsys: Capture, file: str, tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     study = "compare --robot planar:5 --strategies hybrid --problems reachable:2 --repeats 1 --jobs 2 --json"

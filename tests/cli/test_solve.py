@@ -137,6 +137,7 @@ def test_compiled_steps_and_another_solver_lead_to_the_same_posture(capsys: Capt
     assert solved(capsys, line, "--solver", "osqp")["q"] == pytest.approx(q, abs=1e-4)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("line", "shape"),
     [
@@ -166,6 +167,7 @@ def test_obstacles_that_nothing_takes_are_a_warning(capsys: Capture) -> None:
     assert err.count("\n") == 1
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("suffix", "more", "robot"),
     [

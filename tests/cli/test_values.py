@@ -56,6 +56,7 @@ TEXTS = {
 }
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", TEXTS)
 def test_a_target_comes_from_a_file(capsys: Capture, tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_text(TEXTS[name])

@@ -1,6 +1,6 @@
 """Clearances as hard constraints: kept along every accepted step, live, and named where they block a solve.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -60,6 +60,7 @@ def problems():
     return found
 
 
+@pytest.mark.quick(1, slow=2)
 @pytest.mark.parametrize("strategy", ["hybrid+qp", *slow("newton+qp", "transpose+qp", "damped+qp")])
 @pytest.mark.parametrize("criteria", [JointCentering(), *slow(None)], ids=["centring", "alone"])
 def test_no_accepted_step_is_closer_than_safe(strategy, criteria, problems):
@@ -146,6 +147,7 @@ def scenes(count, bodies, least, most=math.inf, seed=5):
     return found
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("bodies", "criteria"), [("links", None), pytest.param("joints", JointCentering(), marks=pytest.mark.slow)], ids=str
 )
@@ -182,6 +184,7 @@ def test_two_levels_keep_clearances_and_report_the_level_not_met():
 RECOVERING = ["hybrid+qp", "newton+qp", "weighted_qp", "lexicographic_qp"]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("strategy", ["hybrid+qp", "weighted_qp", *slow("newton+qp", "lexicographic_qp")])
 def test_a_start_too_close_is_restored_and_no_pair_comes_closer(strategy):
     ten = ten_links(strategy, None, "links")
@@ -194,6 +197,7 @@ def test_a_start_too_close_is_restored_and_no_pair_comes_closer(strategy):
         assert (ways - floor).min() >= -1e-8
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("strategy", RECOVERING)
 def test_restoration_at_the_target_does_not_lose_it(strategy):
     """On target, and too close: the null space restores the clearance before the solve converges."""
@@ -220,6 +224,7 @@ def test_the_speed_of_restoration_is_that_of_the_barrier():
     assert demanded == pytest.approx([0.5 * lacking], rel=1e-3)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("strategy", "criteria"),
     [
@@ -290,6 +295,7 @@ def test_without_restoration_a_distance_does_not_decrease(problems):
     assert min(smallest) >= gaps(q, [near]).min() - 1e-6
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("backend", ["osqp", jtik.qp.QPSolversBackend("daqp"), jtik.qp.PersistentOSQP()], ids=str)
 def test_any_back_end_restores_clearances(backend):
     arm, q = planar(5), np.array([0.4, 0.3, -0.5, -0.4, 0.3])
@@ -329,6 +335,7 @@ def test_the_barrier_form_keeps_clear_from_any_distance(problems):
     assert swept(trace) >= SAFE - ROUNDING
 
 
+@pytest.mark.slow
 def test_limits_and_clearances_together(problems):
     robot = planar(5, lower=-1.5, upper=1.5)
     ik = solver(robot, criteria=JointCentering())

@@ -34,6 +34,7 @@ def solver(strategy, *, compiled):
     )
 
 
+@pytest.mark.quick(0, slow=1)
 @pytest.mark.parametrize("strategy", ["weighted_qp", *slow("hybrid+qp")])
 def test_steps_and_statuses_are_those_of_the_virtual_machine(strategy, rng, monkeypatch):
     fast, other = solver(strategy, compiled=True), solver(strategy, compiled=False)

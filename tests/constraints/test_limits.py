@@ -1,6 +1,6 @@
 """Limits: what is accepted, and what holds along a path of steps by any strategy.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -73,6 +73,7 @@ def test_every_strategy_keeps_all_three_limits_step_by_step(strategy, arm):
     assert (np.abs(np.diff(speeds, axis=0)) / DT > 0.99 * np.array([3, 6, 9, 12])).any()  # and the limits did bind
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("strategy", ["hybrid", "newton+qp", "weighted_qp", "mink"])
 def test_track_keeps_all_three_limits_from_rest(strategy, arm):
     q0, acceleration = np.array([0.5, -0.4, 0.9, 0.3]), 5.0
@@ -209,6 +210,7 @@ class TestStep:
             assert ((arm.lower <= step.q) & (step.q <= arm.upper)).all()
             q, speed = step.q, after
 
+    @pytest.mark.slow
     def test_generated_c_is_the_same(self, arm):
         options = {"criteria": JointCentering(), "limits": jtik.Limits(acceleration=5.0)}
         ways = [solver(arm, **options), solver(arm, compiled=True, **options)]
@@ -235,6 +237,7 @@ class TestStep:
         assert ways[0].step(q, [2.0, 2.0], dt=DT).q.tolist() == ways[1].step(q, [2.0, 2.0], dt=DT).q.tolist()
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("robot", [ball_arm, floating_arm])
 @pytest.mark.parametrize("strategy", ["hybrid", "weighted_qp"])
 def test_ball_and_free_joints_keep_speed_and_acceleration_too(robot, strategy, rng):

@@ -1,6 +1,6 @@
 """Bounds of a step's motion: valid on every path of every robot, whatever limits hold, and so are the clearances.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -36,6 +36,7 @@ def bounds(robot, q, dq=None):
     return numbers(MotionBound(robot, casadi.SX(q)).lever_arms(dq))
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", [0, 1, 2, *slow(3, 4, 5)])
 def test_no_frame_moves_farther_than_its_bound(seed):
     """By differences along the path of a displacement, in kinematics of its own."""
@@ -181,6 +182,7 @@ LIMITS = {
 RODS = [(limits, before) for limits in LIMITS for before in (JointType.REVOLUTE, JointType.BALL, JointType.FREE)]
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(
     ("limits", "before", "mimic"),
     [
@@ -229,6 +231,7 @@ def test_a_rod_that_is_far_out_does_not_jump_over_a_sphere(before, limits, mimic
 CASES = [(seed, strategy) for seed in range(8) for strategy in ("weighted_qp", "hybrid+qp")]
 
 
+@pytest.mark.quick(1, slow=4)
 @pytest.mark.parametrize(
     ("seed", "strategy"), [pytest.param(*case, marks=pytest.mark.slow if case[0] >= 2 else ()) for case in CASES]
 )

@@ -38,6 +38,7 @@ def passed(strategy, criteria, seed):
     return max(errors), min(distances)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("strategy", ["hybrid+qp", "damped+qp", "weighted_qp", "lexicographic_qp"])
 @pytest.mark.parametrize("seed", [0, *slow(1, 2)])
 def test_the_end_effector_stays(strategy, seed):
@@ -46,6 +47,7 @@ def test_the_end_effector_stays(strategy, seed):
     assert distance > SAFE
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("strategy", ["hybrid+qp", "lexicographic_qp"])
 def test_beside_a_criterion(strategy):
     error, distance = passed(strategy, 0.1 * JointCentering(), 0)

@@ -56,6 +56,7 @@ ROBOTS = {
 }
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_the_smoothed_distance_is_at_most_so_far_below_its_chord(robot, seed):

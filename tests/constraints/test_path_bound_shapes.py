@@ -97,6 +97,7 @@ EVERY = [*((kind, 2) for kind in PLANAR), *((kind, 3) for kind in SPATIAL)]
 QUICK = [*((kind, 2) for kind in PLANAR), ("box", 3)]
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(
     ("kind", "dimension"),
     [pytest.param(*case, marks=[] if case in QUICK else pytest.mark.slow) for case in EVERY],
@@ -131,6 +132,7 @@ def test_a_step_that_is_judged_safe_is_safe_on_its_whole_path(kind, dimension, r
     assert refused > 0
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize(("kind", "dimension"), EVERY)
 def test_an_obstacle_that_is_absent_constrains_nothing(kind, dimension, rng):
     judged = Judged(kind, dimension)
@@ -184,6 +186,7 @@ def test_the_radius_of_a_body_makes_longer_steps_safe(rng):
     assert found["shapes"] == [0.2]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("strategy", ["weighted_qp", "hybrid+qp"])
 @pytest.mark.parametrize("influence", [0.3, np.inf])
 def test_a_clearance_gains_and_loses_obstacles_while_in_use(strategy, influence):

@@ -28,6 +28,7 @@ ROUNDING = 1e-9
 ROBOTS = {"planar": lambda rng: planar(4), "spatial": lambda rng: dh_arm(6, 1), "tree": lambda rng: tree(rng, 6)}
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", [0, *slow(1, 2)])
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_the_smoothed_distance_of_two_moving_points_is_at_most_so_far_below_its_chord(robot, seed):
@@ -95,6 +96,7 @@ def smallest_distances(robot, q, pairs):
     return np.min(found, axis=0)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["planar", "spatial", *slow("panda")])
 def test_a_step_that_is_judged_safe_is_safe_on_its_whole_path(name, rng):
     """The safe distance is near the smallest one on the path, or between it and the smallest one at the samples."""
@@ -149,6 +151,7 @@ def swept(judge, trace):
     return smallest
 
 
+@pytest.mark.quick(0, slow=2)
 @pytest.mark.parametrize(
     ("criteria", "count"),
     [
@@ -193,6 +196,7 @@ def test_a_pair_whose_gain_is_zero_blocks_nothing():
     assert not solution.active_clearances
 
 
+@pytest.mark.slow
 def test_bodies_that_overlap_at_the_start_are_separated():
     robot, judge, _ = problems(12)
     clearance = jtik.Clearance(SelfCollision(), safe=SAFE)

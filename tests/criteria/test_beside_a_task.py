@@ -36,6 +36,7 @@ and all strategies: benchmarks/criteria_matrix.py."""
 QUICK = ("manipulability volume", "support_polygon")
 
 
+@pytest.mark.quick(1)
 @pytest.mark.thinned
 @pytest.mark.parametrize(
     ("name", "robot"),
@@ -50,6 +51,7 @@ def test_derivatives(name, robot):
     assert_derivatives(CASES[name](body), body)
 
 
+@pytest.mark.quick(8)
 @pytest.mark.parametrize("name", CASES)
 def test_it_is_pickled(name):
     body = ROBOTS["panda"]()

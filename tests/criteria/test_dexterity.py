@@ -38,6 +38,7 @@ def damped_values(J, damping=DAMPING):
 ROBOTS = {"planar": lambda: planar(5), "dh": lambda: dh_arm(7, 1), "panda": panda, "short": lambda: dh_arm(3, 2)}
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(
     ("name", "kind"),
     [
@@ -195,6 +196,7 @@ def test_the_direction_is_live_and_of_any_length(measure, rng):
     assert np.isfinite(criterion.gradient(q, robot, direction=[0.0, 0.0])).all()
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("criterion", ALL)
 @pytest.mark.parametrize("damping", [1e-3, 1e-300])
 def test_finite_at_singular_poses_with_any_damping(criterion, damping):

@@ -26,6 +26,7 @@ NAMES = sorted(jtik.criteria)
 QUICK = {(("planar", "ball")[row % 2], name) for row, name in enumerate(NAMES)}
 
 
+@pytest.mark.quick(5)
 @pytest.mark.thinned
 @pytest.mark.parametrize(
     ("robot", "name"),

@@ -97,6 +97,7 @@ def nearest(robot, q, center):
     return min(np.linalg.norm(robot.position(q, frame) - center) for frame in robot.moving_frames)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["planar", "dh", "ball"])
 def test_a_step_against_the_gradient_increases_the_distance(name, rng):
     robot = {"planar": planar(4), "dh": dh_arm(6, 2), "ball": ball_arm()}[name]
@@ -150,6 +151,7 @@ def test_the_hessian_jumps_where_the_closest_point_leaves_the_end_of_a_link(bodi
     assert (abs(below - above) < 1e-2) == smooth
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("depth", [1e-9, 1e-4, 0.1, 0.49])
 @pytest.mark.parametrize("bodies", ["joints", "links", "both"])
 def test_inside_an_obstacle_the_force_is_finite_and_points_outwards(depth, bodies):
@@ -189,6 +191,7 @@ def test_an_obstacle_exactly_on_a_joint_is_finite_and_the_solve_ends(bodies, rad
     assert solution.status is not jtik.Status.NOT_FINITE
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("name", ["dh", "ball"])
 @pytest.mark.parametrize("bodies", ["joints", "links", "both"])
 def test_spheres_in_space(name, bodies, rng):
@@ -280,6 +283,7 @@ def potential(distance, floor):
     return -np.log(max(distance, floor)) + below + below**2 / 2
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("floor", [0.01, 0.1])
 def test_below_the_floor_the_logarithm_goes_on_as_its_second_order_expansion(floor):
     robot = planar(2)

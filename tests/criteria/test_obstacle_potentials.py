@@ -96,6 +96,7 @@ def test_a_gain_counts_like_that_many_obstacles(rng):
         assert kind(jtik.Scene([circle], [3.0]), bodies="links")(q, robot) == pytest.approx(three, rel=1e-12)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("kind", CLASSES)
 def test_absent_obstacles_have_no_part_in_it(kind, rng):
     robot = planar(3)
@@ -109,6 +110,7 @@ def test_absent_obstacles_have_no_part_in_it(kind, rng):
     assert both.gradient(q, robot) == pytest.approx(kind(other, bodies="links").gradient(q, robot), rel=1e-9, abs=1e-12)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("kind", CLASSES)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_gradients_with_every_shape_agree_with_differences(kind, dimension, rng):
@@ -129,6 +131,7 @@ def test_gradients_with_every_shape_agree_with_differences(kind, dimension, rng)
     assert agreeing > 2
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("kind", CLASSES)
 def test_each_measures_for_a_clearance(kind):
     """The arm turns towards a box, and stops in front of it."""

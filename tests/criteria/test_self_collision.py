@@ -37,6 +37,7 @@ def distances(robot, criterion, q):
     return measured(robot, criterion)(q, np.ones(len(criterion.pairs(robot))))[0].full()[:, 0]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["panda", "ur5e", "iiwa14"])
 def test_distances_are_those_of_mujocos_capsules(name, rng):
     robot, criterion = jtik.Robot.builtin(name), SelfCollision()
@@ -93,6 +94,7 @@ class TestValue:
 
 
 class TestDerivatives:
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize("robot", [ball_arm, lambda: planar(8), *slow(panda, lambda: dh_arm(6, 3))])
     def test_the_gradient_is_that_of_differences(self, robot):
         check_criterion(SelfCollision(influence=0.3), robot(), samples=10)

@@ -25,6 +25,7 @@ class TestDecorator:
         assert link_height.name == "link_height"
         assert link_height.__doc__.startswith("Squared distance of the third joint's y")
 
+    @pytest.mark.quick(2)
     @pytest.mark.parametrize("strategy", STRATEGIES)
     def test_it_is_minimised_by_every_strategy(self, strategy):
         robot = planar(5)

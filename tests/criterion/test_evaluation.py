@@ -225,6 +225,7 @@ class TestCache:
         gc.collect()
         assert len(self.entries(robot)) == 0
 
+    @pytest.mark.slow
     def test_an_entry_goes_with_its_robot(self):
         robot, criterion = jtik.Robot.planar(4), JointCentering()
         criterion(Q, robot), criterion.gradient(Q, robot)

@@ -143,6 +143,7 @@ class TestSecondDerivatives:
     def test_criteria_without_residuals_have_none(self):
         assert CriterionTerms.of(planar(3), near_point_squared).least_squares() is None
 
+    @pytest.mark.quick(2)
     @pytest.mark.parametrize("strategy", STRATEGIES)
     def test_every_strategy_finds_a_minimum_of_it(self, strategy):
         """Task and Jacobian are those of the solver, H and its gradient written out again."""

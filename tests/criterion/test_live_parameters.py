@@ -43,6 +43,7 @@ def walk(ik):
     return q
 
 
+@pytest.mark.quick(2, slow=5)
 @pytest.mark.parametrize("strategy", STRATEGIES)
 def test_nothing_is_compiled_when_a_parameter_a_weight_or_a_target_changes(strategy, monkeypatch):
     """Between steps, and between solves; the answers are those of solvers built with these values."""

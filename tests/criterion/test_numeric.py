@@ -74,10 +74,13 @@ class TestValuesAndDerivatives:
         assert isinstance(criterion(aim=1.0), jtik.Criterion)
         assert criterion(aim=1.0)(q, robot) == pytest.approx(elbow_traced(q, robot, aim=1.0), rel=EXACT)
 
+    @pytest.mark.slow
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize("criterion", [elbow, elbow_with_gradient])
     def test_it_fulfils_the_contract(self, criterion):
         check_criterion(criterion, planar(5), samples=2)
 
+    @pytest.mark.slow
     def test_on_a_ball_joint_the_derivatives_follow_rotations(self, rng):
         robot = jtik.Robot(
             [
@@ -109,6 +112,7 @@ class TestValuesAndDerivatives:
 
 
 class TestSolves:
+    @pytest.mark.quick(3, slow=6)
     @pytest.mark.parametrize("strategy", [*STRATEGIES, "hybrid+qp", "hybrid+second_order"])
     def test_every_strategy_solves_as_with_the_traced_criterion(self, strategy):
         options = {"q0": Q0, "max_iterations": 3000, "position_tolerance": 1e-4, "optimality_tolerance": 1e-4}
@@ -119,6 +123,7 @@ class TestSolves:
             assert found.position_error <= 1e-4 or strategy == "weighted_qp"
             assert found.cost == pytest.approx(expected.cost, rel=1e-4)
 
+    @pytest.mark.slow
     def test_the_minimum_is_recognised(self):
         solution = new_solver(planar(5), elbow, "hybrid+second_order").solve(TARGET, q0=Q0)
         expected = solver(planar(5), elbow_traced, "hybrid+second_order").solve(TARGET, q0=Q0)
@@ -130,6 +135,7 @@ class TestSolves:
         expected = new_solver(planar(5), 0.5 * elbow_traced + JointCentering()).solve(TARGET, q0=Q0)
         assert found.q == pytest.approx(expected.q, abs=1e-6)
 
+    @pytest.mark.slow
     def test_step_track_trace_and_batch(self):
         ik, traced = new_solver(planar(5), elbow), solver(planar(5), elbow_traced)
         assert ik.step(Q0, TARGET, dt=0.01).q == pytest.approx(traced.step(Q0, TARGET, dt=0.01).q, abs=1e-9)
@@ -158,6 +164,7 @@ class TestSolves:
         assert cheaper.evaluations < new_solver(planar(5), elbow).solve(TARGET, q0=Q0).evaluations / 3
         assert solver(planar(5), elbow_traced).solve(TARGET, q0=Q0).evaluations == 0
 
+    @pytest.mark.slow
     def test_copies_and_pickles(self):
         ik, options = new_solver(planar(5), elbow), {"q0": Q0, "max_iterations": 8}
         expected = ik.solve(TARGET, **options).q
@@ -168,6 +175,7 @@ class TestSolves:
             found = list(pool.map(lambda each: each.solve(TARGET, **options).q.tolist(), twins))
         assert found == [expected.tolist()] * 4
 
+    @pytest.mark.slow
     def test_in_a_study(self):
         study = jtik.compare(
             planar(5),
@@ -284,6 +292,7 @@ class Square(casadi.Callback):
 
 
 class TestCallbacks:
+    @pytest.mark.quick(2)
     @pytest.mark.parametrize("strategy", ["hybrid", "newton+qp", "hybrid+second_order", "lexicographic_qp"])
     def test_a_callback_of_ones_own(self, strategy):
         square = Square(derivatives=True)
@@ -320,6 +329,8 @@ def _calling(function):
     return jtik.criterion(called)
 
 
+@pytest.mark.slow
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("interruption", [KeyboardInterrupt, SystemExit])
 def test_what_interrupts_a_function_reaches_the_caller(interruption):
     """Ctrl-C, or sys.exit, while a numeric function runs; the solver can be used afterwards."""

@@ -42,6 +42,7 @@ SAMPLE = [
 ]
 
 
+@pytest.mark.quick(2, slow=5)
 @pytest.mark.parametrize("cell", SAMPLE)
 def test_a_solve_from_a_feasible_start_ends_as_it_should(matrix, cell):
     found = matrix.outcome(*cell, starts=1)

@@ -92,6 +92,7 @@ def crossing(strategy, sweeps):
     return np.mean(errors), smallest
 
 
+@pytest.mark.quick(0, slow=2)
 @pytest.mark.parametrize(
     ("strategy", "sweeps"),
     [

@@ -55,11 +55,13 @@ def share_reached(robot):
     return reached / POSES
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize("name", gallery.names())
 def test_built_in_arms_reach_poses_around_home(name):
     assert share_reached(jtik.Robot.builtin(name)) >= 0.99
 
 
+@pytest.mark.quick(3, slow=6)
 @pytest.mark.filterwarnings("ignore:.*negative principal moment")  # TIAGo: antennas
 @pytest.mark.filterwarnings("ignore:.*its limits, 0 to 0.548, are not kept")  # PR2: followers with the other sign
 @pytest.mark.robots

@@ -14,6 +14,7 @@ CLOSE = 1e-8
 """Tolerance of distances outside [m]; coal's own tolerance is set far below."""
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("kind", SPATIAL)
 def test_every_pair_of_shapes(kind, rng):
     """Coal does not converge for one in a thousand capsules beside a cylinder: these differ by far more."""
@@ -29,6 +30,7 @@ def test_every_pair_of_shapes(kind, rng):
     assert np.quantile(differences, share) < CLOSE
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("kind", ["ball", "capsule", "box", "half_space"])
 def test_the_depth_of_penetration(kind, rng):
     compared = 0

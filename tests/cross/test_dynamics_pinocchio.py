@@ -72,6 +72,7 @@ def assert_same(robot, model, q, *, center=True):
         assert error <= AGREEMENT, f"{what} differs by {error:.3g}"
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(("file", "free"), FILES.values(), ids=FILES)
 def test_robot_files(file, free, rng):
     robot = jtik.Robot.from_urdf(path_of(file), free_base=free)
@@ -126,6 +127,7 @@ def pinocchio_model(robot):
     return model
 
 
+@pytest.mark.quick(4, slow=8)
 @pytest.mark.parametrize("seed", [*range(12), *slow(*range(12, 30))])
 def test_random_trees(seed):
     """Revolute, prismatic, ball and mimic joints in every order, planar ones in between, and lengths up to 1 km."""

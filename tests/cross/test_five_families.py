@@ -70,6 +70,7 @@ def test_hybrid_needs_fewest_and_transpose_most_iterations():
     assert newton >= hybrid
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("strategy", ["transpose", "newton"])
 @pytest.mark.parametrize("family", DOGLEG_MEDIAN)
 def test_V_never_rises_with_backtracking(family, strategy):

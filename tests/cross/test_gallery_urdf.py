@@ -131,6 +131,7 @@ def robot(entry):
     return jtik.Robot.builtin(entry.name)
 
 
+@pytest.mark.quick(2)
 def test_all_frames_and_jacobians_agree(entry, described, robot):
     generator = np.random.default_rng(11)
     for _ in range(20):
@@ -169,6 +170,7 @@ def outside(points, capsule):
     return np.linalg.norm(points - capsule.start - share[:, None] * along, axis=1) - capsule.radius
 
 
+@pytest.mark.quick(1)
 def test_the_solids_hold_the_meshes_of_the_links(entry, described, robot):
     share = next(parent for parent in described.path.parents if parent.name == "example-robot-data").parent
     kind = pin.GeometryType.COLLISION if entry.meshes == "COLLISION" else pin.GeometryType.VISUAL

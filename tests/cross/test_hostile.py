@@ -23,7 +23,7 @@ from jtik.progress import watched
 
 from .hostile import LEAKAGE, Setup, answers, leaking, off_target, problem, setup, solved, stepped, strategies, too_near
 
-PROBLEMS = 25
+PROBLEMS = 12
 """Problems of each slow test, on one random robot: building a solver takes longer than dozens of its solves."""
 
 QUICK = ("hybrid", "sns_qp", "newton+second_order", "weighted_qp")
@@ -49,6 +49,7 @@ def findings(strategy: str, number: int, count: int, seed: int = 0) -> list[str]
     ]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("strategy", QUICK)
 def test_a_few_hostile_problems(strategy):
     found = findings(strategy, 0, 4)
@@ -116,6 +117,7 @@ class TestJudgement:
         record[layout["null_space"]] += 1e6 * LEAKAGE * J / np.linalg.norm(J)
         assert leaking(case)
 
+    @pytest.mark.slow
     def test_a_step_that_is_too_fast(self, case, given):
         assert any(kind == "velocity" for kind, _ in stepped(replace(case, speed=(1e-9, None)), given))
         assert any(kind == "acceleration" for kind, _ in stepped(replace(case, speed=(9.0, 1e-9)), given))

@@ -163,6 +163,7 @@ def oracle_of(humanoid):
     return Oracle(humanoid)
 
 
+@pytest.mark.quick(1, slow=2)
 @pytest.mark.parametrize(
     ("humanoid", "feet", "strategy", "criteria"),
     [
@@ -200,6 +201,7 @@ def test_a_distant_posture_is_found_by_restarts():
         check(TALOS, ik, oracle, targets, solution)
 
 
+@pytest.mark.slow
 def test_a_hand_out_of_reach_is_reported():
     robot, oracle = TALOS.robot, oracle_of(TALOS)
     ik = shared_solver(robot, TALOS.tasks(feet=True), joints="all")

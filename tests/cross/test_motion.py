@@ -3,7 +3,7 @@
 Accelerations are second differences of q. Progress is compared with a linear program on the Jacobian in closed form.
 The figures of all cases, and of more of them, are those of benchmarks/motion.py.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -92,6 +92,7 @@ def cosine(dt, duration=1.5):
     return np.outer(0.15 * (1 - np.cos(2 * np.pi * t / 3)), [0, 1, 0])
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("strategy", families_first(FOLLOWING, large=False))
 @pytest.mark.parametrize(("dt", "limit"), [(0.02, 10.0), pytest.param(0.002, 50.0, marks=pytest.mark.slow)])
 def test_a_path_under_acceleration_limits_is_quiet(strategy, dt, limit):
@@ -107,6 +108,7 @@ def test_a_path_under_acceleration_limits_is_quiet(strategy, dt, limit):
         assert errors(ik, path[1:], targets).max() <= 2e-5, way
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("strategy", families_first([*FOLLOWING, "transpose"], large=False))
 def test_outside_the_workspace_the_arm_does_not_shake(strategy):
     arm, dt = jtik.Robot.builtin("ur5e"), 0.02
@@ -125,6 +127,7 @@ def test_outside_the_workspace_the_arm_does_not_shake(strategy):
 SMOOTH = [name for name in FOLLOWING if name not in JUMPING_WEIGHTS]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("strategy", "limit", "dt"),
     [
@@ -211,6 +214,7 @@ NULL_SPACE_FIRST = ("hybrid+qp",)
 """The others are tested slowly."""
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("strategy", "limit"),
     [
@@ -272,6 +276,7 @@ def largest_share(J, wanted, limit):
     return linprog([*[0.0] * n, -1.0], A_eq=equal, b_eq=np.zeros(len(wanted)), bounds=bounds).x[-1]
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("strategy", large_ones_slow(COMPOSED))
 @pytest.mark.parametrize("links", [4, *slow(7)])
 def test_random_states_make_the_progress_that_is_feasible_in_the_direction_of_the_task(strategy, links, rng):

@@ -77,7 +77,7 @@ def problems(robot, count):
     return [(start, robot.pose(goal)) for start, goal in pairs]
 
 
-@pytest.mark.slow
+@pytest.mark.quick(0, slow=2)
 @pytest.mark.parametrize("arm", ARMS)
 def test_at_least_as_often_as_a_plain_damped_loop_that_wraps(arm):
     robot = ARMS[arm]()

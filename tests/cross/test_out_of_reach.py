@@ -1,6 +1,6 @@
 """Targets out of reach, near and far: the closest posture, by SciPy, and a status that says so.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -98,6 +98,7 @@ def test_within_limits_it_ends_where_scipy_ends(strategy, factor):
         assert np.linalg.norm(robot.position(solution.q) - closest(robot, target, solution.q)) < 4e-3
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("strategy", [*ELSEWHERE])
 def test_the_others_do_not_claim_it(strategy):
     """A status is of the configuration, whatever the strategy: "out of reach" only at the closest posture."""
@@ -109,6 +110,7 @@ def test_the_others_do_not_claim_it(strategy):
         assert (solution.status is jtik.Status.LOCAL_MINIMUM) <= (off < 4e-3)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("factor", [1.5, 10.0, 1e9])
 @pytest.mark.parametrize("kind", ["position", "pose"])
 @pytest.mark.parametrize("strategy", large_ones_slow(["hybrid", "damped", "weighted_qp"]))
@@ -153,6 +155,7 @@ def turned(robot, q, angle):
     return robot.integrate(q, turn)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("strategy", ["hybrid", "damped"])
 @pytest.mark.parametrize("name", ["ur5", "panda"])
 def test_the_orientation_of_a_distant_pose_is_the_nearest(name, strategy):
@@ -180,6 +183,7 @@ def angle_between(one, other):
     return np.linalg.norm(Rotation.from_matrix(one[:3, :3].T @ other[:3, :3]).as_rotvec())
 
 
+@pytest.mark.quick(1, slow=5)
 @pytest.mark.parametrize("kind", ["position", "pose"])
 @pytest.mark.parametrize(
     "strategy", ["hybrid", "damped", *slow(*(name for name in POSES if name not in ("hybrid", "damped")))]
@@ -234,6 +238,7 @@ def test_early_ends_and_folded_arms_are_not_called_out_of_reach():
     assert solver.solve((-4e4, 0.0), q0=folded, max_iterations=0).status is not jtik.Status.LOCAL_MINIMUM
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("strategy", ["hybrid", "newton", "damped_constant", "task_priority", "transpose"])
 def test_a_solve_that_says_stalled_is_not_at_a_stationary_point(strategy):
     """SciPy goes on from there, as far as rounding allows to see."""

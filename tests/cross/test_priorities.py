@@ -1,6 +1,6 @@
 """Position above orientation on an arm of five joints: the constrained optimum by SciPy, the status and the report.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -122,7 +122,7 @@ def test_a_highest_level_out_of_reach_is_said_where_it_is_and_nowhere_else(facto
     assert said[3] == 0
 
 
-@pytest.mark.slow
+@pytest.mark.quick(0, slow=2)
 @pytest.mark.parametrize("factor", [1.5, 10.0, 1e3, 1e9])
 def test_within_limits_a_solve_of_levels_out_of_reach_comes_to_rest(factor):
     """It ends where the position alone is closest, at limits, and no turn beside that position is nearer."""

@@ -94,6 +94,7 @@ def planar_problems(limit, count, seed=0):
             yield q0, planar_points(goal)[-1]
 
 
+@pytest.mark.quick(0, slow=1)
 @pytest.mark.parametrize("limit", [0.8, *slow(np.inf, 0.25)])
 def test_ten_links_with_centering_and_obstacles_are_optimal(limit):
     ik = planar_solver(limit)
@@ -154,6 +155,7 @@ def test_jtik_and_slsqp_agree_on_a_convex_problem():
             assert solution.cost == pytest.approx(other.fun, abs=SAME)
 
 
+@pytest.mark.quick(1, slow=2)
 @pytest.mark.parametrize("kind", ["position", "pose"])
 @pytest.mark.parametrize("limit", [1.2, *slow(np.inf)])
 def test_a_spatial_arm_is_optimal(kind, limit):

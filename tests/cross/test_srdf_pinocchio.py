@@ -47,6 +47,7 @@ def loaded(name):
         return jtik.Robot.from_urdf(urdf, srdf=srdf)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", PAIRS)
 def test_the_same_pairs_are_disabled(name):
     urdf, srdf, packages = located(name)
@@ -71,6 +72,7 @@ def test_the_same_pairs_are_disabled(name):
     assert not kept & removed
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["panda", "xarm7", "talos"])
 def test_the_same_states_are_keyframes(name):
     urdf, srdf, _ = located(name)

@@ -9,7 +9,7 @@ Nothing raises, nothing is NaN, and limits and clearances hold at every configur
 independent kinematics: planar chains in closed form, Denavit-Hartenberg tables of the manufacturers in space, NumPy's
 SVD, and SciPy's bounded least squares.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -545,6 +545,7 @@ def test_quick_cases_have_every_arm_every_criterion_and_clearances():
     assert any(case.clear for case in quick)
 
 
+@pytest.mark.quick(10)
 @pytest.mark.parametrize(("strategy", "backend", "cases"), list(parts(PAIRS)))
 def test_solutions_are_correct_and_within_limits(strategy, backend, cases):
     unsolved, found = 0, []

@@ -132,6 +132,7 @@ def test_the_file_that_is_not_a_robot_is_refused():
         jtik.Robot.from_urdf(path)
 
 
+@pytest.mark.quick(8, slow=20)
 @pytest.mark.filterwarnings("ignore:.*its limits, 0 to 0.548, are not kept")  # PR2: followers with the other sign
 @pytest.mark.parametrize(
     "path", [path if path in LARGEST else pytest.param(path, marks=pytest.mark.slow) for path in ROBOTS], ids=named
@@ -217,6 +218,7 @@ def test_all_links_agree_with_mujoco_where_it_accepts_the_file(paths, least):
     assert taken >= least
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     "path", [path for path in ROBOTS if path.stem in ("talos_reduced", "g1_29dof_rev_1_0")], ids=named
 )

@@ -77,6 +77,7 @@ def test_a_step_is_minks(rng):
     assert active  # some joints were as fast as they may be
 
 
+@pytest.mark.slow
 def test_with_the_logarithm_as_error_a_step_is_that_of_minks_own_frame_task(rng):
     """A whole pose, with the task that a user of mink writes; with separate errors the step is another one."""
     model = mujoco.MjModel.from_xml_string(LIMITED)

@@ -18,6 +18,8 @@ from jtik.demo.measure import clearances, follow_path
 from jtik.demo.report import strategy_table
 from jtik.demo.scene import Scene
 
+pytestmark = pytest.mark.slow
+
 matplotlib = pytest.importorskip("matplotlib")
 image = pytest.importorskip("PIL.Image")
 console = pytest.importorskip("rich.console")
@@ -176,6 +178,7 @@ def few_strategies(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(demo, "strategies", ("hybrid",))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("few_strategies")
 def test_the_command_runs_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -189,6 +192,7 @@ def test_the_command_runs_it(
     assert (out / "results.json").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("few_strategies")
 def test_without_a_console_nothing_is_printed(
     tmp_path: Path, result: demo.DemoResult, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

@@ -19,6 +19,7 @@ AXIS = 1e-6
 """Distance of a body from the axis of a ball or capsule below which the normal is not judged."""
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize(("kind", "dimension"), EVERY)
 def test_moved_along_its_normal_a_body_gains_that_distance(kind, dimension, rng):
     """The gradient is finite everywhere, and that of a translation is a unit vector away from the obstacle."""
@@ -40,6 +41,7 @@ def test_moved_along_its_normal_a_body_gains_that_distance(kind, dimension, rng)
             assert abs(there - d) <= h * (1 + 1e-6) + 1e-9  # it changes no faster than the body moves
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize(("kind", "dimension"), EVERY)
 def test_the_gradient_agrees_with_differences(kind, dimension, rng):
     """Where both one-sided differences agree, so that no kink is near."""
@@ -165,6 +167,7 @@ def test_corners_that_are_repeated_change_nothing():
         assert distance(triangle, np.array(point, dtype=float))[0] == pytest.approx(expected, abs=EXACT)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("radius", [1e-6, 0.1, 1e6])
 @pytest.mark.parametrize("across", [(0.0, 0.0, 0.01), (0.3, 0.0, 0.0)])
 @pytest.mark.parametrize("along", [(0.0, -1e-6, 0.0), (0.0, 1.0, 0.0)])

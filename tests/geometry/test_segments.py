@@ -71,6 +71,7 @@ def some_ends(rng, kind, dimension):
 KINDS = ("skew", "parallel", "in line", "crossing", "a point", "points", "one point")
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize("kind", KINDS)
 def test_it_is_the_smallest_distance_of_their_points_and_its_derivatives_are_finite(evaluated, kind, rng):
     function, dimension = evaluated
@@ -86,6 +87,7 @@ def test_it_is_the_smallest_distance_of_their_points_and_its_derivatives_are_fin
             assert np.isfinite(hessian.full()).all()
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("exponent", range(-16, -2, 2))
 def test_it_is_accurate_for_segments_that_are_nearly_parallel(exponent, rng):
     ends = casadi.SX.sym("ends", 12)
@@ -173,6 +175,7 @@ def test_near_parallel_segments_the_gradient_has_length_one(rng):
             assert rate == pytest.approx(1, abs=1e-4)
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("kind", KINDS)
 def test_many_at_once_are_as_far_apart_as_one_by_one(kind, rng):
     given = np.array([some_ends(rng, kind, 3) for _ in range(200)])

@@ -25,6 +25,7 @@ def scene_of(dimension, rng, count=2):
     return [found[i] for i in rng.permutation(len(found))]
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("bodies", ["joints", "links", "both"])
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_a_scene_in_slots_is_the_scene_itself(dimension, bodies, rng):
@@ -138,6 +139,7 @@ SQUARE = [0, 0, 1, 0, 1, 1, 0, 1]
 TRIANGLE = [0, 0, 1, 0, 0, 1, 0, 1]
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize(
     ("dimension", "parameter", "wrong", "right"),
     [

@@ -26,6 +26,7 @@ def to_segment(point, body):
     return np.linalg.norm(body[0] + share * along - point)
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize(("kind", "dimension"), EVERY)
 def test_both_points_are_on_their_surfaces_and_the_distance_apart(kind, dimension, rng):
     apart = 0
@@ -44,6 +45,7 @@ def test_both_points_are_on_their_surfaces_and_the_distance_apart(kind, dimensio
     assert apart > 1
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("kind", SPATIAL)
 def test_they_are_those_of_coal(kind, rng):
     from .coal_distances import coal, frame_along, in_coal

@@ -66,6 +66,7 @@ ROBOTS = {
 }
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("name", ROBOTS)
 def test_every_frame_is_a_body_at_the_same_pose_with_the_same_jacobian(name, rng):
     robot = ROBOTS[name]()

@@ -53,6 +53,7 @@ def arm(pitch=0.3):
     )
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("pitch", [0.3, math.pi / 2, -math.pi / 2, math.pi / 2 - 1e-7])
 def test_written_and_read_back(pitch, rng):
     """Also where roll and yaw are rotations about the same axis."""
@@ -100,6 +101,7 @@ def test_one_chain_of_a_tree():
     assert again.pose(reordered) == pytest.approx(robot.pose(q), abs=EXACT)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", ["panda", "ur5e", "jaco2", "vehicle_panda", "planar10"])
 def test_pinocchio_reads_the_same_robot(name, rng):
     pinocchio = pytest.importorskip("pinocchio")

@@ -26,6 +26,7 @@ def claims(script):
     return script("claims")
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", [*(name for name in NAMES if name not in LONG), *slow(*LONG)])
 def test_every_statement_holds_and_every_number_is_as_expected_in_a_quick_run(name, claims):
     report = claims.SCRIPTS[name].run(quick=True)
@@ -85,6 +86,7 @@ def test_verdicts_are_from_a_fixed_list(claims):
     assert {row["verdict"] for row in claims.listed()["claim"]} <= allowed
 
 
+@pytest.mark.slow
 def test_the_figure_is_drawn(script, tmp_path, monkeypatch):
     figure = script("figure_2_2")
     monkeypatch.setattr(figure, "TARGETS", figure.FEW)
@@ -148,6 +150,7 @@ class TestComparison:
         assert "share is 60, expected 50" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_script_runs_from_the_command_line(tmp_path):
     command = [sys.executable, str(FOLDER / "curvature.py"), "--quick", "--out", str(tmp_path)]
     run = subprocess.run(command, capture_output=True, text=True, check=False, cwd=FOLDER.parents[1])

@@ -36,6 +36,7 @@ def test_by_default_it_is_the_arm_of_the_paper_in_front_of_a_field() -> None:
         assert setup.dt == pytest.approx(1 / 60)
 
 
+@pytest.mark.slow
 def test_a_spatial_robot_is_guided_in_its_pose_and_with_its_limits() -> None:
     planner = made(jtik.Robot.builtin("panda"))
     joints = planner.loop.setup.robot["joints"]
@@ -68,6 +69,7 @@ def test_the_loop_runs_in_a_thread_of_its_own() -> None:
     assert not [thread for thread in threading.enumerate() if thread.name == "jtik planner"]
 
 
+@pytest.mark.slow
 def test_what_is_recorded_is_in_a_folder_from_the_first_second_on(tmp_path: Path) -> None:
     with made(folder=tmp_path) as planner:
         planner.loop.submit(Record())
@@ -141,6 +143,7 @@ def test_an_unknown_name_is_named(arguments: dict) -> None:
         made(**arguments)
 
 
+@pytest.mark.slow
 def test_a_session_killed_before_anything_was_done_is_not_offered(tmp_path) -> None:
     now = [0.0]
     planner = made(folder=tmp_path, clock=lambda: now[0])

@@ -66,6 +66,7 @@ def _refuse():
     raise ArgumentError("argument", "a value that is accepted", "nothing to test")
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("name", CALLS)
 @pytest.mark.parametrize("value", WRONG, ids=[type(each).__name__ for each in WRONG])
 def test_a_wrong_argument_is_refused(name, value, tmp_path, monkeypatch):

@@ -64,6 +64,7 @@ def test_frames_between_rows_are_on_straight_lines_in_joint_space(
     np.testing.assert_allclose(frames[1::2], (trajectory.q[1:] + trajectory.q[:-1]) / 2, atol=1e-12)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("speed", [1.0, 2.0])
 def test_an_animation_takes_the_time_of_the_trajectory(
     ik: jtik.InverseKinematics, trajectory: jtik.Trajectory, tmp_path, speed: float
@@ -78,6 +79,7 @@ def test_an_animation_takes_the_time_of_the_trajectory(
     assert sum(durations[:-1]) / 1000 == pytest.approx(trajectory.times[-1] / speed, abs=0.051)
 
 
+@pytest.mark.slow
 def test_an_animation_in_space_moves(tmp_path) -> None:
     arm = jtik.Robot.builtin("ur5e")
     file = tmp_path / "arm.gif"

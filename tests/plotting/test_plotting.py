@@ -234,6 +234,7 @@ def test_the_former_module_has_the_same_names() -> None:
     assert all(getattr(planar, name) is getattr(plotting, name) for name in plotting.__all__)
 
 
+@pytest.mark.slow
 def test_every_planar_obstacle_is_drawn_where_it_is() -> None:
     obstacles = [
         jtik.Capsule((0.0, 0.0), (1.0, 0.5), 0.2),

@@ -81,6 +81,7 @@ def test_what_is_drawn_is_the_body_and_the_obstacles(arm: jtik.Robot) -> None:
     assert corners[:, 1].min() == pytest.approx(-0.6, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_every_shape_in_space_is_drawn(arm: jtik.Robot) -> None:
     bare = len(drawn_triangles(arm.plot(show="links", width=2.0)))
     field = [
@@ -95,6 +96,7 @@ def test_every_shape_in_space_is_drawn(arm: jtik.Robot) -> None:
         assert len(drawn_triangles(arm.plot(obstacles=obstacle, show="links", width=2.0))) > bare
 
 
+@pytest.mark.slow
 def test_several_postures_have_their_own_colours(arm: jtik.Robot) -> None:
     table = np.array([arm.home, arm.home + 0.3, arm.home + 0.6])
     figure = arm.plot(table, width=3.0)

@@ -21,6 +21,7 @@ def known(case, name, count):
     return np.array([case.known[f"{name}_{i}"] for i in range(1, count + 1)])
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize("name", problems.names())
 def test_every_problem_of_the_collection_is_valid_and_has_a_source(name):
     entry = named(name)
@@ -32,6 +33,7 @@ def test_every_problem_of_the_collection_is_valid_and_has_a_source(name):
     assert name in repr(entry)
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize("name", [name for name in problems.names() if name != "das1988_families"])
 def test_every_reachable_target_is_reached_according_to_mujoco(name):
     entry = named(name)

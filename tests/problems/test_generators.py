@@ -62,6 +62,7 @@ def solver(setup):
     return shared_solver(robot, task)
 
 
+@pytest.mark.quick(5, slow=10)
 @pytest.mark.parametrize(
     ("generator", "setup"),
     [
@@ -88,6 +89,7 @@ def test_cases_are_valid_and_reachable_according_to_mujoco(generator, setup):
             assert distance_to(robot, q, target, task.kind) < ARRIVED
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("generator", GENERATORS)
 def test_cases_depend_on_the_seed_and_not_on_the_count(generator):
     robot, task, made = drawn(generator, "planar position")
@@ -134,6 +136,7 @@ def test_generators_that_move_a_position_refuse_tasks_without_one(generator):
         assert caught.value.argument == "task"
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("generator", GENERATORS)
 def test_several_tasks_have_targets_by_name(generator):
     robot = limited()
@@ -162,6 +165,7 @@ TASKS = {
 }
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(("robot", "task"), TASKS.values(), ids=TASKS)
 def test_targets_of_all_tasks_are_those_of_the_goal(robot, task):
     robot, task = robot(), task()
@@ -231,6 +235,7 @@ def test_invalid_arguments_of_generators_are_named(generator):
         make(robot, jtik.FrameTask("hand"), 1)
 
 
+@pytest.mark.quick(9)
 @pytest.mark.parametrize(
     ("generator", "options", "argument"),
     [

@@ -42,6 +42,7 @@ def test_deprecated_names_of_the_distances_warn():
     assert all(np.array_equal(one.q0, other.q0) for one, other in zip(new, old, strict=True))
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("name", "kind"), [("panda", "pose"), ("ur5e", "pose"), ("panda", "position")])
 def test_a_spatial_start_has_a_singular_jacobian_by_mujoco(name, kind):
     robot = gallery(name)

@@ -22,6 +22,7 @@ SPATIAL = [
 PLANAR = [jtik.FrameTask(kind="pose"), jtik.FrameTask(kind="orientation"), jtik.AxisTask("tip", (0.0, 1.0))]
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(
     ("robot", "task"),
     [*((lambda: gallery("ur5e"), task) for task in SPATIAL), *((lambda: planar(3), task) for task in PLANAR)],

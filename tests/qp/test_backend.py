@@ -101,6 +101,7 @@ class TestEveryBackEnd:
         found = solution_of(backend, qp)
         assert found is None or not kkt(qp, *found)[0] <= backend.accuracy
 
+    @pytest.mark.quick(3)
     def test_solves_inverse_kinematics(self, backend):
         ik = jtik.InverseKinematics(
             planar(6), jtik.FrameTask(), criteria=JointCentering(), strategy="newton+qp", solver=backend

@@ -94,6 +94,7 @@ def slsqp(data, penalty, curvature, max_slack=np.inf):
     return found.x[:n]
 
 
+@pytest.mark.slow
 def test_equals_the_hard_qp_where_the_penalty_exceeds_its_multipliers(rng):
     for _ in range(8):
         data = random_data(rng)
@@ -120,6 +121,7 @@ def hard_answer(qp):
     return results[:2]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("penalty", [0.2, 1.0])
 def test_with_a_smaller_penalty_rows_are_relaxed_as_by_scipy(penalty, rng):
     relaxed = 0
@@ -137,6 +139,7 @@ def test_with_a_smaller_penalty_rows_are_relaxed_as_by_scipy(penalty, rng):
     assert relaxed >= 5
 
 
+@pytest.mark.slow
 def test_no_slack_exceeds_its_upper_bound(rng):
     relaxed = 0
     for _ in range(10):
@@ -149,6 +152,7 @@ def test_no_slack_exceeds_its_upper_bound(rng):
     assert relaxed >= 5
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("backend", BACKENDS, ids=repr)
 def test_every_back_end_returns_the_same_solution(backend, rng):
     for _ in range(5):
@@ -199,6 +203,7 @@ def test_equalities_may_be_relaxed_to_either_side():
     assert y == pytest.approx([-2, 2], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_hard_rows_beside_them_stay_hard(rng):
     for _ in range(10):
         data, C = random_data(rng), rng.standard_normal((2, 5))

@@ -49,6 +49,7 @@ def both_paths(strategy, q, limit, preferred=None):
     return bool(no_qp_needed[0]), fast, solved, joined
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("strategy", STRATEGIES)
 def test_far_from_limits_no_qp_is_needed_and_the_paths_agree(strategy, rng):
     for _ in range(5):
@@ -58,6 +59,7 @@ def test_far_from_limits_no_qp_is_needed_and_the_paths_agree(strategy, rng):
         assert solved[0] == pytest.approx(fast[0], abs=1e-7)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("strategy", STRATEGIES)
 def test_at_limits_the_qp_is_solved(strategy, rng):
     count = 0

@@ -60,6 +60,7 @@ def test_the_published_example(share, expected):
     assert fitted(J, t, -limit, limit) == pytest.approx(expected, abs=TOLERANCE)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(("m", "n"), [(1, 3), (2, 4), (3, 7), (6, 7), (6, 6)])
 def test_the_direction_is_kept_and_the_share_is_that_of_the_linear_program(m, n, rng):
     for _ in range(25):
@@ -75,6 +76,7 @@ def test_the_direction_is_kept_and_the_share_is_that_of_the_linear_program(m, n,
         assert share == pytest.approx(largest_share(J, wanted, lower, upper), abs=TOLERANCE)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("of", ["zero", "repeated"])
 @pytest.mark.parametrize("row", [0, 1, 2])
 @pytest.mark.parametrize(("m", "n"), [(3, 3), (3, 7), (6, 7)])
@@ -98,6 +100,7 @@ def test_a_row_that_gives_no_direction_does_not_matter(m, n, row, of, rng):
     assert compared >= 10
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(("m", "n"), [(2, 4), (3, 7), (6, 7), (6, 6)])
 def test_few_saturated_joints_need_no_solver(m, n, rng):
     """Also beside joints that cannot move and rows that depend on others; wherever it is found, it is the solution."""
@@ -158,6 +161,7 @@ def test_a_blocked_direction_is_left_and_the_joints_are_clipped():
     assert fitted(J, t, np.array([-1.0, -1.0]), np.array([0.0, 0.5])).tolist() == [0.0, 0.5]
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(("m", "n"), [(1, 3), (2, 4), (3, 7), (6, 7), (6, 6)])
 def test_the_error_is_the_smallest_in_the_box(m, n, rng):
     for _ in range(25):

@@ -56,6 +56,7 @@ def same(one, other):
 STRATEGIES = ["weighted_qp", *slow("lexicographic_qp", "sns_qp")]
 
 
+@pytest.mark.quick(0, slow=1)
 @pytest.mark.parametrize("strategy", STRATEGIES)
 def test_steps_and_solves_are_those_of_the_virtual_machine(strategy):
     fast, other = solver(strategy=strategy), solver(strategy=strategy, compiled=False)
@@ -78,6 +79,7 @@ def weak(*, fallback):
     return backend
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("fallback", [False, True])
 def test_a_program_that_the_solver_gives_up_is_left_to_python(fallback):
     fast = solver(backend=weak(fallback=fallback))
@@ -94,6 +96,7 @@ def test_a_program_that_the_solver_gives_up_is_left_to_python(fallback):
         assert any(one.status is jtik.Status.UNSOLVED and expected.converged for one, expected in found)
 
 
+@pytest.mark.slow
 def test_a_batch_leaves_such_programs_to_python_too():
     fast, good = solver(backend=weak(fallback=True)), solver(compiled=False)
     goals = targets(12, seed=1)
@@ -102,6 +105,7 @@ def test_a_batch_leaves_such_programs_to_python_too():
     assert np.abs(ours.q - theirs.q).max() < 1e-6
 
 
+@pytest.mark.slow
 def test_threads_do_not_share_the_solver_s_memory():
     ik, goals = solver(), targets(150, seed=2)
     expected = ik.solve_batch(goals, q0=ik.robot.neutral, restarts=2, max_iterations=60)
@@ -121,6 +125,7 @@ def test_threads_do_not_share_the_solver_s_memory():
         assert batch.status == expected.status
 
 
+@pytest.mark.slow
 def test_a_solver_without_a_static_library_is_called_between_functions_in_c():
     without = Conic("daqp")
     without.archive = None

@@ -33,6 +33,7 @@ def call(C, to, lower, upper, x, multipliers, accuracy=ACCURACY, exact=None):
     return np.array(refine(C, low, high, lower, upper, x, multipliers, accuracy)).ravel()
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("active_count", [0, 1, 3])
 def test_a_noisy_solution_satisfies_the_rows_and_stays_in_the_box(rng, active_count):
     for _ in range(20):

@@ -15,6 +15,7 @@ from jtik_formulations import JointCentering
 from ..conftest import planar
 
 
+@pytest.mark.slow
 def test_generated_c_takes_the_same_steps(tmp_path, monkeypatch):
     """The solver itself is not compiled, because its header may be missing."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))

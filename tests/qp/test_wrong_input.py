@@ -1,6 +1,6 @@
 """Solvers, options, QPs and weights that cannot be used: a clear error when built, a status inside a solve.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -146,6 +146,7 @@ def backend(name):
 class TestAQPWithoutSolution:
     """Solvers fail differently: some raise, some leave their results as they were, some return wrong numbers."""
 
+    @pytest.mark.quick(3)
     @pytest.mark.parametrize("mistake", ["contradictory", "nan in P", *slow(*MISTAKES[:4], MISTAKES[6])])
     def test_is_a_status_and_q_stays(self, mistake, name):
         ik = solver(Faulty(mistake=mistake), solver=backend(name))

@@ -59,6 +59,7 @@ def test_one_joint_at_a_limit_moves_inward_only(sign, rng):
     assert kinds == {"saddle", "minimum"}
 
 
+@pytest.mark.slow
 def test_several_joints_at_limits_move_inward_only(rng):
     """A direction that is found is always allowed; most of those that exist are found."""
     missed = existing = 0

@@ -94,6 +94,7 @@ def lissajous(robot, k):
         yield pose
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("strategy", ["hybrid", "damped", "newton"])
 def test_an_arm_follows_a_curve_of_poses_within_its_published_limits(strategy, tmp_path):
     robot = jtik.Robot.builtin("panda")

@@ -44,6 +44,7 @@ def assert_same(path, again):
     assert repr(again) == repr(path)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize("name", ["path", "floating"])
 def test_files_bring_it_back_to_the_last_bit(name, suffix, tmp_path, request):

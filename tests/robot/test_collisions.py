@@ -101,6 +101,7 @@ class TestNeighbours:
 
 
 class TestProofs:
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize("seed", range(2))
     def test_what_is_never_near_is_far_at_every_sample(self, seed):
         rng = np.random.default_rng(seed)
@@ -114,6 +115,7 @@ class TestProofs:
             bodies = (pairs.bodies[pair.first], pairs.bodies[pair.second])
             assert body_distances(robot, q, *bodies).min() > 0.02
 
+    @pytest.mark.slow
     def test_some_pairs_of_the_panda_never_come_near_and_none_does(self, rng):
         robot = jtik.Robot.builtin("panda")
         pairs = robot.collision_pairs()

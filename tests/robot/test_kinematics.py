@@ -18,6 +18,7 @@ DIFFERENCE_TOLERANCE = 1e-8  # step squared, and rounding over the step
 EXACT = 1e-12
 
 
+@pytest.mark.quick(2)
 def test_jacobian_is_the_rate_of_the_pose_under_integrate(robot):
     for q in poses_of_interest(robot):
         for frame in robot.frame_names:

@@ -74,6 +74,7 @@ def at_numbers(build, kind):
     return casadi.densify(casadi.Function("f", [q], [build(q)])(Q)).full()
 
 
+@pytest.mark.thinned
 @pytest.mark.filterwarnings("ignore:\\s*casadi. a numpy function:FutureWarning")
 @pytest.mark.parametrize("kind", [casadi.SX, casadi.MX])
 @pytest.mark.parametrize("index", INDICES)

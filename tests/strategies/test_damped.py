@@ -19,6 +19,7 @@ def solver(robot, strategy, kind="position", **options):
     return shared_solver(robot, jtik.FrameTask("tip", kind), strategy=strategy, limits=False, **options)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("damping", [1e-3, 0.1, 10.0])
 @pytest.mark.parametrize("n", [2, 3, 10])
 def test_the_step_minimises_error_and_length_together(n, damping, rng):
@@ -32,6 +33,7 @@ def test_the_step_minimises_error_and_length_together(n, damping, rng):
         assert ik.step(q, target).q - q == pytest.approx(-p, rel=1e-9, abs=1e-11)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("name", ["dh6", "dh9", "ball", "floating"])
 @pytest.mark.parametrize("kind", ["position", "orientation", "pose"])
 def test_in_space_and_on_manifolds_too(name, kind, rng):

@@ -36,6 +36,7 @@ def expected(name, J, e):
     return -np.linalg.lstsq(stacked, np.concatenate([e, np.zeros(n)]), rcond=None)[0]
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("bend", [1.0, 1e-3, 1e-8, 1e-12, 0.0])
 @pytest.mark.parametrize("name", STRATEGIES)
 @pytest.mark.parametrize("n", [2, 3, 10])
@@ -47,6 +48,7 @@ def test_the_step_of_a_planar_arm(n, name, bend, rng):
         assert ik.step(q, target).q - q == pytest.approx(step, rel=1e-8, abs=1e-10)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("name", STRATEGIES)
 @pytest.mark.parametrize("kind", ["position", "pose"])
 def test_the_step_in_space(kind, name, rng):

@@ -14,11 +14,13 @@ from ..conftest import families_first, shared_solver, slow
 QUICK = ("hybrid", "transpose")
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", [*QUICK, *slow(*(name for name in jtik.strategies if name not in QUICK))])
 def test_contract(name):
     check_strategy(name, samples=1)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", families_first([*sorted(jtik.strategies), "hybrid+qp"], large=False))
 def test_an_arm_at_rest_at_the_minimum_of_H_follows_a_moving_target(name):
     """There grad H and all multipliers are zero, and every step to the target raises H."""

@@ -62,6 +62,7 @@ def test_at_a_tiny_radius_it_is_the_transpose_step_shortened_to_it(radius, rng):
         assert dq == pytest.approx(radius * cauchy / np.linalg.norm(cauchy), abs=1e-8 * radius)
 
 
+@pytest.mark.quick(1, slow=1)
 @pytest.mark.parametrize("fraction", [0.3, *slow(0.01, 0.7, 0.99)])
 def test_between_it_lies_on_the_segment_and_on_the_radius(fraction, rng):
     seen = 0

@@ -1,6 +1,6 @@
 """Joint weights: every strategy minimises dq' W dq instead of dq' dq, in the task step and in the null space.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations

@@ -28,6 +28,7 @@ def expected(J, e, threshold=0.1, singular_gain=1.0):
     return (inverse @ projected @ np.linalg.pinv(projected) + inverse @ feedback) @ e
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("bend", [1.0, 0.1, 1e-3, 1e-8, 1e-12, 0.0])
 @pytest.mark.parametrize("options", [{"threshold": 0.1}, {"threshold": 0.5}, {"threshold": 0.3, "singular_gain": 1.7}])
 def test_the_step_of_a_planar_arm(options, bend, rng):

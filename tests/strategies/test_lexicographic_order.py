@@ -83,6 +83,7 @@ def test_rows_that_depend_on_each_other_everywhere_cost_nothing(rng):
         assert squares(e)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("links", [4, 6])
 @pytest.mark.parametrize("joint", range(4))
 def test_so_they_do_where_a_joint_is_at_its_limit(links, joint, rng):

@@ -214,6 +214,7 @@ def end_effector_above_elbow(n, limit, elbow, criteria):
 CENTERING = JointCentering()
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("limit", [math.inf, 1.2, 0.8])
 @pytest.mark.parametrize("elbow", [(0.5, -1.5), (-3.0, 3.0), (0.0, 3.5)])
 @pytest.mark.parametrize("with_criterion", [False, True])
@@ -299,6 +300,7 @@ def _arm(side, place):
     return [*joints, jtik.Joint(f"{side} hand", jtik.JointType.FIXED, parent, f"{side} tip", origin=length)]
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("start", [(1.0,) * 5, (-1.0, 1.0, -1.0, 1.0, -1.0), (5.0,) * 5, (0.0,) * 5])
 @pytest.mark.parametrize("target", [(2.0, 1.0), (-3.0, 0.0), (0.0, 0.0), (50.0, 0.0)])
 def test_at_limits_and_outside_them(start, target):

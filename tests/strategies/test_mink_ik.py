@@ -74,6 +74,7 @@ class TestOneStep:
 
 
 class TestSolves:
+    @pytest.mark.thinned
     @pytest.mark.parametrize("strict", [True, False])
     @pytest.mark.parametrize("criteria", [None, JointCentering()], ids=["alone", "centred"])
     @pytest.mark.parametrize(

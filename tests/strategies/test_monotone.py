@@ -60,6 +60,7 @@ def check_planar_arm(strategy, n, pose, reach, on_line, seed):
     assert (np.diff(errors) <= 1e-13 * n).all()
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize("strategy", MONOTONE)
 @settings(deadline=None, max_examples=20)
 @given(n=st.sampled_from([2, 5]), **PLANAR)
@@ -88,6 +89,7 @@ def check_spatial_arm(strategy, n, seed, kind):
 SPATIAL = {"kind": st.sampled_from(["position", "pose"])}
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("strategy", families_first(MONOTONE))
 @settings(deadline=None, max_examples=10)
 @given(seed=st.integers(0, 2**13).map(lambda k: 5 * k), **SPATIAL)

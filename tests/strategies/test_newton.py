@@ -57,6 +57,7 @@ def test_the_undamped_step_is_the_pseudo_inverse(n, rng):
         assert ik.step(q, target).q - q == pytest.approx(dq, rel=1e-9, abs=1e-11)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("name", ["dh6", "dh9", "ball", "floating"])
 @pytest.mark.parametrize("kind", ["position", "orientation", "pose"])
 def test_in_space_and_on_manifolds_too(name, kind, rng):
@@ -205,6 +206,7 @@ class TestNullSpaceTerm:
                 dq = ik.step(q, target).q - q
                 assert dq == pytest.approx(-pinv @ e - beta * (g - pinv @ J @ g), rel=1e-8, abs=1e-10)
 
+    @pytest.mark.quick(3, slow=6)
     @pytest.mark.parametrize("strategy", large_ones_slow(WITH_FIGURES))
     def test_it_does_not_move_the_end_effector(self, strategy, rng):
         """|J nu| / |nu|, as the trace reports it and as computed from on-target steps."""

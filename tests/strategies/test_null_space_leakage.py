@@ -1,6 +1,6 @@
 """No null-space displacement moves the end effector: |J nu| / |J| against Jacobians of the tests' own, in NumPy.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations

@@ -234,6 +234,7 @@ def excess_on_a_circle(strategy, weight):
     return worst
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("strategy", ["newton", "hybrid", "newton+qp"])
 @pytest.mark.parametrize("weight", [1e3, *slow(1e-3, 1.0)])
 def test_a_controller_keeps_to_the_optimum_of_a_moving_target_whatever_the_unit_of_H(strategy, weight):

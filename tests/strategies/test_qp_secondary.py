@@ -1,6 +1,6 @@
 """The null-space step as a quadratic program: the projection without active limits, else the constrained optimum.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -99,6 +99,7 @@ def test_limits_are_in_the_quadratic_program(primary, rng):
         ik.reset()
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("primary", ["newton", "hybrid", "damped"])
 def test_the_optimum_is_that_of_the_active_set(primary, rng):
     """Both are first-order optimal at the same place, with limits that hold."""

@@ -1,6 +1,6 @@
 """The Newton step on the conditions of optimality: one step by hand, its order of convergence, and what it finds.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -296,6 +296,7 @@ def at_limit(q, limit):
 
 
 class TestOrder:
+    @pytest.mark.slow
     @pytest.mark.parametrize("limit", [0.25, *slow(np.inf)])
     def test_ten_links_among_obstacles(self, limit):
         """Quadratic, with limits that bind and without; the projected gradient takes more steps to four digits less."""

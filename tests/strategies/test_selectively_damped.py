@@ -45,6 +45,7 @@ def bare(**options):
     return SelectivelyDamped(backtracking=False, **options)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("bend", [1.0, 1e-3, 1e-6, 1e-12, 0.0])
 @pytest.mark.parametrize("clamp", ["hard", "soft"])
 @pytest.mark.parametrize("max_error", [math.inf, 0.4])

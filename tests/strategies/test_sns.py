@@ -122,6 +122,7 @@ SIZES = [(1, 4), (2, 4), (3, 4), (2, 7), (6, 7), (3, 10)]
 class TestTheExample:
     """Unit 4R, q = (pi/2, -pi/2, pi/2, -pi/2), xdot = (-4, -1.5), |dq| <= (2, 2, 4, 4)."""
 
+    @pytest.mark.thinned
     @pytest.mark.parametrize("times", EXAMPLE)
     @pytest.mark.parametrize(
         "solve", [compiled(2, 4), compiled(2, 4, "basic"), by_qp(2, 4)], ids=["sns", "basic", "qp"]
@@ -132,6 +133,7 @@ class TestTheExample:
         assert dq == pytest.approx(expected, abs=AGREE)
         assert s == pytest.approx(scale, abs=AGREE)
 
+    @pytest.mark.thinned
     @pytest.mark.parametrize("times", EXAMPLE)
     @pytest.mark.parametrize(
         "strategy", [SNS(**BARE), SNS(rule="basic", **BARE), SNSQP(**BARE)], ids=["sns", "basic", "qp"]
@@ -150,6 +152,7 @@ class TestTheExample:
 
 
 class TestOnMatrices:
+    @pytest.mark.quick(3)
     @pytest.mark.parametrize(("m", "n"), SIZES)
     def test_the_optimal_rule_and_the_quadratic_programs_are_optimal(self, m, n, rng):
         scaled = 0
@@ -163,6 +166,7 @@ class TestOnMatrices:
                 assert dq == pytest.approx(expected, abs=accuracy)
         assert 2 < scaled < 30
 
+    @pytest.mark.thinned
     @pytest.mark.parametrize("rule", ["optimal", "basic"])
     @pytest.mark.parametrize(("m", "n"), SIZES)
     def test_limits_hold_and_the_direction_stays(self, rule, m, n, rng):
@@ -174,6 +178,7 @@ class TestOnMatrices:
             assert J @ dq == pytest.approx(s * xdot, abs=STRAIGHT)
             assert 0 <= s <= best(J, xdot, lower, upper)[1] + AGREE
 
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize("rounds", [1, 2, 5])
     def test_too_few_rounds_cost_speed_only(self, rounds, rng):
         short = 0
@@ -188,6 +193,7 @@ class TestOnMatrices:
                 assert J @ each == pytest.approx(s * xdot, abs=STRAIGHT)
         assert short > 0
 
+    @pytest.mark.quick(3)
     @pytest.mark.parametrize(("m", "n"), SIZES)
     def test_a_null_space_displacement_is_followed_within_the_task_and_the_limits(self, m, n, rng):
         for _ in range(30):
@@ -197,6 +203,7 @@ class TestOnMatrices:
             assert s == pytest.approx(largest, abs=AGREE)
             assert dq == pytest.approx(expected, abs=AGREE)
 
+    @pytest.mark.thinned
     @pytest.mark.parametrize("small", [1e-3, 1e-5, 1e-7, 0.0])
     @pytest.mark.parametrize(
         "solve", [compiled(2, 5), compiled(2, 5, "basic"), by_qp(2, 5)], ids=["sns", "basic", "qp"]
@@ -234,6 +241,7 @@ class TestOnMatrices:
 class TestTheStep:
     STRATEGIES = (SNS(**BARE | {"damping": 0.1}), SNSQP(**BARE | {"damping": 0.1}))
 
+    @pytest.mark.thinned
     @pytest.mark.parametrize(
         "strategy", [*STRATEGIES, SNS(rule="basic", **BARE | {"damping": 0.1})], ids=["sns", "qp", "basic"]
     )
@@ -246,6 +254,7 @@ class TestTheStep:
             q, target = rng.uniform(-1, 1, 7), robot.pose(rng.uniform(-1, 1, 7))
             assert one.step(q, target).q == pytest.approx(other.step(q, target).q, abs=AGREE)
 
+    @pytest.mark.slow
     def test_the_scale_is_the_largest_with_a_third_of_the_joints_at_limits(self, rng):
         robot = planar(10, lower=-1.0, upper=1.0)
         ik = shared_solver(robot, jtik.FrameTask(), strategy=SNS(**BARE))
@@ -263,6 +272,7 @@ class TestTheStep:
             assert trace.scale_0 == pytest.approx([largest], abs=AGREE)
         assert scaled > 3
 
+    @pytest.mark.thinned
     @pytest.mark.parametrize("criteria", [None, JointCentering()], ids=["alone", "centring"])
     @pytest.mark.parametrize("n", [4, 7])
     def test_both_strategies_take_the_same_steps(self, criteria, n, rng):
@@ -323,6 +333,7 @@ class TestLevels:
         target = {name: points[i] + rng.uniform(-0.8, 0.8, 2) for name, i in names}
         return q, target
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         "strategy",
         [
@@ -350,6 +361,7 @@ class TestLevels:
             moved = max(moved, np.abs(steps[1] - steps[0]).max(), np.abs(steps[2] - steps[1]).max())
         assert moved > 0.1
 
+    @pytest.mark.slow
     def test_both_strategies_agree(self, rng):
         one, other = self.solver(SNS(rounds=12, **BARE)), self.solver(SNSQP(**BARE))
         for _ in range(8):
@@ -359,6 +371,7 @@ class TestLevels:
             other.reset()
             assert one.step(q, target).q == pytest.approx(other.step(q, target).q, abs=1e-6)
 
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize("strategy", ["sns", SNS(rule="basic"), "sns_qp"], ids=["sns", "basic", "qp"])
     def test_a_level_that_cannot_be_met_does_not_disturb_the_higher_one(self, strategy):
         """The target of the elbow is out of its reach; the elbow is as close as the end effector's task allows."""
@@ -380,6 +393,7 @@ class TestLevels:
 class TestSolving:
     STRATEGIES = ("sns", SNS(rule="basic"), "sns_qp")
 
+    @pytest.mark.thinned
     @pytest.mark.parametrize("strategy", STRATEGIES, ids=["sns", "basic", "qp"])
     @pytest.mark.parametrize("target", [(2.0, 0.0), (2.0, 0.3), (3.9, 0.0)])
     @pytest.mark.parametrize("bend", [0.0, 1e-8, 1e-4])
@@ -393,6 +407,7 @@ class TestSolving:
         assert solution.converged
         assert planar_points(solution.q)[-1] == pytest.approx(target, abs=1e-6)
 
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize("strategy", STRATEGIES, ids=["sns", "basic", "qp"])
     def test_a_criterion_is_minimised_with_joints_at_their_limits(self, strategy):
         """Against SLSQP."""

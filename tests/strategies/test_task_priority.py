@@ -54,6 +54,7 @@ def by_level(ik, q, target, priorities):
     return [(seen.jacobian[rows[p]], seen.error[rows[p]]) for p in sorted(rows)]
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("rule", ["recursive", "robust"])
 @pytest.mark.parametrize("priorities", [(0, 1), (1, 0), (3, 0, 7), (0, 1, 1), (2, 2, 1)])
 def test_the_step(priorities, rule, rng):

@@ -86,6 +86,7 @@ class TestEqualToNewton:
                 dq = first_step(robot, each, q, target, axes="x")
                 assert dq[0] == pytest.approx(-e / j, rel=1e-13)
 
+    @pytest.mark.thinned
     @pytest.mark.parametrize("axis", ["x", "y"])
     @pytest.mark.parametrize("n", [2, 5, 12])
     def test_one_task_coordinate(self, axis, n, rng):
@@ -110,6 +111,7 @@ class TestEqualToNewton:
 
 
 class TestS:
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize("limit", [0.01, 0.1, 0.5])
     def test_as_printed_it_changes_nothing_on_an_all_revolute_arm(self, limit, rng):
         """alpha(S) S does not depend on S = s I."""

@@ -50,6 +50,7 @@ def replayed(q, target, calls, *, q_limit=0.5, memory=None):
     return np.array(visited)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("bend", [1.0, 1e-3, 1e-6])
 @pytest.mark.parametrize("memory", [None, 1, 2, 10])
 def test_the_steps_of_a_whole_solve(memory, bend, rng):

@@ -45,6 +45,7 @@ def oracle(strategy, seen, gradient, low, high):
     return lsq_linear(root, -np.linalg.solve(root.T, q), (low, high), tol=1e-15, lsmr_tol=1e-15).x
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("gain", [1.0, 0.4])
 @pytest.mark.parametrize("with_criterion", [False, True])
 def test_a_step_is_the_minimum_of_the_weighted_sum(gain, with_criterion, rng):
@@ -94,6 +95,7 @@ def test_limits_are_its_box(pose, rng):
     assert active  # the box mattered
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("weight", [1.0, 1e-2, 1e-4, 1e-6])
 def test_it_ends_where_task_and_criterion_pull_equally(weight):
     """J' r + weight grad H = 0: the error is weight times the multiplier of the task, and the solve says so."""
@@ -119,6 +121,7 @@ def test_within_the_tolerance_the_compromise_has_converged():
         assert ik.solve_batch([[2.0, 1.5]], q0=[0.3] * 5, position_tolerance=tolerance).status == (status,)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("case", "weight"),
     [
@@ -179,6 +182,7 @@ def test_steps_without_a_time_know_when_they_do_not_follow_each_other():
     assert ik.step(q, target).q == pytest.approx(fresh, abs=SOLVED)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("weight", "beyond", "status"),
     [
@@ -201,6 +205,7 @@ def test_limits_in_the_way_are_no_compromise():
     assert solution.status is jtik.Status.LIMITS
 
 
+@pytest.mark.slow
 def test_the_weighted_sum_falls_at_every_step_taken(rng):
     strategy = WeightedQP(weight=1e-3, curvature=0.2)
     for robot, kind in ((planar(8), "position"), (dh_arm(7, 1), "pose"), (ball_arm(), "position")):
@@ -237,6 +242,7 @@ def test_options_out_of_range_are_refused(options):
         WeightedQP(**options)
 
 
+@pytest.mark.slow
 def test_a_step_grows_with_the_square_of_the_joints():
     """What a quadratic program needs of its data; a factorisation of P written out would need the cube."""
     counts = []

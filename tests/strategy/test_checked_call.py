@@ -153,6 +153,7 @@ def message(strategy, *, criteria=None):
     return str(caught.value)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("wrong", WRONG.values(), ids=WRONG)
 @pytest.mark.parametrize("name", [field.name for field in fields(Update)])
 def test_a_field_of_an_update(name, wrong):
@@ -162,6 +163,7 @@ def test_a_field_of_an_update(name, wrong):
     assert "accepted: " in text
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("wrong", WRONG.values(), ids=WRONG)
 @pytest.mark.parametrize("name", [field.name for field in fields(TaskDisplacement)])
 def test_a_field_of_a_task_displacement(name, wrong):
@@ -171,6 +173,7 @@ def test_a_field_of_a_task_displacement(name, wrong):
     assert f"Step.propose returned {name}" in text
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("wrong", WRONG.values(), ids=WRONG)
 @pytest.mark.parametrize("name", [field.name for field in fields(NullSpaceDisplacement)])
 def test_a_field_of_a_null_space_displacement(name, wrong):
@@ -178,6 +181,7 @@ def test_a_field_of_a_null_space_displacement(name, wrong):
     assert f"Term.propose returned {name}" in message(Composed(term=term), criteria=JointCentering())
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("wrong", WRONG.values(), ids=WRONG)
 @pytest.mark.parametrize("name", [field.name for field in fields(Proposal)])
 def test_a_field_of_a_proposal(name, wrong):
@@ -187,6 +191,7 @@ def test_a_field_of_a_proposal(name, wrong):
     assert f"Proposing.propose returned {name}" in text
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("wrong", WRONG.values(), ids=WRONG)
 @pytest.mark.parametrize("name", [field.name for field in fields(Verdict)])
 def test_a_field_of_a_verdict(name, wrong):

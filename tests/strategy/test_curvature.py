@@ -37,6 +37,7 @@ def hessian(robot, task):
     return function("L", [q, v, multipliers], [lagrangian]), function("W", [q, multipliers], [hessian])
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("task", [True, False])
 @pytest.mark.parametrize("name", ROBOTS)
 def test_it_is_the_second_difference_of_the_lagrangian(name, task, rng):

@@ -59,6 +59,7 @@ class TestTwoLevels:
         J, r = rng.normal(size=(3, 5)), rng.normal(size=3)
         assert numbers(verdict_on(J, r, -0.25 * np.linalg.pinv(J) @ r).progress) == pytest.approx(0.25)
 
+    @pytest.mark.slow
     def test_a_step_that_worsens_the_lower_level_for_the_higher_is_accepted(self, rng):
         """The shortest step of the higher level alone, where it increases the error of the lower one."""
         cases = 0
@@ -119,6 +120,7 @@ class TestWithCriterion:
         for levels in (((0, 1),), ((0,), (1,))):
             assert accepted(np.eye(2, 4), np.zeros(2), np.zeros(4), **self.options(levels=levels))
 
+    @pytest.mark.slow
     def test_with_one_level_it_is_the_penalty_of_a_composition(self, rng):
         answers = []
         for _ in range(60):

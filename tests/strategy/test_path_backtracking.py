@@ -40,6 +40,7 @@ def without_backtracking():
             yield pytest.param(strategy, id=name)
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize("strategy", list(without_backtracking()))
 def test_no_solve_stalls_at_its_start(strategy):
     solution = solver(strategy).solve(TARGET, q0=Q, max_iterations=300)

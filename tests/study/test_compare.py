@@ -33,6 +33,7 @@ def study(arm, task):
 
 
 class TestRows:
+    @pytest.mark.slow
     def test_there_is_a_row_for_each_contender_criteria_and_case(self, study):
         keys = list(zip(*[study.columns[name] for name in ("contender", "criteria", "case")], strict=True))
         assert len(study) == len(keys) == len(set(keys)) == 3 * 2 * 7

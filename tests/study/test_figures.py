@@ -31,6 +31,7 @@ def bare(bare_study):
 PLOTS = ("convergence", "profile", "lyapunov", "criteria", "postures", "joints")
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("name", PLOTS)
 def test_every_axis_is_labelled_with_its_unit(study: Comparison, name: str) -> None:
     figure = getattr(study, f"plot_{name}")()
@@ -90,6 +91,7 @@ def test_lines_have_distinct_styles() -> None:
     assert len({(style["color"], str(style["linestyle"])) for style in styles.values()}) == 28
 
 
+@pytest.mark.slow
 def test_an_animation_has_its_minimum_number_of_frames(study: Comparison, tmp_path, monkeypatch) -> None:
     image = pytest.importorskip("PIL.Image")
     monkeypatch.setattr(importlib.import_module("jtik.study.figures.animation"), "FRAMES", 4)
@@ -117,6 +119,7 @@ def test_obstacles_of_a_scene_are_drawn() -> None:
     assert {tuple(np.round(center, 9)) for center in scenes[0].parameters["obstacle_avoidance.centers"]} <= drawn
 
 
+@pytest.mark.slow
 def test_obstacles_of_criteria_and_of_clearances_are_drawn_each_once(tmp_path) -> None:
     robot, task = jtik.Robot.planar(4), jtik.FrameTask("tip", kind="position")
     near, far = jtik.Circle((2.0, 2.5), 0.3), jtik.Circle((-2.0, 1.5), 0.4)
@@ -153,6 +156,7 @@ def test_only_the_attempt_that_led_to_the_answer_is_drawn() -> None:
     np.testing.assert_array_equal(V, np.maximum(trace.V[rows], style.FLOOR))
 
 
+@pytest.mark.slow
 def test_a_spatial_robot_is_drawn_in_3d() -> None:
     robot = jtik.Robot.builtin("ur5e")
     study = compare(robot, jtik.FrameTask(robot.tip), strategies=["hybrid"], count=1, repeats=1)

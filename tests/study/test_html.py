@@ -23,6 +23,7 @@ def bare(bare_study):
     return bare_study
 
 
+@pytest.mark.slow
 def test_the_report_is_self_contained(study: Comparison, bare: Comparison, tmp_path) -> None:
     for each, figures in ((study, 6), (bare, 1)):
         each.to_html(tmp_path / "report.html")
@@ -34,6 +35,7 @@ def test_the_report_is_self_contained(study: Comparison, bare: Comparison, tmp_p
     assert "nobody" in page or "unknown strategy" not in page
 
 
+@pytest.mark.slow
 def test_bodies_in_space_do_not_make_it_large() -> None:
     """Their thousands of polygons are a picture of dots within the figure; lines and text stay lines and text."""
     robot = jtik.Robot.builtin("panda")

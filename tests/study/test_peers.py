@@ -158,6 +158,7 @@ def test_prismatic_joints_that_the_toolbox_would_wrap_are_refused():
         peers.named("rtb").prepare(Setting(robot=robot, task=jtik.FrameTask("tip")))
 
 
+@pytest.mark.quick(2, slow=20)
 @EACH
 @pytest.mark.parametrize(
     ("arm", "kind"),

@@ -85,6 +85,7 @@ def test_a_study_resumes_from_its_file(arm, task, tmp_path, counted, assert_same
     assert not counted
 
 
+@pytest.mark.slow
 def test_a_study_resumes_with_units_of_another_size(arm, task, tmp_path, assert_same):
     path = tmp_path / "study.npz"
     jtik.compare(arm, task, **options(), save=path, progress=interrupt_after(3))
@@ -105,6 +106,7 @@ def test_completed_units_are_saved_after_an_error(arm, task, tmp_path):
     assert len(jtik.Comparison.load(path)) == 2 * 4
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(
     "changed",
     [
@@ -138,6 +140,7 @@ def test_a_file_without_a_study_is_refused_and_unchanged(arm, task, tmp_path):
             jtik.compare(arm, task, **options(), save=invalid)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("pause", [0.0, 5.0])
 def test_a_full_disk_does_not_cost_the_study(arm, task, tmp_path, monkeypatch, assert_same, pause):
     def full(*_):
@@ -152,6 +155,7 @@ def test_a_full_disk_does_not_cost_the_study(arm, task, tmp_path, monkeypatch, a
     assert_same(study, complete)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="mounts need root")
 def test_a_disk_that_is_full_keeps_no_part_of_a_file(arm, task, tmp_path, assert_same):
     mounted = subprocess.run(

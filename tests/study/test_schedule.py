@@ -36,14 +36,17 @@ def serial(arm, task):
     return jtik.compare(arm, task, **options(arm, task))
 
 
+@pytest.mark.slow
 def test_serial_runs_agree(serial, arm, task, assert_same):
     assert_same(serial, jtik.compare(arm, task, **options(arm, task)))
 
 
+@pytest.mark.slow
 def test_figures_do_not_depend_on_the_unit_size(serial, arm, task, assert_same):
     assert_same(serial, jtik.compare(arm, task, **{**options(arm, task), "block": 100}))
 
 
+@pytest.mark.slow
 def test_a_process_pool_gives_the_same_figures(serial, arm, task, assert_same):
     reported = []
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
@@ -61,6 +64,7 @@ def test_threads_give_the_same_figures(serial, arm, task, assert_same):
         assert_same(serial, jtik.compare(arm, task, **options(arm, task), executor=pool))
 
 
+@pytest.mark.slow
 def test_a_dask_cluster_gives_the_same_figures(serial, arm, task, assert_same):
     distributed = pytest.importorskip("distributed")
     with warnings.catch_warnings():

@@ -53,6 +53,7 @@ class TestPickling:
         assert copy._function is elbow_height._function
         assert copy.parameters(None) == {"height": 0.3}
 
+    @pytest.mark.slow
     def test_a_lambda_can_be_sent_with_cloudpickle(self, arm, task, assert_same):
         pytest.importorskip("cloudpickle")
         norm = jtik.criterion(lambda q, robot: q.T @ q)

@@ -49,6 +49,7 @@ def write(path, header, arrays):
 WRONG = (None, 5, "x", [], {}, [1, "a"], {"a": 1}, [[1, 2]], -1, True)
 
 
+@pytest.mark.slow
 def test_a_forged_header(saved, tmp_path):
     header, arrays = saved
     path = tmp_path / "forged.npz"
@@ -73,6 +74,7 @@ def places(value, before=()):
             yield from places(value[key], (*before, key))
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("part", ["robot", "tasks", "problems", "traces", "paths"])
 def test_a_forged_part_of_a_header(saved, tmp_path, part):
     header, arrays = saved
@@ -88,6 +90,7 @@ def test_a_forged_part_of_a_header(saved, tmp_path, part):
         loaded_or_refused(path)
 
 
+@pytest.mark.slow
 def test_forged_columns(saved, tmp_path):
     header, arrays = saved
     path = tmp_path / "forged.npz"

@@ -115,6 +115,7 @@ def is_progress(calls):
     )
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("strategy", ["hybrid", "hybrid+qp"])
 def test_each_file_counts_and_at_the_end_all_are_done(cache, strategy):
     calls = []
@@ -176,6 +177,7 @@ def test_ctrl_c_ends_the_compilers_and_leaves_nothing(cache, slow_compiler, pids
     assert list(cache.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_after_ctrl_c_in_warm_up_the_solver_goes_on(cache, slow_compiler, pids, interruptible, monkeypatch):
     ik = solver(strategy="hybrid", compiled=True)
     before = set(cache.iterdir())
@@ -193,6 +195,7 @@ def test_after_ctrl_c_in_warm_up_the_solver_goes_on(cache, slow_compiler, pids, 
     assert np.allclose(ik.step(q, target, dt=0.01).q, solver(strategy="hybrid").step(q, target, dt=0.01).q, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_ctrl_c_on_the_command_line(cache, slow_compiler, pids):
     slow_compiler()
     root = Path(jtik.__file__).parents[1]
@@ -222,6 +225,7 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
+@pytest.mark.slow
 def test_on_a_terminal_the_command_line_shows_a_bar(monkeypatch, capsys):
     pytest.importorskip("rich")
     from jtik.cli import main

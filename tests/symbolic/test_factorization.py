@@ -64,6 +64,7 @@ def test_full_rank(shape, rng):
         check_against_pinv(rng.standard_normal(shape), rng.standard_normal(shape[0]), rng.standard_normal(shape[1]))
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("shape", [shape for shape in SHAPES if shape[0] <= shape[1]])
 @pytest.mark.parametrize("damping", [0.0, 1e-6, 0.3])
 def test_a_damped_step_takes_the_rows_in_turn(shape, damping, rng):
@@ -161,6 +162,7 @@ def test_rank_is_relative(scale, rng):
     assert scaled[2] == pytest.approx(unscaled[2], abs=1e-12)
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=300)
 @given(st.data())
 def test_integer_matrices_of_every_rank(data):
@@ -221,6 +223,7 @@ def residual(J, x, r):
 ILL_CONDITIONED = [(with_condition, 2, 10), (with_condition, 6, 7), (weak_row_first, 3, 7), (nearly_straight, 2, 10)]
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("digits", range(2, 8))
 @pytest.mark.parametrize(("matrix", "m", "n"), ILL_CONDITIONED)
 def test_residuals_grow_with_the_condition_number_and_not_with_its_square(matrix, m, n, digits, rng):
@@ -258,6 +261,7 @@ def condition_table(rng):
     return rows
 
 
+@pytest.mark.slow
 def test_the_table_of_residuals_in_the_derivation(rng):
     text = (Path(__file__).parents[2] / "formulations" / "factorization.md").read_text()
     printed = [[float(cell) for cell in line.split("|")[1:-1]] for line in text.splitlines() if line.startswith("| 1e")]
@@ -265,6 +269,7 @@ def test_the_table_of_residuals_in_the_derivation(rng):
         assert np.log10(line) == pytest.approx(np.log10(computed), abs=0.5)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("digits", range(1, 7))
 @pytest.mark.parametrize(("m", "n", "rank"), [(2, 10, 1), (3, 7, 2), (6, 7, 3), (6, 12, 5)])
 def test_so_they_do_with_dependent_rows(m, n, rank, digits, rng):

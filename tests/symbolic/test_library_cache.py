@@ -87,6 +87,7 @@ def test_a_planted_file_is_not_loaded_but_replaced(cache):
     assert real.read_bytes() == good
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("harm", ["truncated", "flipped", "empty", "link", "folder"])
 def test_a_damaged_file_is_built_again(cache, harm):
     real = Path(library(example()).path)
@@ -124,6 +125,7 @@ def test_a_file_that_others_can_change_is_built_again(cache):
     assert stat.S_IMODE(real.stat().st_mode) == 0o700
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("fault", ["world-writable", "of another owner", "a file", "no home"])
 def test_without_a_private_folder_the_libraries_are_temporary(cache, monkeypatch, caplog, fault):
     if fault == "no home":
@@ -189,6 +191,7 @@ def test_a_folder_from_which_nothing_may_run(cache, mount):
 WRITE = "import sys; open(sys.argv[sys.argv.index('-o') + 1], 'wb').write(%s) if '-o' in sys.argv else print('1.0')"
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
@@ -210,6 +213,7 @@ def test_a_compiler_that_misbehaves(cache, monkeypatch, text, reason):
     assert left(cache) == []
 
 
+@pytest.mark.slow
 def test_a_library_without_the_function_is_not_kept(cache, monkeypatch):
     empty = cache.parent / "empty.c"
     empty.write_text("int nothing;\n")

@@ -82,6 +82,7 @@ KINDS = (
 )
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("shape", SHAPES)
 def test_it_is_a_singular_value_decomposition(shape, kind, rng):
@@ -99,6 +100,7 @@ def test_it_is_a_singular_value_decomposition(shape, kind, rng):
         assert (np.diff(sigma) <= ROUNDING * size).all()
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("kind", ["generic", "near-singular", "singular", "zero"])
 @pytest.mark.parametrize("shape", SHAPES)
 def test_components_and_images_need_no_U(shape, kind, rng):
@@ -155,6 +157,7 @@ def cosines(m, sweeps, rng):
     return worst
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("m", [3, 4, 5, 6])
 def test_the_sweeps_are_as_many_as_needed(m, rng):
     """Enough for singular vectors orthogonal to working precision at any singular value, and not many more."""

@@ -51,6 +51,7 @@ class TestRotationOnto:
         vector = found @ np.array(across(axis))
         assert Rotation.from_rotvec(vector).apply(direction) == pytest.approx(axis, abs=1e-10)
 
+    @pytest.mark.thinned
     @pytest.mark.parametrize("axis", AXES)
     @pytest.mark.parametrize("angle", [1e-3, 2e-6, 5e-7, 1e-9, 1e-13, 0.0])
     def test_small_angles_keep_their_accuracy(self, axis, angle):
@@ -69,6 +70,7 @@ class TestRotationOnto:
         assert found == pytest.approx([np.pi, 0.0], abs=EXACT)
         assert Rotation.from_rotvec(found @ np.array(across(axis))).apply(-axis) == pytest.approx(axis, abs=EXACT)
 
+    @pytest.mark.thinned
     @pytest.mark.parametrize("side", np.linspace(-3, 3, 7))
     @pytest.mark.parametrize("angle", [NARROW * 0.999, NARROW * 1.001, np.pi - NARROW * 0.999, np.pi - NARROW * 1.001])
     def test_the_length_is_the_angle_on_both_sides_of_where_the_formula_changes(self, angle, side):
@@ -106,6 +108,7 @@ class TestRotationOnto:
             assert np.array_equal(across(axis), basis)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", ROBOTS)
 def test_error_is_the_rotation_in_the_frames_axes(name, rng):
     robot = ROBOTS[name]()
@@ -132,6 +135,7 @@ def test_for_the_z_axis_it_is_the_orientation_task_without_rz(rng):
     assert report_at(built(robot, jtik.AxisTask), q, target[:, 2]).error == pytest.approx(error[:2], abs=1e-11)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-7, 1e-5, 0.4, 2.0, np.pi - 0.1])
 @pytest.mark.parametrize("name", ROBOTS)
 def test_jacobian_is_the_derivative_of_the_error(name, angle, rng):

@@ -14,6 +14,7 @@ from .conftest import ROBOTS, built, dh_arm, expected_error, planar, solver
 KINDS = ("position", "orientation", "pose")
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", ROBOTS)
 def test_error_in_space(name, kind, rng):
@@ -43,6 +44,7 @@ def test_error_in_the_plane(kind, heading, rng):
         assert found.orientation_error == pytest.approx(0 if kind == "position" else abs(found.error[-1]), abs=EXACT)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", [*ROBOTS, "plane"])
 def test_jacobian_is_the_derivative_of_the_error(name, kind, rng):
@@ -83,6 +85,7 @@ def _target(kind, pose):
 class TestAxes:
     ALL = ("x", "y", "z", "rx", "ry", "rz")
 
+    @pytest.mark.quick(3)
     @pytest.mark.parametrize("axes", ["x", "zy", ["rz"], ("rx", "ry"), ["x", "y", "z", "rx"], ["ry", "x"], [*ALL]])
     def test_keep_the_rows_named_in_the_order_named(self, axes, rng):
         robot = dh_arm(6, 3)

@@ -44,6 +44,7 @@ def exact(phi, p):
     return np.linalg.solve(J, p)
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-6, 1e-3, 0.0999, 0.1001, 1.0, 3.0, np.pi - 1e-9, np.pi])
 def test_the_translation_is_that_of_the_exponential(angle, rng):
     """And its derivative is regular, at the identity and at pi, and on both sides of the switch to the series."""
@@ -69,6 +70,7 @@ def near(robot, q, rng, size=0.4):
     return robot.pose(robot.integrate(q, rng.uniform(-size, size, robot.n)))
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("name", [*ROBOTS, "plane"])
 def test_error_is_the_matrix_logarithm(name, rng):
     robot = jtik.Robot.vehicle(3, heading=True) if name == "plane" else ROBOTS[name]()
@@ -81,6 +83,7 @@ def test_error_is_the_matrix_logarithm(name, rng):
             assert report_at(ik, q, target).error == pytest.approx(expected, abs=LOGM)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("angle", [0.0, 0.05, 1.0, np.pi - 1e-2])
 @pytest.mark.parametrize("name", [*ROBOTS, "plane"])
@@ -111,6 +114,7 @@ COSTS = {"position": (1.0, 0.0), "orientation": (0.0, 1.0), "pose": (1.0, 1.0)}
 ROWS = {"position": slice(3), "orientation": slice(3, 6), "pose": slice(6)}
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("kind", KINDS)
 def test_error_jacobian_and_step_are_those_of_minks_task(kind, rng):
     """A strict step on mink's own error and Jacobian, by their pseudo-inverse: Newton's step is the same."""
@@ -188,6 +192,7 @@ def test_the_default_is_separate(rng):
     assert np.abs(found - other).max() > 1e-3  # a rotation in between
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("make", [lambda: dh_arm(7, 2), lambda: planar(4)])
 def test_a_solve_reaches_the_same_targets(make, kind, rng):
@@ -222,6 +227,7 @@ def test_what_is_refused():
         ik.solve([0.3, 0.2, 0.5])
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("kind", ["position", "pose"])
 @pytest.mark.parametrize("make", [lambda: dh_arm(6, 2), lambda: planar(3)])
 def test_problems_are_generated_for_it(make, kind):

@@ -28,6 +28,7 @@ def test_error_is_that_of_the_axis_in_the_line_of_sight(name, rng):
         assert found.orientation_error == pytest.approx(wanted.orientation_error, abs=EXACT)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("where", ["ahead", "behind", "beside", "close"])
 @pytest.mark.parametrize("name", ROBOTS)
 def test_jacobian_is_the_derivative_of_the_error(name, where, rng):

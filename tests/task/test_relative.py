@@ -40,6 +40,7 @@ def expected_error(robot, q, kind, pair, target):
     return {"position": position, "orientation": rotation, "pose": np.concatenate([position, rotation])}[kind]
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", PAIRS)
 def test_error_is_that_of_the_pose_in_the_reference(name, kind, rng):
@@ -53,6 +54,7 @@ def test_error_is_that_of_the_pose_in_the_reference(name, kind, rng):
         assert found.error == pytest.approx(expected_error(robot, q, kind, pair, target), abs=MINK)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("gap", [0.0, 0.3, np.pi - 1e-2])
 @pytest.mark.parametrize("name", PAIRS)
 def test_jacobian_is_the_derivative_of_the_error(name, gap, rng):

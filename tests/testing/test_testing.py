@@ -228,6 +228,7 @@ class TestStrategies:
             check_strategy(strategy, samples=1, **options)
         return str(caught.value)
 
+    @pytest.mark.slow
     def test_a_correct_strategy_passes(self):
         check_strategy(Changed(), samples=1, monotone=True)
 

@@ -15,7 +15,8 @@ from .surface import ENTRIES, OF_OPTIONS, PROBLEMS, STUDY
 from .trial import faults
 
 SLOW = {"compare", *PROBLEMS} - {"Case", "ProblemSet", "obstacles_of", "named", "path", "five_families"}
-"""Entries whose accepted values run a study or draw problems."""
+SLOW |= {"Planner", "check_criterion", "draw_base", "draw_obstacles", "draw_path", "draw_postures", "view"}
+"""Entries whose accepted values run a study, draw problems or pictures, or make a planner."""
 
 
 @pytest.mark.parametrize(

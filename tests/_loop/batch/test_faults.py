@@ -23,7 +23,7 @@ from jtik._loop.native import search_source as native_source
 from jtik._loop.native.search import NativeSearch
 from jtik_formulations import JointCentering
 
-from ...conftest import shared_solver, slow
+from ...conftest import shared_solver
 
 TARGETS = np.random.default_rng(3).uniform(-2.4, 2.4, (60, 2))
 Q0 = np.full(4, 0.3)
@@ -67,6 +67,7 @@ class TestInterrupt:
         same(batch, complete, slice(20))
         assert np.array_equal(batch[3].jacobian, complete[3].jacobian)
 
+    @pytest.mark.slow
     def test_a_signal_ends_a_batch_in_c(self, monkeypatch, interruptible):
         ik, search = solver(compiled=True), NativeSearch.batch
 
@@ -120,7 +121,8 @@ class TestInterrupt:
 
 
 class TestExecutor:
-    @pytest.mark.parametrize("criteria", ["joint_centering", *slow(None)])
+    @pytest.mark.slow
+    @pytest.mark.parametrize("criteria", ["joint_centering", None])
     def test_gives_the_same_numbers(self, criteria):
         ik = solver(criteria=criteria)
         if criteria:
@@ -154,6 +156,7 @@ class TestExecutor:
         assert batch.complete is (len(batch) == 60)
         same(batch, ik.solve_batch(TARGETS, q0=Q0), batch.indices)
 
+    @pytest.mark.slow
     def test_a_dask_cluster_gives_the_same_numbers(self):
         distributed = pytest.importorskip("distributed")
         ik = solver()

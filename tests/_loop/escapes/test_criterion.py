@@ -5,7 +5,7 @@ Oracle of the closed form: a planar arm of three unit links, whose end effector 
 joint 3 is straight, q3 = 0, and dH/dv vanishes over the self-motion: a maximum where H rises towards the end, otherwise
 a minimum.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -76,6 +76,7 @@ def test_the_cases_are_what_they_are_called():
 
 
 class TestSolve:
+    @pytest.mark.thinned(together=True)
     @pytest.mark.parametrize("strategy", EVERY_STRATEGY)
     def test_it_leaves_a_maximum(self, strategy):
         q0, target = outstretched(*MAXIMUM)
@@ -88,6 +89,7 @@ class TestSolve:
         assert len(solution.trace) == solution.iterations
         assert "escapes     1" in repr(solution)
 
+    @pytest.mark.thinned(together=True)
     @pytest.mark.parametrize("strategy", CRITERION_STRATEGIES)
     def test_the_maximum_to_which_the_opposite_criterion_led(self, strategy):
         up, down = arm(-1.0 * height, strategy), arm(height, strategy)
@@ -141,6 +143,7 @@ class TestSolve:
         assert batch.converged.all()
         assert batch.escapes.tolist() == [1, 0]
 
+    @pytest.mark.slow
     def test_compiled_it_does_the_same(self):
         q0, target = outstretched(*MAXIMUM)
         compiled = solver(planar(3), criteria=height, compiled=True)
@@ -151,6 +154,7 @@ class TestSolve:
         assert batch.escapes.tolist() == [1]
         assert batch.q[0].tolist() == solution.q.tolist()
 
+    @pytest.mark.thinned
     @pytest.mark.parametrize("compiled", [False, True])
     @pytest.mark.parametrize("restarts", [0, 3])
     def test_joints_that_can_turn_all_the_way_round(self, compiled, restarts):
@@ -195,7 +199,7 @@ class TestSolve:
 
     @pytest.mark.thinned
     @pytest.mark.parametrize("strategy", ["hybrid", *slow("newton+qp", "hybrid+second_order", "sns")])
-    @pytest.mark.parametrize("kind", ["position", "pose"])
+    @pytest.mark.parametrize("kind", ["position", *slow("pose")])
     def test_from_any_maximum_or_saddle_a_spatial_arm_gets_to_a_minimum(self, strategy, kind, rng):
         robot = dh_arm(7, 3)
         up, down = (solver(robot, kind=kind, strategy=strategy, criteria=sign * upright) for sign in (-1.0, 1.0))
@@ -247,6 +251,7 @@ class TestSolve:
         assert solution.q.tolist() == q0.tolist()
         assert "saddle point or a maximum" in repr(solution)
 
+    @pytest.mark.thinned
     @pytest.mark.parametrize("room", [0.01, 0.3])
     @pytest.mark.parametrize("strategy", ["hybrid+qp", "lexicographic_qp"])
     def test_clearances_are_kept(self, strategy, room):
@@ -338,6 +343,7 @@ def lowest_nearby(robot, kind, target, q, rng, distance=1e-3):
 
 
 class TestStep:
+    @pytest.mark.thinned(together=True)
     @pytest.mark.parametrize("strategy", EVERY_STRATEGY)
     def test_it_leaves_a_maximum_without_a_jump(self, strategy):
         q, target = outstretched(*MAXIMUM)
@@ -353,6 +359,7 @@ class TestStep:
         assert escapes >= 1
         assert math.sin(q[0]) ** 2 == pytest.approx(0.0, abs=STATIONARY_H)
 
+    @pytest.mark.thinned
     @pytest.mark.parametrize("acceleration", [None, 20.0])
     @pytest.mark.parametrize("dt", [0.001, 0.02])
     def test_a_timed_one_keeps_its_limits_on_the_way(self, dt, acceleration):

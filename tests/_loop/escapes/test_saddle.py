@@ -1,6 +1,6 @@
 """Saddle escapes: a straight or folded arm leaves a saddle point of the error, and stays at a minimum.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -194,6 +194,7 @@ def test_a_saddle_without_escape_within_the_limits_is_singular():
     assert solution.status is jtik.Status.SINGULAR
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_an_escape_keeps_clearances(side):
     """A row of circles beside the arm: the first second-order step that lowers V would sweep through them."""

@@ -57,6 +57,7 @@ def same(a, b):
     assert (a.iterations, a.restarts, a.status) == (b.iterations, b.restarts, b.status)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("nearest", [False, True])
 @pytest.mark.parametrize(("robot", "strategy"), [("panda", "damped"), ("ur5", "hybrid")])
 @pytest.mark.parametrize("count", [40, *slow(2000)])
@@ -138,6 +139,7 @@ def by_the_rule(target, q0, restarts, nearest):
         return ended[winner][5], iterations, len(begun) - 1
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("nearest", [False, True])
 @pytest.mark.parametrize("restarts", [1, 2, 100])
 def test_the_answer_is_that_of_the_rule(restarts, nearest, rng):
@@ -184,6 +186,7 @@ LEVELS = {
 }
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["one lane", "eight lanes", *slow("two lanes", "four lanes", "AVX2", "AVX-512")])
 def test_a_result_does_not_depend_on_instructions_and_number_of_lanes(name, monkeypatch, rng):
     level = LEVELS[name]

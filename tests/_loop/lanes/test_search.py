@@ -68,6 +68,7 @@ def check_answers(ik, targets, found):
             assert target.ndim == 1 or rotation_angle(pose[:3, :3].T @ target[:3, :3]) <= 1e-6 + 1e-12
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("count", COUNTS)
 @pytest.mark.parametrize("case", CASES)
 def test_without_restarts_or_with_a_criterion_every_target_ends_as_in_the_other_searches(case, count, rng):
@@ -140,7 +141,8 @@ LEVELS = {
 }
 
 
-@pytest.mark.parametrize("kind", ["position", "pose"])
+@pytest.mark.thinned
+@pytest.mark.parametrize("kind", ["position", *slow("pose")])
 @pytest.mark.parametrize("name", LEVELS)
 def test_a_result_does_not_depend_on_instructions_and_number_of_lanes(name, kind, monkeypatch, rng):
     level = LEVELS[name]
@@ -180,6 +182,7 @@ def test_what_is_unusual_is_left_to_python():
         assert lanes.q == pytest.approx(one.q, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_angles_of_many_turns(rng):
     """Beyond the range of the reduction sine and cosine are those of the C library."""
     arm = planar(3)
@@ -200,6 +203,7 @@ def test_live_numbers_are_read_where_they_are():
     assert moved.q == pytest.approx(ik.solve_batch([[1.5, 1.5]], q0=[0.3, 0.4, 0.5]).q, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_signal_ends_it(monkeypatch):
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     ik, batch = solver(strategy="damped"), lane_search.LaneSearch.batch
@@ -222,6 +226,7 @@ def test_a_signal_ends_it(monkeypatch):
     assert 0 < len(found) < 200_000
 
 
+@pytest.mark.slow
 def test_a_search_that_takes_long_goes_on_in_python(monkeypatch, rng):
     targets, q0 = rng.uniform(-4, 4, (30, 2)), np.full(4, 0.3)
 

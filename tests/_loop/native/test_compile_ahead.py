@@ -17,6 +17,7 @@ import pytest
 
 import jtik
 from jtik._loop.native import compile_ahead
+from jtik.symbolic import c_compiler
 from jtik.symbolic.compile import CompilerError, compiler
 from jtik_formulations import JointCentering
 
@@ -35,6 +36,7 @@ PATIENCE = 60.0
 def cache(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setenv("JTIK_COMPILED", "auto")
+    monkeypatch.setattr(c_compiler, "OPTIONS", ("-O0",))  # which compiles faster
     yield tmp_path / "jtik"
     done = []
     compile_ahead._jobs.put(lambda: done.append(True))  # no compiler of one test runs beside the next
@@ -53,14 +55,14 @@ def eager(monkeypatch):
 
 
 def solver(*, compiled="auto", strategy="hybrid", **options):
-    arm = dh_arm(limit=2.0)
+    arm = dh_arm(4, limit=2.0)
     return jtik.InverseKinematics(
         arm, jtik.FrameTask("tip", kind="position"), strategy=strategy, compiled=compiled, **options
     )
 
 
 def targets(count, seed=0):
-    arm, rng = dh_arm(limit=2.0), np.random.default_rng(seed)
+    arm, rng = dh_arm(4, limit=2.0), np.random.default_rng(seed)
     return [arm.position(rng.uniform(-2, 2, arm.n), "tip") for _ in range(count)]
 
 
@@ -138,7 +140,7 @@ def test_steps_are_the_same_before_and_after(eager, dt):
 @pytest.mark.slow
 def test_a_batch_changes_over_on_its_way(monkeypatch):
     goals = targets(40) * 50
-    expected = solver(compiled=False).solve_batch(goals[:40], q0=np.zeros(7))
+    expected = solver(compiled=False).solve_batch(goals[:40], q0=np.zeros(4))
     ik, rows = solver(), []
 
     def waited(done, total):
@@ -147,7 +149,7 @@ def test_a_batch_changes_over_on_its_way(monkeypatch):
         rows.append((done, total))
 
     ik.warm_up()
-    batch = ik.solve_batch(goals, q0=np.zeros(7), progress=waited)
+    batch = ik.solve_batch(goals, q0=np.zeros(4), progress=waited)
     assert ik._engine.search.native is not None
     assert np.abs(batch.q - np.tile(expected.q, (50, 1))).max() < EXACT
     assert batch.status[:40] == expected.status
@@ -376,15 +378,15 @@ PROGRAM = """
 import jtik, sys
 from jtik._loop.native import compile_ahead
 compile_ahead.PAYS = 0.0
-ik = jtik.InverseKinematics(jtik.Robot.planar(6), jtik.FrameTask("tip"), compiled="auto")
-ik.solve([2.0, 3.0], q0=[0.1] * 6)
+ik = jtik.InverseKinematics(jtik.Robot.planar(3), jtik.FrameTask("tip"), compiled="auto")
+ik.solve([1.0, 2.0], q0=[0.1] * 3)
 if sys.argv[1] != "0":
     import time; time.sleep(float(sys.argv[1]))
 print("end")
 """
 
 
-@pytest.mark.parametrize("delay", ["0", "0.02", "0.1"])
+@pytest.mark.parametrize("delay", ["0.02", *slow("0", "0.1")])
 def test_a_process_that_ends_meanwhile_ends_well(delay):
     begin = time.monotonic()
     run = subprocess.run([sys.executable, "-c", PROGRAM, delay], capture_output=True, text=True, env={**os.environ})
@@ -396,16 +398,16 @@ FORK = """
 import jtik, os, sys, time
 from jtik._loop.native import compile_ahead
 compile_ahead.PAYS = 0.0
-ik = jtik.InverseKinematics(jtik.Robot.planar(6), jtik.FrameTask("tip"), strategy="weighted_qp", compiled="auto")
+ik = jtik.InverseKinematics(jtik.Robot.planar(3), jtik.FrameTask("tip"), strategy="weighted_qp", compiled="auto")
 
 def compiled(what):
     end = time.monotonic() + 60
     while ik._engine.search.native is None and time.monotonic() < end:
-        ik.solve([2.0, 3.0], q0=[0.1] * 6)
+        ik.solve([1.0, 2.0], q0=[0.1] * 3)
         time.sleep(0.01)
     print(what, ik._engine.search.native is not None, flush=True)
 
-ik.solve([2.0, 3.0], q0=[0.1] * 6)
+ik.solve([1.0, 2.0], q0=[0.1] * 3)
 time.sleep(float(sys.argv[1]))
 child = os.fork()
 if not child:
@@ -416,6 +418,7 @@ compiled("parent")
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 @pytest.mark.parametrize("delay", ["0", *slow("0.05", "0.3")])
 def test_a_fork_compiles_by_itself_and_leaves_what_its_parent_compiles(delay):
@@ -423,6 +426,7 @@ def test_a_fork_compiles_by_itself_and_leaves_what_its_parent_compiles(delay):
     assert (run.returncode, run.stdout.split(), run.stderr) == (0, ["child", "True", "parent", "True"], "")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="the compiler is a shell script")
 def test_a_compiler_that_does_not_tell_its_version_ends_with_the_process(tmp_path):
     hanging, pid = tmp_path / "cc", tmp_path / "pid"

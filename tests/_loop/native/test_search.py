@@ -34,6 +34,7 @@ def same(a, b):
         assert getattr(a, name) == getattr(b, name)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("strategy", ["damped", "hybrid", Damped(backtracking=False)], ids=str)
 @pytest.mark.parametrize("restarts", [0, 3, 100])
 def test_every_target_ends_the_same(strategy, restarts, rng):
@@ -176,6 +177,7 @@ THREADS_OF = {
 }
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("case", THREADS_OF)
 def test_threads_change_nothing(case, rng):
     arm, solver, options = THREADS_OF[case]

@@ -1,6 +1,6 @@
 """The native step: the numbers of the step in Python, bit by bit, and those of the virtual machine up to rounding.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -109,21 +109,23 @@ def native(ik, dt):
     return way[2]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.thinned
 @pytest.mark.parametrize("dt", [None, 0.01])
 @pytest.mark.parametrize("strategy", STRATEGIES)
 def test_it_steps_as_python_does(strategy, dt):
     ik = copy.copy(made(strategy))
-    kinds = compared(ik, path(ik.robot, 500, 1), dt=dt)
+    kinds = compared(ik, path(ik.robot, 150, 1), dt=dt)
     assert TAKEN in kinds
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
 def test_it_steps_as_the_virtual_machine_does(strategy):
     ik, other = copy.copy(made(strategy)), copy.copy(made(strategy, compiled=False))
-    compared(ik, path(ik.robot, 500, 2), dt=0.01, other=other, exactly=False)
+    compared(ik, path(ik.robot, 150, 2), dt=0.01, other=other, exactly=False)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("dt", [None, 0.01])
 def test_refusals_rest_and_escapes_are_those_of_python(hybrid, dt):
     """At a straight arm the task has a saddle point; on target the criterion has one; then the arm is at rest."""

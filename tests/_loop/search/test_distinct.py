@@ -36,6 +36,7 @@ def test_the_restarts_tried_are_counted(compiled):
     assert solution.restarts == 5
 
 
+@pytest.mark.quick(1)
 @BOTH
 def test_whole_turns_are_no_other_postures(compiled):
     """H prefers joints two turns apart; each of the two postures of the arm is returned at one turn, the better."""
@@ -74,6 +75,7 @@ def test_the_jump_of_a_free_joint_is_the_length_of_its_displacement():
     assert ik.solve([0.2, 0.2, 0.2], q0=q0, jump_limit=0.3).status is jtik.Status.JUMP_LIMIT
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("robot", [ball_arm(), floating_arm()], ids=str)
 @pytest.mark.parametrize("limit", [0.3, 1.0])
 def test_a_goal_within_the_jump_of_ball_and_free_joints_is_reached_from_one_start(robot, limit, rng):
@@ -136,6 +138,7 @@ def test_ends_are_compared_level_by_level():
     assert ends.best[1] == 2
 
 
+@pytest.mark.quick(1)
 @BOTH
 def test_restarts_choose_by_the_levels_of_priority(compiled):
     """The first level is within reach; the second, 50 m away, has nearly all of V and does not decide."""
@@ -155,6 +158,7 @@ def test_restarts_choose_by_the_levels_of_priority(compiled):
     assert kept == 6
 
 
+@pytest.mark.slow
 def test_a_singular_spherical_wrist_gives_each_posture_once():
     """There the first and the last axis of the wrist are one: any share of the turn between them is on target."""
     half = np.pi / 2
@@ -170,7 +174,8 @@ def test_a_singular_spherical_wrist_gives_each_posture_once():
     assert len(postures) <= 4
 
 
-@pytest.mark.parametrize("bend", [0.0, 1e-5, *slow(1e-6, 1e-4, 1e-2)])
+@pytest.mark.slow
+@pytest.mark.parametrize("bend", [0.0, *slow(1e-6, 1e-5, 1e-4, 1e-2)])
 def test_the_singular_wrist_of_a_ur5e_gives_no_posture_twice(bend):
     """Its continuum is curved: three parallel axes and the last one turn together. There are at most 8 postures."""
     arm = jtik.Robot.builtin("ur5e")

@@ -31,6 +31,7 @@ def solver(robot, kind="pose", **options):
     return shared_solver(robot, jtik.FrameTask("tip", kind), **options)
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(
     ("strategy", "compiled"),
     [
@@ -62,6 +63,7 @@ def test_a_step_and_a_path_do_not():
     assert np.abs(np.diff(path.q, axis=0)).max() < 0.1 * np.pi + 1e-9  # the velocity limit
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(
     ("half", "compiled"), [(np.pi, False), (2 * np.pi, True), (3 * np.pi, False), (np.inf, False), (np.inf, True)]
 )

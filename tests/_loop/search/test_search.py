@@ -30,6 +30,7 @@ def solver(robot, strategy="hybrid", kind="pose", **options):
     return shared_solver(robot, jtik.FrameTask("tip", kind), strategy=strategy, **options)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("strategy", ["damped", "hybrid", "newton", Damped(backtracking=False)], ids=str)
 def test_they_find_what_one_start_does_not(arm, targets, strategy):
     ik = solver(arm, strategy)
@@ -103,6 +104,7 @@ def test_a_trace_has_the_rows_of_all_attempts(arm, targets):
     assert "restarts" in repr(plain)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("strategy", EVERY_STRATEGY)
 def test_patience_changes_nothing_for_one_start(strategy):
     ik, q0 = solver(planar(5), strategy, "position"), np.full(5, 0.3)

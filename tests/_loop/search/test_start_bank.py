@@ -91,6 +91,7 @@ def test_threads_draw_the_banks_of_one():
         assert np.array_equal(bank.coefficients, alone.coefficients)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("stiffness", [1.0, [1, 1, 1, 0.06, 0.06, 0.06], [4, 1, 9, 0.3, 0.3, 0.3]])
 def test_distances_are_about_V(stiffness, rng):
     """For nearby poses to a few per cent; the order of all is about that of V."""
@@ -127,6 +128,7 @@ def test_a_restart_begins_at_the_nearest_start():
     assert np.array_equal(found.q, bank.configurations[chosen])
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("k", [1, 2, 3, 40, SIZE])
 def test_restarts_follow_in_the_order_of_their_distances(k, rng):
     """Where only the k-th nearest configuration is on target, and attempts have one iteration, k restarts are made."""

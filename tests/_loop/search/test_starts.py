@@ -34,6 +34,7 @@ def drawn(robot, seed, count):
     return np.array([robot.random_configuration(generator) for _ in range(count)])
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("target", [FAR, (-4.0, 0.5)])
 @pytest.mark.parametrize("criteria", [None, JointCentering()], ids=["task alone", "with a criterion"])
 def test_restarts_follow_in_the_order_of_the_true_V(target, criteria):
@@ -134,6 +135,7 @@ class TestABankIsDrawnWhenARestartIsNeeded:
         assert banks.known(5) is not None
         same(first, ik.solve(far[0], q0=ik.robot.neutral, restarts=100, seed=5))
 
+    @pytest.mark.slow
     def test_warm_up_draws_that_of_the_default_seed(self, ik):
         ik.warm_up()
         assert ik._engine.runners.banks.known(0) is not None

@@ -207,6 +207,7 @@ def test_a_path_is_solved_again_with_another_strategy_and_criterion() -> None:
     assert operator.loop.settings.criteria == ("joint_centering",)
 
 
+@pytest.mark.slow
 def test_a_plan_is_saved_and_loaded(tmp_path: Path) -> None:
     operator = recorded()
     operator.does(SetGain("joint_centering.weight", 0.5), SetStrategy("hybrid", {"q_limit": 0.4}))

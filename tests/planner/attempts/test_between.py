@@ -55,6 +55,7 @@ def obstacles(d, rng):
     return [*found, jtik.Polygon(corners) if d == 2 else jtik.Cylinder(place[5], place[0], size[5])]
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("accuracy", [1e-2, 1e-3])
 @pytest.mark.parametrize("kind", ARMS)
 def test_random_motions_against_dense_sampling(kind, accuracy, rng):

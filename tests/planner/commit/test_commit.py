@@ -207,6 +207,8 @@ def test_a_floating_base_is_checked_too():
     assert math.isclose(found[1].value, 25.0)
 
 
+@pytest.mark.quick(1)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("format", ["csv", "json", "npz", "ros2_json", "ros2_yaml", "figure", "animation"])
 def test_commit_times_checks_and_writes_every_format(tmp_path, format):
     if format in PICTURES:

@@ -31,6 +31,7 @@ def noisy_path(seed, k=80, n=4, noise=1e-3, still=True):
     return np.concatenate([q, q[::-3]])
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("noise", [0.0, 1e-2])
 @pytest.mark.parametrize("seed", range(4))
@@ -53,6 +54,7 @@ def test_limits_hold_between_all_times(method, noise, seed):
     assert tight == pytest.approx(1.0, abs=1e-6)
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("seed", range(3))
 def test_the_path_goes_through_the_samples_and_no_joint_leaves_their_range(method, seed):
@@ -118,6 +120,7 @@ def test_smoothing_keeps_the_ends_the_range_and_its_tolerance(tolerance):
         assert timed_path(found, *limits).duration < 0.7 * timed_path(waypoints, *limits).duration
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 10**6), st.integers(2, 12), st.floats(1e-3, 3.0), st.sampled_from(METHODS))
 def test_jagged_paths_obey_their_limits(seed, k, size, method):

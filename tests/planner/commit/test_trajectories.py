@@ -47,6 +47,7 @@ def test_the_figure_has_the_postures_and_the_obstacles_of_the_end(arm):
     assert with_post.shape != plain.shape or (with_post != plain).any()
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("kind", ["attempt", "commands"])
 def test_the_animation_takes_the_time_of_the_motion(tmp_path, arm, kind):
     image = pytest.importorskip("PIL.Image")

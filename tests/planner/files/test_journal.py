@@ -118,6 +118,7 @@ def test_a_deleted_attempt_stays_deleted(tmp_path):
     assert found.notes == ()
 
 
+@pytest.mark.quick(10)
 @pytest.mark.parametrize("seed", range(40))
 def test_a_journal_that_ends_anywhere_gives_every_whole_line(tmp_path, seed):
     """The oracle counts the whole lines with samples by itself."""
@@ -324,6 +325,7 @@ while True:
 """
 
 
+@pytest.mark.slow
 def test_after_kill_9_everything_but_the_last_second_is_there(tmp_path):
     root = Path(jtik.__file__).parents[1]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(root), str(root / "formulations")])}

@@ -61,6 +61,7 @@ def test_obstacles_in_their_places_build_nothing(operator: Operator) -> None:
     assert operator.told == []
 
 
+@pytest.mark.slow
 def test_an_obstacle_on_the_arm_is_seen_and_the_arm_yields(operator: Operator) -> None:
     operator.does(AVOIDING, seconds=8)
     elbow = ROBOT.position(operator.loop.frame.q, "link3")
@@ -73,6 +74,7 @@ def test_an_obstacle_on_the_arm_is_seen_and_the_arm_yields(operator: Operator) -
     np.testing.assert_allclose(operator.tip, target, atol=1e-4)
 
 
+@pytest.mark.slow
 def test_more_obstacles_than_places_build_a_solver_with_more(operator: Operator) -> None:
     operator.does(AVOIDING)
     for i in range(5):
@@ -106,6 +108,7 @@ def test_the_old_solver_goes_on_while_another_one_is_built() -> None:
     assert operator.state.solver.ik.parameters["joint_centering.preferred"][1] == -0.4
 
 
+@pytest.mark.slow
 def test_of_several_requests_the_latest_is_built() -> None:
     operator = Operator(at_once=False)
     operator.does(SetStrategy("hybrid"))
@@ -161,6 +164,7 @@ def test_what_cannot_be_done_is_told_and_changes_nothing(operator: Operator, edi
     assert not operator.executor.waiting
 
 
+@pytest.mark.slow
 def test_a_build_that_fails_leaves_the_old_solver(operator: Operator) -> None:
     solver = operator.state.solver
     operator.does(SetClearance(True))  # which this strategy does not support
@@ -172,6 +176,7 @@ def test_a_build_that_fails_leaves_the_old_solver(operator: Operator) -> None:
     assert operator.loop.settings.strategy == {"name": "newton+qp", "options": {"secondary.weight": 2.0}}
 
 
+@pytest.mark.slow
 def test_a_clearance_is_kept(operator: Operator) -> None:
     operator.does(SetStrategy("newton+qp"), SetClearance(True, 0.2))
     assert operator.loop.settings.clearance
@@ -247,6 +252,7 @@ def run(planner: Planner, seconds: float) -> np.ndarray:
     return np.array(found)
 
 
+@pytest.mark.slow
 def test_another_solver_goes_on_as_fast_as_the_arm_moves(slow_starter: Planner) -> None:
     slow_starter.loop.submit(MoveTarget(tuple(np.add(slow_starter.loop.frame.position, (1.0, -0.6)))))
     before = run(slow_starter, 0.5)
@@ -259,6 +265,7 @@ def test_another_solver_goes_on_as_fast_as_the_arm_moves(slow_starter: Planner) 
     assert accelerations(q).max() < ACCELERATION * (1 + 1e-6)
 
 
+@pytest.mark.slow
 def test_a_branch_goes_on_as_fast_as_the_attempt_and_undo_is_at_rest(slow_starter: Planner) -> None:
     loop = slow_starter.loop
     loop.submit(Record())

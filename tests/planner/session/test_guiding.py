@@ -168,6 +168,7 @@ def test_a_step_that_fails_is_told_and_the_loop_goes_on(operator: Operator, monk
     assert operator.loop.status.error < 1e-4
 
 
+@pytest.mark.slow
 def test_a_queue_that_overflows_is_told(operator: Operator) -> None:
     accepted = [operator.loop.submit(SetLimits(True)) for _ in range(1100)]
     assert sum(accepted) == 1000

@@ -21,6 +21,7 @@ def displacement(operator: Operator) -> tuple[np.ndarray, np.ndarray]:
     return operator.loop.frame.q - q, ROBOT.jacobian(q, rows="linear")
 
 
+@pytest.mark.slow
 def test_a_heavy_joint_moves_less_for_the_task() -> None:
     operator = Operator().does(SetCriteria(()), SetJointWeights({"joint1": 50.0}), SetJointWeights({"joint3": 0.2}))
     assert operator.told == []
@@ -57,6 +58,7 @@ def test_weights_that_cannot_be_used_change_nothing(weights: dict[str, float], w
     assert operator.loop.settings.to_json() == before
 
 
+@pytest.mark.slow
 def test_attempts_and_plans_have_them(tmp_path) -> None:
     operator = Operator().does(SetJointWeights({"joint2": 9.0}), Record())
     operator.does(MoveTarget((2.2, 0.9)), seconds=1).does(StopRecording())

@@ -43,6 +43,7 @@ class Session:
         return [message.text for message in self.loop.messages if message.level == "error"]
 
 
+@pytest.mark.slow
 def test_the_first_is_guided_and_the_other_is_held() -> None:
     session = Session()
     elbow, tip = session.at("link4"), session.at("tip")
@@ -56,6 +57,7 @@ def test_the_first_is_guided_and_the_other_is_held() -> None:
     assert session.told == []
 
 
+@pytest.mark.slow
 def test_another_one_is_guided_from_where_its_target_is() -> None:
     session = Session()
     elbow, tip = session.at("link4"), session.at("tip")
@@ -70,6 +72,7 @@ def test_another_one_is_guided_from_where_its_target_is() -> None:
     assert [task["held"] is None for task in session.loop.settings.tasks] == [False, True]
 
 
+@pytest.mark.slow
 def test_attempts_keep_which_one_was_guided_and_where_the_others_were() -> None:
     session = Session()
     elbow, tip = session.at("link4"), session.at("tip")

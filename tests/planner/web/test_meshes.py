@@ -114,6 +114,7 @@ def test_the_setup_says_that_the_files_are_gone(tmp_path) -> None:
     assert "plate.obj" in Arm(robot, robot.tip).description()["no_meshes"]
 
 
+@pytest.mark.slow
 def test_they_are_served(tmp_path) -> None:
     with Planner(plated_arm(tmp_path), folder=False) as planner, Server(Desk(planner.loop), port=0) as server:
         status, body, headers = get(server.port, "/meshes")

@@ -57,6 +57,7 @@ def frame(socket):
     return head, rest[:7], rest[7 : 7 + nq], rest[7 + nq :].reshape(count, 7)
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("name", sorted(FILES))
 def test_every_file_of_the_page_is_served(server, name):
     status, body, headers = get(server.port, name)
@@ -231,6 +232,7 @@ def test_a_page_that_only_looks_stops_nothing_when_it_is_gone(server, planner):
     wait_for(lambda: is_still(planner))
 
 
+@pytest.mark.slow
 def test_a_page_that_reads_nothing_gets_the_newest_frame_and_holds_up_nobody(server, planner):
     with join(server) as slow, join(server) as quick:
         quick.send(json.dumps({"edit": "hold_target", "velocity": [0.0, -0.1]}))
@@ -262,6 +264,7 @@ def test_a_server_that_is_closed_can_be_closed_again(planner):
         get(server.port, "/")
 
 
+@pytest.mark.slow
 def test_a_planner_shows_itself_in_a_notebook():
     with Planner(jtik.Robot.planar(3), folder=False) as planner:
         html = planner._repr_html_()

@@ -1,6 +1,6 @@
 """Where clearances forbid the task step, the arm moves along them: by oracles of its own, on planar arms.
 
-Its slow tests are thinned: ``--full`` runs all of them.
+Its tests are thinned: ``--full`` runs all of them.
 """
 
 from __future__ import annotations
@@ -81,6 +81,7 @@ def with_circle(ik, center, radius):
     return ik
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("strategy", PRIMARIES)
 def test_a_solve_ends_on_target_or_where_no_motion_along_the_obstacle_helps(strategy):
     reached, ended = 0, 0
