@@ -50,8 +50,6 @@ if TYPE_CHECKING:
 
     from jtik._loop.copying import FixedSolver
 
-_FLOAT = np.dtype(np.float64)
-
 _UNREAD = (UNREADABLE, Code.NOT_FINITE)
 """What the native search returns, too, for a q0 that was copied unread and is not finite, or too large."""
 
@@ -302,15 +300,16 @@ class Solving:
 
         Returns:
             The Solution where the search has converged, else what it returned, for `Search.find` to go on; None where
-            there is no native search, or q0 is not an array.
+            there is no native search.
         """
-        native, start = self._search.native, self._robot.home if q0 is None else q0
-        if native is None or type(start) is not np.ndarray or start.shape != native.q0.shape:
+        native = self._search.native
+        if native is None:
             return None
-        if start.dtype is not _FLOAT or not self._configurations.vector:
-            start = self._configurations.start(start)
-        self._targets.copy(target)  # if it is not finite, the search does not end in DONE
-        native.q0[:] = start
+        if q0 is None or (type(q0) is np.ndarray and q0.shape == native.q0.shape):
+            self._targets.copy(target)  # if it is not finite, the search does not end in DONE
+        else:
+            self._targets.read(target)
+        native.q0[:] = self._configurations.unread(q0)
         returned = native.run_prepared()
         if returned != Code.DONE:
             return returned if returned not in _UNREAD else None

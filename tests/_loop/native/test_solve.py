@@ -161,6 +161,15 @@ def test_solves_with_and_without_lanes_take_turns(ik):
         assert solved(ik, T, q0=q0, **options) == solved(other, T, q0=q0, **options)
 
 
+def test_lists_are_read_in_python_and_solved_by_the_search_in_c_alone(ik):
+    T, q0 = ARM.pose(ARM.neutral + 0.3), ARM.neutral + 0.25
+    expected = solved(ik, T, q0=q0)
+    calls = python_calls(lambda: ik.solve(T.tolist(), q0=q0.tolist()))
+    assert "Solutions.converged" in calls
+    assert "Search.find" not in calls
+    assert solved(ik, T.tolist(), q0=q0.tolist()) == expected
+
+
 class Own(np.ndarray):
     """An array of another class."""
 
