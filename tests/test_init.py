@@ -54,7 +54,6 @@ FIRST_ANSWER = """
 
 
 @pytest.mark.slow
-@pytest.mark.quick(1)
 @pytest.mark.parametrize("strategy", ["hybrid", "weighted_qp"])
 def test_a_first_answer_loads_what_it_uses(strategy: str) -> None:
     """No other robot or strategy, no solver of quadratic programs but CasADi's, and nothing that reads packages."""

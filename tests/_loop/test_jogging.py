@@ -107,6 +107,7 @@ class TestOneStep:
 
 
 class TestAFullSelfMotion:
+    @pytest.mark.slow
     def test_the_elbow_of_a_panda_goes_from_limit_to_limit_and_back(self):
         """The elbow's angle about the line from shoulder to wrist changes one way only; the flange stands still."""
         ik = solver(PANDA)

@@ -126,6 +126,7 @@ def test_the_same_seed_gives_the_same_solution(capsys: Capture) -> None:
     assert first != other
 
 
+@pytest.mark.slow
 def test_compiled_steps_and_another_solver_lead_to_the_same_posture(capsys: Capture) -> None:
     try:
         compiler()

@@ -252,6 +252,7 @@ class TestWithoutMasses:
         with pytest.raises(jtik.ArgumentError, match=f"robot: given .*{links}.*Robot.with_masses"):
             jtik.InverseKinematics(robot, jtik.FrameTask(), criteria=criterion)
 
+    @pytest.mark.quick(1)
     def test_with_masses_it_is_accepted(self, criterion):
         arm = jtik.Robot.builtin("iiwa14")
         robot = arm.with_masses({frame: Mass(2.0, [0.0, 0.02, 0.05]) for frame in arm.massless_frames})

@@ -171,6 +171,7 @@ def test_inside_an_obstacle_the_force_is_finite_and_points_outwards(depth, bodie
     assert after > before
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(
     ("frame", "bodies", "radius"),
     [

@@ -75,7 +75,6 @@ class TestValuesAndDerivatives:
         assert criterion(aim=1.0)(q, robot) == pytest.approx(elbow_traced(q, robot, aim=1.0), rel=EXACT)
 
     @pytest.mark.slow
-    @pytest.mark.quick(1)
     @pytest.mark.parametrize("criterion", [elbow, elbow_with_gradient])
     def test_it_fulfils_the_contract(self, criterion):
         check_criterion(criterion, planar(5), samples=2)
@@ -330,7 +329,6 @@ def _calling(function):
 
 
 @pytest.mark.slow
-@pytest.mark.quick(1)
 @pytest.mark.parametrize("interruption", [KeyboardInterrupt, SystemExit])
 def test_what_interrupts_a_function_reaches_the_caller(interruption):
     """Ctrl-C, or sys.exit, while a numeric function runs; the solver can be used afterwards."""

@@ -88,6 +88,7 @@ def corners_of(obstacle):
     return corners @ obstacle.pose[:2, :2].T + obstacle.center
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("kind", ["polygon", "box", "capsule"])
 def test_in_the_plane_it_is_exact_outside_and_inside(kind, rng):
     """Against the Minkowski difference of both sets: inside, the depth is the shortest translation apart."""

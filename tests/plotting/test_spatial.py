@@ -105,6 +105,7 @@ def test_several_postures_have_their_own_colours(arm: jtik.Robot) -> None:
     assert len(drawn_triangles(figure)) > 2.5 * len(drawn_triangles(arm.plot(table[0], show="links", width=3.0)))
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("q", "view"),
     [

@@ -77,6 +77,7 @@ def mujoco_dynamics(robot, q, gravity):
     return moves.T @ np.array(columns) @ moves, moves.T @ data.qfrc_bias
 
 
+@pytest.mark.quick(3)
 def test_mujoco_has_the_same_dynamics(robot, rng):
     gravity = np.array([1.0, -2.0, 0.0 if robot.dimension == 2 else -9.0])
     for _ in range(4):

@@ -266,6 +266,7 @@ def test_a_planar_robot_stays_in_its_plane(joint):
     assert Robot([joint]).dimension == 3
 
 
+@pytest.mark.quick(2)
 def test_a_subset_locks_the_other_joints_where_they_are(robot):
     q = robot.random_configuration(8)
     for name in robot.joint_names:

@@ -40,6 +40,7 @@ def cases(rng, count=8):
             yield robot, q, robot.position(q + rng.uniform(-0.5, 0.5, robot.n))
 
 
+@pytest.mark.slow
 def test_within_the_limit_it_is_newtons_step(rng):
     seen = 0
     for robot, q, target in cases(rng):

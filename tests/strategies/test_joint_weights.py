@@ -159,6 +159,7 @@ class TestTaskStep:
 
 
 class TestWithinLimits:
+    @pytest.mark.slow
     def test_a_saturated_step_is_the_closest_in_the_metric(self, rng):
         """Of all displacements with the largest share of the task within the velocity limits."""
         n, dt, speed = 5, 0.02, 1.0

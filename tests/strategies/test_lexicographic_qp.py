@@ -62,6 +62,7 @@ def least_after(J, r, above, fixed, low, high):
     return np.sum((P @ y + q) ** 2)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("size", [0.05, 0.3, 3.0])
 def test_each_level_is_optimal_within_the_box_after_those_above(size, rng):
     """Two levels of random rows: SciPy's bounded least squares for the first, a reduced QP for the second.
@@ -82,6 +83,7 @@ def test_each_level_is_optimal_within_the_box_after_those_above(size, rng):
         assert np.sum((J[2:] @ x + r[2:]) ** 2) <= best + tied + SLACK
 
 
+@pytest.mark.slow
 def test_a_lower_level_cannot_change_a_higher_one(rng):
     for _ in range(20):
         J, r = rng.normal(size=(4, 6)), rng.normal(size=4)
@@ -92,6 +94,7 @@ def test_a_lower_level_cannot_change_a_higher_one(rng):
             assert J[:2] @ x == pytest.approx(J[:2] @ alone, abs=STRICT)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("order", [((0, 1), (2, 3, 4), (5,)), ((5,), (2, 4), (0, 1, 3))])
 def test_without_limits_it_is_the_recursion_of_pseudo_inverses(order, rng):
     """Siciliano and Slotine: x <- x - (J_k N)+ (r_k + J_k x), N <- N - (J_k N)+ J_k N."""

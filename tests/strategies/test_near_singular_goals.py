@@ -36,6 +36,7 @@ def arrivals(strategy):
     return sum(each.converged for each in solutions)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("strategy", large_ones_slow(REACH_ALL))
 def test_the_default_reaches_all_of_them(strategy):
     assert arrivals(strategy) == GOALS

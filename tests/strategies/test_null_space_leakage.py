@@ -43,6 +43,7 @@ def leakages(ik, starts, target, jacobian, iterations=1):
     return np.array(found)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("strategy", [*STRATEGIES, *LEXICOGRAPHIC])
 def test_noise_of_a_solver_is_not_scaled_up_beside_limits(strategy, rng):
     """Where joints at limits leave no direction, the solution of the quadratic program is noise of 1e-15."""
@@ -55,6 +56,7 @@ def test_noise_of_a_solver_is_not_scaled_up_beside_limits(strategy, rng):
     assert (null > 1e-3).mean() > 0.1
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("strategy", [*STRATEGIES, *LEXICOGRAPHIC])
 @pytest.mark.parametrize("scale", [1e3, *slow(1e-4)])
 def test_on_robots_of_kilometres_and_of_tenths_of_millimetres(strategy, scale, rng):

@@ -33,6 +33,7 @@ def run(primary, rule, rng, iterations=150, **options):
     return solver(primary, rule, **options).solve(target, q0=q0, max_iterations=iterations, trace=True)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("rule", ["sqrt", "paper"])
 @pytest.mark.parametrize("primary", PRIMARIES)
 def test_V2_does_not_grow(primary, rule, rng):
@@ -117,6 +118,7 @@ def rising(rule, count, primary="hybrid"):
     return solves, largest
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("rule", ["merit", "sqrt"])
 @pytest.mark.parametrize("primary", PRIMARIES)
 def test_V_falls_outside_the_neighbourhood_of_the_target(primary, rule):
@@ -159,6 +161,7 @@ def test_with_the_root_it_does_not_freeze():
     assert np.median(residuals["paper"]) > 1e-3
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("primary", PRIMARIES)
 def test_steps_are_no_longer_than_the_limit(primary, rng):
     for rule in ("merit", "sqrt"):

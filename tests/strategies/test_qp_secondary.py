@@ -42,6 +42,7 @@ ROBOTS = {
 }
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("primary", ["hybrid", *slow("transpose", "newton", "damped")])
 @pytest.mark.parametrize("name", ROBOTS)
 def test_without_limits_it_is_the_projected_gradient(primary, name, rng):
@@ -83,6 +84,7 @@ def test_a_weight_makes_a_joint_lazy(rng):
     assert abs(expected[3]) < 0.2 * abs(even[3])
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("primary", PRIMARIES)
 def test_limits_are_in_the_quadratic_program(primary, rng):
     """The step is optimal among all that keep to the box: multipliers of the right sign, by qpsolvers' own check."""
@@ -146,6 +148,7 @@ def test_the_rules_of_the_paper_know_no_limits():
         QPSecondary(rule="paper")
 
 
+@pytest.mark.slow
 def test_a_step_that_is_short_because_it_ends_at_a_limit_is_not_stationary():
     """The last task step moves a joint 1e-6 off its limit; the solve goes on until it is back."""
     robot = jtik.Robot.builtin("panda")

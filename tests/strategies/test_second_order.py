@@ -317,6 +317,7 @@ class TestOrder:
         assert np.median(steps) < np.median(theirs) / 1.5
         assert bound == (0 if np.isinf(limit) else 8)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("kind", ["position", *slow("pose")])
     @pytest.mark.parametrize("limit", [1.0, *slow(math.inf)])
     @pytest.mark.parametrize("primary", ["hybrid", *slow("newton")])
@@ -330,6 +331,7 @@ class TestOrder:
             assert solution.status is jtik.Status.CONVERGED
             assert is_quadratic(solution, robot, least=2 if np.isinf(limit) else 1)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("arm", [ball_arm, *slow(floating_arm)])
     def test_manifolds_have_it_too(self, arm, rng):
         """The optimum is a valley, as the rotation about a link is free: the gradient falls quadratically."""
@@ -347,6 +349,7 @@ class TestOrder:
             falls = gradient[close + 1] <= 50 * gradient[close] ** 1.5 + 1e-13
             assert falls[-2:].all()
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("count", [2, *slow(6)])
     def test_without_the_curvature_of_the_task_convergence_is_linear_to_a_minimum(self, count):
         exact = planar_solver(np.inf, "newton+second_order")
@@ -378,6 +381,7 @@ class TestOrder:
             refused.append(int((solution.trace.accepted == 0).sum()))
         assert refused[0] > refused[1] == 0
 
+    @pytest.mark.slow
     def test_and_along_a_valley_of_the_criterion(self):
         """H nearly flat along the self-motion: the error after one correction outweighs the decrease of H."""
 
@@ -397,6 +401,7 @@ class TestOrder:
 
 
 class TestOptimum:
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize("limit", [np.inf, 0.25])
     def test_slsqp_finds_the_same_one(self, limit):
         """From beside it: H has many minima. SLSQP gets value and gradient of H from a solver without limits."""
@@ -422,6 +427,7 @@ class TestOptimum:
             assert solution.cost == pytest.approx(other.fun, abs=SAME)
             assert solution.q == pytest.approx(other.x, abs=1e-5)
 
+    @pytest.mark.slow
     def test_a_spatial_arm_too(self, rng):
         robot = dh_arm(7, 1, 0.5)
         ik = shared_solver(robot, jtik.FrameTask(), criteria=elbow, strategy="hybrid+second_order")

@@ -53,6 +53,7 @@ def steps(e, below=3e-2, above=1e-12):
     return e[:-1][close], e[1:][close]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("piece", ["smooth", "hessian lipschitz", "hessian jumps"])
 def test_it_is_quadratic_with_a_lipschitz_hessian_and_with_one_that_jumps_between_two(piece, rng):
     """Each side of the jump has its own quadratic model, and both have the same optimum."""

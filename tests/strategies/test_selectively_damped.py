@@ -58,6 +58,7 @@ def test_the_step_of_a_planar_arm(clamp, max_error, bend, rng):
         assert ik.step(q, target).q - q == pytest.approx(wanted, rel=1e-4 if bend == 1e-12 else 1e-8, abs=1e-9)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("clamp", ["hard", "soft"])
 def test_the_step_in_space(clamp, rng):
     robot = dh_arm(7, 3)

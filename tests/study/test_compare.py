@@ -41,6 +41,7 @@ class TestRows:
         assert study.criteria == ("none", "centred")
         assert study.complete
 
+    @pytest.mark.slow
     def test_rows_agree_with_the_same_solve_outside_the_study(self, study, arm, task):
         ik = jtik.InverseKinematics(arm, task, criteria=JointCentering(), strategy="damped")
         for row in study.rows(contender="damped", criteria="centred", kind="reachable"):

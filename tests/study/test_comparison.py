@@ -20,6 +20,7 @@ def test_regret_is_relative_to_the_best_solved_row_of_the_same_case_and_criteria
     assert regret(columns).tolist() == pytest.approx([1.0, 0.0, np.nan, 0.0, np.nan], nan_ok=True)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     "note", ["reports success, but the error is 1 m and 0 rad", "says it is on target, but is 1 m off"]
 )

@@ -59,6 +59,7 @@ def test_a_process_pool_gives_the_same_figures(serial, arm, task, assert_same):
     assert reported == [(done, 8) for done in range(1, 9)]
 
 
+@pytest.mark.slow
 def test_threads_give_the_same_figures(serial, arm, task, assert_same):
     with ThreadPoolExecutor(3) as pool:
         assert_same(serial, jtik.compare(arm, task, **options(arm, task), executor=pool))

@@ -208,7 +208,6 @@ def test_a_floating_base_is_checked_too():
 
 
 @pytest.mark.quick(1)
-@pytest.mark.quick(2)
 @pytest.mark.parametrize("format", ["csv", "json", "npz", "ros2_json", "ros2_yaml", "figure", "animation"])
 def test_commit_times_checks_and_writes_every_format(tmp_path, format):
     if format in PICTURES:

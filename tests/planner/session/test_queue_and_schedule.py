@@ -92,7 +92,6 @@ def test_edits_in_a_rhythm_are_answered_without_a_wait_after_some_periods(phase:
 
 
 @pytest.mark.quick(1)
-@pytest.mark.quick(2)
 @pytest.mark.parametrize("spacing", [0.1, 0.37, 0.5, 0.73, 0.99, 1.0, 1.01, 1.9])
 def test_edits_make_no_more_periods_and_none_long(spacing: float) -> None:
     generator = np.random.default_rng(0)

@@ -67,6 +67,7 @@ def operate(operator: Operator, generator: np.random.Generator, ticks: int) -> N
         assert operator.loop.frame.position.shape == (2,)
 
 
+@pytest.mark.quick(0)
 @pytest.mark.parametrize(("seed", "periods"), [(0, 1000), pytest.param(1, 3000, marks=pytest.mark.slow)])
 def test_random_operation(seed: int, periods: int) -> None:
     operator, generator = Operator(), np.random.default_rng(seed)
