@@ -102,6 +102,7 @@ LINKS, OBSTACLES, CRITERIA = (5, 10, 20, 50, 100), (1, 4, 16, 64), (0, 1, 2, 4, 
 SWEEPS = (
     Sweep("links", "hybrid", LINKS, _links),
     Sweep("links", "weighted_qp", LINKS, _links, bound=2),
+    Sweep("links", "hybrid+second_order", LINKS, _links, bound=2),
     Sweep("obstacles", "hybrid", OBSTACLES, _obstacles),
     Sweep("obstacles", "weighted_qp", OBSTACLES, _obstacles),
     Sweep("clearances", "weighted_qp", OBSTACLES, _clearances, bound=2),
