@@ -13,7 +13,7 @@ remaining joints. The active set is part of the state (formulations/joint_limits
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 from jtik._step.symbolic_problem import SymbolicProblem
@@ -54,6 +54,7 @@ class ActiveSet:
         gradient: dH/dv of all joints (n, 1).
         limits: lower and upper limits of q.
         uses_qp: whether the strategy's quadratic programs find the active limits by themselves.
+        moving: whether the limits move from step to step: a joint may be at the other limit than in the step before.
 
     Attributes:
         active: 1 for each bounded joint whose limit is active in this step, else 0.
@@ -70,9 +71,11 @@ class ActiveSet:
         limits: tuple[Expression, Expression],
         *,
         uses_qp: bool = False,
+        moving: bool = False,
     ) -> None:
         self._problem, self._here, self._J, self._gradient = problem, here, J, gradient
         self._lower, self._upper = limits
+        self._moving = moving
         # whether the active set is kept from step to step
         self._kept = near_target if problem.has_criterion and not uses_qp else 0
         self._task_gradient = J.T @ here.residual
@@ -80,7 +83,7 @@ class ActiveSet:
         self._pushed = [logic_and(at, outward) for at, outward in pairs]
         self.active: list[Expression] = self._pushed
         if "active" in state:
-            before = [logic_and(at, state["active"][k]) for k, at in enumerate(self._at_limit(here.q))]
+            before = self._still_at_limit(here.q, state["active"])
             self.active = [
                 if_else(self._kept, active, logic_or(active, pushed))
                 for active, pushed in zip(before, self._pushed, strict=True)
@@ -94,10 +97,26 @@ class ActiveSet:
 
     def _at_limit(self, q: Expression) -> list[Expression]:
         """Whether each bounded joint is at one of its limits."""
+        return [logic_or(upper, lower) for upper, lower in self._sides_at(q)]
+
+    def _sides_at(self, q: Expression) -> list[tuple[Expression, Expression]]:
+        """Whether each bounded joint is at its upper limit, and whether at its lower one."""
         return [
-            logic_or(q[i] >= self._upper[i] - AT_LIMIT, q[i] <= self._lower[i] + AT_LIMIT)
-            for i, _ in self._problem.bounded
+            (q[i] >= self._upper[i] - AT_LIMIT, q[i] <= self._lower[i] + AT_LIMIT) for i, _ in self._problem.bounded
         ]
+
+    def _still_at_limit(self, q: Expression, before: Expression) -> list[Expression]:
+        """Whether each bounded joint is at the limit that was active before, on the same side."""
+        sides = enumerate(self._sides_at(q))
+        if not self._moving:
+            return [logic_and(logic_or(upper, lower), before[k]) for k, (upper, lower) in sides]
+        return [before[k] * (upper - lower) > 0 for k, (upper, lower) in sides]
+
+    def _noted(self, active: Sequence[Expression], q: Expression) -> Expression:
+        """The state of the active set at ``q``, (bounded, 1); of moving limits 1 at an upper and -1 at a lower one."""
+        if not self._moving:
+            return vertcat(*active)
+        return vertcat(*[each * (2 * upper - 1) for each, (upper, _) in zip(active, self._sides_at(q), strict=True)])
 
     def _outward(self, dq: Expression, q: Expression | None = None) -> list[Expression]:
         """Whether ``dq`` (n, 1) moves each bounded joint, which is at a limit, beyond it."""
@@ -123,8 +142,8 @@ class ActiveSet:
     @cached_property
     def _sides(self) -> list[Expression]:
         """For each bounded joint 1 where its upper limit is active, -1 where its lower limit is, else 0."""
-        at_upper = [self._here.q[i] >= self._upper[i] - AT_LIMIT for i, _ in self._problem.bounded]
-        return [active * (2 * upper - 1) for active, upper in zip(self.active, at_upper, strict=True)]
+        pairs = zip(self.active, self._sides_at(self._here.q), strict=True)
+        return [active * (2 * upper - 1) for active, (upper, _) in pairs]
 
     def _wrong_multipliers(self, model: LocalModel, gradient: Expression) -> list[Expression]:
         """For each active limit by how much its multiplier has the wrong sign, non-negative.
@@ -160,7 +179,7 @@ class ActiveSet:
         pushed = [logic_and(at, out) for at, out in zip(self._at_limit(q), self._outward(wanted, q), strict=True)]
         blocked = [if_else(accepted, 0, logic_or(own, out)) for own, out in zip(self.active, pushed, strict=True)]
         if not self._problem.has_criterion:
-            return vertcat(*blocked)
+            return self._noted(blocked, q)
         # off the target the task decides, by the penalty term 1/2 c |r|^2
         c = (12 * norm(model.multipliers) + model.gradient_norm / model.jacobian_norm) / model.neighbourhood
         wrong = self._wrong_multipliers(model, self._lagrangian_gradient(model) + c * self._task_gradient)
@@ -172,4 +191,5 @@ class ActiveSet:
             logic_or(push, logic_and(own, logic_not(logic_and(leaves, each == largest))))
             for own, push, each in zip(self.active, pushed, wrong, strict=True)
         ]
-        return vertcat(*[if_else(self._kept, inside, outside) for inside, outside in zip(kept, blocked, strict=True)])
+        pairs = zip(kept, blocked, strict=True)
+        return self._noted([if_else(self._kept, inside, outside) for inside, outside in pairs], q)

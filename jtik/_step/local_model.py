@@ -133,7 +133,8 @@ def linearized(
         near_target = here.length <= neighbourhood
     active = None
     if problem.bounded:
-        active = ActiveSet(problem, state, here, near_target, J, gradient, limits, uses_qp=uses_qp)
+        moving = acceleration is not None
+        active = ActiveSet(problem, state, here, near_target, J, gradient, limits, uses_qp=uses_qp, moving=moving)
     J_free = active.masked(J) if active else J
     squared = squared_length(J)
     curvature = _curvature(squared, J.shape[1], state["remaining"], whole) if timed else 0

@@ -181,18 +181,68 @@ def test_a_target_that_jumps_is_not_overshot(strategy, dt):
 
 QUICK = [pytest.param(0.002, limit, marks=pytest.mark.slow) for limit in (10.0, 50.0)]
 
+SPEED = 0.1
+"""Of the path that starts at speed [m/s]."""
+
 
 @functools.cache
-def started_at_speed(strategy, dt, limit):
-    """Largest and root mean square error [m] and acceleration [rad/s^2], on a straight path at 0.1 m/s from rest."""
+def joining(strategy, dt, limit):
+    """The solver, its configurations and the targets, on a straight path of 1 s that starts at speed, from rest."""
     ik = panda(strategy, limits=jtik.Limits(velocity=1.5, acceleration=limit))
     q0 = np.array([2.258, -1.349, -1.256, -1.277, 1.660, 2.048, -1.089])
     t = dt * np.arange(1, round(1 / dt) + 1)
     start = ik.robot.pose(q0)
-    targets = moved(start, np.outer(-0.1 * t, start[:3, 2]))
-    path = stepped(ik, q0, targets, dt)
+    targets = moved(start, np.outer(-SPEED * t, start[:3, 2]))
+    return ik, stepped(ik, q0, targets, dt), targets
+
+
+def started_at_speed(strategy, dt, limit):
+    """Largest and root mean square error [m] and acceleration [rad/s^2]."""
+    ik, path, targets = joining(strategy, dt, limit)
     away = errors(ik, path[1:], targets)
     return away.max(), np.sqrt(np.mean(away**2)), acceleration(path, dt)
+
+
+def smallest_error_along(path, robot, direction, dt, limit):
+    """The largest error [m] that is left where the end effector moves along ``direction`` alone, at best.
+
+    A linear program over all steps together, with the Jacobian at the configurations of ``path``: joint displacements
+    d_k and ways p_k with J_k d_k = p_k direction, |d_k - d_(k-1)| <= limit dt^2, and the smallest b that
+    |k SPEED dt - (p_1 + ... + p_k)| <= b for all k.
+    """
+    count, n = len(path), path.shape[1]
+    size = count * (n + 1) + 1
+    equal, changes = np.zeros((6 * count, size)), np.zeros((n * count, size))
+    for k, q in enumerate(path):
+        equal[6 * k : 6 * k + 6, n * k : n * k + n] = robot.jacobian(q, robot.tip)
+        equal[6 * k : 6 * k + 6, n * count + k] = -np.append(direction, np.zeros(3))
+        changes[n * k : n * k + n, n * k : n * k + n] = np.eye(n)
+        if k:
+            changes[n * k : n * k + n, n * k - n : n * k] = -np.eye(n)
+    made = np.zeros((count, size))
+    made[:, n * count : -1] = np.tri(count)
+    bound, wanted = np.eye(1, size, size - 1), SPEED * dt * np.arange(1, count + 1)
+    found = linprog(
+        bound[0],
+        A_ub=np.vstack([changes, -changes, made - bound, -made - bound]),
+        b_ub=np.concatenate([np.full(2 * n * count, limit * dt**2), wanted, -wanted]),
+        A_eq=equal,
+        b_eq=np.zeros(6 * count),
+        bounds=[(None, None)] * (size - 1) + [(0, None)],
+    )
+    return found.fun
+
+
+@pytest.mark.parametrize("strategy", ["sns", *slow("sns_qp")])
+@pytest.mark.parametrize(("dt", "limit"), [(0.02, 10.0), *QUICK])
+def test_where_the_direction_is_kept_a_path_that_starts_at_speed_is_joined_as_soon_as_it_can_be(strategy, dt, limit):
+    """Their error is twice that of strategies that leave the direction; no rule that keeps it makes it smaller."""
+    ik, path, targets = joining(strategy, dt, limit)
+    count = 15 if dt == 0.02 else 40
+    direction = (targets[1] - targets[0])[:3, 3] / (SPEED * dt)
+    smallest = smallest_error_along(path[:count], ik.robot, direction, dt, limit)
+    assert smallest > 1e-4
+    assert started_at_speed(strategy, dt, limit)[0] <= 1.02 * smallest
 
 
 @pytest.mark.parametrize("strategy", large_ones_slow(CLOSE))
@@ -205,6 +255,24 @@ def test_a_path_that_starts_at_speed_is_joined_soon_and_quietly(strategy, dt, li
     assert mean <= 1.2 * reference[1]
     assert quiet <= 1.2 * reference[2]
     assert quiet <= {(0.02, 10.0): 0.6, (0.002, 10.0): 1.8, (0.002, 50.0): 3.0}[dt, limit]
+
+
+@functools.cache
+def late(strategy, dt, criteria):
+    """Largest and root mean square error [m], on a sine at 0.63 m/s from rest, with 10 rad/s^2."""
+    limits = jtik.Limits(velocity=1.5, acceleration=10.0)
+    ik = panda(strategy, limits=limits, criteria=0.1 * JointCentering() if criteria else None)
+    t = dt * np.arange(1, round(0.4 / dt) + 1)
+    targets = moved(ik.robot.pose(ik.robot.home), np.outer(0.2 * np.sin(np.pi * t), [0, 1, 0]))
+    away = errors(ik, stepped(ik, ik.robot.home, targets, dt)[1:], targets)
+    return away.max(), np.sqrt(np.mean(away**2))
+
+
+@pytest.mark.parametrize("strategy", ["hybrid", *slow("sns", "damped", "newton", "task_priority", "sns_qp")])
+@pytest.mark.parametrize("dt", [0.02, *slow(0.002)])
+def test_an_arm_that_is_late_catches_up_beside_a_criterion_as_without(strategy, dt):
+    """A joint at the limit of its braking is not active because the limit of its speeding up was: 1.4 times as late."""
+    assert late(strategy, dt, True) == pytest.approx(late(strategy, dt, False), rel=0.02)
 
 
 COMPROMISING = ("weighted_qp",)
