@@ -173,6 +173,7 @@ class TestRegistration:
         )
         assert registry["mine"] is hybrid
 
+    @pytest.mark.slow
     def test_a_built_in_name_is_taken_before_anything_is_loaded(self):
         """The conflict is reported where the class is defined, not when the built-in classes are loaded later."""
         program = """

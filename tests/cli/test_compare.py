@@ -148,6 +148,7 @@ def test_json_has_all_columns_and_nothing_else_is_on_stdout(tmp_path, capsys) ->
     assert err.startswith("written: ")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("short_report")
 def test_a_picture_of_profiles(tmp_path, capsys) -> None:
     words = [*STUDY.split(), "hybrid", "damped", "--out", str(tmp_path / "r.html")]

@@ -39,6 +39,7 @@ def solver(compiled):
     return shared_solver(ARM, jtik.FrameTask("tip", "pose"), compiled=compiled)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiled", [False, *slow(True)], ids=str)
 def test_every_branch_of_the_closed_form_is_found(compiled, rng):
     tried = 0

@@ -187,6 +187,7 @@ def quiet_mujoco():
     mujoco.set_mju_user_warning(before)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("quiet_mujoco")
 @pytest.mark.parametrize(
     ("paths", "least"),

@@ -27,6 +27,7 @@ def made(robot=ARM, **options) -> Planner:
     return Planner(robot, **(values | options))
 
 
+@pytest.mark.slow
 def test_by_default_it_is_the_arm_of_the_paper_in_front_of_a_field() -> None:
     with Planner(folder=False, strategy="newton", criteria=()) as planner:
         setup, settings = planner.loop.setup, planner.loop.settings

@@ -220,6 +220,7 @@ def without(monkeypatch: pytest.MonkeyPatch, package: str) -> None:
     monkeypatch.setattr(builtins, "__import__", fake)
 
 
+@pytest.mark.slow
 def test_importing_plotting_does_not_import_matplotlib() -> None:
     root = Path(jtik.__file__).parents[1]
     code = (

@@ -191,6 +191,7 @@ class TestArguments:
             Mink(descent=ProjectedGradient(rule="paper"))
 
 
+@pytest.mark.slow
 def test_jtik_without_it_does_not_load_mujoco():
     """It takes longer to load than everything else together."""
     import subprocess

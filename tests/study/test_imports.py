@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import pytest
+
 OPTIONAL = (
     "pandas",
     "matplotlib",
@@ -19,6 +21,7 @@ OPTIONAL = (
 )
 
 
+@pytest.mark.slow
 def test_optional_packages_are_not_imported():
     code = (
         f"import sys; sys.path[:0] = {sys.path!r};"

@@ -169,6 +169,7 @@ def test_names_in_markdown_are_shown_as_they_are_written():
         assert line.replace(r"\|", "").count("|") == 3
 
 
+@pytest.mark.slow
 def test_a_table_for_a_spreadsheet_has_no_formulas(saved, tmp_path, arm, task):
     found = jtik.compare(
         arm, task, strategies=dict.fromkeys(NAMES, "damped"), problems={"reachable": 1}, repeats=1, traces=0

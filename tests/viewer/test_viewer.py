@@ -167,6 +167,7 @@ def test_a_target_out_of_reach_is_reported_and_does_not_end_anything(shown: Any)
     np.testing.assert_allclose(arm.position(viewer.q[arm.name]), arm.position([0.5, 0.6]), atol=SOLVED)
 
 
+@pytest.mark.slow
 def test_joints_that_the_solver_does_not_move_stay(shown: Any) -> None:
     robot = jtik.Robot.builtin("vehicle_panda")
     ik = jtik.InverseKinematics(robot, jtik.FrameTask(kind="pose"), joints=robot.joint_names[-7:])

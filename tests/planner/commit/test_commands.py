@@ -80,6 +80,7 @@ def test_a_ros_2_message_has_the_fields_of_joint_trajectory(tmp_path, format):
         assert 0 <= time["nanosec"] < 10**9
 
 
+@pytest.mark.slow
 def test_a_file_read_back_leads_the_end_effector_along_the_path(tmp_path):
     """A circle of the end effector, timed, written, read by the csv module alone, checked by forward kinematics."""
     arm = jtik.Robot.planar(3)
