@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from jtik._step.fused_step import FusedStep
 from jtik._step.inputs import Inputs
 from jtik._step.stopping import StepOutcome
+from jtik.qp.fast_path import StepPath
 from jtik.types import Array
 
 OF_ERROR = ("remaining", "left", "smallest", "unimproved")
@@ -49,6 +50,7 @@ class Runner:
         self.state = (self.first_state.copy(), self.first_state.copy())
         self.outcome = np.zeros(len(StepOutcome._fields))
         self.record = np.zeros(fused.record.size)
+        self._expected = [StepPath.FAST]
         self.calls = self._bound(fused)
         self.view = memoryview(self.outcome.data)
         self.at = 0
@@ -63,6 +65,7 @@ class Runner:
             fused.bind(
                 [self.q[a], *self.inputs, self.state[a]],
                 [self.q[1 - a], self.state[1 - a], self.outcome, *records],
+                self._expected,
             )
             for a in (0, 1)
         )
@@ -96,6 +99,7 @@ class Runner:
         self.q[0][:] = q
         self.state[0][:] = self.first_state
         self.state[0][self._patience] = patience
+        self._expected[0] = StepPath.FAST  # what came before does not matter, not even for rounding
         self.at = 0
 
     def wait(self) -> None:

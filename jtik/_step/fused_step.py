@@ -29,7 +29,7 @@ from jtik._step.vector_layout import VectorLayout
 from jtik.constraints.clearance import LONGEST
 from jtik.qp import backend_of
 from jtik.qp.backend import Backend, FusedBackend
-from jtik.qp.fast_path import fast_or_qp_path
+from jtik.qp.fast_path import StepPath, fast_or_qp_path
 from jtik.qp.recorder import QPRecorder
 from jtik.qp.staged import Staged, staged
 from jtik.strategy import LocalModel, Shape, Strategy
@@ -89,12 +89,12 @@ class FusedStep:
             return None
         return self.virtual or self.function
 
-    def bind(self, arguments: list[Array], results: list[Array]) -> Callable[[], None]:
-        """A call without arguments on this memory."""
+    def bind(self, arguments: list[Array], results: list[Array], expected: list[StepPath]) -> Callable[[], None]:
+        """A call without arguments on this memory; ``expected`` as in `jtik.qp.fast_path.fast_or_qp_path`."""
         if isinstance(self.function, Staged):
             return self.function.bind(arguments, results)
         if self.parts:
-            return fast_or_qp_path(self.function, self.parts, Code.UNSOLVED, arguments, results)
+            return fast_or_qp_path(self.function, self.parts, Code.UNSOLVED, arguments, results, expected)
         return bind(self.function, arguments, results)
 
     @property

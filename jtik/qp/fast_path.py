@@ -40,12 +40,18 @@ class _NoSolver(QPSolver):
 
 
 def fast_or_qp_path(
-    joined: Function, parts: Staged, unsolved: int, arguments: list[Array], results: list[Array]
+    joined: Function,
+    parts: Staged,
+    unsolved: int,
+    arguments: list[Array],
+    results: list[Array],
+    expected: list[StepPath],
 ) -> Callable[[], None]:
     """The step as a call on this memory.
 
     It uses the fast path where no QP has to be solved, else the QP path with the back end; if that finds no solution,
-    the QP path with the back end's fallback. A step begins with the path that the step before it has needed.
+    the QP path with the back end's fallback. A step begins with the path that the step before it has needed: the paths
+    agree up to rounding.
 
     Args:
         joined: the parts joined by a fused back end.
@@ -53,6 +59,7 @@ def fast_or_qp_path(
         unsolved: value of ``results[2][0]`` after a step whose QP was not solved.
         arguments: memory of the step's inputs, as in `Staged.bind`.
         results: memory of the step's outputs, as in `Staged.bind`.
+        expected: the path that the next step begins with, one entry; shared by the calls that follow one another.
     """
     fallback = _Fallback(parts, arguments, results)
     if parts.fast_path is None:
@@ -69,7 +76,6 @@ def fast_or_qp_path(
     direct_path = fast_path
     if parts.direct_path is not None:
         direct_path = bind(parts.direct_path, arguments, [*results, valid, *between, unneeded])
-    expected = StepPath.FAST
 
     def path_needed() -> StepPath:
         """The path that this step has needed."""
@@ -82,24 +88,23 @@ def fast_or_qp_path(
         return needed
 
     def step() -> None:
-        nonlocal expected
-        if expected is StepPath.FAST:
+        if expected[0] is StepPath.FAST:
             fast_path()
             if not no_qp_needed[0]:
                 qp_path()
-                expected = path_needed()
-        elif expected is StepPath.DIRECT:
+                expected[0] = path_needed()
+        elif expected[0] is StepPath.DIRECT:
             direct_path()
             if not no_qp_needed[0]:
                 qp_path()
-                expected = path_needed()
+                expected[0] = path_needed()
             elif direct_was_unneeded[0]:
-                expected = StepPath.FAST
+                expected[0] = StepPath.FAST
         else:  # the end of the step is evaluated once, not by the fast path as well
             for call in begin:
                 call()
             qp_path()
-            expected = path_needed()
+            expected[0] = path_needed()
 
     return step
 

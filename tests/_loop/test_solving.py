@@ -46,6 +46,18 @@ class TestSolve:
             assert solution.jacobian.shape == (2, n)
             assert solution.gradient.shape == (n,)
 
+    @pytest.mark.parametrize("strategy", ["weighted_qp", "hybrid+qp"])
+    def test_solves_before_it_change_no_bit(self, strategy, rng):
+        """Quadratic programs among them: whether one was needed last does not matter to the next solve."""
+        robot = planar(5, lower=-2, upper=2)
+        first, last = (solver(robot, strategy=strategy, criteria=JointCentering()) for _ in range(2))
+        problems = [(rng.uniform(-2, 2, 5), robot.position(rng.uniform(-2, 2, 5))) for _ in range(60)]
+        forwards = [first.solve(target, q0=q0, max_iterations=200) for q0, target in problems]
+        backwards = [last.solve(target, q0=q0, max_iterations=200) for q0, target in reversed(problems)]
+        for one, other in zip(forwards, reversed(backwards), strict=True):
+            assert one.q.tolist() == other.q.tolist()
+            assert one.iterations == other.iterations
+
     def test_tolerances_are_kept_and_matter(self):
         ik, q0 = solver(planar(5)), [0.3] * 5
         for tolerance in (1e-1, 1e-4, 1e-10):

@@ -11,6 +11,7 @@ import jtik
 from jtik._step.fused_step import STRATEGY_PREFIX, fused_step
 from jtik._step.stopping import Code, StepOutcome
 from jtik.qp import backend_of
+from jtik.qp.fast_path import StepPath
 from jtik.strategy import Strategy, Update
 from jtik.symbolic.compile import CompiledFunction
 from jtik_formulations import JointCentering
@@ -154,7 +155,7 @@ def test_bound_memory_is_read_and_written():
     fused = fused_step(problem, GaussNewton())
     q, state, outcome = np.zeros(3), np.zeros(fused.state.size), np.zeros(len(StepOutcome._fields))
     start = Q.copy()
-    call = fused.bind([start, *inputs_of(problem, TARGET), fused.first_state.copy()], [q, state, outcome])
+    call = fused.bind([start, *inputs_of(problem, TARGET), fused.first_state.copy()], [q, state, outcome], [StepPath.FAST])
     call()
     assert q == pytest.approx(Q + NEWTON)
     start[:] = q

@@ -10,7 +10,7 @@ import pytest
 import jtik
 from jtik.qp import Conic, FusedBackend, QPSolversBackend, QuadraticProgram
 from jtik.qp.call import output_memory
-from jtik.qp.fast_path import fast_or_qp_path
+from jtik.qp.fast_path import StepPath, fast_or_qp_path
 from jtik.qp.recorder import QPRecorder
 from jtik.qp.staged import staged
 from jtik.symbolic import MX, function, symbol, zeros
@@ -101,7 +101,7 @@ def step_with_a_direct_result(arguments, results):
     x = recorder.solve(qp).x
     inputs = [symbol(name, 1) for name in "ab"]
     parts = staged(inputs, inputs, [c, d], recorder, [f, x, recorder.solved()], Conic())
-    return fast_or_qp_path(parts.joined(), parts, -5, arguments, results)
+    return fast_or_qp_path(parts.joined(), parts, -5, arguments, results, [StepPath.FAST])
 
 
 def test_a_function_takes_what_is_known_then_what_is_direct_and_else_evaluates(rng):
