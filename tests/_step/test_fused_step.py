@@ -155,7 +155,9 @@ def test_bound_memory_is_read_and_written():
     fused = fused_step(problem, GaussNewton())
     q, state, outcome = np.zeros(3), np.zeros(fused.state.size), np.zeros(len(StepOutcome._fields))
     start = Q.copy()
-    call = fused.bind([start, *inputs_of(problem, TARGET), fused.first_state.copy()], [q, state, outcome], [StepPath.FAST])
+    call = fused.bind(
+        [start, *inputs_of(problem, TARGET), fused.first_state.copy()], [q, state, outcome], [StepPath.FAST]
+    )
     call()
     assert q == pytest.approx(Q + NEWTON)
     start[:] = q
