@@ -101,8 +101,8 @@ def test_a_row_that_gives_no_direction_does_not_matter(m, n, row, of, rng):
 
 
 @pytest.mark.quick(2)
-@pytest.mark.parametrize(("m", "n"), [(2, 4), (3, 7), (6, 7), (6, 6)])
-def test_few_saturated_joints_need_no_solver(m, n, rng):
+@pytest.mark.parametrize(("m", "n", "most"), [(2, 4, 45), (3, 7, 26), (6, 7, 35), (6, 6, 33), (6, 8, 36)])
+def test_few_saturated_joints_need_no_solver(m, n, most, rng):
     """Also beside joints that cannot move and rows that depend on others; wherever it is found, it is the solution."""
     few, count = CompiledFunction(few_saturated(m, n)), 0
     for k in range(50):
@@ -126,7 +126,7 @@ def test_few_saturated_joints_need_no_solver(m, n, rng):
             residual = x - t - J.T @ multipliers
             assert np.abs(residual[free]).max() <= TOLERANCE
             assert (residual[~free] * np.sign(x[~free]) <= TOLERANCE).all()
-    assert count > 25
+    assert count >= most
 
 
 def test_of_these_the_closest_to_the_displacement(rng):
