@@ -41,7 +41,6 @@ def text(staged: Any, place: str) -> str:
     return str((staged.target / place).read_text(encoding="utf-8"))
 
 
-@pytest.mark.slow
 def test_every_public_module_has_a_page(reference: ModuleType) -> None:
     there = {path.name.removesuffix(".py") for path in (ROOT / "jtik").iterdir() if path.suffix in ("", ".py")}
     public = {f"jtik.{name}" for name in there if not name.startswith("_")} - {f"jtik.{name}" for name in NOT_PUBLIC}

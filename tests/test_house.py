@@ -180,7 +180,6 @@ def test_modules_are_short() -> None:
     assert long >= LONG, "remove from LONG what is done"
 
 
-@pytest.mark.slow
 def test_pictures_and_the_registry_alone_are_reached_from_below() -> None:
     reached = {
         (subpackage(path.relative_to(ROOT).as_posix()), str(ast.literal_eval(call.args[0])))

@@ -91,8 +91,22 @@ def test_so_many_cases_are_quick_from_the_first_to_the_last(count, quick):
     assert not set(already) & set(slow)
 
 
-def test_of_the_others_so_many_run():
-    marks = {"quick": pytest.mark.quick(1, slow=3).mark, "slow": pytest.mark.slow.mark}
-    items = [Item(f"test_file.py::test_one[{number}]", marks) for number in range(9)]
+def running(test, count, *args, **options):
+    """The numbers of the slow cases of a test that run."""
+    marks = {"quick": pytest.mark.quick(*args, **options).mark, "slow": pytest.mark.slow.mark}
+    items = [Item(f"test_file.py::{test}[{number}]", marks) for number in range(count)]
     dropped = deselected(items)
-    assert [number for number, item in enumerate(items) if item not in dropped] == [0, 4, 8]
+    return [number for number, item in enumerate(items) if item not in dropped]
+
+
+@pytest.mark.parametrize(
+    ("args", "options", "count"), [((1,), {}, 3), ((5,), {}, 5), ((1,), {"slow": 4}, 4), ((0,), {"slow": 99}, 9)]
+)
+def test_of_the_others_so_many_run(args, options, count):
+    assert len(running("test_one", 9, *args, **options)) == count
+
+
+def test_of_a_list_that_tests_share_each_case_runs_in_one_of_them():
+    found = [running(f"test_{name}", 40, 2) for name in range(60)]
+    assert {number for each in found for number in each} == {*range(40)}
+    assert all(b - a in (13, 14) for each in found for a, b in itertools.pairwise(each))

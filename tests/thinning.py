@@ -8,13 +8,18 @@ others, as in a Latin square, and of its slow tests likewise. The option ``--ful
 twice, and ``thinned(together=True)`` makes one matrix of all tests of a file that are marked so: the test itself is one
 more parameter.
 
-Of a test that is marked ``quick(3)`` three cases are quick, from the first to the last, and the others are slow; with
-``quick(3, slow=5)`` five of these run, and all of them with ``--full``.
+Of a test that is marked ``quick(4)`` four cases are quick, from the first to the last, and the others are slow. As many
+of these run, at least three, or five with ``quick(4, slow=5)``; with ``--full`` all of them. Where they begin depends
+on the name of the test, so that of a list that many tests share each case runs somewhere.
 """
 
 from __future__ import annotations
 
+import zlib
 from collections import Counter, defaultdict
+
+AT_LEAST = 3
+"""Slow cases of a test marked ``quick`` that run where it does not say how many."""
 
 
 def thinned(rows, times=1):
@@ -60,6 +65,13 @@ def _beyond(items, count):
     return [item for index, item in enumerate(items) if index not in kept]
 
 
+def _beyond_a_turn(items, count):
+    """The items but so many of them, evenly spaced from one that depends on the name of the test."""
+    begin, count = zlib.crc32(_name(items[0]).encode()), min(count, len(items))
+    kept = {(begin + i * len(items) // count) % len(items) for i in range(count)}
+    return [item for index, item in enumerate(items) if index not in kept]
+
+
 def _cases_of_quick(items, *, slow):
     """The slow or the other cases of each test that is marked ``quick``, and its mark."""
     cases = defaultdict(list)
@@ -78,8 +90,7 @@ def deselected(items):
     """The tests that do not run, of those that pytest has collected."""
     dropped = set()
     for each, mark in _cases_of_quick(items, slow=True):
-        if "slow" in mark.kwargs:
-            dropped.update(_beyond(each, mark.kwargs["slow"]))
+        dropped.update(_beyond_a_turn(each, mark.kwargs.get("slow", max(AT_LEAST, *mark.args))))
     matrices = defaultdict(list)
     for item in items:
         mark = item.get_closest_marker("thinned")

@@ -124,6 +124,7 @@ class Solving:
     def _go_on(self, target: Any, q0: Any, *given: Any) -> Solution:
         """`solve` from where the native solve, whose guard holds, has ended."""
         returned, elapsed = self.natives.ended
+        self._ahead.adopt()
         begun = None if returned in _UNREAD else returned
         return self._solve(target, q0, cast(Options, given[3:]), False, time.perf_counter() - elapsed, begun)
 
@@ -184,16 +185,16 @@ class Solving:
 
     def _go_on_in_lanes(self, target: Any, q0: Any, *given: Any) -> Solution:
         """`solve_in_lanes` from where the native solve, whose guard holds, has ended."""
-        begin = time.perf_counter() - self.natives.ended[1]
-        return self._after_lanes(target, q0, cast(Options, given[3:]), begin)
+        self._ahead.adopt()
+        return self._after_lanes(target, q0, cast(Options, given[3:]), time.perf_counter() - self.natives.ended[1])
 
     def _after_lanes(self, target: Any, q0: Any, options: Options, begin: float) -> Solution:
         """The Solution after attempts in lanes whose end is not usual."""
         self._targets.read(target)
         result = self._search.found(self._lanes.attempts.found, 0, self._target)
         if result is None:
-            start = self._configurations.start(q0)
-            result = self._search_in_memory(start, self._read_options(options), self._runners.solve)
+            given = self._configurations.start(q0), self._read_options(options)
+            result = self._search_in_memory(*given, self._runners.solve)
         return self._solutions.of(result, target, options, begin)
 
     def solve_batch(

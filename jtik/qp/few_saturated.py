@@ -51,12 +51,12 @@ def few_saturated(m: int, n: int) -> Function:
     freedom = n - m
     space: Reflections | RowSpace
     found: Expression = 1
-    if freedom > 1:
-        space = RowSpace(J)
-        full_rank = space.rank == m
-    else:
+    if freedom in (0, 1):
         space = Reflections(J)
         full_rank = found = space.full_rank  # where the rank is smaller, the null space has more directions
+    else:
+        space = RowSpace(J)
+        full_rank = space.rank == m
 
     def outside(x: Expression) -> list[Expression]:
         """How far each joint has to go back into the box."""

@@ -184,3 +184,11 @@ def test_of_all_displacements_with_the_smallest_error_it_is_the_closest():
     J, t, limit = np.array([[1.0, 1.0, 0.0]]), np.array([1.0, 1.0, 0.5]), np.array([0.6, 3.0, 3.0])
     x = fitted(J, t, -limit, limit, least_error_fitting)
     assert x == pytest.approx([0.6, 1.4, 0.5], abs=1e-3)
+
+
+def test_with_more_rows_than_joints_what_is_in_the_box_is_kept(rng):
+    J, t = rng.normal(size=(5, 3)), np.array([0.4, -0.2, 0.1])
+    few = CompiledFunction(few_saturated(5, 3))
+    x, found = few(J, t, -np.ones(3), np.ones(3))
+    assert found[0, 0]
+    assert x[:, 0].tolist() == t.tolist()
