@@ -18,7 +18,7 @@ class CheckedOptions:
 
     Args:
         search: the search, which is prepared for them.
-        natives: solves in C, which are told when they change.
+        natives: solves in C, which are notified when they change.
         settings: the memory of the tolerances.
         has_criterion: whether there is a criterion; then the search in C alone is not enough.
     """

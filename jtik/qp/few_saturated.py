@@ -76,8 +76,8 @@ def few_saturated(m: int, n: int) -> Function:
     if freedom <= PASSES:
         back = outside(x)
         # the saturated joints are at their bounds to rounding, which may not be divided by rounding
-        held = sum((each.joint for each in saturated), zeros(n)) - 1
-        lost = [held[j] * fmin(ratio(back[j] * along[j], along[j] ** 2), 0) for j in range(n)]
+        at_bound = sum((each.joint for each in saturated), zeros(n)) - 1
+        lost = [at_bound[j] * fmin(ratio(back[j] * along[j], along[j] ** 2), 0) for j in range(n)]
         joint, most = _first_largest(lost), mmax(vertcat(*lost))
         x = x - most * along
         way = dot(joint, vertcat(*back))

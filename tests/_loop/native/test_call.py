@@ -19,6 +19,7 @@ from jtik.result.step import Step
 from jtik.symbolic.compile import CompilerError, compiler
 
 from ...conftest import planar
+from .conftest import python_calls
 
 try:
     compiler()
@@ -40,25 +41,6 @@ def made(compiled=True):
 @pytest.fixture
 def ik():
     return copy.copy(made())
-
-
-def python_calls(call):
-    """Names of the Python functions that a call runs besides `InverseKinematics.step`."""
-    names = []
-
-    def note(frame, event, argument):
-        if event == "call":
-            names.append(frame.f_code.co_qualname)
-
-    before = sys.getprofile()
-    sys.setprofile(note)
-    try:
-        call()
-    finally:
-        sys.setprofile(before)
-    assert names.pop(0) == call.__qualname__
-    assert names.pop(0) == "InverseKinematics.step"
-    return names
 
 
 @pytest.mark.parametrize("dt", [None, DT])

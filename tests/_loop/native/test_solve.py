@@ -27,6 +27,7 @@ from jtik.symbolic.compile import CompilerError, compiler
 from jtik_formulations import JointCentering
 
 from ...conftest import dh_arm, planar, slow
+from .conftest import python_calls
 
 try:
     compiler()
@@ -72,11 +73,11 @@ def targets(rng, count):
 
 def numbers(solution):
     """All of a Solution but its time."""
-    told = solution.report
-    own = [solution.q, told.error, told.jacobian, told.weighted, told.gradient]
+    report = solution.report
+    own = [solution.q, report.error, report.jacobian, report.weighted, report.gradient]
     rest = [solution.status, solution.converged, solution.iterations, solution.escapes, solution.restarts]
-    rest += [solution.trace, solution.alternatives, solution.evaluations, solution.unused, told.tolerances]
-    return [each.tolist() for each in own], rest, told.at_lower, told.at_upper, type(solution)
+    rest += [solution.trace, solution.alternatives, solution.evaluations, solution.unused, report.tolerances]
+    return [each.tolist() for each in own], rest, report.at_lower, report.at_upper, type(solution)
 
 
 def solved(ik, *given, **options):
@@ -85,25 +86,6 @@ def solved(ik, *given, **options):
         return numbers(ik.solve(*given, **options))
     except jtik.ArgumentError as error:
         return str(error)
-
-
-def python_calls(call):
-    """Names of the Python functions that a call runs besides `InverseKinematics.solve`."""
-    names = []
-
-    def note(frame, event, argument):
-        if event == "call":
-            names.append(frame.f_code.co_qualname)
-
-    before = sys.getprofile()
-    sys.setprofile(note)
-    try:
-        call()
-    finally:
-        sys.setprofile(before)
-    assert names.pop(0) == call.__qualname__
-    assert names.pop(0) == "InverseKinematics.solve"
-    return names
 
 
 WAYS = {
@@ -349,15 +331,15 @@ def test_nothing_is_left_behind(ik):
                 with pytest.raises(jtik.ArgumentError):
                     ik.solve(T, q0=wrong, position_tolerance=tolerance)
 
-    held = (q0, T, far, wrong, tolerance, jtik.Solution, np.ndarray, jtik.Status.CONVERGED, ik._solving)
-    held += (True, False, None, 0, ik._engine._exclusive)
+    counted = (q0, T, far, wrong, tolerance, jtik.Solution, np.ndarray, jtik.Status.CONVERGED, ik._solving)
+    counted += (True, False, None, 0, ik._engine._exclusive)
     run(SOLVES // 2)
     gc.collect()  # what other tests have left
-    before, blocks = [sys.getrefcount(each) for each in held], sys.getallocatedblocks()
+    before, blocks = [sys.getrefcount(each) for each in counted], sys.getallocatedblocks()
     run(SOLVES)
     gc.collect()
     assert sys.getallocatedblocks() - blocks < SOLVES / 5
-    after = [sys.getrefcount(each) for each in held]
+    after = [sys.getrefcount(each) for each in counted]
     assert np.abs(np.subtract(after, before)).max() < SOLVES / 20  # other threads use some of them, too
 
 
