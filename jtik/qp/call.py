@@ -117,10 +117,10 @@ class QPCall:
         *given, is_valid = called(data, arguments)
         inside = [MX.sym(f"d{i}", *part.shape) for i, part in enumerate(given)]
         solution = self.solution(inside, backend)
-        solved = function("valid", inside, [*solution, self.check(*inside, *solution)])
+        solved = function("valid", inside, [*solution, self.check(*inside, *solution)], cse=False)
         none = [np.nan * MX.ones(size, 1) for size in self.solution_sizes]
         invalid = function("invalid", inside, [*none, MX(0)])
-        solver = function("qp_path", [x, *arguments], called(either(solved, invalid), [is_valid, *given]))
+        solver = function("qp_path", [x, *arguments], called(either(solved, invalid), [is_valid, *given]), cse=False)
         return either(known, solver)
 
     def solution(self, given: Sequence[Expression], backend: FusedBackend) -> list[Expression]:

@@ -108,13 +108,8 @@ def gram(matrix: Expression, weights: Expression | None = None) -> Expression:
         matrix: M (m, n).
         weights: one for each row (m, 1); all are 1 when None.
     """
-    columns = [matrix[:, j] for j in range(matrix.shape[1])]
-    weighted = columns if weights is None else [weights * column for column in columns]
-    product = SX.zeros(len(columns), len(columns))
-    for i, left in enumerate(weighted):
-        for j in range(i, len(columns)):
-            product[i, j] = product[j, i] = casadi.dot(left, columns[j])
-    return product
+    weighted = matrix if weights is None else casadi.repmat(weights, 1, matrix.shape[1]) * matrix
+    return casadi.densify(casadi.triu2symm(casadi.triu(casadi.mtimes(weighted.T, matrix))))
 
 
 def hessian(scalar: Expression, variables: Expression) -> Expression:
