@@ -7,6 +7,7 @@ import re
 import casadi
 
 from jtik.symbolic.operations import Function
+from jtik.symbolic.scalar_functions import DEFINITIONS, with_scalar_functions_rewritten
 from jtik.symbolic.unbounded_rows import without_unbounded_rows
 
 
@@ -19,7 +20,8 @@ def c_source(function: Function, *others: Function) -> str:
     for each in (function, *others):
         generator.add(each)
     source = _IS_SELDOM.sub(r"\1JTIK_SELDOM static", without_unbounded_rows(str(generator.dump())))
-    return _OF_ALL_THREADS.sub(r"static JTIK_THREAD_LOCAL \1", _DEFINITIONS + source)
+    source = with_scalar_functions_rewritten(source)
+    return _OF_ALL_THREADS.sub(r"static JTIK_THREAD_LOCAL \1", _DEFINITIONS + DEFINITIONS + source)
 
 
 SELDOM = "jtik_seldom_"
