@@ -2,7 +2,8 @@
 
 ``J = L Q``: the rows of Q are an orthogonal basis of the row space of J (modified Gram-Schmidt), L is lower
 trapezoidal with ones where a row is independent. One rank decision is made per row: a row whose part outside the
-span of the rows before it is shorter than ``RANK_THRESHOLD`` times the Frobenius norm of J is dependent and left out.
+span of the rows before it is shorter than ``RANK_THRESHOLD`` times the Frobenius norm of J, or noise, is dependent and
+left out.
 With all rows independent L is triangular and solved by substitution. With dependent rows the columns of L are
 orthogonalised too, and the result is the least-squares solution of minimum norm, as from an SVD truncated at the same
 threshold.
@@ -27,8 +28,10 @@ from jtik.symbolic.operations import (
     TINY,
     Expression,
     dot,
+    fmin,
     identity,
     if_else,
+    logic_and,
     ratio,
     sqrt,
     sumsqr,
@@ -39,6 +42,10 @@ from jtik.symbolic.operations import (
 
 RANK_THRESHOLD = 1e-8
 """Relative length below which a row of J counts as dependent on the rows before it."""
+
+NOISE = 1e-15
+"""The share of its length that a row has kept, times those of the two rows before it that kept least: below this value,
+what is left of it is the rounding error of what was subtracted."""
 
 
 def squared_length(J: Expression) -> Expression:
@@ -166,6 +173,7 @@ class RowSpace:
         self._lower: list[list[Expression]] = []
         self._products: list[list[Expression]] = []
         self._independent: list[Expression] = []
+        kept = _Kept()
         for i in range(self._m):
             row = J[i, :].T
             products, coefficients = [], []
@@ -176,7 +184,7 @@ class RowSpace:
                 row = row - coefficient * basis
                 coefficients.append(coefficient)
             squared = sumsqr(row)
-            independent = squared > limit
+            independent = kept.more_than_noise(i, squared > limit, squared, sumsqr(J[i, :].T))
             self._basis.append(row)
             self._squared.append(squared)
             self._inverse.append(ratio(independent, squared))
@@ -327,6 +335,33 @@ class RowSpace:
     def _row_vector(self, coordinates: Sequence[Expression]) -> RowVector:
         products = [c * squared for c, squared in zip(coordinates, self._squared, strict=True)]
         return RowVector(self, coordinates, products)
+
+
+class _Kept:
+    """What the rows of a factorisation have kept of their squared lengths outside the span of the rows before them."""
+
+    def __init__(self) -> None:
+        self._smallest: Expression = 1
+        self._two_smallest: Expression = 1
+
+    def more_than_noise(self, i: int, independent: Expression, squared: Expression, whole: Expression) -> Expression:
+        """1 if a row is independent and not the rounding of what was subtracted from it.
+
+        Args:
+            i: number of the row; they are asked for in order.
+            independent: whether what is left is long enough.
+            squared: the squared length of what is left of the row.
+            whole: that of the row.
+        """
+        if i == 0:
+            return independent
+        share = ratio(squared, whole)
+        if i > 1:
+            independent = logic_and(independent, share * self._two_smallest > NOISE**2)
+        share = if_else(independent, share, 1)
+        self._two_smallest = fmin(self._two_smallest, self._smallest * share) if i > 1 else share
+        self._smallest = fmin(self._smallest, share) if i > 1 else share
+        return independent
 
 
 def _recovered(

@@ -152,6 +152,21 @@ def test_rows_that_differ_by_less_than_the_threshold_are_one(below, rng):
     assert multipliers == pytest.approx(pinv.T @ g, abs=dropped)
 
 
+@pytest.mark.parametrize("second", [3e-8, 1e-7, 1e-6])
+@pytest.mark.parametrize("first", [1e-2, 1e-3, 1e-4])
+def test_a_null_space_step_where_two_rows_are_nearly_dependent_and_later_ones_are(first, second, rng):
+    """What is left of the later rows is noise. The error is that of the second short row."""
+    for _ in range(50):
+        basis = np.linalg.qr(rng.standard_normal((7, 7)))[0]
+        new = np.array([1.0, 1.0, first, second, 0.0, 0.0])  # what each row has outside the span of those before it
+        J = (np.tril(rng.standard_normal((6, 6)), -1) * (new > 0) + np.diag(new)) @ basis[:6]
+        g = rng.standard_normal(7)
+        _, _, null, *_, rank = (x.full()[:, 0] for x in compiled(6, 7)(J, np.zeros(6), g))
+        assert rank == 4
+        leak = np.linalg.norm(J @ null) / np.linalg.norm(J) / np.linalg.norm(g)
+        assert leak <= max(RANK_THRESHOLD, 10 * EPS / (first * second))
+
+
 @pytest.mark.parametrize("scale", [1e-100, 1e-6, 1e6, 1e100])
 def test_rank_is_relative(scale, rng):
     J, r, g = rng.standard_normal((3, 7)), rng.standard_normal(3), rng.standard_normal(7)
