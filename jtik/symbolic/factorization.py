@@ -1,9 +1,8 @@
 """Complete orthogonal decomposition of a Jacobian: pseudo-inverse and null-space projector at any rank.
 
 ``J = L Q``: the rows of Q are an orthogonal basis of the row space of J (modified Gram-Schmidt), L is lower
-trapezoidal with ones where a row is independent. One rank decision is made per row: a row whose part outside the
-span of the rows before it is shorter than ``RANK_THRESHOLD`` times the Frobenius norm of J, or noise, is dependent and
-left out.
+trapezoidal with ones where a row is independent. One rank decision is made per row: a row whose part outside the span
+of the rows before it is shorter than ``RANK_THRESHOLD`` times the Frobenius norm of J, or is noise, is left out.
 With all rows independent L is triangular and solved by substitution. With dependent rows the columns of L are
 orthogonalised too, and the result is the least-squares solution of minimum norm, as from an SVD truncated at the same
 threshold.
@@ -23,15 +22,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import inf
 
+from jtik.symbolic.kept_lengths import KeptLengths
 from jtik.symbolic.ldl import solve_ldl
 from jtik.symbolic.operations import (
     TINY,
     Expression,
     dot,
-    fmin,
     identity,
     if_else,
-    logic_and,
     ratio,
     sqrt,
     sumsqr,
@@ -42,10 +40,6 @@ from jtik.symbolic.operations import (
 
 RANK_THRESHOLD = 1e-8
 """Relative length below which a row of J counts as dependent on the rows before it."""
-
-NOISE = 1e-15
-"""The share of its length that a row has kept, times those of the two rows before it that kept least: below this value,
-what is left of it is the rounding error of what was subtracted."""
 
 
 def squared_length(J: Expression) -> Expression:
@@ -173,7 +167,7 @@ class RowSpace:
         self._lower: list[list[Expression]] = []
         self._products: list[list[Expression]] = []
         self._independent: list[Expression] = []
-        kept = _Kept()
+        kept = KeptLengths()
         for i in range(self._m):
             row = J[i, :].T
             products, coefficients = [], []
@@ -335,33 +329,6 @@ class RowSpace:
     def _row_vector(self, coordinates: Sequence[Expression]) -> RowVector:
         products = [c * squared for c, squared in zip(coordinates, self._squared, strict=True)]
         return RowVector(self, coordinates, products)
-
-
-class _Kept:
-    """What the rows of a factorisation have kept of their squared lengths outside the span of the rows before them."""
-
-    def __init__(self) -> None:
-        self._smallest: Expression = 1
-        self._two_smallest: Expression = 1
-
-    def more_than_noise(self, i: int, independent: Expression, squared: Expression, whole: Expression) -> Expression:
-        """1 if a row is independent and not the rounding of what was subtracted from it.
-
-        Args:
-            i: number of the row; they are asked for in order.
-            independent: whether what is left is long enough.
-            squared: the squared length of what is left of the row.
-            whole: that of the row.
-        """
-        if i == 0:
-            return independent
-        share = ratio(squared, whole)
-        if i > 1:
-            independent = logic_and(independent, share * self._two_smallest > NOISE**2)
-        share = if_else(independent, share, 1)
-        self._two_smallest = fmin(self._two_smallest, self._smallest * share) if i > 1 else share
-        self._smallest = fmin(self._smallest, share) if i > 1 else share
-        return independent
 
 
 def _recovered(
