@@ -152,10 +152,11 @@ class Graph:
                 operands = tuple(memory[place] for place in joined.instruction_input(at))
                 called = written.nz[at].which_function()
                 call, entries = known_calls.setdefault((hash(called), operands), (Call(called, operands), {}))
+                stage = graph._last_stage(operands)
                 for entry, place in enumerate(joined.instruction_output(at)):
                     if place >= 0:  # of an output that is used
                         if entry not in entries:
-                            entries[entry] = graph._add(operation, operands)
+                            entries[entry] = graph._add(operation, operands, stage)
                             graph.calls[entries[entry]] = call, entry
                         memory[place] = entries[entry]
             elif operation == OP_INPUT:
@@ -170,15 +171,21 @@ class Graph:
                 operands = tuple(memory[place] for place in joined.instruction_input(at))
                 known_node = known_nodes.get((operation, operands))
                 if known_node is None:
-                    known_node = known_nodes[operation, operands] = graph._add(operation, operands)
+                    stage = graph._last_stage(operands)
+                    known_node = known_nodes[operation, operands] = graph._add(operation, operands, stage)
                 memory[joined.instruction_output(at)[0]] = known_node
         graph._divide()
         return graph
 
-    def _add(self, operation: int, operands: tuple[int, ...], stage: int = 0) -> int:
-        """A new node, which can be computed in the last stage of its operands; one without operands in ``stage``."""
+    def _last_stage(self, operands: tuple[int, ...]) -> int:
+        """The last stage of these operands, in which what is computed from them can be computed."""
+        last = 0
         for each in operands:
-            stage = max(stage, self.stage[each])
+            last = max(last, self.stage[each])
+        return last
+
+    def _add(self, operation: int, operands: tuple[int, ...], stage: int) -> int:
+        """A new node that can be computed in a stage."""
         self.nodes.append((operation, operands))
         self.stage.append(stage)
         return len(self.nodes) - 1
