@@ -2,7 +2,7 @@
 
 ``J = L Q``: the rows of Q are an orthogonal basis of the row space of J (modified Gram-Schmidt), L is lower
 trapezoidal with ones where a row is independent. One rank decision is made per row: a row whose part outside the span
-of the rows before it is shorter than ``RANK_THRESHOLD`` times the Frobenius norm of J, or is noise, is left out.
+of the rows before it is shorter than ``RANK_THRESHOLD`` times the norm of J, or is noise, is left out.
 With all rows independent L is triangular and solved by substitution. With dependent rows the columns of L are
 orthogonalised too, and the result is the least-squares solution of minimum norm, as from an SVD truncated at the same
 threshold.
@@ -172,16 +172,16 @@ class RowSpace:
             row = J[i, :].T
             products, coefficients = [], []
             for basis, inverse in zip(self._basis, self._inverse, strict=True):
-                product = dot(basis, row)
-                coefficient = product * inverse
-                products.append(product)
-                row = row - coefficient * basis
-                coefficients.append(coefficient)
-            squared = sumsqr(row)
-            independent = kept.more_than_noise(i, squared > limit, squared, sumsqr(J[i, :].T))
+                products.append(dot(basis, row))
+                coefficients.append(products[-1] * inverse)
+                row = row - coefficients[-1] * basis
+            squared, whole = sumsqr(row), sumsqr(J[i, :].T)
+            shares = [a * b for a, b in zip(products, coefficients, strict=True)]
+            independent = kept.more_than_noise(squared > limit, squared, whole, shares)
             self._basis.append(row)
             self._squared.append(squared)
             self._inverse.append(ratio(independent, squared))
+            kept.add(self._inverse[-1])
             self._lower.append([*coefficients, independent])
             self._products.append(products)
             self._independent.append(independent)

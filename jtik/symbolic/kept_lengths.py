@@ -1,39 +1,47 @@
-"""What rows keep of their length in an orthogonalisation: whether what is left of one is more than rounding.
+"""The rounding error of what rows keep in an orthogonalisation: whether what is left of one is more than that.
 
 Derivation: formulations/factorization.md.
 """
 
 from __future__ import annotations
 
-from jtik.symbolic.operations import Expression, fmin, if_else, logic_and, ratio
+from collections.abc import Sequence
 
-NOISE = 1e-15
-"""The share of its length that a row has kept, times those of the two rows before it that kept least: below this value,
-what is left of it is the rounding error of what was subtracted."""
+from jtik.symbolic.operations import Expression, logic_and
+
+ROUNDING = 1.1e-16
+"""Relative rounding error of an operation."""
+
+NOISE = 10.0
+"""What is left of a row is noise below this multiple of its estimated error."""
 
 
 class KeptLengths:
-    """What the rows of a factorisation have kept of their squared lengths outside the span of the rows before them."""
+    """Squared errors of what the rows of a factorisation have kept outside the span of the rows before them."""
 
     def __init__(self) -> None:
-        self._smallest: Expression = 1
-        self._two_smallest: Expression = 1
+        self._of_directions: list[Expression] = []
 
-    def more_than_noise(self, i: int, independent: Expression, squared: Expression, whole: Expression) -> Expression:
-        """1 if a row is independent and not the rounding of what was subtracted from it.
+    def more_than_noise(
+        self, independent: Expression, squared: Expression, whole: Expression, shares: Sequence[Expression]
+    ) -> Expression:
+        """1 if a row is independent and what is left of it is not the error of what was subtracted.
 
         Args:
-            i: number of the row; they are asked for in order.
             independent: whether what is left is long enough.
             squared: the squared length of what is left of the row.
             whole: that of the row.
+            shares: what each row before it has taken of that.
         """
-        if i == 0:
-            return independent
-        share = ratio(squared, whole)
-        if i > 1:
-            independent = logic_and(independent, share * self._two_smallest > NOISE**2)
-        share = if_else(independent, share, 1)
-        self._two_smallest = fmin(self._two_smallest, self._smallest * share) if i > 1 else share
-        self._smallest = fmin(self._smallest, share) if i > 1 else share
-        return independent
+        self._noise = ROUNDING**2 * whole
+        for share, error in zip(shares, self._of_directions, strict=True):
+            self._noise = self._noise + share * error
+        return logic_and(independent, squared > NOISE**2 * self._noise) if len(shares) > 1 else independent
+
+    def add(self, inverse: Expression) -> None:
+        """Count what is left of the row as a direction.
+
+        Args:
+            inverse: the reciprocal of its squared length; 0 for a dependent row.
+        """
+        self._of_directions.append(self._noise * inverse)
