@@ -180,6 +180,9 @@ def test_ctrl_c_ends_the_compilers_and_leaves_nothing(cache, slow_compiler, pids
 @pytest.mark.slow
 def test_after_ctrl_c_in_warm_up_the_solver_goes_on(cache, slow_compiler, pids, interruptible, monkeypatch):
     ik = solver(strategy="hybrid", compiled=True)
+    end = time.monotonic() + 60
+    while any(each.name.startswith("building") for each in cache.iterdir()) and time.monotonic() < end:
+        time.sleep(0.05)  # what the solver does not wait for
     before = set(cache.iterdir())
     slow_compiler()
     sender = interrupt_after(lambda: waiting(pids, 1))
