@@ -136,7 +136,7 @@ class Graph:
         outputs = [
             (nodes, each) for at, of in ((results, wanted), (later, deferred)) for nodes, each in _paired(at, of)
         ]
-        # common expressions are found here, which takes a tenth of the time that CasADi takes for it
+        # common expressions are found below: that takes less time than CasADi needs for it
         joined = function("joined", [each for _, each in symbols], [each for _, each in outputs], cse=False)
         graph = cls([], {}, [], results, later, [], set(), [], {})
         memory: dict[int, int] = {}

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import inf
 
-from jtik.symbolic.kept_lengths import KeptLengths
+from jtik.symbolic.direction_errors import DirectionErrors
 from jtik.symbolic.ldl import solve_ldl
 from jtik.symbolic.operations import (
     TINY,
@@ -167,7 +167,7 @@ class RowSpace:
         self._lower: list[list[Expression]] = []
         self._products: list[list[Expression]] = []
         self._independent: list[Expression] = []
-        kept = KeptLengths()
+        errors = DirectionErrors()
         for i in range(self._m):
             row = J[i, :].T
             products, coefficients = [], []
@@ -177,11 +177,11 @@ class RowSpace:
                 row = row - coefficients[-1] * basis
             squared, whole = sumsqr(row), sumsqr(J[i, :].T)
             shares = [a * b for a, b in zip(products, coefficients, strict=True)]
-            independent = kept.more_than_noise(squared > limit, squared, whole, shares)
+            independent = errors.more_than_noise(squared > limit, squared, whole, shares)
             self._basis.append(row)
             self._squared.append(squared)
             self._inverse.append(ratio(independent, squared))
-            kept.add(self._inverse[-1])
+            errors.add(self._inverse[-1])
             self._lower.append([*coefficients, independent])
             self._products.append(products)
             self._independent.append(independent)

@@ -7,7 +7,7 @@ import re
 import casadi
 
 from jtik.symbolic.operations import Function
-from jtik.symbolic.scalar_functions import DEFINITIONS, with_scalar_functions_rewritten
+from jtik.symbolic.scalar_functions import with_scalar_functions_rewritten
 from jtik.symbolic.unbounded_rows import without_unbounded_rows
 
 
@@ -21,7 +21,7 @@ def c_source(function: Function, *others: Function) -> str:
         generator.add(each)
     source = _IS_SELDOM.sub(r"\1JTIK_SELDOM static", without_unbounded_rows(str(generator.dump())))
     source = with_scalar_functions_rewritten(source)
-    return _OF_ALL_THREADS.sub(r"static JTIK_THREAD_LOCAL \1", _DEFINITIONS + DEFINITIONS + source)
+    return _OF_ALL_THREADS.sub(r"static JTIK_THREAD_LOCAL \1", _DEFINITIONS + source)
 
 
 SELDOM = "jtik_seldom_"
@@ -44,8 +44,10 @@ _DEFINITIONS = """
 #define JTIK_SELDOM
 #endif
 #if defined(_MSC_VER)
+#define JTIK_PART __declspec(noinline)
 #define JTIK_THREAD_LOCAL __declspec(thread)
 #else
+#define JTIK_PART __attribute__((noinline))
 #define JTIK_THREAD_LOCAL _Thread_local
 #endif
 """

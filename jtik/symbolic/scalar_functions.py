@@ -17,15 +17,6 @@ LONGEST = 8000
 PART = 1000
 """Number of statements of a part."""
 
-DEFINITIONS = """
-#if defined(_MSC_VER)
-#define JTIK_PART __declspec(noinline)
-#else
-#define JTIK_PART __attribute__((noinline))
-#endif
-"""
-"""What C needs in which functions are divided."""
-
 _PARAMETERS = "const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, "
 _HEAD = re.compile(rf"^(JTIK_SELDOM )?static int (casadi_f\d+)\({re.escape(_PARAMETERS)}int mem\) {{$")
 _DECLARATION = re.compile(r"^  casadi_real a\d+(?:, a\d+)*;$")
@@ -41,7 +32,7 @@ def with_scalar_functions_rewritten(source: str, longest: int = LONGEST, part: i
     """C as CasADi generates it, with its functions of scalar operations as described above; all others as they are.
 
     Args:
-        source: the source, which begins with `DEFINITIONS`, or in which JTIK_PART is defined otherwise.
+        source: the source, in which JTIK_PART is defined.
         longest: a function with at most so many statements stays whole.
         part: number of statements of a part.
     """

@@ -1,4 +1,4 @@
-"""The rounding error of what rows keep in an orthogonalisation: whether what is left of one is more than that.
+"""The rounding errors of the directions of an orthogonalisation: whether what is left of a row is more than that.
 
 Derivation: formulations/factorization.md.
 """
@@ -16,11 +16,12 @@ NOISE = 10.0
 """What is left of a row is noise below this multiple of its estimated error."""
 
 
-class KeptLengths:
-    """Squared errors of what the rows of a factorisation have kept outside the span of the rows before them."""
+class DirectionErrors:
+    """Squared rounding errors of the directions of a row space, relative to their lengths; rows are taken in order."""
 
     def __init__(self) -> None:
-        self._of_directions: list[Expression] = []
+        self._squared: list[Expression] = []
+        self._of_row: Expression = 0
 
     def more_than_noise(
         self, independent: Expression, squared: Expression, whole: Expression, shares: Sequence[Expression]
@@ -33,10 +34,10 @@ class KeptLengths:
             whole: that of the row.
             shares: what each row before it has taken of that.
         """
-        self._noise = ROUNDING**2 * whole
-        for share, error in zip(shares, self._of_directions, strict=True):
-            self._noise = self._noise + share * error
-        return logic_and(independent, squared > NOISE**2 * self._noise) if len(shares) > 1 else independent
+        self._of_row = ROUNDING**2 * whole
+        for share, error in zip(shares, self._squared, strict=True):
+            self._of_row = self._of_row + share * error
+        return logic_and(independent, squared > NOISE**2 * self._of_row) if len(shares) > 1 else independent
 
     def add(self, inverse: Expression) -> None:
         """Count what is left of the row as a direction.
@@ -44,4 +45,4 @@ class KeptLengths:
         Args:
             inverse: the reciprocal of its squared length; 0 for a dependent row.
         """
-        self._of_directions.append(self._noise * inverse)
+        self._squared.append(self._of_row * inverse)
