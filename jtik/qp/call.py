@@ -11,11 +11,11 @@ import numpy as np
 from jtik.errors import ArgumentError
 from jtik.qp.backend import CalledBackend, FusedBackend, NumericQP
 from jtik.qp.elastic import SlackExpansion
-from jtik.qp.quadratic_program import QuadraticProgram
+from jtik.qp.quadratic_program import QuadraticProgram, satisfies_rows
 from jtik.qp.recorder import Compute
 from jtik.qp.refinement import refinement
 from jtik.qp.solution import QPSolution
-from jtik.symbolic import MX, Expression, Function, either, function, is_finite, symbol
+from jtik.symbolic import MX, Expression, Function, either, function, is_finite, logic_and, symbol
 from jtik.symbolic.compile import bind
 from jtik.types import Array
 
@@ -31,6 +31,7 @@ class QPCall:
         expansion: how slack variables are added for elastic rows; None without elastic rows.
         refinement: what corrects solutions so that exact rows hold to rounding; None without exact rows.
         check: (the QP's data, solution) -> whether it is one; None for a QP whose solution is not checked.
+        judges_rows: whether a solution without solver is one only if it satisfies the rows, too.
     """
 
     name: str
@@ -39,6 +40,7 @@ class QPCall:
     expansion: SlackExpansion | None = None
     refinement: Function = None
     check: Function = None
+    judges_rows: bool = False
 
     @classmethod
     def of(cls, qp: QuadraticProgram, accuracy: float | None = None) -> QPCall:
@@ -49,7 +51,8 @@ class QPCall:
             start += group.count
         refine = refinement(qp.size, qp.row_count, exact) if exact else None
         check = None if accuracy is None else _check(qp, accuracy)
-        return cls(qp.name, qp.size, qp.row_count, qp.expansion, refine, check)
+        judges = qp.tries_minimiser and qp.has_many_rows
+        return cls(qp.name, qp.size, qp.row_count, qp.expansion, refine, check, judges)
 
     @property
     def functions(self) -> list[Function]:
@@ -113,14 +116,21 @@ class QPCall:
             data: arguments -> the QP's data, its penalties, and whether they are valid.
         """
         x, arguments = MX.sym("x", self.n), _inputs(data)
-        known = function("fast_path", [x, *arguments], self.known(x))
         *given, is_valid = called(data, arguments)
         inside = [MX.sym(f"d{i}", *part.shape) for i, part in enumerate(given)]
         solution = self.solution(inside, backend)
         solved = function("valid", inside, [*solution, self.check(*inside, *solution)], cse=False)
         none = [np.nan * MX.ones(size, 1) for size in self.solution_sizes]
-        invalid = function("invalid", inside, [*none, MX(0)])
-        solver = function("qp_path", [x, *arguments], called(either(solved, invalid), [is_valid, *given]), cse=False)
+        judged = either(solved, function("invalid", inside, [*none, MX(0)]))
+        if self.judges_rows:
+            solves, valid = MX.sym("solves"), MX.sym("valid")
+            known = function("satisfied", [x, valid, *inside], self.known(x))
+            solver = function("not_satisfied", [x, valid, *inside], called(judged, [valid, *inside]), cse=False)
+            holds = logic_and(logic_and(solves, is_valid), satisfies_rows(x, *given[2:5]))
+            results = called(either(known, solver), [holds, x, is_valid, *given])
+            return function("rows", [solves, x, *arguments], results, cse=False)
+        known = function("fast_path", [x, *arguments], self.known(x))
+        solver = function("qp_path", [x, *arguments], called(judged, [is_valid, *given]), cse=False)
         return either(known, solver)
 
     def solution(self, given: Sequence[Expression], backend: FusedBackend) -> list[Expression]:
@@ -259,8 +269,9 @@ def _inputs(of: Function) -> list[MX]:
 
 def _check(qp: QuadraticProgram, accuracy: float) -> Function:
     """(the QP's data, its penalties, x, row multipliers, box multipliers) -> whether they are its solution."""
-    data = [symbol(f"d{i}", *part.shape) for i, part in enumerate([*qp.data(), *qp.penalties])]
-    x, rows, box = solution = [symbol(f"s{i}", size) for i, size in enumerate((qp.size, qp.row_count, qp.size))]
+    made = MX.sym if qp.has_many_rows else symbol
+    data = [made(f"d{i}", *part.shape) for i, part in enumerate([*qp.data(), *qp.penalties])]
+    x, rows, box = solution = [made(f"s{i}", size) for i, size in enumerate((qp.size, qp.row_count, qp.size))]
     found = QPSolution(x, rows, box, qp.with_data(data))
     return function("jtik_check", [*data, *solution], [found.solved(accuracy)])
 

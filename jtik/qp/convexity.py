@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
-from jtik.symbolic import Expression, fabs, fmax, if_else, logic_and, numbers
+from jtik.symbolic import MX, Expression, Function, fabs, fmax, function, if_else, logic_and, numbers, symbol
 
 ZERO_PIVOT = 1e-9
 """Pivots of at most this fraction of the largest diagonal entry count as zero; below minus it, as negative."""
@@ -16,6 +18,8 @@ ZERO_OFF_DIAGONAL = 1e-4
 def is_convex(P: Expression) -> Expression:
     """1 where the symmetric ``P`` (n, n) is positive semidefinite to rounding, else 0: by the pivots of L D L'."""
     n = P.shape[0]
+    if isinstance(P, MX):
+        return _function(n)(P)
     rest = [[P[i, j] for j in range(i + 1)] for i in range(n)]
     scale: Expression = 0
     for i in range(n):
@@ -30,6 +34,13 @@ def is_convex(P: Expression) -> Expression:
             for k in range(j + 1, i + 1):
                 rest[i][k] = rest[i][k] - factor * rest[k][j]
     return convex
+
+
+@cache
+def _function(n: int) -> Function:
+    """The same for matrices of this size as a function."""
+    P = symbol("P", n, n)
+    return function("is_convex", [P], [is_convex(P)])
 
 
 def smallest_eigenvalue(P: Expression) -> float | None:

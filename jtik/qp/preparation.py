@@ -9,6 +9,7 @@ import numpy as np
 
 from jtik.qp.backend import Backend, FusedBackend
 from jtik.qp.call import QPCall, called, output_memory
+from jtik.qp.many_rows import PassedRows
 from jtik.qp.recorder import Preparation
 from jtik.symbolic import MX, Expression, Function, either, function
 from jtik.symbolic.compile import bind
@@ -38,9 +39,11 @@ class PreparationCall:
         qp, solution = preparation.solution.qp, preparation.solution
         seldom = f"{SELDOM}{qp.name}"
         symbols = [solution.x, solution.row_multipliers, solution.box_multipliers]
+        passed = PassedRows.of(qp, known)
+        data = function(f"{seldom}_data", known, passed.left(qp) if passed else [*qp.data(), *qp.penalties])
         return cls(
             function(f"jtik_{qp.name}_needed", known, [preparation.needed]),
-            function(f"{seldom}_data", known, [*qp.data(), *qp.penalties]),
+            passed.whole(data, judged=False) if passed else data,
             function(f"{seldom}_finish", [*known, *symbols], preparation.results),
             QPCall.of(qp),
         )

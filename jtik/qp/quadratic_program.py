@@ -30,6 +30,7 @@ from jtik.symbolic import (
     logic_not,
     logic_or,
     mmax,
+    mmin,
     norm_inf,
     vertcat,
     zeros,
@@ -46,6 +47,9 @@ ROUNDING = 1e-12
 LARGEST_UNROLLED = 225
 """Entries of P, of 15 variables if it is dense, up to which the unconstrained minimiser is computed: the operations of
 an unrolled factorisation grow with the cube of the variables, and a solver is faster."""
+
+LARGEST_UNROLLED_ROWS = 200
+"""Entries of C up to which what is done with its rows is written out, operation by operation."""
 
 
 @dataclass(frozen=True)
@@ -118,12 +122,7 @@ class QuadraticProgram:
     @cached_property
     def _bounds_valid(self) -> Expression:
         """The same for all numbers but those of P."""
-        _, q, C, low, high, lower, upper = self.data()
-        good = logic_and(is_finite(q), is_finite(C))
-        for below, above in ((low, high), (lower, upper)):
-            for i in range(below.shape[0]):
-                good = logic_and(good, below[i] <= above[i] + CROSSING_TOLERANCE)
-        return good
+        return bounds_valid(*self.data()[1:])
 
     @property
     def row_count(self) -> int:
@@ -173,21 +172,33 @@ class QuadraticProgram:
         return [self.P, self.q, C, low, high, self.lower, self.upper]
 
     @property
+    def has_many_rows(self) -> bool:
+        """Whether its rows are so many that what is done with them are loops over numbers."""
+        return self.row_count * self.size > LARGEST_UNROLLED_ROWS
+
+    @property
+    def tries_minimiser(self) -> bool:
+        """Whether the unconstrained minimiser is computed, before a solver is called."""
+        return self.closed_form is None and SX(self.P).nnz() <= LARGEST_UNROLLED
+
+    @property
     def has_fast_path(self) -> bool:
-        """Whether a solution without a solver is tried."""
-        return self.closed_form is not None or SX(self.P).nnz() <= LARGEST_UNROLLED
+        """Whether it is known without its data whether a solution without a solver is one."""
+        return self.closed_form is not None or (self.tries_minimiser and not self.has_many_rows)
 
     def solution_without_solver(self) -> tuple[Expression, Expression]:
         """The closed-form solution, or else the unconstrained minimiser, and whether it solves the QP.
 
         Far from limits this solves most QPs without a solver. Where P is singular the unconstrained minimiser is
-        not finite, and no solution.
+        not finite, and no solution. Of many rows it is not judged whether it satisfies them: `satisfies_rows` does.
 
         Returns:
             x (n, 1), NaN for invalid bounds, rows or linear cost; 1 where no solver has to be called, else 0.
         """
+        if self.closed_form is None and not self.tries_minimiser:
+            return zeros(self.size), zeros(1)
         if not self.has_fast_path:
-            return zeros(self.size), logic_not(self._bounds_valid)
+            return self._unconstrained_minimiser()
         x, solves = self.closed_form or self._unconstrained_minimiser()
         return if_else(self._bounds_valid, x, math.nan), logic_or(solves, logic_not(self._bounds_valid))
 
@@ -206,7 +217,8 @@ class QuadraticProgram:
                 of = slice(elastic_start, elastic_start + group.count)
                 penalty, curvature, max_slack = (column[of] for column in penalties)
                 elastic, elastic_start = Elastic(penalty, max_slack, curvature), of.stop
-            rows.append(Rows(group.name, C[own, :], low[own], high[own], elastic, group.exact))
+            part = (C, low, high) if len(self.rows) == 1 else (C[own, :], low[own], high[own])
+            rows.append(Rows(group.name, *part, elastic, group.exact))
             start = own.stop
         known = (zeros(self.size), zeros(1)) if self.closed_form else None
         return QuadraticProgram(P, q, lower, upper, rows, self.name, known, self.known_convex)
@@ -217,9 +229,40 @@ class QuadraticProgram:
         factor = LDL.of(P)
         x = -factor.solve(q)
         inside = logic_and(mmax(lower - x) <= 0, mmax(x - upper) <= 0)
-        if self.row_count:
-            Cx = C @ x
-            satisfied = logic_and(mmax(low - Cx) <= ROUNDING, mmax(Cx - high) <= ROUNDING)
-            inside = logic_and(inside, satisfied)
+        if self.row_count and not self.has_many_rows:
+            inside = logic_and(inside, satisfies_rows(x, C, low, high))
         stationary = norm_inf(P @ x + q) <= ROUNDING * (1 + norm_inf(q))
         return x, logic_and(logic_and(inside, logic_and(stationary, factor.positive_definite)), is_finite(x))
+
+
+def satisfies_rows(x: Expression, C: Expression, low: Expression, high: Expression) -> Expression:
+    """1 where x (n, 1) satisfies rows to rounding, else 0.
+
+    Args:
+        x: the variables (n, 1).
+        C: rows (k, n).
+        low: lower bounds of the rows (k, 1).
+        high: upper bounds of the rows (k, 1).
+    """
+    Cx = C @ x
+    return logic_and(mmax(low - Cx) <= ROUNDING, mmax(Cx - high) <= ROUNDING)
+
+
+def bounds_valid(
+    q: Expression, C: Expression, low: Expression, high: Expression, lower: Expression, upper: Expression
+) -> Expression:
+    """1 where linear cost and rows are finite, no bound is NaN, and none exceeds the other one; else 0.
+
+    Args:
+        q: linear cost (n, 1).
+        C: rows (k, n).
+        low: lower bounds of the rows (k, 1).
+        high: upper bounds of the rows (k, 1).
+        lower: lower bounds of x (n, 1).
+        upper: upper bounds of x (n, 1).
+    """
+    good = logic_and(is_finite(q), is_finite(C))
+    for below, above in ((low, high), (lower, upper)):
+        if below.shape[0]:
+            good = logic_and(good, mmin(below <= above + CROSSING_TOLERANCE))
+    return good

@@ -32,6 +32,7 @@ from jtik.qp.call import (
     output_memory,
 )
 from jtik.qp.conic import Conic
+from jtik.qp.many_rows import PassedRows
 from jtik.qp.partition import partitioned
 from jtik.qp.preparation import PreparationCall
 from jtik.qp.recorder import QPRecorder, RecordedComputation, RecordedFunction, RecordedQP
@@ -283,8 +284,11 @@ def staged(
             calls.append(QPCall.of(recorded.qp, recorder.accuracy))
         known.append(recorded.result_symbols)
     names = [*[f"jtik_stage{k}" for k in range(len(calls))], "jtik_end"]
-    wanted, deferred = zip(*[_call_data(each) for each in recorder.calls], strict=True) if calls else ((), ())
+    passed = [PassedRows.of(each.qp, known[0]) if isinstance(each, RecordedQP) else None for each in recorder.calls]
+    pairs = [_call_data(each, rows) for each, rows in zip(recorder.calls, passed, strict=True)]
+    wanted, deferred = zip(*pairs, strict=True) if calls else ((), ())
     stages, data = partitioned(names, known, [*wanted, outputs], deferred)
+    data = [rows.whole(made, judged=True) if rows else made for rows, made in zip(passed, data, strict=True)]
     prepared = tuple(PreparationCall.of(each, at) for each in recorder.preparations)
     parts = Staged(model, tuple(stages), tuple(data), tuple(calls), backend, prepared)
     fast_path = fast_path and all(qp.has_fast_path for qp, _ in recorder.solutions())
@@ -323,7 +327,7 @@ def _columns(of: Function, count: int) -> list[MX]:
 
 
 def _call_data(
-    recorded: RecordedQP | RecordedComputation | RecordedFunction,
+    recorded: RecordedQP | RecordedComputation | RecordedFunction, passed: PassedRows | None
 ) -> tuple[list[Expression], list[Expression]]:
     """What a stage returns for a call, and the data of the call, which is evaluated where it is needed."""
     if isinstance(recorded, RecordedFunction):
@@ -331,4 +335,5 @@ def _call_data(
     if isinstance(recorded, RecordedComputation):
         return recorded.data(), []
     qp = recorded.qp
-    return list(reversed(qp.solution_without_solver())), [*qp.data(), *qp.penalties, qp.valid]
+    data = passed.left(qp) if passed else [*qp.data(), *qp.penalties, qp.valid]
+    return list(reversed(qp.solution_without_solver())), data

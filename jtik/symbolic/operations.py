@@ -119,7 +119,7 @@ def hessian(scalar: Expression, variables: Expression) -> Expression:
 
 def numbers(matrix: Expression) -> NDArray[np.float64] | None:
     """The entries of a ``matrix`` without symbols, (rows, columns); None where there are any."""
-    if not SX(matrix).is_constant():
+    if isinstance(matrix, casadi.MX) or not SX(matrix).is_constant():
         return None
     return np.array(casadi.DM(SX(matrix)).full())
 
@@ -224,6 +224,8 @@ def ratio(numerator: Expression, denominator: Expression) -> Expression:
 
 def is_finite(value: Expression) -> Expression:
     """1 where every entry of ``value`` is finite, else 0."""
+    if isinstance(value, casadi.MX):  # one loop
+        return casadi.norm_1(casadi.vec(value)) <= LARGEST
     return fabs(casadi.sum1(casadi.vec(value))) <= LARGEST
 
 
