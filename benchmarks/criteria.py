@@ -233,7 +233,7 @@ def rows() -> None:
             for _ in range(CALLS // 10):
                 runner.calls[0]()
             times.append((time.process_time() - begin) / (CALLS // 10))
-        count = len(ik._engine.problem.pairs)
+        count = len(ik._engine.problem.measured.pairs)
         print(f"| {name} | {count} | {built:.1f} | {lines} | {1e6 * np.median(times):.0f} |", flush=True)
 
 

@@ -32,7 +32,7 @@ def clearance_model(
     state = state or {}
     distance, J, figures = measured
     safe, aim, influence, gain = (figures[:, i] for i in range(4))
-    restored = vertcat(*problem.restored.astype(float).tolist())
+    restored = vertcat(*problem.measured.restored.astype(float).tolist())
     figures_of_path = figures_of([distance, safe, aim, figures[:, 4], restored])
     path = safe_path(problem)
     return ClearanceModel(
@@ -45,7 +45,7 @@ def clearance_model(
         curvature_radius=figures[:, 4],
         motion=MotionBound(problem.robot, q),
         path=lambda dq: path(q, problem.coordinates.to_joints(dq), parameters, *limits, figures_of_path),
-        restored=problem.restored,
+        restored=problem.measured.restored,
         longest=state.get("longest", 0),
         smallest_violation=state.get("violation", 0),
     )

@@ -282,7 +282,7 @@ def fused_step(
     arguments, numbers = [q, *inputs, memory], np.concatenate(list(first.values()))
     if not (qps and backend):
         return FusedStep(function("jtik_step", arguments, outputs), numbers, layout, record, relaxation=relaxation)
-    parts = staged(arguments, at.parts, at.at, qps, outputs, backend, fast_path=not problem.clearances)
+    parts = staged(arguments, at.parts, at.at, qps, outputs, backend, fast_path=not problem.clearances, apart=at.apart)
     joined = parts.joined() if parts.fusible else parts
     return FusedStep(joined, numbers, layout, record, parts, relaxation=relaxation)
 
@@ -301,7 +301,7 @@ def _first_state(
         state["remaining"] = np.zeros(1)
         if problem.has_criterion:
             state["null_space_left"] = np.ones(1)
-    if problem.clearances and problem.restored.any():
+    if problem.clearances and problem.measured.restored.any():
         state |= {"longest": np.full(1, LONGEST), "violation": np.full(1, UNKNOWN)}
     if problem.bounded and evaluated:
         state["active"] = np.zeros(len(problem.bounded))

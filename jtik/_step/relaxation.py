@@ -46,7 +46,7 @@ class RelaxationTerms:
             entries.append((name, unit))
             amounts.append(amount)
         if restoration:
-            entries += [(pair, "m") for pair in problem.pairs]
+            entries += [(pair, "m") for pair in problem.measured.pairs]
             amounts.append(restoration.missing)
             figures["too_near"] = mmax(restoration.clearance.lacking)
         slacks = []

@@ -6,13 +6,13 @@ body by body.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 
 from jtik._step.active_set import clamped
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.constraints.clearance import SAMPLES, lacking
 from jtik.constraints.motion_bound import MotionBound
-from jtik.qp.shared_values import divided
 from jtik.symbolic import (
     MX,
     Expression,
@@ -31,6 +31,9 @@ from jtik.symbolic import (
 REACH = 1 + 1 / (2 * SAMPLES)
 """How much a distance may change on the path, and between two samples beyond them, relative to the bound L."""
 
+LARGEST_UNROLLED = 30
+"""Distances of a group up to which what is judged of them is written out, operation by operation."""
+
 FIGURES = 5
 """Figures of each distance: itself, safe, aim, radius of curvature, and whether it is restored."""
 
@@ -48,39 +51,50 @@ def safe_path(problem: SymbolicProblem) -> Function:
 
 
 def _safe_path(problem: SymbolicProblem) -> Function:
-    robot, sizes = problem.robot, problem.body_sizes
+    robot, sizes = problem.robot, problem.measured.sizes
     q, _, parameters = problem.symbols()
     dq, limits = symbol("dq", robot.n), [symbol("lower", robot.nq), symbol("upper", robot.nq)]
-    figures = symbol("figures", FIGURES, sum(sizes))
     starts = [sum(sizes[:g]) for g in range(len(sizes))]
-    distances = problem.distances(q, parameters)
-    groups = [distances[start : start + size] for start, size in zip(starts, sizes, strict=True)]
-    shared, own = divided("distances", [q, parameters], groups)
-
-    lengths = vertcat(*MotionBound(robot, q).lengths(dq))
-    far = figures[0, :] - REACH * lengths[0] >= figures[2, :]
-    flags = [1 - mmin(far[start : start + size]) for start, size in zip(starts, sizes, strict=True)]
-    begin = function("path_begin", [q, dq, figures], [lengths, vertcat(*flags), 1 - mmin(far)])
+    bound = function("path_lengths", [q, dq], [vertcat(*MotionBound(robot, q).lengths(dq))])
+    begin = _begin(bound, sizes, loops=problem.measured.rows is not None)
     samples = [
         clamped(robot.integrate(q, k / SAMPLES * dq), limits[0], limits[1], problem.bounded)
         for k in range(1, SAMPLES + 1)
     ]
     configurations = function("path_samples", [q, dq, *limits], samples)
 
-    inputs = [MX.sym(f"i{i}", *each.shape) for i, each in enumerate((q, dq, parameters, *limits, figures))]
+    given = [q, dq, parameters, *limits]
+    inputs = [*(MX.sym(f"i{i}", *each.shape) for i, each in enumerate(given)), MX.sym("figures", FIGURES, sum(sizes))]
     lengths, flags, any_near = begin(inputs[0], inputs[1], inputs[5])
     inside = [*[MX.sym(f"a{i}", *each.shape) for i, each in enumerate([*inputs, lengths, flags])]]
     at, turn, live, low, high, rows, bounds, near = inside
     places = configurations(at, turn, low, high)
-    common = [*places, *[shared(place, live) for place in places], live, bounds]
-    good, total = MX(1), MX(0)
-    for g, (start, size) in enumerate(zip(starts, sizes, strict=True)):
-        given = [*common, rows[:, start : start + size]]
-        good_here, violation = _either(_judged(own[g], given, size), given)(near[g], *given)
-        good, total = good * good_here, total + violation
+    good, total, g = MX(1), MX(0), 0
+    for shared, own in problem.measured.bodies:
+        common = [*places, *[shared(place, live) for place in places], live, bounds]
+        for body in own:
+            size = sizes[g]
+            given = [*common, rows[:, starts[g] : starts[g] + size]]
+            good_here, violation = _either(_judged(body, given, size), given)(near[g], *given)
+            good, total, g = good * good_here, total + violation, g + 1
     evaluated = function("near", inside, [good, total], cse=False)
     result = _either(evaluated, inside)(any_near, *inputs, lengths, flags)
     return function("safe_path", inputs, list(result), cse=False, inline=False)
+
+
+def _begin(bound: Function, sizes: Sequence[int], *, loops: bool) -> Function:
+    """(q, dq, figures) -> bounds of the lengths, which groups of distances are near, and whether any is."""
+    made = MX.sym if loops else symbol
+    q, dq, figures = made("q", bound.size1_in(0)), made("dq", bound.size1_in(1)), made("figures", FIGURES, sum(sizes))
+    lengths = bound(q, dq)
+    far = figures[0, :] - REACH * lengths[0] >= figures[2, :]
+    flags, start = [], 0
+    for size in sizes:
+        flags.append(1 - mmin(far[start : start + size]))
+        start += size
+    return function(
+        "path_begin", [q, dq, figures], [lengths, vertcat(*flags), 1 - mmin(vertcat(*[1 - f for f in flags]))]
+    )
 
 
 def _either(evaluated: Function, arguments: list[Expression]) -> Function:
@@ -94,25 +108,28 @@ def _judged(own: Function, given: list[Expression], size: int) -> Function:
     symbols = [MX.sym(f"a{i}", *each.shape) for i, each in enumerate(given)]
     places, shared, (live, lengths, figures) = symbols[:SAMPLES], symbols[SAMPLES:-3], symbols[-3:]
     after = [own(place, live, values) for place, values in zip(places, shared, strict=True)]
-    return function("body", symbols, list(_judge(size)(figures, lengths, *after)), cse=False)
+    return function(
+        "body", symbols, list(_judge(size, loops=size > LARGEST_UNROLLED)(figures, lengths, *after)), cse=False
+    )
 
 
 @cache
-def _judge(size: int) -> Function:
+def _judge(size: int, *, loops: bool) -> Function:
     """(figures, lengths, distances at each sample) -> whether they are safe on the path, violation at its end.
 
     The distances are evaluated at K samples. A point of a body moves at most L in the step and its link rotates by
     at most S. Between two samples a distance is safe where both exceed the safe value by the smaller of
     (L^2 / rho + L S) / (8 K^2) and L / (2 K). A distance that starts below it is no smaller at any sample.
     """
-    figures, lengths = symbol("figures", FIGURES, size), symbol("lengths", 2)
-    samples = [symbol(f"after{k}", size) for k in range(SAMPLES)]
+    made = MX.sym if loops else symbol
+    figures, lengths = made("figures", FIGURES, size), made("lengths", 2)
+    samples = [made(f"after{k}", size) for k in range(SAMPLES)]
     distance, safe, aim, radius, restored = (figures[i, :].T for i in range(FIGURES))
     travelled, turned = lengths[0], lengths[1]
     curved = (travelled**2 / radius + travelled * turned) / (8 * SAMPLES**2)
     dip = fmin(curved, travelled / (2 * SAMPLES))
     smallest = fmin(safe, distance)  # a distance that starts too small becomes no smaller
-    good: Expression = 1
+    good: Expression = type(figures)(1)
     before = distance
     for after in samples:
         low = fmin(before, after) - dip

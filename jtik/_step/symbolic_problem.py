@@ -4,26 +4,19 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Sequence
-from itertools import chain
 from typing import Any, TypeVar
 
-import numpy as np
-
+from jtik._step.measurement import Measurement
 from jtik.constraints.clearance import Clearance
-from jtik.constraints.measure import pair_names, rounding_of
 from jtik.criterion import CriterionTerms
-from jtik.criterion.overriding import belongs_to
-from jtik.robot import UNWEIGHTED, Kinematics, Robot, WeightedCoordinates
+from jtik.robot import UNWEIGHTED, Robot, WeightedCoordinates
 from jtik.strategy.curvature import lagrangian_hessian
 from jtik.symbolic import (
-    TINY,
     Expression,
     Function,
     dot,
-    fmax,
     function,
     gradient,
-    horzcat,
     jacobian,
     norm,
     substitute,
@@ -61,11 +54,7 @@ class SymbolicProblem:
         criterion: (q, parameters) -> H.
         values: (q, parameters) -> the weighted value of each criterion.
         least_squares: the criteria that are in residual form, for their Gauss-Newton Hessian; None without any.
-        distances: (q, parameters) -> distances of all clearances, (k, 1) [m].
-        clearance: (q, parameters) -> distances, their Jacobian (k, n), safe, aim, influence, gain and radius (k, 5).
-        pairs: name of each distance.
-        body_sizes: number of distances of each body, in their order.
-        restored: whether each distance is restored when it is too small, (k,).
+        measured: what its clearances measure; without any there is no such attribute.
     """
 
     def __init__(
@@ -97,7 +86,7 @@ class SymbolicProblem:
         self.least_squares = terms.least_squares()
         self.clearances = clearances
         if clearances:
-            self._measure(kinematics, parameters)
+            self.measured = Measurement.of(clearances, terms, kinematics, parameters)
         self.values = function("criteria", [q, parameters], [vertcat(*values)])
         self.criterion = function("criterion", [q, parameters], [self._total(q, parameters)], cse=False)
 
@@ -115,42 +104,6 @@ class SymbolicProblem:
             return None
         kept = vertcat(*[0 if shift else target[i] for i, shift in enumerate(shifts)])
         return function("unshifted", [q, target], [substitute(residual, target, kept)])
-
-    def _measure(self, kinematics: Kinematics, parameters: Expression) -> None:
-        """Distances of all clearances, their Jacobian, and for each of them safe, aim, influence, gain and radius."""
-        distances, figures, restored = [], [], list[bool]()
-        linearized = list[tuple[int, tuple[Expression, Expression] | None]]()
-        self.pairs, self.body_sizes = list[str](), list[int]()
-        for clearance in self.clearances:
-            own = self.terms.own(clearance, parameters)
-            measured = clearance.of_measure(self.robot, own)
-            bodies = clearance.measure.distances(kinematics, measured)
-            measure: Any = clearance.measure
-            own_rows = belongs_to(measure, "linearized", "distances")
-            found = measure.linearized(kinematics, measured) if own_rows else None
-            linearized.append((sum(map(len, bodies)), found))
-            self.body_sizes += map(len, filter(None, bodies))
-            rounded = rounding_of(clearance.measure, self.robot, measured, bodies)
-            self.pairs += pair_names(clearance, self.robot, bodies)
-            row = (own["safe"], own["safe"] + clearance.margin, own["influence"], clearance.gain)
-            for distance, radius in zip(chain(*bodies), chain(*rounded), strict=True):
-                restored.append(clearance.restore)
-                distances.append(distance)
-                # the largest curvature is that of the surface at the distance safe from the obstacle
-                figures.append(horzcat(*row, fmax(own["safe"] + radius, TINY)))
-        d, q = vertcat(*distances), kinematics.q
-        self.restored = np.array(restored)
-        self.distances = function("distances", [q, parameters], [d])
-        d = self.distances(q, parameters)  # where each value is computed once
-        columns, jacobians, start = [], [], 0
-        for count, found in linearized:
-            derived = d[start : start + count]
-            columns.append(derived if found is None else found[0])
-            jacobians.append(jacobian(derived, q) if found is None else found[1])
-            start += count
-        J, shared = vertcat(*jacobians) @ self.robot.tangent(q), any(found for _, found in linearized)
-        outputs = [vertcat(*columns), J, vertcat(*figures)]
-        self.clearance = function("clearance", [q, parameters], outputs, cse=shared)
 
     def symbols(self) -> tuple[Expression, Expression, Expression]:
         """Fresh symbols for q, target and parameters."""

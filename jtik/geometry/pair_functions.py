@@ -61,7 +61,7 @@ def distances_of(points: Sequence[Expression], obstacles: Sequence[Distances]) -
         points: one point (d, 1) [m], or start and end of a segment.
         obstacles: the obstacles.
     """
-    return _function(points, obstacles, gradients=False)(*points, _figures(obstacles))
+    return _function(points, obstacles, gradients=False)(*points, figures_of(obstacles))
 
 
 def distances_with_gradients(
@@ -75,11 +75,12 @@ def distances_with_gradients(
         points: one point (d, 1) [m], or start and end of a segment.
         obstacles: the obstacles.
     """
-    found = _function(points, obstacles, gradients=True)(*points, _figures(obstacles))
+    found = _function(points, obstacles, gradients=True)(*points, figures_of(obstacles))
     return found[0], list(found[1:])
 
 
-def _figures(obstacles: Sequence[Distances]) -> Expression:
+def figures_of(obstacles: Sequence[Distances]) -> Expression:
+    """What the distances to several obstacles are computed from, a column."""
     return vertcat(*(each for obstacle in obstacles for each in obstacle.figures))
 
 
@@ -94,7 +95,7 @@ def _of_several(forms: tuple[Form, ...], count: int, size: int, gradients: bool)
     columns = [[symbol(f"figure{i}", rows) for i, rows in enumerate(sizes)] for _, _, sizes in forms]
     found, instructions = [], 0
     for form, own in zip(forms, columns, strict=True):
-        one = _of_one(form, count, size, gradients)
+        one = distance_function(form, count, size, gradients=gradients)
         instructions += one.n_instructions()
         found.append(one.call([*points, *own]))
     figures = vertcat(*(each for own in columns for each in own))
@@ -104,8 +105,15 @@ def _of_several(forms: tuple[Form, ...], count: int, size: int, gradients: bool)
 
 
 @cache
-def _of_one(form: Form, count: int, size: int, gradients: bool) -> Function:
-    """(points, figures) -> distance, and with ``gradients`` that of each point."""
+def distance_function(form: Form, count: int, size: int, *, gradients: bool) -> Function:
+    """(points, figures) -> distance, and with ``gradients`` its gradient with respect to each point.
+
+    Args:
+        form: the kind of the obstacle.
+        count: number of points of the body: 1, or 2 of a segment.
+        size: entries of a point.
+        gradients: whether there are gradients.
+    """
     _, distance, sizes = form
     points = [symbol(f"point{i}", size) for i in range(count)]
     figures = [symbol(f"figure{i}", rows) for i, rows in enumerate(sizes)]

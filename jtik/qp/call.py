@@ -11,7 +11,7 @@ import numpy as np
 from jtik.errors import ArgumentError
 from jtik.qp.backend import CalledBackend, FusedBackend, NumericQP
 from jtik.qp.elastic import SlackExpansion
-from jtik.qp.quadratic_program import QuadraticProgram, satisfies_rows
+from jtik.qp.quadratic_program import QuadraticProgram, bounds_valid, is_solution
 from jtik.qp.recorder import Compute
 from jtik.qp.refinement import refinement
 from jtik.qp.solution import QPSolution
@@ -31,7 +31,8 @@ class QPCall:
         expansion: how slack variables are added for elastic rows; None without elastic rows.
         refinement: what corrects solutions so that exact rows hold to rounding; None without exact rows.
         check: (the QP's data, solution) -> whether it is one; None for a QP whose solution is not checked.
-        judges_rows: whether a solution without solver is one only if it satisfies the rows, too.
+        has_many_rows: whether what is judged of its rows are loops over numbers, and is not judged before its data.
+        tries_minimiser: whether what is known without solver is its minimiser without rows.
     """
 
     name: str
@@ -40,7 +41,8 @@ class QPCall:
     expansion: SlackExpansion | None = None
     refinement: Function = None
     check: Function = None
-    judges_rows: bool = False
+    has_many_rows: bool = False
+    tries_minimiser: bool = False
 
     @classmethod
     def of(cls, qp: QuadraticProgram, accuracy: float | None = None) -> QPCall:
@@ -51,8 +53,8 @@ class QPCall:
             start += group.count
         refine = refinement(qp.size, qp.row_count, exact) if exact else None
         check = None if accuracy is None else _check(qp, accuracy)
-        judges = qp.tries_minimiser and qp.has_many_rows
-        return cls(qp.name, qp.size, qp.row_count, qp.expansion, refine, check, judges)
+        kind = qp.has_many_rows, qp.tries_minimiser
+        return cls(qp.name, qp.size, qp.row_count, qp.expansion, refine, check, *kind)
 
     @property
     def functions(self) -> list[Function]:
@@ -116,22 +118,29 @@ class QPCall:
             data: arguments -> the QP's data, its penalties, and whether they are valid.
         """
         x, arguments = MX.sym("x", self.n), _inputs(data)
-        *given, is_valid = called(data, arguments)
+        given = called(data, arguments)
+        is_valid = None if self.has_many_rows else given.pop()
         inside = [MX.sym(f"d{i}", *part.shape) for i, part in enumerate(given)]
         solution = self.solution(inside, backend)
         solved = function("valid", inside, [*solution, self.check(*inside, *solution)], cse=False)
         none = [np.nan * MX.ones(size, 1) for size in self.solution_sizes]
         judged = either(solved, function("invalid", inside, [*none, MX(0)]))
-        if self.judges_rows:
-            solves, valid = MX.sym("solves"), MX.sym("valid")
-            known = function("satisfied", [x, valid, *inside], self.known(x))
-            solver = function("not_satisfied", [x, valid, *inside], called(judged, [valid, *inside]), cse=False)
-            holds = logic_and(logic_and(solves, is_valid), satisfies_rows(x, *given[2:5]))
-            results = called(either(known, solver), [holds, x, is_valid, *given])
-            return function("rows", [solves, x, *arguments], results, cse=False)
+        if self.has_many_rows:
+            return self._of_many(judged, given, x, arguments)
         known = function("fast_path", [x, *arguments], self.known(x))
         solver = function("qp_path", [x, *arguments], called(judged, [is_valid, *given]), cse=False)
         return either(known, solver)
+
+    def _of_many(self, judged: Function, given: Sequence[MX], x: MX, arguments: Sequence[MX]) -> Function:
+        """The same where the rows are many, and what is judged of them are loops."""
+        inside = [MX.sym(f"d{i}", *part.shape) for i, part in enumerate(given)]
+        is_valid = logic_and(is_finite(inside[0]), bounds_valid(*inside[1:7]))
+        known = function("known", [x, *inside], self.known(x))
+        solver = function("not_known", [x, *inside], called(judged, [is_valid, *inside]), cse=False)
+        solves = MX.sym("solves")
+        is_known = logic_and(solves, is_solution(x, given[:7])) if self.tries_minimiser else solves
+        results = called(either(known, solver), [is_known, x, *given])
+        return function("many_rows", [solves, x, *arguments], results, cse=False)
 
     def solution(self, given: Sequence[Expression], backend: FusedBackend) -> list[Expression]:
         """Expressions of x, row multipliers and box multipliers, by a fused back end, for a QP's data."""

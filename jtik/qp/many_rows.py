@@ -1,4 +1,4 @@
-"""Quadratic programs with many rows: rows that the local model has are passed to the solver as the matrix that they are.
+"""Quadratic programs with many rows: those that are a matrix of the local model are passed to the solver as it is.
 
 Entry by entry they would be most of a step's operations, and of the time that it takes to build and to compile it.
 """
@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from jtik.qp.quadratic_program import QuadraticProgram, bounds_valid
-from jtik.symbolic import MX, Expression, Function, function, is_equal, is_finite, logic_and, vertcat, zeros
+from jtik.qp.quadratic_program import QuadraticProgram
+from jtik.symbolic import MX, Expression, Function, function, is_equal, vertcat, zeros
 
 
 @dataclass(frozen=True)
@@ -40,12 +40,11 @@ class PassedRows:
         others = [group.matrix for group, (_, at) in zip(qp.rows, self.groups, strict=True) if at is None]
         return [P, q, vertcat(*others) if others else zeros(0, qp.size), *bounds, *qp.penalties]
 
-    def whole(self, left: Function, *, judged: bool) -> Function:
+    def whole(self, left: Function) -> Function:
         """(the same inputs) -> all data of the program.
 
         Args:
             left: (inputs) -> what `left` returns.
-            judged: whether the data is followed by 1 where it is valid.
         """
         inputs = [MX.sym(f"i{i}", *left.size_in(i)) for i in range(left.n_in())]
         P, q, others, *bounds = left.call(inputs)
@@ -53,9 +52,7 @@ class PassedRows:
         for count, at in self.groups:
             rows.append(others[start : start + count, :] if at is None else inputs[at])
             start += count if at is None else 0
-        data = [P, q, vertcat(*rows), *bounds]
-        valid = [logic_and(is_finite(P), bounds_valid(*data[1:7]))] if judged else []
-        return function(left.name(), inputs, [*data, *valid], cse=False)
+        return function(left.name(), inputs, [P, q, vertcat(*rows), *bounds], cse=False)
 
 
 def _index(matrix: Expression, known: Sequence[Expression]) -> int | None:

@@ -43,7 +43,7 @@ class PreparationCall:
         data = function(f"{seldom}_data", known, passed.left(qp) if passed else [*qp.data(), *qp.penalties])
         return cls(
             function(f"jtik_{qp.name}_needed", known, [preparation.needed]),
-            passed.whole(data, judged=False) if passed else data,
+            passed.whole(data) if passed else data,
             function(f"{seldom}_finish", [*known, *symbols], preparation.results),
             QPCall.of(qp),
         )

@@ -190,7 +190,7 @@ class QuadraticProgram:
         """The closed-form solution, or else the unconstrained minimiser, and whether it solves the QP.
 
         Far from limits this solves most QPs without a solver. Where P is singular the unconstrained minimiser is
-        not finite, and no solution. Of many rows it is not judged whether it satisfies them: `satisfies_rows` does.
+        not finite, and no solution. Of many rows it is not judged whether it satisfies them: `is_solution` does.
 
         Returns:
             x (n, 1), NaN for invalid bounds, rows or linear cost; 1 where no solver has to be called, else 0.
@@ -248,6 +248,18 @@ def satisfies_rows(x: Expression, C: Expression, low: Expression, high: Expressi
     return logic_and(mmax(low - Cx) <= ROUNDING, mmax(Cx - high) <= ROUNDING)
 
 
+def is_solution(x: Expression, data: Sequence[Expression]) -> Expression:
+    """1 where x, the minimiser without rows and in the box, satisfies the rows, and all numbers of the QP are valid.
+
+    Args:
+        x: the minimiser (n, 1).
+        data: P, q, C, l, u, lb, ub.
+    """
+    _, _, C, low, high, lower, upper = data
+    good = logic_and(is_finite(C @ x), satisfies_rows(x, C, low, high))  # x is finite, so that C is where C x is
+    return logic_and(good, _in_order(low, high, lower, upper))
+
+
 def bounds_valid(
     q: Expression, C: Expression, low: Expression, high: Expression, lower: Expression, upper: Expression
 ) -> Expression:
@@ -261,8 +273,10 @@ def bounds_valid(
         lower: lower bounds of x (n, 1).
         upper: upper bounds of x (n, 1).
     """
-    good = logic_and(is_finite(q), is_finite(C))
-    for below, above in ((low, high), (lower, upper)):
-        if below.shape[0]:
-            good = logic_and(good, mmin(below <= above + CROSSING_TOLERANCE))
-    return good
+    return logic_and(logic_and(is_finite(q), is_finite(C)), _in_order(low, high, lower, upper))
+
+
+def _in_order(low: Expression, high: Expression, lower: Expression, upper: Expression) -> Expression:
+    """1 where no bound is NaN, and none exceeds the other one."""
+    in_order = mmin(lower <= upper + CROSSING_TOLERANCE)
+    return logic_and(in_order, mmin(low <= high + CROSSING_TOLERANCE)) if low.shape[0] else in_order

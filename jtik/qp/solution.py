@@ -78,7 +78,7 @@ class QPSolution:
     def stationarity(self) -> Expression:
         """Stationarity residual: the largest entry of P x + q + C' row_multipliers + box_multipliers."""
         P, q, C = self.qp.data()[:3]
-        return norm_inf(P @ self.x + q + C.T @ self.row_multipliers + self.box_multipliers)
+        return norm_inf(P @ self.x + q + (self.row_multipliers.T @ C).T + self.box_multipliers)
 
     def solved(self, accuracy: float) -> Expression:
         """1 where the solution is valid, else 0.

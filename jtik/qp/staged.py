@@ -256,6 +256,7 @@ def staged(
     backend: Backend,
     *,
     fast_path: bool = True,
+    apart: Function | None = None,
 ) -> Staged:
     """Divide a step into stages at its QPs and computations.
 
@@ -268,8 +269,11 @@ def staged(
         backend: what solves the QPs.
         fast_path: whether to build the fast path. Without it a step is smaller; it is of little use where most steps
             need a solver. A step with preparations has none.
+        apart: (first of ``local``, third of ``inputs``) -> the last ones of ``cut``; None where ``local`` has all.
     """
     model = function("jtik_local", inputs, local)
+    if apart:
+        model = _with_parts(model, apart)
     at = [*inputs, *cut]
     prepared_symbols = [part for each in recorder.preparations for part in each.result_symbols]
     known: list[Sequence[Expression]] = [[*at, *prepared_symbols]]
@@ -288,7 +292,7 @@ def staged(
     pairs = [_call_data(each, rows) for each, rows in zip(recorder.calls, passed, strict=True)]
     wanted, deferred = zip(*pairs, strict=True) if calls else ((), ())
     stages, data = partitioned(names, known, [*wanted, outputs], deferred)
-    data = [rows.whole(made, judged=True) if rows else made for rows, made in zip(passed, data, strict=True)]
+    data = [rows.whole(made) if rows else made for rows, made in zip(passed, data, strict=True)]
     prepared = tuple(PreparationCall.of(each, at) for each in recorder.preparations)
     parts = Staged(model, tuple(stages), tuple(data), tuple(calls), backend, prepared)
     fast_path = fast_path and all(qp.has_fast_path for qp, _ in recorder.solutions())
@@ -296,6 +300,13 @@ def staged(
         return parts
     direct = any(isinstance(call, FunctionCall) and call.direct for call in calls)
     return replace(parts, fast_path=_fast_path(parts), direct_path=_fast_path(parts, direct=True) if direct else None)
+
+
+def _with_parts(model: Function, apart: Function) -> Function:
+    """The local model with the parts that are a function of their own."""
+    inputs = _columns(model, model.n_in())
+    local = called(model, inputs)
+    return function("jtik_local_model", inputs, [*local, *apart.call([local[0], inputs[2]], True, False)], cse=False)
 
 
 def _fast_path(parts: Staged, *, direct: bool = False) -> Function:

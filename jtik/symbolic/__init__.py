@@ -5,8 +5,8 @@ The operations are those that a criterion, a strategy or a task is made of:
 - expressions: `Expression`, `SX`, `MX`, `symbol`, `zeros`, `identity`, `numbers`, `is_symbolic`
 - elementwise: `sin`, `cos`, `atan2`, `sqrt`, `log`, `exp`, `fabs`, `floor`, `fmax`, `fmin`
 - conditions: `if_else`, `logic_and`, `logic_or`, `logic_not`, `is_finite`
-- vectors and matrices: `vertcat`, `horzcat`, `stack`, `reshape`, `vec`, `densify`, `diag`, `trace`, `tril`, `skew`,
-  `dot`, `cross`, `gram`, `sum1`, `sumsqr`, `norm`, `norm_inf`, `mmax`, `mmin`, `ratio`
+- vectors and matrices: `vertcat`, `horzcat`, `stack`, `reshape`, `repmat`, `vec`, `densify`, `diag`, `trace`, `tril`,
+  `skew`, `dot`, `cross`, `gram`, `sum1`, `sumsqr`, `norm`, `norm_inf`, `mmax`, `mmin`, `ratio`
 - symmetric matrices: `LDL`, `solve_ldl`
 - products of large matrices as loops: `looped`
 - derivatives: `gradient`, `jacobian`, `hessian`
@@ -75,6 +75,7 @@ from jtik.symbolic.operations import (
     numbers,
     once_for_each,
     ratio,
+    repmat,
     reshape,
     sin,
     skew,
@@ -148,6 +149,7 @@ __all__ = [
     "numbers",
     "once_for_each",
     "ratio",
+    "repmat",
     "reshape",
     "sin",
     "skew",

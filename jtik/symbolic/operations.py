@@ -46,6 +46,7 @@ logic_not: Any = casadi.logic_not
 vertcat: Any = casadi.vertcat
 horzcat: Any = casadi.horzcat
 reshape: Any = casadi.reshape
+repmat: Any = casadi.repmat
 vec: Any = casadi.vec
 densify: Any = casadi.densify
 diag: Any = casadi.diag
@@ -108,7 +109,7 @@ def gram(matrix: Expression, weights: Expression | None = None) -> Expression:
         matrix: M (m, n).
         weights: one for each row (m, 1); all are 1 when None.
     """
-    weighted = matrix if weights is None else casadi.repmat(weights, 1, matrix.shape[1]) * matrix
+    weighted = matrix if weights is None else repmat(weights, 1, matrix.shape[1]) * matrix
     return casadi.densify(casadi.triu2symm(casadi.triu(casadi.mtimes(weighted.T, matrix))))
 
 

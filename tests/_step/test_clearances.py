@@ -27,7 +27,7 @@ def model(robot, state=None):
     problem = problem_of(robot, clearances=[jtik.Clearance(ObstacleAvoidance(circles), safe=0.1, margin=0.05)])
     parameters = casadi.SX(problem.terms.parameters.memory)
     limits = casadi.SX(robot.lower), casadi.SX(robot.upper)
-    measured = problem.clearance(Q, parameters)
+    measured = problem.measured.clearance(Q, parameters)
     return clearance_model(problem, casadi.SX(Q), measured, parameters, limits, state)
 
 

@@ -67,7 +67,7 @@ def test_of_the_values_and_the_distances():
     barrier = ObstacleBarrier(field(6), bodies="links")
     problem = problem_of(planar(6), criteria=barrier, clearances=[jtik.Clearance(barrier)])
     q, target, parameters = problem.symbols()
-    for made in (problem.report(), problem.clearance):
+    for made in (problem.report(), problem.measured.clearance):
         inputs = [q, target, parameters] if made.n_in() == 3 else [q, parameters]
         less = casadi.Function("less", inputs, made.call(inputs), {"cse": True})
         assert made.n_instructions() <= (1 + OF_ROWS) * less.n_instructions()

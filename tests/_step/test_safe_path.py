@@ -59,17 +59,17 @@ def judged(problem):
     q, dq, robot = casadi.SX.sym("q", problem.robot.nq), casadi.SX.sym("dq", problem.robot.n), problem.robot
     live = casadi.SX(problem.terms.parameters.memory)
     limits = casadi.SX(robot.lower), casadi.SX(robot.upper)
-    model = clearance_model(problem, q, problem.clearance(q, live), live, limits)
+    model = clearance_model(problem, q, problem.measured.clearance(q, live), live, limits)
     return casadi.Function("judged", [q, dq], [model.distance, model.keeps(dq), model.violation_after(dq)])
 
 
 def expected(problem, q, dq):
     """The same in NumPy, every distance evaluated at every sample (formulations/clearance.md, (C6))."""
     robot, live = problem.robot, problem.terms.parameters.memory
-    figures = np.array(problem.clearance(q, live)[2])
+    figures = np.array(problem.measured.clearance(q, live)[2])
     safe, aim, radius = figures[:, 0], figures[:, 1], figures[:, 4]
     at = [np.clip(robot.integrate(q, k / SAMPLES * dq), robot.lower, robot.upper) for k in range(SAMPLES + 1)]
-    distances = [np.array(problem.distances(each, live)).ravel() for each in at]
+    distances = [np.array(problem.measured.distances(each, live)).ravel() for each in at]
     L, S = (float(casadi.DM(each)) for each in MotionBound(robot, casadi.SX(q)).lengths(casadi.SX(dq)))
     dip = np.minimum((L**2 / radius + L * S) / (8 * SAMPLES**2), L / (2 * SAMPLES))
     start, good = distances[0], True
@@ -77,7 +77,7 @@ def expected(problem, q, dq):
         low = np.minimum(before, after) - dip - np.minimum(safe, start)
         good &= bool((np.where(start < safe, after - start + 1e-12, low) >= 0).all())
     lacks = aim - distances[-1]
-    counted = problem.restored & (lacks > TOLERATED * (aim - safe))
+    counted = problem.measured.restored & (lacks > TOLERATED * (aim - safe))
     return good, lacks[counted].sum(), start - REACH * L >= aim
 
 
@@ -173,6 +173,6 @@ def judged_path(problem, q):
     dq, distance, robot = casadi.SX.sym("dq", 2), casadi.SX.sym("d", 2), problem.robot
     live = casadi.SX(problem.terms.parameters.memory)
     limits = casadi.SX(robot.lower), casadi.SX(robot.upper)
-    _, J, figures = problem.clearance(q, live)
+    _, J, figures = problem.measured.clearance(q, live)
     model = clearance_model(problem, q, (distance, J, figures), live, limits)
     return casadi.Function("path", [q, dq, distance], [model.keeps(dq), model.violation_after(dq)])

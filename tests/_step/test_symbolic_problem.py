@@ -133,17 +133,17 @@ class TestClearances:
         problem, q = self.problem(), rng.uniform(-1, 1, 2)
         centers, radii = np.array([[2.0, 1.0], [1.0, -1.0]]), np.array([0.4, 0.25])
         expected = np.linalg.norm(planar_points(q)[:, None] - centers, axis=2) - radii
-        found = column(problem.distances, q, problem.terms.parameters.memory)
+        found = column(problem.measured.distances, q, problem.terms.parameters.memory)
         assert found == pytest.approx(expected.ravel())
-        assert len(problem.pairs) == 4
-        assert all(pair.startswith("clearance: ") and " to obstacle " in pair for pair in problem.pairs)
+        assert len(problem.measured.pairs) == 4
+        assert all(pair.startswith("clearance: ") and " to obstacle " in pair for pair in problem.measured.pairs)
 
     def test_their_jacobian_and_figures(self, rng):
         problem, q = self.problem(), rng.uniform(-1, 1, 2)
         p = problem.terms.parameters.memory
-        distance, J, figures = map(np.array, problem.clearance(q, p))
-        assert distance.ravel() == pytest.approx(column(problem.distances, q, p))
-        expected = differences(lambda at: column(problem.distances, at, p), planar(2), q)
+        distance, J, figures = map(np.array, problem.measured.clearance(q, p))
+        assert distance.ravel() == pytest.approx(column(problem.measured.distances, q, p))
+        expected = differences(lambda at: column(problem.measured.distances, at, p), planar(2), q)
         assert pytest.approx(expected, abs=DIFFERENCES) == J
         for row, radius in zip(figures, [0.4, 0.25] * 2, strict=True):
             assert row == pytest.approx([0.1, 0.15, 0.7, 0.8, 0.1 + radius])

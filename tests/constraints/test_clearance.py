@@ -405,7 +405,7 @@ def test_influence_and_gain_of_the_measure_are_not_those_of_the_clearance(measur
     assert ik.parameters["clearance.influence"] == 0.25
     assert "clearance.gain" not in ik.parameters
     problem = problem_of(planar(4), clearances=[clearance])
-    figures = problem.clearance(np.full(4, 0.3), problem.terms.parameters.memory)[2].full()
+    figures = problem.measured.clearance(np.full(4, 0.3), problem.terms.parameters.memory)[2].full()
     assert set(figures[:, 2]) == {0.25}
     assert set(figures[:, 3]) == {0.5}
 
@@ -422,5 +422,5 @@ def test_a_measure_whose_own_distances_depend_on_such_a_name_keeps_its_value():
     found = []
     for measure in (ObstacleAvoidance([obstacle]), Grown([obstacle], name="grown")):
         problem = problem_of(planar(4), clearances=[jtik.Clearance(measure, safe=0.03)])
-        found.append(problem.clearance(q, problem.terms.parameters.memory)[0].full())
+        found.append(problem.measured.clearance(q, problem.terms.parameters.memory)[0].full())
     assert found[0] - found[1] == pytest.approx(0.125)

@@ -101,7 +101,7 @@ def judged():
     live = problem.terms.parameters
     q, dq, parameters = casadi.SX.sym("q", 3), casadi.SX.sym("dq", 3), live.symbols()
     limits = casadi.SX(robot.lower), casadi.SX(robot.upper)
-    model = clearance_model(problem, q, problem.clearance(q, parameters), parameters, limits)
+    model = clearance_model(problem, q, problem.measured.clearance(q, parameters), parameters, limits)
     return live, casadi.Function("judged", [q, dq, parameters], [model.keeps(dq)])
 
 

@@ -71,11 +71,11 @@ class Judged:
         self.slots = Slots({kind: 1}, dimension)
         measure = ObstacleAvoidance([], capacity={kind: 1}, bodies="links")
         problem = problem_of(self.robot, clearances=[jtik.Clearance(measure, safe=SAFE)])
-        self.live, self.measured = problem.terms.parameters, problem.clearance
+        self.live, self.measured = problem.terms.parameters, problem.measured.clearance
         q, dq = casadi.SX.sym("q", self.robot.nq), casadi.SX.sym("dq", self.robot.n)
         parameters = self.live.symbols()
         limits = casadi.SX(self.robot.lower), casadi.SX(self.robot.upper)
-        model = clearance_model(problem, q, problem.clearance(q, parameters), parameters, limits)
+        model = clearance_model(problem, q, problem.measured.clearance(q, parameters), parameters, limits)
         self.keeps = casadi.Function("judged", [q, dq, parameters], [model.keeps(dq)])
 
     def place(self, obstacle, gain=1.0):

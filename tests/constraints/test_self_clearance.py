@@ -78,7 +78,7 @@ def judged(name):
     live = problem.terms.parameters
     q, dq, parameters = casadi.SX.sym("q", robot.n), casadi.SX.sym("dq", robot.n), live.symbols()
     limits = casadi.SX(robot.lower), casadi.SX(robot.upper)
-    model = clearance_model(problem, q, problem.clearance(q, parameters), parameters, limits)
+    model = clearance_model(problem, q, problem.measured.clearance(q, parameters), parameters, limits)
     return robot, measure.pairs(robot), live, casadi.Function("judged", [q, dq, parameters], [model.keeps(dq)])
 
 

@@ -80,7 +80,7 @@ class SaddleEscape:
         q, _, parameters = problem.symbols()
         v = symbol("v", problem.robot.n)
         limits = symbol("lower", problem.robot.nq), symbol("upper", problem.robot.nq)
-        model = clearance_model(problem, q, problem.clearance(q, parameters), parameters, limits)
+        model = clearance_model(problem, q, problem.measured.clearance(q, parameters), parameters, limits)
         keeps = model.keeps(problem.coordinates.from_joints(v))
         return function("clearances_hold", [q, v, parameters, *limits], [keeps])
 

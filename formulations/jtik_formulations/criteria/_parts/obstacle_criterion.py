@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from jtik import Criterion
 from jtik.arguments import choice, instances, integer
 from jtik.arguments import name as read_name
+from jtik.constraints.many_distances import ManyDistances
 from jtik.criterion.overriding import belongs_to
 from jtik.criterion.short_repr import call_text
 from jtik.errors import ArgumentError
@@ -41,6 +42,9 @@ from jtik_formulations.criteria._parts.bodies import (
     radii_of_bodies,
 )
 from jtik_formulations.criteria._parts.forces import Forces
+
+MANY = 8
+"""Obstacles from which on what measures them has loops."""
 
 ACCEPTED = "jtik.Point, Circle, Sphere, Capsule, Box, Cylinder, HalfSpace or Polygon"
 
@@ -147,6 +151,24 @@ class ObstacleCriterion(Criterion):
                 rates += each.T @ jacobian(point, kinematics.q)
             rows.append(rates if present is None else present @ rates)
         return vertcat(*distances), vertcat(*rows)
+
+    def many(
+        self, kinematics: Kinematics, parameters: Mapping[str, Expression], column: Expression
+    ) -> ManyDistances | None:
+        """All `distances` as functions with loops over the obstacles; None where these are few.
+
+        Args:
+            kinematics: the robot at a symbolic configuration.
+            parameters: expressions of the live parameters by name.
+            column: all live parameters of the problem, symbols.
+        """
+        field = self.slots(kinematics.robot).at(parameters)
+        if len(field) < MANY:
+            return None
+        bodies = bodies_of(kinematics, self._bodies)
+        points, radii = [body.points for body in bodies], [body.radius for body in bodies]
+        obstacles = [slot.distances for slot in field]
+        return ManyDistances(kinematics.q, column, points, radii, obstacles, _gains(field))
 
     @abstractmethod
     def potential(
