@@ -70,7 +70,7 @@ class Inspector:
 
     @cached_property
     def _clearance(self) -> CompiledFunction:
-        return CompiledFunction(self._problem.clearance)
+        return CompiledFunction(self._problem.measured.clearance)
 
     @cached_property
     def _hessian(self) -> CompiledFunction:
@@ -273,7 +273,7 @@ class Inspector:
             distance, _, figures = self._clearance(q, inputs.parameters)
         margin = figures[:, 1] - figures[:, 0]
         close = distance[:, 0] < figures[:, 1] + margin
-        return tuple(name for name, is_close in zip(self._problem.pairs, close, strict=True) if is_close)
+        return tuple(name for name, is_close in zip(self._problem.measured.pairs, close, strict=True) if is_close)
 
     def _relaxations(self, q: Array, inputs: Inputs[Array]) -> tuple[Relaxation, ...]:
         """What the strategy's first step from q relaxes."""

@@ -282,7 +282,9 @@ def fused_step(
     arguments, numbers = [q, *inputs, memory], np.concatenate(list(first.values()))
     if not (qps and backend):
         return FusedStep(function("jtik_step", arguments, outputs), numbers, layout, record, relaxation=relaxation)
-    parts = staged(arguments, at.parts, at.at, qps, outputs, backend, fast_path=not problem.clearances, apart=at.apart)
+    apart = (at.apart.function, at.apart.given) if at.apart else None
+    fast_path = not problem.clearances
+    parts = staged(arguments, at.parts, at.at, qps, outputs, backend, fast_path=fast_path, apart=apart)
     joined = parts.joined() if parts.fusible else parts
     return FusedStep(joined, numbers, layout, record, parts, relaxation=relaxation)
 

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from jtik._step.active_set import ActiveSet, clamped
 from jtik._step.braking import Braking
-from jtik._step.clearances import clearance_model
+from jtik._step.clearances import Apart, clearance_model, measured_apart
 from jtik._step.distant_target import NearerTarget
 from jtik._step.inputs import Inputs, Settings
 from jtik._step.stagnation import Stagnation
@@ -18,24 +16,18 @@ from jtik.qp.recorder import QPRecorder
 from jtik.robot import WeightedCoordinates
 from jtik.strategy import Evaluation, LocalModel
 from jtik.symbolic import (
-    MX,
     TINY,
     Expression,
     Function,
     fmax,
-    function,
-    horzcat,
-    identity,
     if_else,
     is_finite,
     norm,
-    numbers,
     ratio,
     sqrt,
     substitute,
     sumsqr,
     symbol,
-    zeros,
 )
 from jtik.symbolic.factorization import squared_length
 from jtik.types import Array
@@ -68,8 +60,8 @@ class Linearized:
         has_slope: 1 where the gradient of the criterion is finite. Where it is not, the model has a gradient of zero,
             and the task goes on without the criterion.
         stagnation: whether the error has stopped falling; None for a step that does not ask.
-        apart: (q, parameters) -> the last of the parts, where they are a function of their own, with loops: distances,
-            their Jacobian and their figures. They are not among ``parts`` then.
+        apart: the last of the parts, those of clearances, where they are a function of their own, which has what
+            follows from them, too. They are not among ``parts`` then.
     """
 
     parts: list[Expression]
@@ -78,7 +70,7 @@ class Linearized:
     active_set: ActiveSet | None
     has_slope: Expression = 1
     stagnation: Stagnation | None = None
-    apart: Function | None = None
+    apart: Apart | None = None
 
 
 def linearized(
@@ -114,15 +106,16 @@ def linearized(
     """
     limits, settings = (inputs.lower, inputs.upper), Settings.of(inputs.settings)
     of_residual = problem.near_jacobian() if replaceable else problem.residual_jacobian
-    apart = _measured_apart(problem) if qps and problem.clearances and problem.measured.rows else None
-    at_limits = clamped(start, *limits, problem.bounded)
+    at_limits, apart = clamped(start, *limits, problem.bounded), None
+    if qps and problem.clearances:
+        apart = measured_apart(problem, at_limits, inputs.parameters, state)
     parts = _parts(problem, of_residual, at_limits, inputs.target, inputs.parameters, clearances=apart is None)
     local = at = parts
     if qps:  # without a criterion H and its gradient stay zeros in all stages, from which nothing is computed
         fixed = range(3, 3 if problem.has_criterion else 5)
         local = [part if k in fixed else symbol(f"at{k}", *part.shape) for k, part in enumerate(parts)]
         if apart:
-            local += [symbol(f"measured{i}", *apart.size_out(i)) for i in range(apart.n_out())]
+            local += [symbol(f"m{i}", *apart.function.size_out(i)) for i in range(apart.function.n_out())]
         parts, at = ([each for k, each in enumerate(group) if k not in fixed] for group in (parts, local))
     q, whole, J, H, gradient = local[:5]
     residual, unshifted = whole, local[5] if problem.unshifted else None
@@ -188,7 +181,7 @@ def linearized(
         unshifted_function=problem.unshifted,
         weights=nearer.weights if nearer else 1 if braking else None,
         shift=nearer.shift if nearer else braking.shift if braking else None,
-        clearance=clearance_model(problem, q, local[-3:], inputs.parameters, limits, state)
+        clearance=clearance_model(problem, q, local[5 + bool(problem.unshifted) :], inputs.parameters, limits, state)
         if problem.clearances
         else None,
         tasks=problem.tasks,
@@ -239,30 +232,12 @@ def _parts(
     """The `Linearized.parts`, with this Jacobian of the residual, and with or without those of clearances."""
     at = symbol("at", problem.robot.nq)
     H, gradient = problem.criterion_gradient(at, parameters)
-    J = _movable(problem, of_residual(at, target))
-    gradient = _movable(problem, gradient.T).T
+    J = problem.movable(of_residual(at, target))
+    gradient = problem.movable(gradient.T).T
     parts = [problem.residual(at, target), J, H, gradient]
     if problem.unshifted:
         parts.append(problem.unshifted(at, target))
     if problem.clearances and clearances:
         distances, of_distances, figures = problem.measured.clearance(at, parameters)
-        parts += [distances, _movable(problem, of_distances), figures]
+        parts += [distances, problem.movable(of_distances), figures]
     return [q, *substitute(parts, [at], [q])]  # together: they share most of their values
-
-
-def _measured_apart(problem: SymbolicProblem) -> Function:
-    """(q, parameters) -> distances, their Jacobian in the coordinates of the step, and their figures."""
-    measured, movable = problem.measured, numbers(_movable(problem, identity(problem.robot.n)))
-    assert measured.rows
-    given = [MX.sym(f"i{i}", measured.clearance.size1_in(i)) for i in range(measured.clearance.n_in())]
-    distances, J, figures = measured.rows(*given)
-    J = J if np.array_equal(movable, np.eye(problem.robot.n)) else J @ MX(movable)
-    return function("jtik_measured", given, [distances, J, figures], cse=False)
-
-
-def _movable(problem: SymbolicProblem, J: Expression) -> Expression:
-    """A derivative by dq (m, n) in the coordinates of the step, with zeros for the joints that their limits lock."""
-    J = problem.coordinates.jacobian(J)
-    if not problem.locked:
-        return J
-    return horzcat(*[zeros(J.shape[0]) if j in problem.locked else J[:, j] for j in range(J.shape[1])])

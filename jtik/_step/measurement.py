@@ -21,7 +21,7 @@ from jtik.criterion import CriterionTerms
 from jtik.criterion.overriding import belongs_to
 from jtik.qp.shared_values import divided
 from jtik.robot import Kinematics
-from jtik.symbolic import MX, SX, TINY, Expression, Function, fmax, function, horzcat, jacobian, repmat, vertcat
+from jtik.symbolic import MX, SX, TINY, Expression, Function, fmax, function, horzcat, jacobian, repmat, vec, vertcat
 
 Rows = Callable[[Expression, Expression], list[Expression]]
 """(q, parameters) -> distances, their Jacobian and their figures."""
@@ -148,7 +148,7 @@ class _Part:
         radii = [self.radius(rounding) for rounding in distinct.values()]
         given = MX.sym("parameters", parameters.shape[0])
         row, column = function("figures", [parameters], [horzcat(*self.figures), vertcat(*radii)])(given)
-        rows = horzcat(repmat(row, self.count, 1), column[[places[key] for key in keys]])
+        rows = horzcat(repmat(row, self.count, 1), vec(column[[places[key] for key in keys]]))
         return function("row_figures", [given], [rows], cse=False)
 
     def written_out(self, q: Expression, parameters: Expression, tangent: Expression) -> tuple[Function, Bodies]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
+from math import inf
 
 from jtik._step.active_set import clamped
 from jtik._step.symbolic_problem import SymbolicProblem
@@ -33,6 +34,9 @@ REACH = 1 + 1 / (2 * SAMPLES)
 
 LARGEST_UNROLLED = 30
 """Distances of a group up to which what is judged of them is written out, operation by operation."""
+
+ROUNDING = 1e-12
+"""Decrease of a distance at a sample that counts as none [m]."""
 
 FIGURES = 5
 """Figures of each distance: itself, safe, aim, radius of curvature, and whether it is restored."""
@@ -128,13 +132,14 @@ def _judge(size: int, *, loops: bool) -> Function:
     travelled, turned = lengths[0], lengths[1]
     curved = (travelled**2 / radius + travelled * turned) / (8 * SAMPLES**2)
     dip = fmin(curved, travelled / (2 * SAMPLES))
-    smallest = fmin(safe, distance)  # a distance that starts too small becomes no smaller
+    # of a distance that starts too small only the samples count: it becomes no smaller
+    too_small = distance < safe
+    left_out, dip = if_else(too_small, inf, 0), if_else(too_small, 0, dip)
+    least = if_else(too_small, distance - ROUNDING, safe)
     good: Expression = type(figures)(1)
     before = distance
     for after in samples:
-        low = fmin(before, after) - dip
-        surplus = if_else(distance < safe, after - distance + 1e-12, low - smallest)
-        good = good * (mmin(surplus) >= 0)
+        good = good * (mmin(fmin(before + left_out, after) - dip - least) >= 0)
         before = after
     violation = sum1(lacking(samples[-1], safe, aim, restored))
     return function("safe", [figures, lengths, *samples], [good, violation])

@@ -17,6 +17,7 @@ from jtik.symbolic import (
     dot,
     function,
     gradient,
+    horzcat,
     jacobian,
     norm,
     substitute,
@@ -147,6 +148,13 @@ class SymbolicProblem:
         problem = copy.copy(self)
         problem.bounded = self.scalar
         return problem
+
+    def movable(self, J: Expression) -> Expression:
+        """A derivative by dq (m, n) in the coordinates of the step, with zeros for the joints that limits lock."""
+        J = self.coordinates.jacobian(J)
+        if not self.locked:
+            return J
+        return horzcat(*[zeros(J.shape[0]) if j in self.locked else J[:, j] for j in range(J.shape[1])])
 
     @property
     def m(self) -> int:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -161,6 +162,22 @@ def clearances_of(given: Clearance | Iterable[Clearance] | None) -> tuple[Cleara
     return found
 
 
+class RowValues(NamedTuple):
+    """What follows from the distances and the state of a step; see the properties of `ClearanceModel`.
+
+    Attributes:
+        low: smallest increase of each distance in a step (k, 1) [m].
+        demand: increase wanted of the distances that are too small (k, 1) [m].
+        lacking: by how much the restored distances fall short of their aims (k, 1) [m].
+        violation: the sum of ``lacking`` [m].
+    """
+
+    low: Expression
+    demand: Expression
+    lacking: Expression
+    violation: Expression
+
+
 @dataclass(frozen=True)
 class ClearanceModel:
     """Clearances at one configuration, for a strategy and for the acceptance of its step.
@@ -179,6 +196,7 @@ class ClearanceModel:
         restored: which distances are restored when they are too small (k,).
         longest: how far each velocity entry may move for the restoration in this step [rad] or [m].
         smallest_violation: smallest violation so far [m].
+        rows: what follows from the distances, where it is computed with them; None where it is not.
     """
 
     distance: Expression
@@ -193,6 +211,7 @@ class ClearanceModel:
     restored: NDArray[np.bool_]
     longest: Expression = 0
     smallest_violation: Expression = 0
+    rows: RowValues | None = None
 
     @property
     def restores(self) -> bool:
@@ -202,6 +221,8 @@ class ClearanceModel:
     @cached_property
     def low(self) -> Expression:
         """Smallest increase of each distance in a step, (k, 1) [m]: negative beyond the aim, else the demand."""
+        if self.rows:
+            return self.rows.low
         surplus = fmax(self.distance - self.aim, 0)
         low = if_else(self.distance > self.influence, -inf, -self.gain * surplus)
         return low + self.demand if self.restores else low
@@ -213,6 +234,8 @@ class ClearanceModel:
         That of a distance above ``safe`` falls with the square of ``longest``, faster than the step itself when steps
         are refused: a body that moves along an obstacle must not be kept from moving by a share of its margin.
         """
+        if self.rows:
+            return self.rows.demand
         shortened = fmin(self.longest / LONGEST, 1) ** 2
         return self.gain * self.lacking * if_else(self.distance < self.safe, 1, shortened)
 
@@ -224,12 +247,19 @@ class ClearanceModel:
     @cached_property
     def lacking(self) -> Expression:
         """By how much the restored distances fall short of their aims, (k, 1) [m], non-negative."""
+        if self.rows:
+            return self.rows.lacking
         return lacking(self.distance, self.safe, self.aim, self.restored_column)
 
     @cached_property
     def violation(self) -> Expression:
         """Total violation: the sum of `lacking` [m]."""
-        return sum1(self.lacking)
+        return self.rows.violation if self.rows else sum1(self.lacking)
+
+    @property
+    def of_rows(self) -> RowValues:
+        """What follows from the distances and the state."""
+        return RowValues(self.low, self.demand, self.lacking, self.violation)
 
     @cached_property
     def _path(self) -> Callable[[Expression], tuple[Expression, Expression]]:

@@ -12,7 +12,19 @@ from itertools import groupby
 
 from jtik.geometry.pair_functions import Distances, distance_function, figures_of
 from jtik.geometry.slots import ABSENT
-from jtik.symbolic import MX, Expression, Function, function, horzcat, if_else, is_equal, jacobian, vertcat, zeros
+from jtik.symbolic import (
+    MX,
+    Expression,
+    Function,
+    function,
+    horzcat,
+    if_else,
+    is_equal,
+    jacobian,
+    repmat,
+    vertcat,
+    zeros,
+)
 from jtik.symbolic.block_products import block_products
 from jtik.symbolic.many_columns import of_many
 
@@ -39,7 +51,7 @@ class ManyDistances:
 
     @cached_property
     def shared(self) -> Function:
-        """(q, parameters) -> what the distances are computed from: points, figures of the obstacles, gains; a column."""
+        """(q, parameters) -> what the distances are made of: points, figures of the obstacles, gains; a column."""
         gains = [] if self.gains is None else [self.gains]
         return function(
             "measured", [self.q, self.parameters], [vertcat(*self._points, figures_of(self.obstacles), *gains)]
@@ -102,7 +114,7 @@ class ManyDistances:
     def _of_alike(
         self, values: Expression, bodies: Sequence[int], obstacles: Sequence[int], *, gradients: bool
     ) -> list[Expression]:
-        """Distances (1, pairs) of these bodies to these obstacles, and gradients (d, pairs) with respect to each end."""
+        """Distances (1, pairs) of these bodies to these obstacles, and gradients (d, pairs) by each end."""
         d, form = self._dimension, self.obstacles[obstacles[0]].form
         rows = values.T
 
@@ -129,7 +141,9 @@ class ManyDistances:
             present = of_obstacles([values.shape[0] - len(self.obstacles) + each for each in obstacles]) > 0
             distance = if_else(present, distance, ABSENT)
             slopes = [[present * row for row in each] for each in slopes]
-        return [distance, *(vertcat(*each) for each in slopes)]
+        # a derivative that is the same for all pairs is one number
+        wide = [[repmat(row, 1, len(radii) // row.shape[1]) for row in each] for each in slopes]
+        return [distance, *(vertcat(*each) for each in wide)]
 
     @cached_property
     def _points(self) -> list[Expression]:

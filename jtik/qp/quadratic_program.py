@@ -16,6 +16,7 @@ from functools import cached_property
 
 from jtik.arguments import flag
 from jtik.errors import ArgumentError
+from jtik.qp import rows
 from jtik.qp.convexity import ZERO_PIVOT, is_convex, smallest_eigenvalue
 from jtik.qp.elastic import Elastic, SlackExpansion
 from jtik.qp.rows import Rows
@@ -47,9 +48,6 @@ ROUNDING = 1e-12
 LARGEST_UNROLLED = 225
 """Entries of P, of 15 variables if it is dense, up to which the unconstrained minimiser is computed: the operations of
 an unrolled factorisation grow with the cube of the variables, and a solver is faster."""
-
-LARGEST_UNROLLED_ROWS = 200
-"""Entries of C up to which what is done with its rows is written out, operation by operation."""
 
 
 @dataclass(frozen=True)
@@ -174,7 +172,7 @@ class QuadraticProgram:
     @property
     def has_many_rows(self) -> bool:
         """Whether its rows are so many that what is done with them are loops over numbers."""
-        return self.row_count * self.size > LARGEST_UNROLLED_ROWS
+        return self.row_count * self.size > rows.LARGEST_UNROLLED
 
     @property
     def tries_minimiser(self) -> bool:

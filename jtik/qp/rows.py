@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from jtik.qp.elastic import Elastic
-from jtik.symbolic import Expression
+from jtik.symbolic import SX, TINY, Expression, fabs, looped, sqrt, sum2
 from jtik.symbolic.factorization import RowSpace
+
+LARGEST_UNROLLED = 600
+"""Entries of rows up to which what is done with them is written out, operation by operation."""
 
 
 @dataclass(frozen=True)
@@ -59,3 +62,43 @@ class Rows:
     def count(self) -> int:
         """Number of rows."""
         return int(self.matrix.shape[0])
+
+    def product(self, x: Expression) -> Expression:
+        """The rows times x, (k, 1).
+
+        Args:
+            x: a column (n, 1).
+        """
+        return looped(_product, self.matrix, x, when=self._is_large)[0]
+
+    def combination(self, multipliers: Expression) -> Expression:
+        """The sum of the rows times their multipliers, (n, 1).
+
+        Args:
+            multipliers: one for each row (k, 1).
+        """
+        return looped(_combination, self.matrix, multipliers, when=self._is_large)[0]
+
+    def sizes(self, multipliers: Expression) -> Expression:
+        """The length of each row times its multiplier, (k, 1).
+
+        Args:
+            multipliers: one for each row (k, 1).
+        """
+        return looped(_sizes, self.matrix, multipliers, when=self._is_large)[0]
+
+    @property
+    def _is_large(self) -> bool:
+        return isinstance(self.matrix, SX) and self.matrix.numel() > LARGEST_UNROLLED
+
+
+def _product(matrix: Expression, x: Expression) -> list[Expression]:
+    return [matrix @ x]
+
+
+def _combination(matrix: Expression, multipliers: Expression) -> list[Expression]:
+    return [(multipliers.T @ matrix).T]
+
+
+def _sizes(matrix: Expression, multipliers: Expression) -> list[Expression]:
+    return [fabs(multipliers) * sqrt(sum2(matrix**2) + TINY)]

@@ -56,7 +56,7 @@ class QPSolution:
         if group.elastic is None:
             elastic = [each.name for each in self.qp.rows if each.elastic]
             raise ArgumentError("name", name, f"an elastic group of rows, one of {elastic}")
-        used = group.matrix @ self.x
+        used = group.product(self.x)
         return fmax(fmax(group.lower - used, used - group.upper), 0)
 
     @cached_property
@@ -90,7 +90,9 @@ class QPSolution:
         """
         scale = 1 + norm_inf(self.qp.q)
         good = logic_and(self.violation <= accuracy, self.stationarity <= accuracy * scale)
-        good = logic_and(good, logic_and(self.qp.convex, self.qp.valid))
+        good = logic_and(good, self.qp.convex)
+        if not self.qp.has_many_rows:  # of which that is judged before they are given to a solver
+            good = logic_and(good, self.qp.valid)
         if self.qp.expansion:
             groups = [group.name for group in self.qp.rows if group.elastic]
             slacks, multipliers = (vertcat(*map(of, groups)) for of in (self.slack, self.multipliers))

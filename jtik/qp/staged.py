@@ -256,7 +256,7 @@ def staged(
     backend: Backend,
     *,
     fast_path: bool = True,
-    apart: Function | None = None,
+    apart: tuple[Function, Sequence[Expression]] | None = None,
 ) -> Staged:
     """Divide a step into stages at its QPs and computations.
 
@@ -269,11 +269,10 @@ def staged(
         backend: what solves the QPs.
         fast_path: whether to build the fast path. Without it a step is smaller; it is of little use where most steps
             need a solver. A step with preparations has none.
-        apart: (first of ``local``, third of ``inputs``) -> the last ones of ``cut``; None where ``local`` has all.
+        apart: the last ones of ``cut`` as a function, and what it is given, in ``inputs``; None: ``local`` has all.
     """
-    model = function("jtik_local", inputs, local)
-    if apart:
-        model = _with_parts(model, apart)
+    model = function("jtik_local", inputs, [*local, *(apart[1] if apart else ())])
+    model = _with_parts(model, apart[0]) if apart else model
     at = [*inputs, *cut]
     prepared_symbols = [part for each in recorder.preparations for part in each.result_symbols]
     known: list[Sequence[Expression]] = [[*at, *prepared_symbols]]
@@ -303,10 +302,11 @@ def staged(
 
 
 def _with_parts(model: Function, apart: Function) -> Function:
-    """The local model with the parts that are a function of their own."""
-    inputs = _columns(model, model.n_in())
-    local = called(model, inputs)
-    return function("jtik_local_model", inputs, [*local, *apart.call([local[0], inputs[2]], True, False)], cse=False)
+    """The local model with the parts that are a function of their own, of the last outputs of ``model``."""
+    inputs, count = _columns(model, model.n_in()), apart.n_in()
+    outputs = called(model, inputs)
+    outputs[-count:] = apart.call(outputs[-count:], True, False)
+    return function("jtik_local_model", inputs, outputs, cse=False)
 
 
 def _fast_path(parts: Staged, *, direct: bool = False) -> Function:

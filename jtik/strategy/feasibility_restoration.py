@@ -177,20 +177,21 @@ def feasibility_restoration(
     lower, upper = fmax(box[0], -clearance.longest), fmin(box[1], clearance.longest)
     penalty = PENALTY * (1 + TASK_WEIGHT) / clearance.motion.row_norm_bound**2
     floor = clearance.low - demand
+    rows = Rows("clearance", C, floor, inf + 0 * floor)
     demanded, wanted = weighted_sums(C, if_else(demand > 0, 1, 0), demand)
     qp = QuadraticProgram(
         P=identity(n) + TASK_WEIGHT * gram(K) + penalty * demanded,
         q=-penalty * wanted,
         lower=lower,
         upper=upper,
-        rows=[Rows("clearance", C, floor, inf + 0 * floor)],
+        rows=[rows],
         name="restoration",
         known_convex=True,
     )
 
     def results(solution: QPSolution) -> list[Expression]:
         dq = fmin(fmax(solution.x, lower), upper)  # rounding must not leave the box
-        gained = C @ dq
+        gained = rows.product(dq)
         # the only check of the solution: if a distance becomes smaller than allowed, nothing is restored
         feasible = logic_and(is_finite(solution.x), mmin(gained - floor) >= -qps.accuracy)
         return [if_else(feasible, dq, 0), if_else(feasible, gained, 0)]

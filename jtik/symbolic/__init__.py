@@ -6,7 +6,7 @@ The operations are those that a criterion, a strategy or a task is made of:
 - elementwise: `sin`, `cos`, `atan2`, `sqrt`, `log`, `exp`, `fabs`, `floor`, `fmax`, `fmin`
 - conditions: `if_else`, `logic_and`, `logic_or`, `logic_not`, `is_finite`
 - vectors and matrices: `vertcat`, `horzcat`, `stack`, `reshape`, `repmat`, `vec`, `densify`, `diag`, `trace`, `tril`,
-  `skew`, `dot`, `cross`, `gram`, `sum1`, `sumsqr`, `norm`, `norm_inf`, `mmax`, `mmin`, `ratio`
+  `skew`, `dot`, `cross`, `gram`, `sum1`, `sum2`, `sumsqr`, `norm`, `norm_inf`, `mmax`, `mmin`, `ratio`
 - symmetric matrices: `LDL`, `solve_ldl`
 - products of large matrices as loops: `looped`
 - derivatives: `gradient`, `jacobian`, `hessian`
@@ -84,6 +84,7 @@ from jtik.symbolic.operations import (
     stack,
     substitute,
     sum1,
+    sum2,
     sumsqr,
     symbol,
     symvar,
@@ -159,6 +160,7 @@ __all__ = [
     "stack",
     "substitute",
     "sum1",
+    "sum2",
     "sumsqr",
     "symbol",
     "symvar",

@@ -29,7 +29,8 @@ def _function(rows: tuple[int, int], matrices: tuple[int, int], blocks: int) -> 
 
 
 _WRITTEN = re.compile(
-    rf"^(/\* {NAME}:\(i0\[(?P<rows>\d+)x(?P<e>\d+)\],i1\[\d+x(?P<columns>\d+)\]\)->\(o0\[\d+x(?P<n>\d+)\]\) \*/\n.*{{\n)"
+    rf"^(/\* {NAME}:\(i0\[(?P<rows>\d+)x(?P<e>\d+)\],i1\[\d+x(?P<columns>\d+)\]\)"
+    r"->\(o0\[\d+x(?P<n>\d+)\]\) \*/\n.*{\n)"
     r"(?:.*\n)*?}\n",
     re.MULTILINE,
 )
@@ -55,7 +56,11 @@ _LOOPS = """\
 
 
 def with_block_loops(source: str) -> str:
-    """Generated C in which these products are loops."""
+    """Generated C in which these products are loops.
+
+    Args:
+        source: the generated C.
+    """
 
     def loops(match: re.Match[str]) -> str:
         rows, e, columns, n = (int(match[name]) for name in ("rows", "e", "columns", "n"))

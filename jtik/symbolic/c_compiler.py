@@ -17,8 +17,8 @@ from typing import Any
 from jtik.errors import JtikError
 from jtik.symbolic.archives import Archive
 
-OPTIONS = ("-O2",)
-"""Options of every call: -O3 and -march make no generated step faster."""
+OPTIONS = ("-O2", "-fno-math-errno")
+"""Options of every call: a square root is an instruction, not a call. -O3 and -march make no generated step faster."""
 
 ZIG = ("-m", "ziglang", "cc")
 """How the compiler of the package ``ziglang``, which is clang, is called."""

@@ -25,9 +25,22 @@ _FAST = """\
       }
       return;
     }
+    if (nrow_x==1) {
+      for (i=0; i+3<ncol_y; i+=4) {
+        const casadi_real *y0=y+i*ncol_x, *y1=y0+ncol_x, *y2=y1+ncol_x, *y3=y2+ncol_x;
+        casadi_real z0=z[i], z1=z[i+1], z2=z[i+2], z3=z[i+3];
+        for (k=0; k<ncol_x; ++k) z0+=x[k]*y0[k], z1+=x[k]*y1[k], z2+=x[k]*y2[k], z3+=x[k]*y3[k];
+        z[i]=z0, z[i+1]=z1, z[i+2]=z2, z[i+3]=z3;
+      }
+      y += i*ncol_x, z += i, ncol_y -= i;
+    }
 """
 
 
 def with_fast_products(source: str) -> str:
-    """Generated C with these loops; the same text where it has no product of matrices as CasADi 3.8 writes it."""
+    """Generated C with these loops; the same text where it has no product of matrices as CasADi 3.8 writes it.
+
+    Args:
+        source: the generated C.
+    """
     return source.replace(_INNER, _FAST + _INNER)

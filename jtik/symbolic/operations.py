@@ -56,6 +56,7 @@ skew: Any = casadi.skew
 dot: Any = casadi.dot
 cross: Any = casadi.cross
 sum1: Any = casadi.sum1
+sum2: Any = casadi.sum2
 sumsqr: Any = casadi.sumsqr
 norm_inf: Any = casadi.norm_inf
 mmax: Any = casadi.mmax
@@ -225,8 +226,8 @@ def ratio(numerator: Expression, denominator: Expression) -> Expression:
 
 def is_finite(value: Expression) -> Expression:
     """1 where every entry of ``value`` is finite, else 0."""
-    if isinstance(value, casadi.MX):  # one loop
-        return casadi.norm_1(casadi.vec(value)) <= LARGEST
+    if isinstance(value, casadi.MX):  # loops, of which those along the rows are vectors
+        return casadi.norm_1(sum2(value) if value.shape[1] > 1 else value) <= LARGEST
     return fabs(casadi.sum1(casadi.vec(value))) <= LARGEST
 
 

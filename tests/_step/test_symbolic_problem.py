@@ -150,7 +150,7 @@ class TestClearances:
 
     @pytest.mark.parametrize("restore", [False, True])
     def test_each_distance_is_restored_as_its_clearance_is(self, restore):
-        assert self.problem(restore=restore).restored.tolist() == [restore] * 4
+        assert self.problem(restore=restore).measured.restored.tolist() == [restore] * 4
 
 
 class TestNearJacobian:

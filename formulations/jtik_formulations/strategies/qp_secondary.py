@@ -113,7 +113,7 @@ class QPSecondary(ProjectedGradient):
         rows = [Rows.in_null_space("task", model.row_space)]
         if model.clearance:  # the task displacement is within them, to the accuracy of the solver
             clear = model.restoration.rows
-            rows.append(Rows(clear.name, clear.matrix, fmin(clear.lower - clear.matrix @ task_dq, 0), clear.upper))
+            rows.append(Rows(clear.name, clear.matrix, fmin(clear.lower - clear.product(task_dq), 0), clear.upper))
         solution = model.solve(
             QuadraticProgram(
                 P=diag(weight),

@@ -190,7 +190,7 @@ def _corrected(model: LocalModel, dq: Expression, box: tuple[Expression, Express
 
 def _taken_by_rows(solution: QPSolution) -> Expression:
     """The part of the gradient (n, 1) that the rows of the quadratic program take, by their multipliers."""
-    return sum(group.matrix.T @ solution.multipliers(group.name) for group in solution.qp.rows)
+    return sum(group.combination(solution.multipliers(group.name)) for group in solution.qp.rows)
 
 
 def _limits_active(solution: QPSolution) -> Expression:
@@ -198,6 +198,5 @@ def _limits_active(solution: QPSolution) -> Expression:
     qp = solution.qp
     multipliers = [fabs(solution.box_multipliers[j]) for j in range(qp.size)]
     for group in qp.rows:
-        of_rows = solution.multipliers(group.name)
-        multipliers += [fabs(of_rows[i]) * norm(group.matrix[i, :]) for i in range(group.count)]
+        multipliers.append(group.sizes(solution.multipliers(group.name)))
     return mmax(vertcat(*multipliers)) > ACTIVE * (1 + norm_inf(qp.q))

@@ -176,9 +176,8 @@ class _Level:
         multipliers = [scale * fabs(solution.box_multipliers[j]) for j in range(n)]
         limited = mmax(vertcat(*multipliers)) > smallest
         if self.rows:
-            of_rows, matrix = solution.multipliers(self.rows.name), self.rows.matrix
-            sizes = [scale * fabs(of_rows[i]) * norm(matrix[i, :]) for i in range(self.rows.count)]
-            limited = logic_or(limited, mmax(vertcat(*sizes)) > smallest)
+            sizes = scale * self.rows.sizes(solution.multipliers(self.rows.name))
+            limited = logic_or(limited, mmax(sizes) > smallest)
         short = if_else(logic_and(missed, limited), remaining, 0)
         return reached, [logic_and(missed, each > smallest) for each in multipliers], short
 
@@ -190,5 +189,5 @@ class _Level:
     @staticmethod
     def _shifted(rows: Rows, x: Expression, start: Expression) -> Rows:
         """The rows for a displacement from ``start``; x satisfies them."""
-        used, before = rows.matrix @ start, rows.matrix @ x
+        used, before = rows.product(start), rows.product(x)
         return Rows(rows.name, rows.matrix, fmin(rows.lower, before) - used, fmax(rows.upper, before) - used)

@@ -67,7 +67,7 @@ def within_clearances(model: LocalModel, t: Expression, weight: Array) -> ClearD
     """
     n, (low, high) = model.robot.n, model.box
     metric, rows = _Metric(model, t, weight / weight.mean()), model.restoration.rows
-    lower, upper, missing = low - t, high - t, rows.lower - rows.matrix @ t
+    lower, upper, missing = low - t, high - t, rows.lower - rows.product(t)
     within = logic_and(mmax(lower) <= 0, logic_and(mmin(upper) >= 0, mmax(missing) <= 0))
     solution = model.solve(
         QuadraticProgram(
