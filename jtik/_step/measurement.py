@@ -115,9 +115,10 @@ class _Part:
         measure: Any = clearance.measure  # its optional methods are not those of its type
         many = linear = None
         if all(belongs_to(measure, "many", other) for other in ("distances", "linearized")):
-            many = measure.many(kinematics, given, parameters)
+            found = measure.many(kinematics, given, parameters)
+            many = found if found.are_many else None
         if many:
-            bodies = [[None] * len(many.obstacles) for _ in many.bodies]
+            bodies = [[None] * count for count in many.bodies]
         else:
             bodies = measure.distances(kinematics, given)
             if belongs_to(measure, "linearized", "distances"):

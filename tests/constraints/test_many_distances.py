@@ -8,8 +8,8 @@ import pytest
 
 import jtik
 from jtik._step.clearances import clearance_model
-from jtik_formulations import ObstacleAvoidance
-from jtik_formulations.criteria._parts import obstacle_criterion
+from jtik.constraints import many_distances
+from jtik_formulations import ObstacleAvoidance, SelfCollision
 
 from .._step.conftest import problem_of
 from ..conftest import dh_arm, planar
@@ -33,12 +33,11 @@ def field(dimension, rng):
     return [*(jtik.Sphere(c, 0.2) for c in at(3)), *capsule, *boxes, half_space, cylinder]
 
 
-def problems(robot, monkeypatch, **options):
+def problems(robot, monkeypatch, measure):
     """The same problem with loops, and written out."""
     made = []
-    for many in (1, 1000):
-        monkeypatch.setattr(obstacle_criterion, "MANY", many)
-        measure = ObstacleAvoidance(**options)
+    for largest in (0, 10**9):
+        monkeypatch.setattr(many_distances, "LARGEST_UNROLLED", largest)
         clearances = [jtik.Clearance(measure, safe=0.03, margin=0.02, influence=0.8)]
         made.append(problem_of(robot, clearances=clearances))
     assert made[0].measured.rows
@@ -57,7 +56,7 @@ def robot_of(kind, rng):
 def test_distances_jacobian_and_figures_are_those_of_each_pair(kind, bodies, rng, monkeypatch):
     robot = robot_of(kind, rng)
     obstacles = field(robot.dimension, rng)
-    loops, written = problems(robot, monkeypatch, obstacles=obstacles, bodies=bodies)
+    loops, written = problems(robot, monkeypatch, ObstacleAvoidance(obstacles, bodies=bodies))
     live = written.terms.parameters.memory
     assert loops.measured.pairs == written.measured.pairs
     assert sum(loops.measured.sizes) == sum(written.measured.sizes)
@@ -76,8 +75,9 @@ def test_distances_jacobian_and_figures_are_those_of_each_pair(kind, bodies, rng
 
 def test_solids_have_their_radii_and_absent_obstacles_are_far(rng, monkeypatch):
     panda = jtik.Robot.builtin("panda")
-    balls = {"obstacles": [jtik.Sphere((0.5, 0.1 * i, 0.4), 0.05) for i in range(3)], "capacity": {"ball": 5, "box": 1}}
-    loops, written = problems(panda, monkeypatch, bodies="shapes", **balls)
+    balls = [jtik.Sphere((0.5, 0.1 * i, 0.4), 0.05) for i in range(3)]
+    measure = ObstacleAvoidance(balls, bodies="shapes", capacity={"ball": 5, "box": 1})
+    loops, written = problems(panda, monkeypatch, measure)
     live = written.terms.parameters.memory
     q = rng.uniform(panda.lower, panda.upper)
     found, expected = ([np.array(each) for each in p.measured.clearance(q, live)] for p in (loops, written))
@@ -88,11 +88,28 @@ def test_solids_have_their_radii_and_absent_obstacles_are_far(rng, monkeypatch):
     assert (found[1][absent] == 0).all()
 
 
+@pytest.mark.parametrize("kind", ["panda", "planar", "tree"])
+def test_pairs_of_a_robot_with_itself(kind, rng, monkeypatch):
+    robot = jtik.Robot.builtin("panda") if kind == "panda" else planar(6) if kind == "planar" else tree(rng, 7)
+    measure = SelfCollision() if kind == "panda" else SelfCollision(bodies="links", radius=0.02)
+    loops, written = problems(robot, monkeypatch, measure)
+    assert loops.measured.pairs == written.measured.pairs
+    live = written.terms.parameters.memory.copy()
+    live[-1] = 0  # the last pair is absent
+    for _ in range(10):
+        q = robot.integrate(robot.neutral, rng.uniform(-1.5, 1.5, robot.n))
+        found, expected = ([np.array(each) for each in p.measured.clearance(q, live)] for p in (loops, written))
+        for one, other in zip(found, expected, strict=True):
+            assert one == pytest.approx(other, abs=ROUNDED)
+        assert found[0][-1] == 1e9
+        assert np.array(loops.measured.distances(q, live)) == pytest.approx(found[0], abs=ROUNDED)
+
+
 def test_several_measures_of_which_one_has_loops(rng, monkeypatch):
     robot = planar(4, lower=-2.5, upper=2.5)
     made = []
-    for many in (4, 1000):
-        monkeypatch.setattr(obstacle_criterion, "MANY", many)
+    for largest in (500, 10**9):
+        monkeypatch.setattr(many_distances, "LARGEST_UNROLLED", largest)
         few = ObstacleAvoidance([jtik.Circle((1, 1), 0.2)], bodies="joints")
         all_of_them = ObstacleAvoidance(field(2, np.random.default_rng(5)), bodies="links")
         clearances = [jtik.Clearance(few), jtik.Clearance(all_of_them, name="many", restore=False, safe=0.05)]
@@ -107,7 +124,7 @@ def test_several_measures_of_which_one_has_loops(rng, monkeypatch):
 def test_the_path_is_judged_the_same(rng, monkeypatch):
     robot = planar(4, lower=-2.5, upper=2.5)
     judged = []
-    for problem in problems(robot, monkeypatch, obstacles=field(2, rng), bodies="links"):
+    for problem in problems(robot, monkeypatch, ObstacleAvoidance(field(2, rng), bodies="links")):
         q, dq, live = casadi.SX.sym("q", 4), casadi.SX.sym("dq", 4), casadi.SX(problem.terms.parameters.memory)
         limits = casadi.SX(robot.lower), casadi.SX(robot.upper)
         model = clearance_model(problem, q, problem.measured.clearance(q, live), live, limits)

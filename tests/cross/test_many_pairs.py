@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import jtik
+from jtik.constraints import many_distances
 from jtik.qp import rows
 from jtik.symbolic.compile import CompilerError, compiler
 from jtik_formulations import JointCentering, ObstacleAvoidance
-from jtik_formulations.criteria._parts import obstacle_criterion
 
 from ..conftest import dh_arm, planar
 
@@ -33,7 +33,7 @@ def solver(robot, obstacles, strategy, *, compiled=False):
 def written_out(monkeypatch):
     """From here on nothing has loops."""
     monkeypatch.setattr(rows, "LARGEST_UNROLLED", 10**9)
-    monkeypatch.setattr(obstacle_criterion, "MANY", 10**9)
+    monkeypatch.setattr(many_distances, "LARGEST_UNROLLED", 10**9)
 
 
 def scene(kind, rng):

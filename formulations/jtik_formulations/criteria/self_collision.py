@@ -13,12 +13,13 @@ from numpy.typing import ArrayLike
 from jtik import Criterion, register_criterion
 from jtik.arguments import choice, non_negative_number, positive_number
 from jtik.arguments import name as read_name
+from jtik.constraints.many_distances import ManyDistances, Pair
 from jtik.criterion.short_repr import call_text
 from jtik.errors import ArgumentError
 from jtik.geometry import segment_to_capsule, segment_to_segment
 from jtik.robot import CollisionBody, CollisionPairs, Kinematics, Robot
 from jtik.robot.collisions import BodyKind, PairNames, pair_names
-from jtik.symbolic import Expression, Function, fmax, function, if_else, jacobian, symbol, vertcat
+from jtik.symbolic import Expression, Function, fmax, function, if_else, jacobian, symbol, vertcat, zeros
 from jtik.symbolic.held import Hold, not_held, value_and_gradients
 from jtik_formulations.bibliography import DIETRICH_2012
 from jtik_formulations.criteria._parts.forces import Forces
@@ -192,6 +193,23 @@ class SelfCollision(Criterion):
             distances.append(if_else(gains[i] > 0, distance, ABSENT))
             rows.append((gains[i] > 0) * row)
         return vertcat(*distances), vertcat(*rows)
+
+    def many(self, kinematics: Kinematics, parameters: Mapping[str, Expression], column: Expression) -> ManyDistances:
+        """All `distances`, for functions with loops over the pairs.
+
+        Args:
+            kinematics: the robot at a symbolic configuration.
+            parameters: expressions of the live parameters by name.
+            column: all live parameters of the problem, symbols.
+        """
+        dimension, points, pairs = kinematics.robot.dimension, dict[str, Expression](), []
+        measure = tuple(_pair_function(dimension, form) for form in ("first_order", "gradients"))
+        for ends, radius in self._ends(kinematics):
+            points.update(ends)
+            names = list(points)
+            pairs.append(Pair(measure, tuple(names.index(name) for name, _ in ends), 0, radius))
+        given = (kinematics.q, column, list(points.values()), pairs, [1] * len(pairs), zeros(0))
+        return ManyDistances(*given, gains=parameters["gains"])
 
     def _measured(self, kinematics: Kinematics, *, first_order: bool = False) -> list[Expression]:
         """The distance of each pair."""

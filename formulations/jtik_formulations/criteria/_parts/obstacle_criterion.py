@@ -43,9 +43,6 @@ from jtik_formulations.criteria._parts.bodies import (
 )
 from jtik_formulations.criteria._parts.forces import Forces
 
-MANY = 8
-"""Obstacles from which on what measures them has loops."""
-
 ACCEPTED = "jtik.Point, Circle, Sphere, Capsule, Box, Cylinder, HalfSpace or Polygon"
 
 
@@ -152,10 +149,8 @@ class ObstacleCriterion(Criterion):
             rows.append(rates if present is None else present @ rates)
         return vertcat(*distances), vertcat(*rows)
 
-    def many(
-        self, kinematics: Kinematics, parameters: Mapping[str, Expression], column: Expression
-    ) -> ManyDistances | None:
-        """All `distances` as functions with loops over the obstacles; None where these are few.
+    def many(self, kinematics: Kinematics, parameters: Mapping[str, Expression], column: Expression) -> ManyDistances:
+        """All `distances`, for functions with loops over the pairs.
 
         Args:
             kinematics: the robot at a symbolic configuration.
@@ -163,12 +158,10 @@ class ObstacleCriterion(Criterion):
             column: all live parameters of the problem, symbols.
         """
         field = self.slots(kinematics.robot).at(parameters)
-        if len(field) < MANY:
-            return None
         bodies = bodies_of(kinematics, self._bodies)
         points, radii = [body.points for body in bodies], [body.radius for body in bodies]
         obstacles = [slot.distances for slot in field]
-        return ManyDistances(kinematics.q, column, points, radii, obstacles, _gains(field))
+        return ManyDistances.to_obstacles(kinematics.q, column, points, radii, obstacles, _gains(field))
 
     @abstractmethod
     def potential(
