@@ -125,20 +125,20 @@ class QPCall:
         solved = function("valid", inside, [*solution, self.check(*inside, *solution)], cse=False)
         none = [np.nan * MX.ones(size, 1) for size in self.solution_sizes]
         judged = either(solved, function("invalid", inside, [*none, MX(0)]))
-        if self.has_many_rows:
+        if self.has_many_rows and self.tries_minimiser:
             return self._of_many(judged, given, x, arguments)
         known = function("fast_path", [x, *arguments], self.known(x))
+        is_valid = _is_valid(given) if is_valid is None else is_valid
         solver = function("qp_path", [x, *arguments], called(judged, [is_valid, *given]), cse=False)
         return either(known, solver)
 
     def _of_many(self, judged: Function, given: Sequence[MX], x: MX, arguments: Sequence[MX]) -> Function:
-        """The same where the rows are many, and what is judged of them are loops."""
+        """The same where x is the minimiser without rows, which are many: whether it satisfies them are loops."""
         inside = [MX.sym(f"d{i}", *part.shape) for i, part in enumerate(given)]
-        is_valid = logic_and(is_finite(inside[0]), bounds_valid(*inside[1:7]))
         known = function("known", [x, *inside], self.known(x))
-        solver = function("not_known", [x, *inside], called(judged, [is_valid, *inside]), cse=False)
+        solver = function("not_known", [x, *inside], called(judged, [_is_valid(inside), *inside]), cse=False)
         solves = MX.sym("solves")
-        is_known = logic_and(solves, is_solution(x, given[:7])) if self.tries_minimiser else solves
+        is_known = logic_and(solves, is_solution(x, given[:7]))
         results = called(either(known, solver), [is_known, x, *given])
         return function("many_rows", [solves, x, *arguments], results, cse=False)
 
@@ -269,6 +269,11 @@ class BoundComputation:
             if found is not None and np.shape(values) != memory.shape:
                 raise ArgumentError(f"result {i} of a computation", f"{np.size(values)} numbers", f"{len(memory)}")
             memory[:] = values
+
+
+def _is_valid(data: Sequence[MX]) -> MX:
+    """Whether the data of a QP is valid, as loops."""
+    return logic_and(is_finite(data[0]), bounds_valid(*data[1:7]))
 
 
 def _inputs(of: Function) -> list[MX]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from jtik.qp.rows import LARGEST_UNROLLED
 from jtik.symbolic import (
     MX,
     TINY,
@@ -24,6 +25,7 @@ from jtik.symbolic import (
     logic_and,
     logic_not,
     logic_or,
+    looped,
     mmax,
     norm,
     norm_inf,
@@ -122,4 +124,9 @@ def _corrected(
 
 def _violation(C: Expression, low: Expression, high: Expression, x: Expression) -> Expression:
     """Largest violation of a row."""
-    return fmax(fmax(mmax(low - C @ x), mmax(C @ x - high)), 0)
+    return looped(_violated, C, low, high, x, when=C.numel() > LARGEST_UNROLLED)[0]
+
+
+def _violated(C: Expression, low: Expression, high: Expression, x: Expression) -> list[Expression]:
+    Cx = C @ x
+    return [fmax(fmax(mmax(low - Cx), mmax(Cx - high)), 0)]
