@@ -80,7 +80,7 @@ class Measurement:
             clearance,
             bodies,
             pairs=[pair for part in parts for pair in part.pairs],
-            sizes=[size for part in parts for size in ([part.count] if part.many else part.sizes) if size],
+            sizes=[size for part in parts for size in (part.many.sizes if part.many else part.sizes) if size],
             restored=np.concatenate([np.full(part.count, part.clearance.restore) for part in parts]),
             rows=rows,
         )
@@ -201,7 +201,7 @@ def _looped(
 
     bodies, distances = list[Bodies](), []
     for part, own in zip(parts, written, strict=True):
-        shared, functions = own[1] if own else (part.many.shared, [part.many.own])  # type: ignore[union-attr]
+        shared, functions = own[1] if own else (part.many.shared, part.many.own)  # type: ignore[union-attr]
         bodies.append((shared, functions))
         values = shared(q, live)
         distances += [body(q, live, values) for body in functions]

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from itertools import groupby
+from functools import cache, cached_property
+from itertools import groupby, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -27,14 +27,23 @@ from jtik.symbolic import (
     is_equal,
     jacobian,
     repmat,
+    reshape,
+    symbol,
+    vec,
     vertcat,
     zeros,
 )
 from jtik.symbolic.block_products import block_products
 from jtik.symbolic.many_columns import of_many
 
-LARGEST_UNROLLED = 3000
-"""Operations of all pairs up to which they are written out: for so few loops would be slower."""
+FEW = 60
+"""Pairs of bodies and obstacles up to which they are written out, body by body: for so few loops are slower."""
+
+FEW_OPERATIONS = 3000
+"""Operations of other pairs up to which they are written out."""
+
+GROUP = 60
+"""Pairs of a group of bodies from which on another body belongs to the next group."""
 
 
 class Pair(NamedTuple):
@@ -120,7 +129,9 @@ class ManyDistances:
     @property
     def are_many(self) -> bool:
         """Whether there are loops over the pairs."""
-        return bool(sum(pair.measure[1].n_instructions() for pair in self.pairs) > LARGEST_UNROLLED)
+        if self.alike:
+            return len(self.pairs) > FEW
+        return bool(sum(pair.measure[1].n_instructions() for pair in self.pairs) > FEW_OPERATIONS)
 
     @cached_property
     def shared(self) -> Function:
@@ -130,11 +141,27 @@ class ManyDistances:
         return function("measured", [self.q, self.parameters], [parts])
 
     @cached_property
-    def own(self) -> Function:
-        """(q, parameters, what `shared` returns) -> all distances (k, 1)."""
+    def own(self) -> list[Function]:
+        """For each group of bodies (q, parameters, what `shared` returns) -> its distances, a column.
+
+        A group has bodies next to each other: loops over few pairs are slow, and not all bodies are near on every path.
+        """
         sizes = (self.q.shape[0], self.parameters.shape[0], self.shared.size1_out(0))
-        given = [MX.sym(f"i{i}", size) for i, size in enumerate(sizes)]
-        return function("distances", given, [self._measured(given[2])[0].T], cse=False)
+        given, found = [MX.sym(f"i{i}", size) for i, size in enumerate(sizes)], []
+        for start, end in pairwise(np.cumsum([0, *self.sizes]).tolist()):
+            distances, _ = self._measured(given[2], range(start, end))
+            found.append(function("distances", given, [distances], cse=False))
+        return found
+
+    @cached_property
+    def sizes(self) -> list[int]:
+        """Number of distances of each group of bodies."""
+        found = [0]
+        for count in self.bodies:
+            if found[-1] >= GROUP:
+                found.append(0)
+            found[-1] += count
+        return found
 
     def linearized(self, q: Expression, parameters: Expression, tangent: Expression) -> list[Expression]:
         """All distances (k, 1), and their derivative by the velocity (k, n).
@@ -144,83 +171,90 @@ class ManyDistances:
             parameters: all live parameters, of matrix expressions.
             tangent: the tangent map at the symbols of q (nq, n).
         """
-        distances, gradients = self._measured(self.shared(q, parameters), gradients=True)
+        distances, gradients = self._measured(self.shared(q, parameters), range(len(self.pairs)), gradients=True)
         rates = [jacobian(point, self.q) @ tangent for point in self.points]
         if not self.alike:
             sparse = vertcat(*rates)
             nonzeros = vertcat(*[sparse.nz[i] for i in range(sparse.nnz())])
             moving = MX(sparse.sparsity(), function("rates", [self.q], [nonzeros])(q))
-            return [distances.T, densify(self._by_points(gradients) @ moving)]
-        ends, none = len(gradients), zeros(self._dimension, tangent.shape[1])
+            return [distances, densify(self._by_points(gradients) @ moving)]
+        none = zeros(self._dimension, tangent.shape[1])
         of_bodies, start = [], 0
         for count in self.bodies:
             own = [rates[i] for i in self.pairs[start].points]
-            of_bodies.append(vertcat(*own, *[none] * (ends - len(own))))
+            of_bodies.append(vertcat(*own, *[none] * (self._ends - len(own))))
             start += count
         moving = function("rates", [self.q], [horzcat(*of_bodies)])(q)
-        return [distances.T, block_products(vertcat(*gradients).T, moving, len(self.bodies))]
+        return [distances, block_products(gradients, moving, len(self.bodies))]
 
-    def _by_points(self, gradients: Sequence[Expression]) -> Expression:
+    def _by_points(self, gradients: Expression) -> Expression:
         """The gradients of each distance by all points (k, all points): sparse."""
         d, rows, columns = self._dimension, list[int](), list[int]()
-        for end in range(len(gradients)):
+        for end in range(self._ends):
             for axis in range(d):
                 rows += range(len(self.pairs))
                 columns += [d * pair.points[end] + axis for pair in self.pairs]
-        shape = len(self.pairs), d * len(self.points)
         order = np.lexsort((rows, columns)).tolist()  # the order of the nonzeros of a sparse matrix
-        pattern = Sparsity.triplet(*shape, [rows[i] for i in order], [columns[i] for i in order])
-        entries = horzcat(*[each[axis, :] for each in gradients for axis in range(d)])
-        return MX(pattern, entries[:, order].T)
+        shape, places = (len(self.pairs), d * len(self.points)), ([each[i] for i in order] for each in (rows, columns))
+        pattern = Sparsity.triplet(*shape, *places)
+        return MX(pattern, vec(gradients)[order])
 
-    def _measured(self, values: Expression, *, gradients: bool = False) -> tuple[Expression, list[Expression]]:
-        """All distances (1, k), and their gradients with respect to each point of the pairs (d, k).
+    def _measured(self, values: Expression, chosen: range, *, gradients: bool = False) -> tuple[Expression, Expression]:
+        """Distances (k, 1) of some pairs, and their gradients by each entry of each of their points (k, ends d).
 
         Args:
             values: what `shared` returns.
-            gradients: whether there are gradients.
+            chosen: which of the pairs.
+            gradients: whether there are gradients; none otherwise.
         """
-        ends = max(len(pair.points) for pair in self.pairs) if gradients else 0
-        parts: list[list[Expression]] = [[] for _ in range(1 + ends)]
-
-        kinds = [hash(pair.measure[gradients]) for pair in self.pairs]
-        order = sorted(range(len(self.pairs)), key=lambda i: kinds.index(kinds[i]))
-        for _, group in groupby(order, key=lambda i: kinds[i]):
-            distance, *slopes = self._of_alike(values, list(group), gradients=gradients)
-            none = MX.zeros(self._dimension, distance.shape[1])
-            for part, each in zip(parts, [distance, *slopes, *[none] * (ends - len(slopes))], strict=True):
-                part.append(each)
-        found = [horzcat(*part) for part in parts]
-        if len(set(kinds)) > 1:
+        kinds = {i: hash(self.pairs[i].measure[gradients]) for i in chosen}
+        first = list(dict.fromkeys(kinds.values()))
+        order = sorted(chosen, key=lambda i: first.index(kinds[i]))
+        groups = [list(group) for _, group in groupby(order, key=kinds.__getitem__)]
+        parts = [self._of_alike(values, group, gradients=gradients) for group in groups]
+        found = parts[0]
+        if len(parts) > 1:
             place = {pair: i for i, pair in enumerate(order)}
-            found = [each[:, [place[pair] for pair in range(len(order))]] for each in found]
-        return found[0], found[1:]
-
-    def _of_alike(self, values: Expression, group: Sequence[int], *, gradients: bool) -> list[Expression]:
-        """Distances (1, pairs) of these pairs of one kind, and gradients (d, pairs) by each point."""
-        d, pairs, rows = self._dimension, [self.pairs[i] for i in group], values.T
-        measure, begin = pairs[0].measure[gradients], d * len(self.points)
-        arguments, start = [], 0
-        for i in range(measure.n_in()):
-            if i < len(pairs[0].points):
-                places = [d * pair.points[i] for pair in pairs]
-            else:
-                places = [begin + pair.figures + start for pair in pairs]
-                start += measure.size1_in(i)
-            arguments.append([rows[:, [place + row for place in places]] for row in range(measure.size1_in(i))])
-        (distance,), *slopes = of_many(measure, arguments)
-        radii = [pair.radius for pair in pairs]
+            found = horzcat(*[part.T for part in parts])[:, [place[i] for i in chosen]].T
+        distances, slopes = found[:, 0], found[:, 1:]
+        radii = [self.pairs[i].radius for i in chosen]
         if any(radii):
-            distance = distance - MX(radii).T
+            distances = distances - MX(radii)
         if self.gains is not None:
-            first = values.shape[0] - len(self.pairs)
-            present = rows[:, [first + i for i in group]] > 0
-            distance = if_else(present, distance, ABSENT)
-            slopes = [[present * row for row in each] for each in slopes]
-        # a derivative that is the same for all pairs is one number
-        wide = [[repmat(row, 1, len(radii) // row.shape[1]) for row in each] for each in slopes]
-        return [distance, *(vertcat(*each) for each in wide)]
+            gains = values[values.shape[0] - len(self.pairs) :]
+            present = gains[chosen.start : chosen.stop] > 0
+            distances = if_else(present, distances, ABSENT)
+            slopes = repmat(present, 1, slopes.shape[1]) * slopes
+        return distances, slopes
+
+    def _of_alike(self, values: Expression, group: Sequence[int], *, gradients: bool) -> Expression:
+        """The distance of each of these pairs of one kind, and its gradients, a row (1 + ends d)."""
+        d, pairs = self._dimension, [self.pairs[i] for i in group]
+        measure, begin, places = pairs[0].measure[gradients], d * len(self.points), list[int]()
+        figures = sum(measure.size1_in(i) for i in range(len(pairs[0].points), measure.n_in()))
+        for pair in pairs:
+            places += [d * point + axis for point in pair.points for axis in range(d)]
+            places += range(begin + pair.figures, begin + pair.figures + figures)
+        columns = reshape(values[places], len(places) // len(pairs), len(pairs))
+        found = of_many(_of_column(measure), columns)
+        missing = (self._ends * d if gradients else 0) - (found.shape[1] - 1)
+        return horzcat(found, MX.zeros(len(pairs), missing)) if missing else found
+
+    @property
+    def _ends(self) -> int:
+        """Largest number of points of a pair."""
+        return max(len(pair.points) for pair in self.pairs)
 
     @property
     def _dimension(self) -> int:
         return int(self.points[0].shape[0])
+
+
+@cache
+def _of_column(measure: Function) -> Function:
+    """A function of columns as one of a single column, with one column of results."""
+    column, parts, start = symbol("column", sum(measure.size1_in(i) for i in range(measure.n_in()))), [], 0
+    for i in range(measure.n_in()):
+        parts.append(column[start : start + measure.size1_in(i)])
+        start += measure.size1_in(i)
+    return function(measure.name(), [column], [vertcat(*measure.call(parts, True, False))])

@@ -26,6 +26,9 @@ class Measure(Protocol):
     A method ``linearized(kinematics, parameters)`` may return all distances as one column (k, 1), body by body, with
     their Jacobian by q (k, nq), where these take fewer operations than what CasADi derives.
 
+    A method ``many(kinematics, parameters, column)`` may return a `ManyDistances` of the same distances in the same
+    order, ``column`` being the symbols of all live parameters: where they are many, there are loops over them.
+
     Methods ``body_names(robot)`` and ``obstacle_names(robot)`` may return names for reports, or ``pair_names(robot)``
     one for each distance.
 

@@ -8,6 +8,7 @@ import casadi
 
 from jtik.symbolic.block_products import with_block_loops
 from jtik.symbolic.dense_products import with_fast_products
+from jtik.symbolic.many_columns import with_column_loops
 from jtik.symbolic.operations import Function
 from jtik.symbolic.scalar_functions import with_scalar_functions_rewritten
 from jtik.symbolic.unbounded_rows import without_unbounded_rows
@@ -22,7 +23,7 @@ def c_source(function: Function, *others: Function) -> str:
     for each in (function, *others):
         generator.add(each)
     source = _IS_SELDOM.sub(r"\1JTIK_SELDOM static", without_unbounded_rows(str(generator.dump())))
-    source = with_block_loops(with_fast_products(with_scalar_functions_rewritten(source)))
+    source = with_column_loops(with_block_loops(with_fast_products(with_scalar_functions_rewritten(source))))
     return _OF_ALL_THREADS.sub(r"static JTIK_THREAD_LOCAL \1", _DEFINITIONS + source)
 
 

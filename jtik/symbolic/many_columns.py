@@ -1,37 +1,89 @@
-"""A function of scalars for many columns of numbers at once: each of its operations is a loop over them."""
+"""A function of one column of numbers for many columns.
+
+On the virtual machine each of its operations is a loop over the columns. In generated C there is one loop over the
+columns that calls the function, whose values then stay in registers. The bits are the same.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
 
-from jtik.symbolic.operations import MX, OP_CONST, OP_INPUT, OP_OUTPUT, Expression, Function
+from jtik.symbolic.operations import MX, OP_CONST, OP_INPUT, OP_OUTPUT, Expression, Function, function, horzcat, repmat
+
+NAME = "jtik_many_columns"
+"""Name of the function, which generated C has in a form of its own."""
 
 
-def of_many(function: Function, arguments: Sequence[Sequence[Expression]]) -> list[list[Expression]]:
-    """The outputs of a function for many columns of each argument.
+def of_many(one: Function, columns: Expression) -> Expression:
+    """The outputs of a function for many columns (k, s), those of one column in each row.
 
     Args:
-        function: a function of scalar operations, without calls; its arguments and outputs are columns.
-        arguments: the rows of each argument: expressions (1, k), or (1, 1) of what is the same in all columns.
-
-    Returns:
-        The rows of each output.
+        one: (r, 1) -> (s, 1), a function of scalar operations, without calls.
+        columns: (r, k).
     """
+    key = hash(one), columns.shape[1]
+    if key not in _built:
+        _built[key] = _function(one, columns.shape[1])
+    result: Expression = _built[key](columns)[0]
+    return result
+
+
+_built: dict[tuple[int, int], Function] = {}
+
+
+def _function(one: Function, count: int) -> Function:
+    columns = MX.sym("columns", one.size1_in(0), count)
     memory: dict[int, Expression] = {}
-    outputs: list[list[Expression]] = [[None] * function.size1_out(i) for i in range(function.n_out())]
-    for at in range(function.n_instructions()):
-        operation, operands = function.instruction_id(at), function.instruction_input(at)
+    rows: list[Expression] = [MX(0)] * one.size1_out(0)
+    for at in range(one.n_instructions()):
+        operation, operands = one.instruction_id(at), one.instruction_input(at)
         if operation == OP_OUTPUT:
-            output, entry = function.instruction_output(at)
-            outputs[output][entry] = memory[operands[0]]
+            rows[one.instruction_output(at)[1]] = memory[operands[0]]
             continue
         if operation == OP_INPUT:
-            result = arguments[operands[0]][operands[1]]
+            result = columns[operands[1], :]
         elif operation == OP_CONST:
-            result = MX(function.instruction_constant(at))
+            result = MX(one.instruction_constant(at))
         elif len(operands) == 1:
             result = MX.unary(operation, memory[operands[0]])
         else:
             result = MX.binary(operation, *(memory[each] for each in operands))
-        memory[function.instruction_output(at)[0]] = result
-    return outputs
+        memory[one.instruction_output(at)[0]] = result
+    wide = [repmat(row, 1, count // row.shape[1]).T for row in rows]  # one that is the same in all columns is a number
+    # the second output is there for generated C, which then has the function
+    return function(NAME, [columns], [horzcat(*wide), one(columns[:, 0])], cse=False, inline=False)
+
+
+_WRITTEN = re.compile(
+    rf"^(/\* {NAME}:\(i0\[(?P<r>\d+)x(?P<k>\d+)\]\)->\(o0\[\d+(?:x(?P<s>\d+))?\],o1\S*\) \*/\n.*{{\n)"
+    r"(?:.*\n)*?.*(?P<one>casadi_f\d+)\(arg1, res1, iw, w, 0\)(?:.*\n)*?}\n",
+    re.MULTILINE,
+)
+
+_LOOP = """\
+  const casadi_real** arg1 = arg + 1;
+  casadi_real** res1 = res + 2;
+  casadi_real result[{s}];
+  casadi_int i, j;
+  for (i=0; i<{k}; ++i) {{
+    arg1[0] = arg[0] + {r}*i;
+    res1[0] = result;
+    if ({one}(arg1, res1, iw, w, 0)) return 1;
+    for (j=0; j<{s}; ++j) res[0][i + {k}*j] = result[j];
+  }}
+  return 0;
+}}
+"""
+
+
+def with_column_loops(source: str) -> str:
+    """Generated C in which these functions are loops.
+
+    Args:
+        source: the generated C.
+    """
+
+    def loop(match: re.Match[str]) -> str:
+        return match[1] + _LOOP.format(r=match["r"], k=match["k"], s=match["s"] or 1, one=match["one"])
+
+    return _WRITTEN.sub(loop, source)

@@ -36,8 +36,10 @@ def field(dimension, rng):
 def problems(robot, monkeypatch, measure):
     """The same problem with loops, and written out."""
     made = []
-    for largest in (0, 10**9):
-        monkeypatch.setattr(many_distances, "LARGEST_UNROLLED", largest)
+    for few in (0, 10**9):
+        monkeypatch.setattr(many_distances, "FEW", few)
+        monkeypatch.setattr(many_distances, "FEW_OPERATIONS", few)
+        monkeypatch.setattr(many_distances, "GROUP", 12)
         clearances = [jtik.Clearance(measure, safe=0.03, margin=0.02, influence=0.8)]
         made.append(problem_of(robot, clearances=clearances))
     assert made[0].measured.rows
@@ -108,8 +110,8 @@ def test_pairs_of_a_robot_with_itself(kind, rng, monkeypatch):
 def test_several_measures_of_which_one_has_loops(rng, monkeypatch):
     robot = planar(4, lower=-2.5, upper=2.5)
     made = []
-    for largest in (500, 10**9):
-        monkeypatch.setattr(many_distances, "LARGEST_UNROLLED", largest)
+    for few in (10, 10**9):
+        monkeypatch.setattr(many_distances, "FEW", few)
         few = ObstacleAvoidance([jtik.Circle((1, 1), 0.2)], bodies="joints")
         all_of_them = ObstacleAvoidance(field(2, np.random.default_rng(5)), bodies="links")
         clearances = [jtik.Clearance(few), jtik.Clearance(all_of_them, name="many", restore=False, safe=0.05)]

@@ -1,4 +1,4 @@
-"""A function of scalars for many columns at once: what it is for each of them."""
+"""A function of one column for many columns: what it is for each of them, and in generated C the same bits."""
 
 from __future__ import annotations
 
@@ -6,23 +6,51 @@ import casadi
 import numpy as np
 import pytest
 
+from jtik.symbolic import c_source
+from jtik.symbolic.compile import CompilerError, bind, compiler, to_c
 from jtik.symbolic.many_columns import of_many
 
-COUNT = 7
+
+def one():
+    """A function of all that distances are made of, with outputs that depend on nothing."""
+    x = casadi.SX.sym("x", 5)
+    chosen = casadi.if_else(x[0] > x[3], casadi.sqrt(casadi.fabs(x[1])), casadi.fmin(x[2], -x[4]))
+    either = casadi.logic_and(x[0] <= 0, x[1] < 1) + casadi.logic_not(x[2] > 0)
+    return casadi.Function("one", [x], [casadi.vertcat(chosen, 2.5, x[1], casadi.sumsqr(x) / (1 + x[0] ** 2), either)])
 
 
-def test_every_column_is_that_of_the_function(rng):
-    x, y = casadi.SX.sym("x", 2), casadi.SX.sym("y", 3)
-    chosen = casadi.if_else(x[0] > y[1], casadi.sqrt(casadi.fabs(x[1])), casadi.fmin(y[0], -y[2]))
-    outputs = [casadi.vertcat(chosen, 2.5, x[1]), casadi.sumsqr(y) / (1 + x[0] ** 2)]
-    function = casadi.Function("one", [x, y], outputs)
-    columns, shared = casadi.MX.sym("columns", 2, COUNT), casadi.MX.sym("shared", 3)
-    found = of_many(function, [[columns[i, :] for i in range(2)], [shared[i] for i in range(3)]])
-    wide = [casadi.vertcat(*[casadi.repmat(row, 1, COUNT // row.shape[1]) for row in rows]) for rows in found]
-    many = casadi.Function("many", [columns, shared], wide)
-    given, same = rng.normal(size=(2, COUNT)), rng.normal(size=3)
-    results = [np.array(each) for each in many(given, same)]
-    for i in range(COUNT):
-        expected = [np.array(each).ravel() for each in function(given[:, i], same)]
-        assert results[0][:, i] == pytest.approx(expected[0])
-        assert results[1][:, i] == pytest.approx(expected[1])
+def of_columns(function, count):
+    columns = casadi.MX.sym("columns", function.size1_in(0), count)
+    return casadi.Function("many", [columns], [of_many(function, columns)])
+
+
+@pytest.mark.parametrize("count", [1, 2, 7, 60])
+def test_every_row_is_that_of_a_column(count, rng):
+    function = one()
+    many, given = of_columns(function, count), rng.normal(size=(5, count))
+    expected = [np.array(function(column)).ravel() for column in given.T]
+    assert np.array(many(given)) == pytest.approx(np.array(expected))
+
+
+@pytest.mark.parametrize("count", [2, 7, 60])
+@pytest.mark.parametrize("outputs", [5, 1])
+def test_generated_c_has_one_loop_and_the_same_bits(outputs, count, rng, tmp_path, monkeypatch):
+    try:
+        compiler()
+    except CompilerError:
+        pytest.skip("needs a C compiler")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    function = one()
+    if outputs == 1:
+        x = casadi.SX.sym("x", 5)
+        function = casadi.Function("first", [x], [function(x)[0]])
+    many = of_columns(function, count)
+    assert f"for (i=0; i<{count}; ++i)" in c_source(many)
+    compiled = to_c(many)
+    for value in (0.5, np.nan, np.inf):
+        given = rng.normal(size=(5, count))
+        given[2, -1] = value
+        results = [np.full(many.numel_out(0), 9.0) for _ in range(2)]
+        for each, result in zip((many, compiled), results, strict=True):
+            bind(each, [given.ravel(order="F")], [result])()
+        np.testing.assert_array_equal(*results)

@@ -203,7 +203,7 @@ class SelfCollision(Criterion):
             column: all live parameters of the problem, symbols.
         """
         dimension, points, pairs = kinematics.robot.dimension, dict[str, Expression](), []
-        measure = tuple(_pair_function(dimension, form) for form in ("first_order", "gradients"))
+        measure = tuple(_pair_function(dimension, form, inline=True) for form in ("first_order", "gradients"))
         for ends, radius in self._ends(kinematics):
             points.update(ends)
             names = list(points)
@@ -239,10 +239,10 @@ class SelfCollision(Criterion):
 
 
 @cache
-def _pair_function(dimension: int, form: str) -> Function:
+def _pair_function(dimension: int, form: str, *, inline: bool = False) -> Function:
     """(start, end, other start, other end) -> distance of two segments, with its gradients in the form "gradients".
 
-    In the form "first_order" only its first derivatives are right. It is called, not copied, where it is used.
+    In the form "first_order" only its first derivatives are right. Unless it is to be written out, it is called.
     """
     points = [symbol(f"point{i}", dimension) for i in range(4)]
 
@@ -254,8 +254,8 @@ def _pair_function(dimension: int, form: str) -> Function:
 
     if form == "gradients":
         value, gradients = value_and_gradients(distance, points)
-        return function("pair_gradients", points, [value, *gradients], inline=False)
-    return function(f"pair_{form}", points, [distance(not_held)], inline=False)
+        return function("pair_gradients", points, [value, *gradients], inline=inline)
+    return function(f"pair_{form}", points, [distance(not_held)], inline=inline)
 
 
 _DEFAULTS = {
