@@ -82,10 +82,10 @@ def draw_steps(path: Path) -> None:
 def draw_growth(path: Path) -> None:
     """Write the picture of growth: one line a sweep, those that may be quadratic dashed."""
     run = recorded("growth")
-    figure = Figure(figsize=(7, 5.4), layout="constrained")
-    colors = ("#1f4e79", "#c55a11", "#4f81b0", "#8c8c8c", "#000000")
+    figure = Figure(figsize=(7, 5.6), layout="constrained")
+    colors = ("#1f4e79", "#c55a11", "#4f81b0", "#8c8c8c", "#000000", "#2e7d32", "#7b3fa0", "#d4a017")
     for axes, (name, unit) in zip(figure.subplots(2, 2).flat, run["units"].items(), strict=True):
-        for row, color in zip(run["rows"], colors, strict=False):
+        for row, color in zip(run["rows"], colors, strict=True):
             known = [(size, value) for size, value in zip(row["sizes"], row["figures"][name], strict=True) if size]
             label = f"{SWEEPS.get(row['what'], row['what'])}, {row['strategy']}"
             line = "-" if row["bound"] == 1 else "--"
