@@ -56,9 +56,11 @@ def _function(one: Function, count: int) -> Function:
 
 _WRITTEN = re.compile(
     rf"^(/\* {NAME}:\(i0\[(?P<r>\d+)x(?P<k>\d+)\]\)->\(o0\[\d+(?:x(?P<s>\d+))?\],o1\S*\) \*/\n.*{{\n)"
-    r"(?:.*\n)*?.*(?P<one>casadi_f\d+)\(arg1, res1, iw, w, 0\)(?:.*\n)*?}\n",
+    r"(?P<body>(?:(?!}).*\n)*)}\n",
     re.MULTILINE,
 )
+
+_CALL = re.compile(r"(casadi_f\d+)\(arg1, res1, iw, w, 0\)")
 
 _LOOP = """\
   const casadi_real** arg1 = arg + 1;
@@ -84,6 +86,9 @@ def with_column_loops(source: str) -> str:
     """
 
     def loop(match: re.Match[str]) -> str:
-        return match[1] + _LOOP.format(r=match["r"], k=match["k"], s=match["s"] or 1, one=match["one"])
+        call = _CALL.search(match["body"])
+        if call is None:
+            return match[0]
+        return match[1] + _LOOP.format(r=match["r"], k=match["k"], s=match["s"] or 1, one=call[1])
 
     return _WRITTEN.sub(loop, source)
