@@ -143,10 +143,11 @@ class _Part:
 
     def row_figures(self, parameters: Expression) -> Function:
         """parameters -> the figures of each distance (k, 5)."""
-        keys = [SX(rounding).element_hash() for rounding in self.rounding]
-        distinct = dict(zip(keys, self.rounding, strict=True))
+        rounding = [SX(each) for each in self.rounding]  # whose hashes are those of objects that exist
+        keys = [each.element_hash() for each in rounding]
+        distinct = dict(zip(keys, rounding, strict=True))
         places = {key: i for i, key in enumerate(distinct)}
-        radii = [self.radius(rounding) for rounding in distinct.values()]
+        radii = [self.radius(each) for each in distinct.values()]
         given = MX.sym("parameters", parameters.shape[0])
         row, column = function("figures", [parameters], [horzcat(*self.figures), vertcat(*radii)])(given)
         rows = horzcat(repmat(row, self.count, 1), vec(column[[places[key] for key in keys]]))

@@ -9,6 +9,7 @@ import pytest
 import jtik
 from jtik._step.clearances import clearance_model
 from jtik.constraints import many_distances
+from jtik.robot import Joint, JointType
 from jtik_formulations import ObstacleAvoidance, SelfCollision
 
 from .._step.conftest import problem_of
@@ -88,6 +89,18 @@ def test_solids_have_their_radii_and_absent_obstacles_are_far(rng, monkeypatch):
     absent = found[0][:, 0] >= 1e8
     assert absent.sum() == len(absent) / 2
     assert (found[1][absent] == 0).all()
+
+
+def test_radii_that_are_numbers_belong_to_their_bodies(monkeypatch):
+    """Of boxes without gains they are numbers: each body has its own."""
+    radii = [0.011, *(0.5 + 0.01 * i for i in range(8))]
+    balls = [jtik.Sphere((0, 10.0 * i, 0), radius) for i, radius in enumerate(radii)]
+    robot = jtik.Robot([Joint("rail", JointType.PRISMATIC, "base", "cart", axis=(1, 0, 0))], shapes={"cart": balls})
+    boxes = [jtik.Box.at((0, 0, 50.0 * i), (0.001, 0.3, 0.3)) for i in range(9)]
+    loops, written = problems(robot, monkeypatch, ObstacleAvoidance(boxes, bodies="shapes"))
+    for problem in (loops, written):
+        figures = np.array(problem.measured.clearance([0.0], problem.terms.parameters.memory)[2])
+        assert figures[:, 4] == pytest.approx(0.03 + np.repeat(radii, len(boxes)))
 
 
 @pytest.mark.parametrize("kind", ["panda", "planar", "tree"])
