@@ -136,11 +136,18 @@ class ImmutableError(JtikError, AttributeError):
 LONGEST_SHOWN = 1000
 """Length at which the text of a value is cut in a message."""
 
+LONGEST_ARRAY = 120
+"""The same for an array, of which a message then has the shape, too."""
+
 
 def _shown(value: object) -> str:
     """The text of a value in a message, whatever its ``repr`` raises or returns."""
     try:
-        shown = repr(value)
+        shown, shape = repr(value), getattr(value, "shape", None)
     except Exception:  # such as that of an integer of very many digits
         return f"<{type(value).__name__}>"
+    if isinstance(shape, tuple):
+        shown = " ".join(shown.split())  # one line
+        if len(shown) > LONGEST_ARRAY:
+            return f"shape {shape}, {shown[:LONGEST_ARRAY]}..."
     return shown if len(shown) <= LONGEST_SHOWN else f"{shown[:LONGEST_SHOWN]}..."

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 
+import numpy as np
 import pytest
 
 import jtik
@@ -42,3 +43,10 @@ def test_an_unknown_name_suggests_the_closest():
     assert error.closest == "tip"
     assert str(error) == "unknown frame 'tpi'; did you mean 'tip'? (known: base, tip)"
     assert jtik.UnknownNameError("frame", "xyz", []).closest is None
+
+
+def test_a_long_array_is_one_line_that_begins_with_its_shape():
+    message = str(jtik.ArgumentError("centers", np.zeros((29, 2)), "numbers of shape (30, 2)"))
+    assert message.startswith("centers: given shape (29, 2), array([[0., 0.], [0., 0.],")
+    assert "\n" not in message
+    assert str(jtik.ArgumentError("x", np.zeros(2), "one number")) == "x: given array([0., 0.]); accepted: one number"
