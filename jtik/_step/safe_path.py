@@ -33,7 +33,7 @@ REACH = 1 + 1 / (2 * SAMPLES)
 """How much a distance may change on the path, and between two samples beyond them, relative to the bound L."""
 
 LARGEST_UNROLLED = 30
-"""Distances of a group up to which what is judged of them is written out, operation by operation."""
+"""Distances of a group up to which their check is written out, operation by operation."""
 
 ROUNDING = 1e-12
 """Decrease of a distance at a sample that counts as none [m]."""
@@ -135,11 +135,11 @@ def _judge(size: int, *, loops: bool) -> Function:
     # of a distance that starts too small only the samples count: it becomes no smaller
     too_small = distance < safe
     left_out, dip = if_else(too_small, inf, 0), if_else(too_small, 0, dip)
-    least = if_else(too_small, distance - ROUNDING, safe)
+    smallest = if_else(too_small, distance - ROUNDING, safe)
     good: Expression = type(figures)(1)
     before = distance
     for after in samples:
-        good = good * (mmin(fmin(before + left_out, after) - dip - least) >= 0)
+        good = good * (mmin(fmin(before + left_out, after) - dip - smallest) >= 0)
         before = after
     violation = sum1(lacking(samples[-1], safe, aim, restored))
     return function("safe", [figures, lengths, *samples], [good, violation])

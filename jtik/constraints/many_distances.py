@@ -216,7 +216,7 @@ class ManyDistances:
         if len(parts) > 1:
             place = {pair: i for i, pair in enumerate(order)}
             found = horzcat(*[part.T for part in parts])[:, [place[i] for i in chosen]].T
-        distances, slopes = found[:, 0], found[:, 1:]
+        distances, derivatives = found[:, 0], found[:, 1:]
         radii = [self.pairs[i].radius for i in chosen]
         if any(radii):
             distances = distances - MX(radii)
@@ -224,8 +224,8 @@ class ManyDistances:
             gains = values[values.shape[0] - len(self.pairs) :]
             present = gains[chosen.start : chosen.stop] > 0
             distances = if_else(present, distances, ABSENT)
-            slopes = repmat(present, 1, slopes.shape[1]) * slopes
-        return distances, slopes
+            derivatives = repmat(present, 1, derivatives.shape[1]) * derivatives
+        return distances, derivatives
 
     def _of_alike(self, values: Expression, group: Sequence[int], *, gradients: bool) -> Expression:
         """The distance of each of these pairs of one kind, and its gradients, a row (1 + ends d)."""

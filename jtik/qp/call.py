@@ -31,7 +31,7 @@ class QPCall:
         expansion: how slack variables are added for elastic rows; None without elastic rows.
         refinement: what corrects solutions so that exact rows hold to rounding; None without exact rows.
         check: (the QP's data, solution) -> whether it is one; None for a QP whose solution is not checked.
-        has_many_rows: whether what is judged of its rows are loops over numbers, and is not judged before its data.
+        has_many_rows: whether its rows are checked by loops over numbers, and only after its data is evaluated.
         tries_minimiser: whether what is known without solver is its minimiser without rows.
     """
 
@@ -124,19 +124,19 @@ class QPCall:
         solution = self.solution(inside, backend)
         solved = function("valid", inside, [*solution, self.check(*inside, *solution)], cse=False)
         none = [np.nan * MX.ones(size, 1) for size in self.solution_sizes]
-        judged = either(solved, function("invalid", inside, [*none, MX(0)]))
+        checked = either(solved, function("invalid", inside, [*none, MX(0)]))
         if self.has_many_rows and self.tries_minimiser:
-            return self._of_many(judged, given, x, arguments)
+            return self._of_many(checked, given, x, arguments)
         known = function("fast_path", [x, *arguments], self.known(x))
         is_valid = _is_valid(given) if is_valid is None else is_valid
-        solver = function("qp_path", [x, *arguments], called(judged, [is_valid, *given]), cse=False)
+        solver = function("qp_path", [x, *arguments], called(checked, [is_valid, *given]), cse=False)
         return either(known, solver)
 
-    def _of_many(self, judged: Function, given: Sequence[MX], x: MX, arguments: Sequence[MX]) -> Function:
+    def _of_many(self, checked: Function, given: Sequence[MX], x: MX, arguments: Sequence[MX]) -> Function:
         """The same where x is the minimiser without rows, which are many: whether it satisfies them are loops."""
         inside = [MX.sym(f"d{i}", *part.shape) for i, part in enumerate(given)]
         known = function("known", [x, *inside], self.known(x))
-        solver = function("not_known", [x, *inside], called(judged, [_is_valid(inside), *inside]), cse=False)
+        solver = function("not_known", [x, *inside], called(checked, [_is_valid(inside), *inside]), cse=False)
         solves = MX.sym("solves")
         is_known = logic_and(solves, is_solution(x, given[:7]))
         results = called(either(known, solver), [is_known, x, *given])

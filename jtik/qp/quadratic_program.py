@@ -188,7 +188,7 @@ class QuadraticProgram:
         """The closed-form solution, or else the unconstrained minimiser, and whether it solves the QP.
 
         Far from limits this solves most QPs without a solver. Where P is singular the unconstrained minimiser is
-        not finite, and no solution. Of many rows it is not judged whether it satisfies them: `is_solution` does.
+        not finite, and no solution. Whether it satisfies many rows is not checked here: `is_solution` does.
 
         Returns:
             x (n, 1), NaN for invalid bounds, rows or linear cost; 1 where no solver has to be called, else 0.

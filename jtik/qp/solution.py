@@ -91,7 +91,7 @@ class QPSolution:
         scale = 1 + norm_inf(self.qp.q)
         good = logic_and(self.violation <= accuracy, self.stationarity <= accuracy * scale)
         good = logic_and(good, self.qp.convex)
-        if not self.qp.has_many_rows:  # of which that is judged before they are given to a solver
+        if not self.qp.has_many_rows:  # otherwise that is checked before a solver is called
             good = logic_and(good, self.qp.valid)
         if self.qp.expansion:
             groups = [group.name for group in self.qp.rows if group.elastic]
