@@ -55,7 +55,7 @@ _NUMBERS = {
     "NEG": "-{0}",
     "SQ": "{0} * {0}",
     "TWICE": "{0} + {0}",
-    "INV": "1.0 / {0}",
+    "INV": "ALL(1.0) / {0}",
     "SQRT": "v_sqrt({0})",
     "FABS": "v_fabs({0})",
     "SIGN": "v_sign({0})",
@@ -86,12 +86,12 @@ def has_lanes(function: Function) -> bool:
 
 
 def lane_source(function: Function, name: str, shared: Collection[int]) -> str:
-    """C of ``void name(in..., out...)``, which needs `jtik.symbolic.lane_maths.LANE_MATHS` before it.
+    """C of ``void name(in..., out...)``, which needs the code of `jtik.symbolic.lane_maths` before it.
 
     Args:
         function: a function that `has_lanes`.
         name: the name.
-        shared: numbers of the inputs that are the same for all lanes: ``const double*`` instead of ``const V*``.
+        shared: numbers of the inputs that are the same for all lanes: ``const R*`` instead of ``const V*``.
     """
     assigned: list[_Assignment] = []
     angles: list[dict[str, int]] = []  # whose sines and cosines are computed after each part of the code
@@ -153,7 +153,7 @@ def lane_source(function: Function, name: str, shared: Collection[int]) -> str:
         count = len(own_angles)
         lines[k].append(f"const V x{k}[{count}] = {{{', '.join(own_angles)}}};")
         lines[k].append(f"V s{k}[{count}], c{k}[{count}]; v_sin_cos({count}, x{k}, s{k}, c{k});")
-    inputs = [f"const {'double' if k in shared else 'V'}* restrict in{k}" for k in range(function.n_in())]
+    inputs = [f"const {'R' if k in shared else 'V'}* restrict in{k}" for k in range(function.n_in())]
     outputs = [f"V* restrict out{k}" for k in range(function.n_out())]
     body = "\n".join(line for part_lines in lines for line in part_lines)
     return f"static JTIK_CPU void {name}({', '.join(inputs + outputs)}) {{\n{body}\n}}\n"
@@ -194,7 +194,7 @@ def _with_inverses(assigned: list[_Assignment]) -> list[_Assignment]:
             if divisor not in inverses:
                 inverses[divisor] = f"i{len(inverses)}"
                 part = part_of.get(divisor, each.part)  # `number(mask)` is no variable
-                found.append(_Assignment(part, f"const V {inverses[divisor]}", "1.0 / {0}", (divisor,), "INV"))
+                found.append(_Assignment(part, f"const V {inverses[divisor]}", "ALL(1.0) / {0}", (divisor,), "INV"))
             each = _Assignment(each.part, each.variable, "{0} * {1}", (number, inverses[divisor]), "MUL")
         found.append(each)
     return found

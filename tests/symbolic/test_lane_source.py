@@ -5,11 +5,28 @@ from __future__ import annotations
 import ctypes
 import itertools
 
+import casadi
 import numpy as np
 import pytest
 
 from jtik._loop.lanes import search
-from jtik.symbolic import fmax, fmin, function, symbol, vertcat
+from jtik._loop.search.start_bank import aligned
+from jtik.symbolic import (
+    atan2,
+    cos,
+    exp,
+    fabs,
+    fmax,
+    fmin,
+    function,
+    if_else,
+    logic_not,
+    logic_or,
+    sin,
+    sqrt,
+    symbol,
+    vertcat,
+)  # fmt: skip
 from jtik.symbolic.compile import plain_library
 from jtik.symbolic.lane_maths import EXACT, LEVELS, lane_maths
 from jtik.symbolic.lane_source import lane_source
@@ -19,32 +36,47 @@ SPECIAL = (np.nan, -np.inf, -2.5, -0.0, 0.0, 1e-310, 3.0, np.inf)
 ENTRY = "\nJTIK_CPU void JTIK_NAME_call(const V* x, const V* y, V* out) { JTIK_NAME_step(x, y, out); }\n"
 
 
-def in_lanes(f, level, columns):
+def in_lanes(f, level, columns, *, single=False):
     """The rows of ``f(x, y)`` at each of the columns (k, 2), computed in lanes."""
-    code = lane_maths(level) + lane_source(f, "JTIK_NAME_step", ()) + ENTRY
+    code = lane_maths(level, single=single) + lane_source(f, "JTIK_NAME_step", ()) + ENTRY
     loaded, name = plain_library(code, EXACT)
     call, rows = getattr(loaded, f"{name}_call"), []
-    for part in columns.reshape(-1, level.lanes, 2):
-        memory = np.zeros((2 + f.numel_out(), level.lanes + 8))
-        aligned = [row[-row.ctypes.data % 64 // 8 :][: level.lanes] for row in memory[:2]]
-        aligned[0][:], aligned[1][:] = part.T
-        room = np.zeros(f.numel_out() * level.lanes + 8)
-        out = room[-room.ctypes.data % 64 // 8 :][: f.numel_out() * level.lanes]
-        call(*(ctypes.c_void_p(each.ctypes.data) for each in (*aligned, out)))
-        rows.append(out.reshape(-1, level.lanes).T.copy())
+    lanes, kind = level.lanes_of(single=single), np.float32 if single else float
+    for part in columns.reshape(-1, lanes, 2):
+        memory = [aligned(16 + lanes * size).view(kind)[: lanes * size] for size in (1, 1, f.numel_out())]
+        memory[0][:], memory[1][:] = part.T
+        call(*(ctypes.c_void_p(each.ctypes.data) for each in memory))
+        rows.append(memory[2].reshape(-1, lanes).T.astype(float))
     return np.concatenate(rows)
 
 
+@pytest.mark.parametrize("single", [False, True])
 @pytest.mark.parametrize("level", LEVELS, ids=["any processor", "AVX2", "AVX-512"])
-def test_smaller_and_larger_of_special_numbers_are_casadis(level):
+def test_smaller_and_larger_of_special_numbers_are_casadis(level, single):
     if LEVELS.index(level) > search.highest_level():
         pytest.skip("a processor without these instructions")
     x, y = symbol("x", 1), symbol("y", 1)
     f = function("f", [x, y], [vertcat(fmin(x, y), fmax(x, y))])
-    pairs = np.array([*itertools.product(SPECIAL, SPECIAL)])
+    numbers = [1e-40 if single and each == 1e-310 else each for each in SPECIAL]
+    pairs = np.array([*itertools.product(numbers, numbers)])
     expected = np.array([np.array(f(*pair)).ravel() for pair in pairs])
-    found = in_lanes(f, level, pairs)
+    found = in_lanes(f, level, pairs, single=single)
+    if single:
+        expected = expected.astype(np.float32).astype(float)
     assert np.array_equal(found, expected, equal_nan=True)
+
+
+@pytest.mark.parametrize("level", LEVELS, ids=["any processor", "AVX2", "AVX-512"])
+def test_every_operation_has_single_precision(level, rng):
+    if LEVELS.index(level) > search.highest_level():
+        pytest.skip("a processor without these instructions")
+    x, y = symbol("x", 1), symbol("y", 1)
+    signs = if_else(x < y, x, -y) + if_else(logic_or(x <= 0, logic_not(y != 1)), 2.0, casadi.sign(y))
+    others = vertcat(sqrt(fabs(x)), sin(x) * cos(y), atan2(y, x), exp(x) / (1 + y**2), 1 / (2 + y), signs, 1e-300 * x)
+    f = function("f", [x, y], [others])
+    points = rng.normal(size=(64, 2))
+    expected = np.array([np.array(f(*point)).ravel() for point in points])
+    assert in_lanes(f, level, points, single=True) == pytest.approx(expected, rel=1e-5, abs=1e-6)
 
 
 def test_several_divisions_by_one_number_are_its_inverse(rng):

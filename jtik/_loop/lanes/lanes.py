@@ -47,9 +47,8 @@ class Lanes:
         """
         if restarts not in self._searches:
             problem, runners = self._problem, self._runners
-            banks = runners.banks if restarts else None
-            library = self._library(replaceable=banks is not None and not problem.has_criterion, lanes=math.inf)
-            has_criterion = problem.has_criterion
+            banks, has_criterion = runners.banks if restarts else None, problem.has_criterion
+            library = self._library(replaceable=banks is not None and not has_criterion, lanes=math.inf, single=True)
             made = LaneSearch(library, runners.solve, runners.turns, has_criterion=has_criterion, banks=banks)
             self._searches[restarts] = made
         return self._searches[restarts]
@@ -69,20 +68,26 @@ class Lanes:
             self._attempts = LaneAttempts(library, runners.solve, runners.turns, starts, has_criterion=has_criterion)
         return self._attempts
 
-    def _library(self, *, replaceable: bool, lanes: float) -> LaneLibrary:
-        """The code for these steps, with so many lanes at most."""
+    def _library(self, *, replaceable: bool, lanes: float, single: bool = False) -> LaneLibrary:
+        """The code for these steps, with so many lanes at most.
+
+        With ``single`` the steps of `Strategy.in_lanes` are there in single precision, too. Those of the strategy
+        itself are not, whose result is that of `solve`; nor are quaternions, which rounding makes longer or shorter.
+        """
         problem, own, level = self._problem, self._strategy, highest_with(lanes)
         fused = self._runners.of_lanes
         strategy: Strategy = CheckedCall(own, own, "in_lanes")(Strategy) if replaceable else own  # type: ignore[type-abstract]
         differs = strategy is not own and fused.expressions is not None
+        single = single and differs and problem.robot.nq == problem.robot.n
 
         def build() -> LaneLibrary | None:
             beside = NOTHING
             if self._runners.has_native_step:
                 beside = solve_source.beside(problem.tasks, attempts_source.RUN)
-            return lane_library(fused_step(problem, strategy, replaceable=True) if differs else fused, level, beside)
+            step = fused_step(problem, strategy, replaceable=True) if differs else fused
+            return lane_library(step, level, beside, single=single)
 
-        library = problem.once(f"lanes, {differs=}, {level}", build)
+        library = problem.once(f"lanes, {differs=}, {level}, {single=}", build)
         if library is None:
             only = "True where a step is expressions alone: no quadratic program, nothing computed in Python"
             raise ArgumentError("lanes", True, f"False; {only}")

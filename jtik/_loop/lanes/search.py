@@ -8,14 +8,17 @@ all others of its call: Ctrl-C is obeyed then.
 
 Restarts come in the order of their distance from the target (`jtik._loop.search.start_bank`, formulations/restarts.md).
 With restarts, and without a criterion, the steps are those of `Strategy.in_lanes`; where none of the attempts reaches
-the target, the search in Python begins anew.
+the target, the search in Python begins anew. The search is then made in single precision first, which ends close to the
+target, and continued in double precision; where single precision does not come close, double precision begins anew.
 """
 
 from __future__ import annotations
 
 import ctypes
-from functools import cache
-from typing import NamedTuple
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache, partial
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -26,7 +29,7 @@ from jtik._loop.search.full_turns import FullTurns
 from jtik._loop.search.start_bank import SIZE, StartBank, StartBanks, aligned
 from jtik._step.fused_step import FusedStep
 from jtik.symbolic import Function
-from jtik.symbolic.compile import Beside, plain_library
+from jtik.symbolic.compile import NOTHING, Beside, plain_library
 from jtik.symbolic.generated_c import c_source
 from jtik.symbolic.lane_maths import EXACT, LEVELS, PROBE, Level
 from jtik.symbolic.lane_source import has_lanes
@@ -45,6 +48,7 @@ class LaneLibrary(NamedTuple):
         level: the instructions that it uses.
         loaded: its shared library.
         name: the beginning of its names.
+        single: the same of the search in single precision, with which searches that have restarts begin; None without.
     """
 
     function: Function
@@ -52,15 +56,17 @@ class LaneLibrary(NamedTuple):
     level: Level
     loaded: ctypes.CDLL
     name: str
+    single: tuple[ctypes.CDLL, str] | None
 
 
-def lane_library(fused: FusedStep, level: Level, beside: Beside) -> LaneLibrary | None:
+def lane_library(fused: FusedStep, level: Level, beside: Beside = NOTHING, *, single: bool) -> LaneLibrary | None:
     """The search in lanes, compiled now; None for a step that calls a solver or Python, or cannot be written so.
 
     Args:
         fused: the step.
         level: the instructions that it uses.
         beside: what is compiled with it.
+        single: whether to have the search in single precision, too.
 
     Raises:
         CompilerError: without a compiler.
@@ -68,10 +74,12 @@ def lane_library(fused: FusedStep, level: Level, beside: Beside) -> LaneLibrary 
     function = fused.expressions
     if function is None or not has_lanes(function):
         return None
-    code = source(function, fused.state, level)
     called = c_source(*beside.functions) if beside.functions else ""
-    loaded, name = plain_library(called + code + beside.source, EXACT)
-    return LaneLibrary(function, fused.first_state, level, loaded, name)
+    codes = [called + source(function, fused.state, level) + beside.source]
+    codes += [source(function, fused.state, level, single=True)] if single else []
+    with ThreadPoolExecutor(len(codes)) as pool:
+        first, *others = pool.map(partial(plain_library, more=EXACT), codes)
+    return LaneLibrary(function, fused.first_state, level, *first, others[0] if others else None)
 
 
 def highest_with(lanes: float) -> Level:
@@ -149,11 +157,10 @@ class LaneSearch:
         self._has_criterion = has_criterion
         self._nq = len(runner.q[0])
         self._memory = SearchMemory(library, runner, turns, has_criterion=has_criterion)
-        self._work = aligned(work_size(library.function, library.level) + library.level.lanes * SIZE)
-        self._call = getattr(library.loaded, f"{library.name}_lanes")
-        integer, pointer = ctypes.c_longlong, ctypes.c_void_p
-        self._call.argtypes = [pointer, pointer, integer, integer, integer, ctypes.c_double, pointer]
-        self._call.restype = integer
+        inputs = sum(array.size for array in runner.inputs)
+        self._work = aligned(work_size(library.function, library.level) + library.level.lanes * SIZE + inputs)
+        self._call = _search_of(library.loaded, library.name)
+        self._call_in_single = _search_of(*library.single) if library.single else None
 
     def beside(self) -> LaneSearch:
         """A search on memory of its own, for another thread."""
@@ -174,10 +181,24 @@ class LaneSearch:
         found = NativeBatch.of(min(len(targets), MOST_ROWS), self._nq)
         count = len(found.q)
         arrays = [np.ascontiguousarray(targets[:count]), np.ascontiguousarray(q0), *found]
-        sizes = [count, targets.shape[1], self._nq if len(q0) > 1 else 0]
+        sizes = [targets.shape[1], self._nq if len(q0) > 1 else 0, self._work.ctypes.data]
         order = [bank.coefficients.ctypes.data, len(bank.configurations)] if bank else [0, 0]
-        addresses = [each.ctypes.data for each in arrays]
-        table = np.array([*addresses, *sizes, self._work.ctypes.data, *order], dtype=np.uintp)
+        table = np.array([*(each.ctypes.data for each in arrays), count, *sizes, *order, 0], dtype=np.uintp)
+        options = first, max(last, 0), limit, patience, table.ctypes.data
         starts_at = None if starts is None else starts.ctypes.data
-        done = self._call(self._memory.address, starts_at, first, max(last, 0), limit, patience, table.ctypes.data)
+        if self._call_in_single and starts_at:
+            arrived_after = np.empty(count, dtype=np.int64)
+            table[10], table[12] = bank.single.ctypes.data if bank else 0, arrived_after.ctypes.data
+            table[6] = self._call_in_single(self._memory.address, starts_at, *options)
+            table[10] = order[0]
+        done = self._call(self._memory.address, starts_at, *options)
         return found.first(done)
+
+
+def _search_of(loaded: ctypes.CDLL, name: str) -> Callable[..., int]:
+    """The search in C."""
+    call = getattr(loaded, f"{name}_lanes")
+    integer, pointer = ctypes.c_longlong, ctypes.c_void_p
+    call.argtypes = [pointer, pointer, integer, integer, integer, ctypes.c_double, pointer]
+    call.restype = integer
+    return cast(Callable[..., int], call)

@@ -1,6 +1,7 @@
 """The C code of the search in lanes: several targets of a batch side by side, one in each lane of a vector step.
 
-The attempts in lanes are compiled with it.
+Its double-precision form continues what the form in single precision has found. The attempts in lanes are compiled with
+the former.
 """
 
 from __future__ import annotations
@@ -14,24 +15,65 @@ from jtik.symbolic import Function
 from jtik.symbolic.lane_maths import Level, lane_maths
 from jtik.symbolic.lane_source import lane_source
 
+COARSE = 1e-4
+"""Errors with which the search in single precision ends, where the tolerances are smaller [m], [rad]."""
+
+LARGEST = 32.0
+"""Largest number of a start or target that it takes: the rounding of larger ones is not far below `COARSE`."""
+
+ENDED = 16
+"""Ends of attempts after which the time is read again."""
+
 _INCLUDED = """
 #include <time.h>
 """
 
-_SOURCE = r"""
-/* What a search that is in a lane has done; row: of its target, -1 where there is none; latest: start of the bank. */
-typedef struct { long long row, number, iterations; double since; JTIK_NAME_start latest; } lane;
-
+_BEGIN = r"""
 /* The start of an attempt in lane i. */
-static JTIK_CPU void JTIK_NAME_begin(double* q, double* state, const double* start, const double* initial,
-                                     double patience, int i) {
+static JTIK_CPU void JTIK_NAME_begin(R* q, R* state, const double* start, const double* initial, double patience,
+                                     int i) {
   for (int j = 0; j < JTIK_NQ; ++j) q[j * JTIK_LANES + i] = start[j];
   for (int j = 0; j < JTIK_NS; ++j) state[j * JTIK_LANES + i] = initial[j];
   if (patience < INFINITY) state[JTIK_PATIENCE * JTIK_LANES + i] = patience;
 }
+"""
+
+_SINGLE = r"""
+/* The inputs in single precision; tolerances that are smaller than what it tells apart are that. */
+static void JTIK_NAME_inputs(R* numbers, const R** inputs, const double* const* given) {
+  static const int sizes[] = {JTIK_SIZES};
+  for (int k = 0; k < (int)(sizeof(sizes) / sizeof(*sizes)); numbers += sizes[k++]) {
+    inputs[k] = numbers;
+    for (int j = 0; j < sizes[k]; ++j) numbers[j] = given[k][j];
+    if (k != JTIK_SETTINGS) continue;
+    if (numbers[JTIK_POSITION_TOLERANCE] < JTIK_COARSE) numbers[JTIK_POSITION_TOLERANCE] = JTIK_COARSE;
+    if (numbers[JTIK_ORIENTATION_TOLERANCE] < JTIK_COARSE) numbers[JTIK_ORIENTATION_TOLERANCE] = JTIK_COARSE;
+  }
+}
+
+/* Whether single precision tells numbers of this size apart. */
+JTIK_INLINE int JTIK_NAME_are_usual(const double* numbers, int count) {
+  int are = 1;
+  for (int j = 0; j < count; ++j) are &= fabs(numbers[j]) <= JTIK_LARGEST;
+  return are;
+}
+"""
+
+_SOURCE = r"""
+/* What a search that is in a lane has done; row: of its target, -1 where there is none; refines: its attempt began
+   where the search in single precision had ended; since: number of steps before it; latest: start of the bank. */
+typedef struct {
+  long long row, number, iterations;
+  int refines;
+  long long since;
+  JTIK_NAME_start latest;
+} lane;
 
 /* Searches for a table of targets, in the order of the table, as JTIK_NAME_batch of the native search has them. A lane
-   whose search has ended takes the next target. Returns how many are done when the time is over. */
+   whose search has ended takes the next target. Returns how many are done when the time is over.
+   arrived_after, NULL without a search in single precision, is that one's result and an argument of the other: the
+   steps of the attempt that has come close to the target, -1 where none has. The numbers of steps and restarts before
+   that attempt, and where it has ended, are then in the table. */
 JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long first, long long last, long long limit,
                                    double patience, void** table) {
   const double* targets = (const double*)table[0];
@@ -41,22 +83,30 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
   double* seconds = (double*)table[4];
   long long* tallies = (long long*)table[5]; /* code, iterations, restarts */
   const long long count = (long long)table[6], stride = (long long)table[8];
-  double* work = (double*)table[9]; /* aligned as vectors are */
+  R* work = (R*)table[9]; /* aligned as vectors are */
   const V* bank = (const V*)table[10];
   const long long size = (long long)table[11];
-  const double* const* shared = (const double* const*)at[0];
+  long long* arrived_after = (long long*)table[12];
+  const double* const* given = (const double* const*)at[0];
   const double* initial = (const double*)at[9];
-  const double* settings = (const double*)at[10];
-  double* q[2] = {work, work + JTIK_NQ * JTIK_LANES};
-  double* state[2] = {q[1] + JTIK_NQ * JTIK_LANES, q[1] + (JTIK_NQ + JTIK_NS) * JTIK_LANES};
-  double* target = state[1] + JTIK_NS * JTIK_LANES;
-  double* outcome = target + JTIK_NT * JTIK_LANES;
+  R* q[2] = {work, work + JTIK_NQ * JTIK_LANES};
+  R* state[2] = {q[1] + JTIK_NQ * JTIK_LANES, q[1] + (JTIK_NQ + JTIK_NS) * JTIK_LANES};
+  R* target = state[1] + JTIK_NS * JTIK_LANES;
+  R* outcome = target + JTIK_NT * JTIK_LANES;
   V* of_starts = (V*)work + JTIK_WORK; /* distances, for each lane */
+#ifdef JTIK_SINGLE
+  const R* shared[JTIK_STATE];
+  JTIK_NAME_inputs((R*)(of_starts + size), shared, given);
+#else
+  const R* const* shared = given;
+#endif
+  const R* settings = shared[JTIK_SETTINGS];
+  const I longest = limit < INT32_MAX ? limit : INT32_MAX;
   const int several = starts != 0;
-  double now = JTIK_NAME_seconds();
-  const double end = now + JTIK_BUDGET;
+  const double begin = JTIK_NAME_seconds(), end = begin + JTIK_BUDGET;
+  double of_step = 0; /* mean time of a step */
   lane lanes[JTIK_LANES];
-  long long next = 0, active = 0, steps = 0;
+  long long next = 0, active = 0, steps = 0, ended = 0;
   int here = 0, open = 1;
   M calls = {0}; /* of each attempt */
 #define OF(name) outcome[JTIK_##name * JTIK_LANES + i]
@@ -68,16 +118,24 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
       JTIK_NAME_step(JTIK_ARGUMENTS, (V*)q[1 - here], (V*)state[1 - here], (V*)outcome);
       here = 1 - here;
       calls += 1;
-      over = (((const V*)outcome)[JTIK_CODE] != 0.0) | (calls >= (int64_t)limit);
+      over = (((const V*)outcome)[JTIK_CODE] != ALL(0)) | (calls >= longest);
       if (++steps % JTIK_CHECKED == 0 && JTIK_NAME_seconds() > end + JTIK_BUDGET) { /* Python goes on with them */
         for (int i = 0; i < JTIK_LANES; ++i) {
-          if (lanes[i].row >= 0) tallies[3 * lanes[i].row] = JTIK_LOOK;
+          if (lanes[i].row < 0) continue;
+#ifdef JTIK_SINGLE
+          arrived_after[lanes[i].row] = -1;
+#else
+          tallies[3 * lanes[i].row] = JTIK_LOOK;
+#endif
         }
         return next;
       }
       if (!any(over)) continue;
-      now = JTIK_NAME_seconds();
-      open = now < end;
+      if (ended++ % JTIK_ENDED == 0) {
+        const double now = JTIK_NAME_seconds();
+        of_step = (now - begin) / steps;
+        open = now < end;
+      }
     }
     for (int i = 0; i < JTIK_LANES; ++i) {
       lane* own = lanes + i;
@@ -85,24 +143,37 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
       long long returned = 0;
       int finished = 0;
       if (own->row >= 0) {
-        const long long code = (long long)OF(CODE);
-        long long k = calls[i];
-        double* found = ends + own->row * JTIK_NQ;
-        if (code == JTIK_UNSOLVED || (code == JTIK_STALLED && (k == 1 || !several)) ||
-            (code == JTIK_SLOW && !several)) {
+        const long long code = (long long)OF(CODE), k = calls[i] - (code != 0 && !OF(TRIED));
+        const int unusual = code == JTIK_UNSOLVED || (code == JTIK_STALLED && (calls[i] == 1 || !several)) ||
+                            (code == JTIK_SLOW && !several);
+        const int arrived = !several || code == JTIK_DONE ||
+                            (k && OF(POSITION_ERROR) <= settings[JTIK_POSITION_TOLERANCE] &&
+                             OF(ORIENTATION_ERROR) <= settings[JTIK_ORIENTATION_TOLERANCE]);
+        if (own->refines && !arrived) { /* the search begins anew */
+          JTIK_NAME_begin(q[here], state[here], from + own->row * stride, initial, patience, i);
+          *own = (lane){own->row, 0, own->iterations + k, 0, own->since, JTIK_NO_START};
+          calls[i] = 0;
+        } else if (unusual) {
           returned = JTIK_LOOK;
           finished = 1;
-        } else {
-          if (code != 0 && !OF(TRIED)) --k;
+        } else if (arrived) {
+          double* found = ends + own->row * JTIK_NQ;
+          for (int j = 0; j < JTIK_NQ; ++j) found[j] = q[here][j * JTIK_LANES + i];
+#ifdef JTIK_SINGLE
+          for (int j = 0; j < JTIK_NQ; ++j) { /* rounding may have left the limits */
+            const double least = given[JTIK_LOWER][j], most = given[JTIK_UPPER][j];
+            found[j] = found[j] < least ? least : found[j] > most ? most : found[j];
+          }
+          arrived_after[own->row] = k;
+#else
           own->iterations += k;
-          if (!several || code == JTIK_DONE ||
-              (k && OF(POSITION_ERROR) <= settings[JTIK_POSITION_TOLERANCE] &&
-               OF(ORIENTATION_ERROR) <= settings[JTIK_ORIENTATION_TOLERANCE])) {
-            for (int j = 0; j < JTIK_NQ; ++j) found[j] = q[here][j * JTIK_LANES + i];
-            memcpy((double*)at[12], from + own->row * stride, JTIK_NQ * sizeof(double));
-            returned = JTIK_NAME_turned(at, found) ? JTIK_LOOK : code;
-            finished = 1;
-          } else if (own->number < last) {
+          memcpy((double*)at[12], from + own->row * stride, JTIK_NQ * sizeof(double));
+          returned = JTIK_NAME_turned(at, found) ? JTIK_LOOK : code;
+#endif
+          finished = 1;
+        } else {
+          own->iterations += k;
+          if (own->number < last) {
             ++own->number;
             calls[i] = 0;
             if (size) {
@@ -123,39 +194,56 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
           tallies[3 * own->row + 2] = own->number;
           errors[2 * own->row] = OF(POSITION_ERROR);
           errors[2 * own->row + 1] = OF(ORIENTATION_ERROR);
-          seconds[own->row] = (now - own->since) / JTIK_LANES;
+          seconds[own->row] += (steps - own->since) * of_step / JTIK_LANES;
           own->row = -1;
           --active;
         }
       }
       while (own->row < 0 && open && next < count) {
         const double* start = from + next * stride;
+#ifdef JTIK_SINGLE
+        arrived_after[next] = -1;
+        if (!JTIK_NAME_are_usual(start, JTIK_NQ) || !JTIK_NAME_are_usual(targets + next * JTIK_NT, JTIK_NT)) {
+          tallies[3 * next + 1] = 0;
+          ++next;
+          continue;
+        }
+        *own = (lane){next, 0, 0, 0, steps, JTIK_NO_START};
+        calls[i] = 0;
+#else
         int finite = 1;
         for (int j = 0; j < JTIK_NQ; ++j) finite &= start[j] - start[j] == 0;
         if (!finite || limit == 0) { /* Python reads it */
           tallies[3 * next++] = JTIK_UNREADABLE;
           continue;
         }
+        const long long *tally = tallies + 3 * next, before = arrived_after ? arrived_after[next] : -1;
+        const int refines = 0 <= before && before < limit;
+        *own = (lane){next, refines ? tally[2] : 0, arrived_after ? tally[1] : 0, refines, steps, JTIK_NO_START};
+        calls[i] = refines ? before : 0;
+        if (refines) start = ends + next * JTIK_NQ;
+#endif
         for (int j = 0; j < JTIK_NT; ++j) target[j * JTIK_LANES + i] = targets[next * JTIK_NT + j];
         JTIK_NAME_begin(q[here], state[here], start, initial, patience, i);
-        *own = (lane){next++, 0, 0, now, JTIK_NO_START};
-        calls[i] = 0;
+        ++next;
         ++active;
       }
     }
     if (!active) return next;
   }
+#undef OF
 }
 """
 
 
-def source(function: Function, state: VectorLayout, level: Level) -> str:
+def source(function: Function, state: VectorLayout, level: Level, *, single: bool = False) -> str:
     """The C code of the search in lanes.
 
     Args:
         function: the fused step, which has lanes.
         state: layout of its state.
         level: the instructions that it uses.
+        single: whether it is the search in single precision, to which no attempts belong.
     """
     names, first = Inputs._fields, 1  # q is argument 0, the state the last one
     target = first + names.index("target")
@@ -165,18 +253,23 @@ def source(function: Function, state: VectorLayout, level: Level) -> str:
         "NT": function.numel_in(target),
         "NS": function.numel_in(first + len(names)),
         "WORK": work_size(function, level) // level.lanes,
+        "ENDED": ENDED,
         **attempts_source.sizes(level),
     }
+    if single:
+        inputs = [function.numel_in(k) if k in shared else 0 for k in range(first + len(names))]
+        sizes |= {"SINGLE": 1, "SIZES": ", ".join(map(str, inputs)), "COARSE": COARSE, "LARGEST": LARGEST}
     lines = [f"#define JTIK_{name} {value}" for name, value in sizes.items()]
     arguments = {0: "(const V*)q[here]", target: "(const V*)target", first + len(names): "(const V*)state[here]"}
     call = [arguments.get(k, f"shared[{k}]") for k in range(first + len(names) + 1)]
     lines += [f"#define JTIK_ARGUMENTS {', '.join(call)}", ""]
     step = lane_source(function, "JTIK_NAME_step", shared)
-    code = TURNED + start_bank_source.SOURCE + step + _SOURCE + attempts_source.SOURCE
-    return "\n".join(lines) + macros(state) + "\n" + lane_maths(level) + _INCLUDED + code
+    code = TURNED + start_bank_source.SOURCE + step + _BEGIN
+    code += _SINGLE + _SOURCE if single else _SOURCE + attempts_source.SOURCE
+    return "\n".join(lines) + macros(state) + "\n" + lane_maths(level, single=single) + _INCLUDED + code
 
 
 def work_size(function: Function, level: Level) -> int:
-    """How many numbers the search needs in memory for this step."""
+    """How many numbers the search needs in memory for this step, in either precision."""
     nq, ns, target = function.numel_out(0), function.numel_out(1), 1 + Inputs._fields.index("target")
     return int(level.lanes * (2 * nq + 2 * ns + function.numel_in(target) + len(StepOutcome._fields)))

@@ -5,10 +5,10 @@ SOURCE = r"""
 #define JTIK_NO_START {-1, -INFINITY}
 
 /* A start of a bank, and its distance from the target. */
-typedef struct { long long index; double distance; } JTIK_NAME_start;
+typedef struct { long long index; R distance; } JTIK_NAME_start;
 
 /* The distances of all starts from a target, whose numbers are so far apart. */
-static JTIK_CPU void JTIK_NAME_distances(V* distances, const double* target, int apart, const V* bank,
+static JTIK_CPU void JTIK_NAME_distances(V* distances, const R* target, int apart, const V* bank,
                                          long long count) {
   const long long stride = count / JTIK_LANES;
   for (long long b = 0; b < stride; b += JTIK_SIDE_BY_SIDE) {
@@ -32,7 +32,7 @@ static JTIK_CPU void JTIK_NAME_follow(JTIK_NAME_start* start, const V* distances
   for (int i = 0; i < JTIK_LANES; ++i) at[i] = i;
   for (long long b = 0; b < stride; ++b, at += JTIK_LANES) {
     const V distance = distances[b];
-    const M later = (distance > latest) | ((distance == latest) & (at > (int64_t)start->index));
+    const M later = (distance > latest) | ((distance == latest) & (at > (I)start->index));
     const M closer = later & (distance < smallest);
     smallest = choose(closer, distance, smallest);
     which = bits(choose(closer, of_bits(at), of_bits(which)));

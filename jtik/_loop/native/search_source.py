@@ -250,7 +250,7 @@ def indices(state: VectorLayout) -> dict[str, int]:
         **{code.name: int(code) for code in Code},
         "PATIENCE": state.slices["patience"].start,
         "STATE": first + len(Inputs._fields),
-        "TARGET": first + Inputs._fields.index("target"),
+        **{name.upper(): first + i for i, name in enumerate(Inputs._fields)},
         "POSITION_TOLERANCE": SETTING.position_tolerance,
         "ORIENTATION_TOLERANCE": SETTING.orientation_tolerance,
         **{name.upper(): index for name, index in OUTCOME._asdict().items()},

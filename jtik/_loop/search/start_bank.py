@@ -44,10 +44,12 @@ class StartBank(NamedTuple):
         configurations: the configurations, (SIZE, nq).
         coefficients: of a distance as an affine function of a target's numbers: the constants, then the factors of each
             number, (1 + target size, SIZE), aligned.
+        single: the coefficients in single precision, aligned.
     """
 
     configurations: Array
     coefficients: Array
+    single: NDArray[np.float32]
 
     @property
     def starts(self) -> tuple[Array, int, int]:
@@ -110,7 +112,10 @@ class StartBanks:
         coefficients = aligned((1 + len(weights)) * SIZE).reshape(1 + len(weights), SIZE)
         coefficients[0] = numbers**2 @ weights
         coefficients[1:] = -2 * (numbers * weights).T
-        return StartBank(configurations, coefficients)
+        single = aligned(coefficients.size // 2).view(np.float32).reshape(coefficients.shape)
+        with np.errstate(over="ignore"):
+            single[:] = coefficients
+        return StartBank(configurations, coefficients, single)
 
     @cached_property
     def _held(self) -> Function:

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import jtik
+from jtik._loop.lanes import lanes as all_lanes
 from jtik._loop.lanes import search as lane_search
 from jtik._loop.lanes.attempts_source import TOGETHER
 from jtik._loop.native import search_source as native_source
@@ -161,9 +162,11 @@ def test_the_answer_is_that_of_the_rule(restarts, nearest, rng):
     assert decided > 30
 
 
-def test_nearest_is_the_attempt_from_q0_where_it_arrives_and_else_the_first_arrival(rng):
-    """Bit by bit that of the search for several targets, whose first attempt is the same."""
-    ik = solver()
+def test_nearest_is_the_attempt_from_q0_where_it_arrives_and_else_the_first_arrival(monkeypatch, rng):
+    """Bit by bit that of the search for several targets in double precision, whose first attempt is the same."""
+    build = all_lanes.lane_library
+    monkeypatch.setattr(all_lanes, "lane_library", lambda *of_step, single: build(*of_step, single=False))
+    ik = solver.__wrapped__()
     q0, own = (ik.robot.lower + ik.robot.upper) / 2, 0
     targets = poses(ik.robot, rng, 60)
     alone = ik.solve_batch(targets, q0=q0, restarts=100, lanes=True)

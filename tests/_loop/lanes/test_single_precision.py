@@ -1,0 +1,227 @@
+"""Searches in lanes begin in single precision: their answers have double precision, and nothing is lost by it."""
+
+from __future__ import annotations
+
+import ctypes
+
+import numpy as np
+import pytest
+
+import jtik
+from jtik._loop.lanes import lanes as all_lanes
+from jtik._loop.lanes import search_source
+from jtik._loop.native import search_source as native_source
+from jtik.symbolic import lane_maths
+from jtik.symbolic.compile import plain_library
+
+from ...conftest import ball_arm, dh_arm, planar, slow
+from .test_search import problems, same, solver
+
+
+def solved(monkeypatch, robot, kind, targets, *, single=True, constants=None, **options):
+    """The targets solved in lanes by a new solver, with or without the search in single precision."""
+    build = all_lanes.lane_library
+    with monkeypatch.context() as patch:
+        for name, value in (constants or {}).items():
+            patch.setattr(search_source if hasattr(search_source, name) else native_source, name, value)
+        built = []
+
+        def library(*arguments, **flags):
+            built.append(build(*arguments, single=single and flags["single"]))
+            return built[-1]
+
+        patch.setattr(all_lanes, "lane_library", library)
+        ik = jtik.InverseKinematics(robot, jtik.FrameTask(robot.tip, kind), strategy="damped")
+        found = ik.solve_batch(targets, **{"restarts": 20, "lanes": True, **options})
+    return found, built[-1].single is not None
+
+
+def poses(robot, rng, count):
+    return np.array([robot.pose(robot.random_configuration(rng)) for _ in range(count)])
+
+
+@pytest.mark.parametrize("count", [60, *slow(3000)])
+@pytest.mark.parametrize("name", ["panda", *slow("ur5", "iiwa14")])
+def test_answers_are_in_double_precision_and_mostly_those_of_a_search_in_it(name, count, monkeypatch, rng):
+    robot = jtik.Robot.builtin(name)
+    targets = poses(robot, rng, count)
+    found, begins_in_single = solved(monkeypatch, robot, "pose", targets, restarts=100)
+    expected, _ = solved(monkeypatch, robot, "pose", targets, single=False, restarts=100)
+    assert begins_in_single
+    assert found.converged.all()
+    assert (found.position_error <= 1e-6).all()
+    assert (found.orientation_error <= 1e-6).all()
+    assert found.position_error.min() < 1e-9  # far below what single precision tells apart
+    assert (found.q >= robot.lower).all()
+    assert (found.q <= robot.upper).all()
+    alike = np.abs(found.q - expected.q).max(axis=1) < 1e-3
+    assert alike.mean() > 0.9
+    assert np.median(np.abs(found.iterations - expected.iterations)[alike]) <= 1
+    assert found.iterations.mean() < expected.iterations.mean() + 1
+
+
+@pytest.mark.parametrize("limit", [3, 6, 200])
+def test_what_it_does_not_reach_is_found_as_without_it(limit, monkeypatch, rng):
+    """No attempt is closer to its target than single precision allows: double precision begins anew."""
+    robot = jtik.Robot.builtin("panda")
+    targets = poses(robot, rng, 30)
+    options = {"max_iterations": limit, "q0": np.full(7, 0.3)}
+    options |= {"position_tolerance": 1e-10, "orientation_tolerance": 1e-10}
+    expected, _ = solved(monkeypatch, robot, "pose", targets, single=False, **options)
+    found, _ = solved(monkeypatch, robot, "pose", targets, constants={"COARSE": 1e-12}, **options)
+    assert found.status == expected.status
+    assert np.array_equal(found.q, expected.q)
+    assert np.array_equal(found.restarts, expected.restarts)
+    assert (found.iterations.sum() > expected.iterations.sum()) == (limit > 3)  # with 3 no attempt arrives in lanes
+
+
+def test_where_its_end_leads_nowhere_the_search_begins_anew(monkeypatch, rng):
+    """Ends that count as close to the target but are not: most attempts that continue there do not arrive."""
+    robot = jtik.Robot.builtin("panda")
+    targets = poses(robot, rng, 60)
+    expected, _ = solved(monkeypatch, robot, "pose", targets, single=False, restarts=100)
+    found, _ = solved(monkeypatch, robot, "pose", targets, constants={"COARSE": 2.0}, restarts=100)
+    assert found.status == expected.status
+    assert found.converged.all()
+    assert (found.q == expected.q).all(axis=1).any()  # begun anew
+
+
+@pytest.mark.parametrize("limit", [5, 9])
+def test_no_attempt_has_more_iterations_than_it_may(limit, monkeypatch, rng):
+    robot = jtik.Robot.builtin("panda")
+    targets = poses(robot, rng, 200)
+    found, _ = solved(monkeypatch, robot, "pose", targets, max_iterations=limit, restarts=3)
+    first = found.converged & (found.restarts == 0)
+    assert first.any()
+    assert (found.iterations[first] <= 2 * limit).all()  # of both precisions, where double precision begins anew
+    assert np.median(found.iterations[first]) <= limit
+
+
+@pytest.mark.parametrize("far", [33.0, 1e4, 1e12, 1e200])
+def test_large_numbers_are_left_to_double_precision(far, monkeypatch):
+    robot = planar(3)
+    targets = np.array([[1.5, 1.0], [2.0, 0.5]])
+    q0 = np.array([[far, 0.3, 0.4], [0.2, 0.3, 0.4]])
+    found, begins_in_single = solved(monkeypatch, robot, "position", targets, q0=q0)
+    expected, _ = solved(monkeypatch, robot, "position", targets, single=False, q0=q0)
+    assert begins_in_single
+    assert found.status == expected.status
+    assert np.array_equal(found.q[0], expected.q[0])
+    assert np.array_equal(found.restarts, expected.restarts)
+    assert found.q[1] == pytest.approx(expected.q[1], abs=1e-5)
+
+
+def test_large_targets_are_left_to_double_precision(monkeypatch, rng):
+    """In millimetres single precision does not come close to a target."""
+    robot = jtik.Robot.planar([400.0, 300.0, 200.0])
+    q = rng.uniform(-2, 2, (20, 3))
+    targets = np.array([robot.position(each) for each in q])
+    found, _ = solved(monkeypatch, robot, "position", targets, q0=q + 0.1)
+    expected, _ = solved(monkeypatch, robot, "position", targets, single=False, q0=q + 0.1)
+    large = np.abs(targets).max(axis=1) > search_source.LARGEST
+    assert large.sum() > 15
+    assert np.array_equal(found.q[large], expected.q[large])
+    assert found.status == expected.status
+
+
+def test_a_small_robot_is_found_to_its_tolerances(monkeypatch, rng):
+    robot = jtik.Robot.planar([4e-4, 3e-4, 2e-4])
+    targets = np.array([robot.position(robot.random_configuration(rng)) for _ in range(20)])
+    found, _ = solved(monkeypatch, robot, "position", targets, q0=np.full(3, 0.3), position_tolerance=1e-9)
+    assert found.converged.all()
+    assert (found.position_error <= 1e-9).all()
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-10])
+def test_tolerances_of_the_caller_hold(tolerance, monkeypatch, rng):
+    robot = jtik.Robot.builtin("panda")
+    options = {"position_tolerance": tolerance, "orientation_tolerance": tolerance}
+    found, _ = solved(monkeypatch, robot, "pose", poses(robot, rng, 40), **options)
+    assert found.converged.all()
+    for q, error in zip(found.q, found.position_error, strict=True):
+        assert error <= tolerance
+        assert (robot.lower <= q).all()
+        assert (q <= robot.upper).all()
+
+
+def test_joints_that_turn_are_brought_back(monkeypatch, rng):
+    robot = dh_arm(6, 1, limit=np.pi)
+    found, begins_in_single = solved(
+        monkeypatch, robot, "pose", poses(robot, rng, 40), q0=np.full(6, 3.0), restarts=100
+    )
+    assert begins_in_single
+    assert found.converged.all()
+    assert (np.abs(found.q) <= np.pi).all()
+
+
+def test_unit_quaternions_stay_in_double_precision(monkeypatch, rng):
+    robot = ball_arm()
+    targets = poses(robot, rng, 10)
+    found, begins_in_single = solved(monkeypatch, robot, "pose", targets, restarts=50)
+    assert not begins_in_single
+    assert found.converged.all()
+
+
+def test_one_time_limit_for_both(monkeypatch, rng):
+    """What is not ended in time ends as in the search without lanes."""
+    robot = planar(4)
+    targets = rng.uniform(-4, 4, (30, 2))
+    constants = {"BUDGET": 0.0, "CHECKED": 2}
+    found, _ = solved(monkeypatch, robot, "position", targets, constants=constants, q0=np.full(4, 0.3), restarts=3)
+    ik = jtik.InverseKinematics(robot, jtik.FrameTask(kind="position"), strategy="damped")
+    same(ik.solve_batch(targets, q0=np.full(4, 0.3), restarts=3), found)
+
+
+def test_a_target_out_of_reach_has_the_status_of_solve(rng):
+    ik = solver(strategy="damped")
+    targets, q0 = problems(ik, rng, 6)
+    targets[::2, 0, 3] += 2.0
+    one, lanes = (ik.solve_batch(targets, q0=q0, restarts=5, lanes=each) for each in (False, True))
+    assert lanes.status[::2] == one.status[::2]
+    assert not lanes.converged[::2].any()
+
+
+ANGLES = """
+%s
+JTIK_CPU void JTIK_NAME_angles(const float* x, const float* y, float* s, float* c, float* r, long long n) {
+  for (long long i = 0; i < n; i += JTIK_LANES) {
+    V v, w, a, b;
+    memcpy(&v, x + i, sizeof v);
+    memcpy(&w, y + i, sizeof w);
+    v_sin_cos(1, &v, &a, &b);
+    w = v_atan2(w, v);
+    memcpy(s + i, &a, sizeof a);
+    memcpy(c + i, &b, sizeof b);
+    memcpy(r + i, &w, sizeof w);
+  }
+}
+"""
+
+
+def angles(x, y):
+    """sin x, cos x and atan2(y, x) in single precision."""
+    loaded, name = plain_library(ANGLES % lane_maths.lane_maths(lane_maths.LEVELS[0], single=True), lane_maths.EXACT)
+    given = [np.concatenate([each, np.ones(-len(each) % 8)]).astype(np.float32) for each in (x, y)]
+    found = [np.zeros_like(given[0]) for _ in range(3)]
+    pointers = [each.ctypes.data_as(ctypes.c_void_p) for each in (*given, *found)]
+    getattr(loaded, f"{name}_angles")(*pointers, ctypes.c_longlong(len(given[0])))
+    return [each[: len(x)].astype(float) for each in (*given, *found)]
+
+
+def test_sine_cosine_and_arc_tangent_in_single_precision(rng):
+    x = np.concatenate([rng.uniform(-1e3, 1e3, 100_000), rng.uniform(-7, 7, 100_000), np.arange(-600, 600) * np.pi / 2])
+    y = rng.normal(size=len(x)) * 10.0 ** rng.uniform(-6, 6, len(x))
+    x, y, s, c, r = angles(x, y)
+    assert np.abs(s - np.sin(x)).max() < 3e-7
+    assert np.abs(c - np.cos(x)).max() < 3e-7
+    assert np.abs(r - np.arctan2(y, x)).max() < 6e-7
+
+
+def test_special_angles_in_single_precision():
+    special = np.array([0.0, -0.0, 1.0, -1.0, 1e-38, -1e-38, 1e38, np.inf, -np.inf, np.nan])
+    y, x = np.repeat(special, len(special)), np.tile(special, len(special))
+    x, y, s, c, r = angles(x, y)
+    assert r == pytest.approx(np.arctan2(y, x), abs=6e-7, nan_ok=True)
+    assert np.array_equal(np.signbit(r), np.signbit(np.arctan2(y, x)))
+    assert not np.isfinite(s[~np.isfinite(x)]).any()
+    assert not np.isfinite(c[~np.isfinite(x)]).any()
