@@ -188,7 +188,8 @@ class LaneSearch:
         starts_at = None if starts is None else starts.ctypes.data
         if self._call_in_single and starts_at:
             arrived_after = np.empty(count, dtype=np.int64)
-            table[10], table[12] = bank.single.ctypes.data if bank else 0, arrived_after.ctypes.data
+            coefficients = bank.in_single_precision() if bank else np.empty(0)
+            table[10], table[12] = coefficients.ctypes.data, arrived_after.ctypes.data
             table[6] = self._call_in_single(self._memory.address, starts_at, *options)
             table[10] = order[0]
         done = self._call(self._memory.address, starts_at, *options)

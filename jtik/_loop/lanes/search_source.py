@@ -15,10 +15,10 @@ from jtik.symbolic import Function
 from jtik.symbolic.lane_maths import Level, lane_maths
 from jtik.symbolic.lane_source import lane_source
 
-COARSE = 1e-4
+COARSE = 2e-5
 """Errors with which the search in single precision ends, where the tolerances are smaller [m], [rad]."""
 
-LARGEST = 32.0
+LARGEST = 16.0
 """Largest number of a start or target that it takes: the rounding of larger ones is not far below `COARSE`."""
 
 ENDED = 16

@@ -44,17 +44,22 @@ class StartBank(NamedTuple):
         configurations: the configurations, (SIZE, nq).
         coefficients: of a distance as an affine function of a target's numbers: the constants, then the factors of each
             number, (1 + target size, SIZE), aligned.
-        single: the coefficients in single precision, aligned.
     """
 
     configurations: Array
     coefficients: Array
-    single: NDArray[np.float32]
 
     @property
     def starts(self) -> tuple[Array, int, int]:
         """The configurations, and the numbers of the first and of the last restart."""
         return self.configurations, 1, len(self.configurations)
+
+    def in_single_precision(self) -> NDArray[np.float32]:
+        """A copy of the coefficients, aligned."""
+        copied = aligned(self.coefficients.size // 2).view(np.float32).reshape(self.coefficients.shape)
+        with np.errstate(over="ignore"):
+            copied[:] = self.coefficients
+        return copied
 
     def distances(self, target: Array) -> Array:
         """The distance of each configuration from a target (target size,), less that of the target from zero.
@@ -112,10 +117,7 @@ class StartBanks:
         coefficients = aligned((1 + len(weights)) * SIZE).reshape(1 + len(weights), SIZE)
         coefficients[0] = numbers**2 @ weights
         coefficients[1:] = -2 * (numbers * weights).T
-        single = aligned(coefficients.size // 2).view(np.float32).reshape(coefficients.shape)
-        with np.errstate(over="ignore"):
-            single[:] = coefficients
-        return StartBank(configurations, coefficients, single)
+        return StartBank(configurations, coefficients)
 
     @cached_property
     def _held(self) -> Function:

@@ -125,7 +125,7 @@ def test_a_restart_begins_at_the_nearest_start():
     found = ik.solve_batch(targets, restarts=1, max_iterations=1, seed=2, lanes=True)
     assert found.converged.all()
     assert found.restarts.tolist() == [1, 1, 1]
-    assert np.array_equal(found.q, bank.configurations[chosen])
+    assert found.q == pytest.approx(bank.configurations[chosen], abs=1e-6)  # they pass through single precision
 
 
 @pytest.mark.quick(2)
@@ -145,7 +145,7 @@ def test_restarts_follow_in_the_order_of_their_distances(k, rng):
         target[None], robot.neutral[None], *other.starts, 1, 4.0, other
     )
     assert found.tallies[0].tolist() == [Code.DONE, k, k]
-    assert np.array_equal(found.q[0], answer)
+    assert found.q[0] == pytest.approx(answer, abs=1e-6)
 
 
 @pytest.mark.parametrize("distance", [np.inf, np.nan])
