@@ -108,25 +108,26 @@ def read_matrices(targets: Array, kind: Kind) -> Array | None:
     """The numbers of `read_fast` of many matrices (k, 4, 4), (k, size); None where one of them is not valid."""
     rows = targets.reshape(-1, 16)
     entries = _ENTRIES["position"] + _ENTRIES["orientation"] if kind == "pose" else _ENTRIES[kind]
-    table = np.empty((len(rows), len(entries)))
     for begin in range(0, len(rows), MATRICES):
         part = np.ascontiguousarray(rows[begin : begin + MATRICES].T)
         if not _are_poses(part, with_rotation=kind != "position"):
             return None
-        table[begin : begin + MATRICES] = part[entries].T
-    return table
+    return rows.take(entries, axis=1)
 
 
 def _are_poses(entries: Array, *, with_rotation: bool) -> bool:
     """Whether matrices, whose entries are the rows (16, k), are finite poses."""
+    x, y, z, p = entries[:12].reshape(3, 4, -1).transpose(1, 0, 2)
     with np.errstate(all="ignore"):
-        if not np.isfinite(entries.sum()) or not (entries[12:] == [[0], [0], [0], [1]]).all():
+        if entries[12:15].any() or not (entries[15] == 1).all():
+            return False
+        if not np.isfinite(p.sum() if with_rotation else entries.sum()):
             return False
         if not with_rotation:
             return True
-        x, y, z = ((entries[i], entries[i + 4], entries[i + 8]) for i in range(3))
         for a, b, inner in ((x, x, 1), (y, y, 1), (z, z, 1), (x, y, 0), (y, z, 0), (z, x, 0)):
-            if not np.abs(a[0] * b[0] + a[1] * b[1] + a[2] * b[2] - inner).max() <= ROTATION_TOLERANCE:
+            products = np.einsum("rk,rk->k", a, b)
+            if not max(products.max() - inner, inner - products.min()) <= ROTATION_TOLERANCE:
                 return False
         volume = z[0] * (x[1] * y[2] - x[2] * y[1]) + z[1] * (x[2] * y[0] - x[0] * y[2])
         return bool((volume + z[2] * (x[0] * y[1] - x[1] * y[0]) > 0).all())
