@@ -24,7 +24,11 @@ class Level(NamedTuple):
     lanes: int
 
     def lanes_of(self, *, single: bool) -> int:
-        """How many numbers of single or double precision a vector has."""
+        """How many numbers a vector has.
+
+        Args:
+            single: whether they have single precision.
+        """
         return 2 * self.lanes if single else self.lanes
 
 
