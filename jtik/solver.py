@@ -250,9 +250,9 @@ class InverseKinematics(LockedJoints, ControlLoop, FixedSolver, metaclass=Constr
             lanes: whether several targets are solved side by side in vector registers, several times faster. With
                 restarts and without a criterion it is a search of its own, in which "damped" takes steps without
                 backtracking, far from the target in single precision; so postures differ from those of `solve`. What
-                it does not reach is left to the search of `solve`. Otherwise results differ from those of `solve` by rounding. Results depend neither on what
-                is solved beside them nor on ``threads`` nor on the width of the registers. It compiles C when it is
-                first used, whatever ``compiled`` is.
+                it does not reach is left to the search of `solve`. Otherwise results differ from those of `solve` by
+                rounding. Results depend neither on what is solved beside them nor on ``threads`` nor on the width of
+                the registers. It compiles C when it is first used, whatever ``compiled`` is.
             save: a ``.npz`` file that is written while the batch runs. If it exists, the batch goes on from it.
 
         Raises:

@@ -10,7 +10,8 @@ from __future__ import annotations
 import ctypes
 import platform
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar, cast
@@ -32,6 +33,7 @@ __all__ = [
     "bind",
     "compiler",
     "library",
+    "plain_libraries",
     "plain_library",
     "to_c",
 ]
@@ -163,12 +165,32 @@ def library(
     return _library(source, function.name(), archive, runs, using, _loaded)
 
 
-def plain_library(source: str, more: tuple[str, ...] = ()) -> tuple[ctypes.CDLL, str]:
+def plain_libraries(sources: Sequence[str], more: tuple[str, ...] = ()) -> list[tuple[ctypes.CDLL, str]]:
+    """Several of `plain_library`, compiled at the same time; Ctrl-C ends all compilers.
+
+    Args:
+        sources: the sources.
+        more: more options for the compiler.
+
+    Raises:
+        CompilerError: when there is no compiler, it fails, or a library cannot be stored or loaded.
+    """
+    runs = CompilerRuns()
+    with ThreadPoolExecutor(len(sources)) as pool:
+        try:
+            return list(pool.map(lambda source: plain_library(source, more, runs), sources))
+        except BaseException:
+            runs.end()
+            raise
+
+
+def plain_library(source: str, more: tuple[str, ...] = (), runs: CompilerRuns | None = None) -> tuple[ctypes.CDLL, str]:
     """C source as a shared library, kept as those of `library` are, and what JTIK_NAME stands for in it.
 
     Args:
         source: the source; its own names begin with JTIK_NAME.
         more: more options for the compiler.
+        runs: runs the compiler, and can end it.
 
     Raises:
         CompilerError: when there is no compiler, it fails, or the library cannot be stored or loaded.
@@ -177,7 +199,7 @@ def plain_library(source: str, more: tuple[str, ...] = ()) -> tuple[ctypes.CDLL,
     def load(name: str, path: Path) -> tuple[ctypes.CDLL, str]:
         return ctypes.CDLL(str(path)), name
 
-    return _library(source, "JTIK_NAME", None, None, nullcontext(), load, more)
+    return _library(source, "JTIK_NAME", None, runs, nullcontext(), load, more)
 
 
 def _library(

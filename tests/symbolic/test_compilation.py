@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import jtik
+from jtik._loop.lanes import search as lane_search
 from jtik.symbolic import c_compiler, library_cache
 from jtik.symbolic.compile import CompilerError, compiler
 
@@ -173,6 +174,19 @@ def test_ctrl_c_ends_the_compilers_and_leaves_nothing(cache, slow_compiler, pids
         solver(compiled=True)
     sender.join()
     assert len(list(pids.iterdir())) >= 2
+    assert running(pids) == []
+    assert list(cache.iterdir()) == []
+
+
+def test_ctrl_c_ends_the_compilers_of_lanes(cache, slow_compiler, pids, interruptible, monkeypatch):
+    ik = solver(criteria=None, strategy="damped")
+    monkeypatch.setattr(lane_search, "highest_level", lambda: 0)
+    slow_compiler()
+    sender = interrupt_after(lambda: waiting(pids, 2))  # one for each precision
+    with pytest.raises(KeyboardInterrupt):
+        ik.solve_batch([[1.5, 1.0]], restarts=3, lanes=True)
+    sender.join()
+    assert len(list(pids.iterdir())) == 2
     assert running(pids) == []
     assert list(cache.iterdir()) == []
 

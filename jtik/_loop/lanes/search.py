@@ -15,21 +15,22 @@ target, and continued in double precision; where single precision does not come 
 from __future__ import annotations
 
 import ctypes
+import math
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from functools import cache, partial
-from typing import NamedTuple, cast
+from functools import cache
+from typing import Any, NamedTuple, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
-from jtik._loop.lanes.search_source import source, work_size
+from jtik._loop.lanes.search_source import COARSE, source, work_size
 from jtik._loop.native.search import NativeBatch
 from jtik._loop.runner import Runner
 from jtik._loop.search.full_turns import FullTurns
 from jtik._loop.search.start_bank import SIZE, StartBank, StartBanks, aligned
 from jtik._step.fused_step import FusedStep
 from jtik.symbolic import Function
-from jtik.symbolic.compile import NOTHING, Beside, plain_library
+from jtik.symbolic.compile import NOTHING, Beside, plain_libraries, plain_library
 from jtik.symbolic.generated_c import c_source
 from jtik.symbolic.lane_maths import EXACT, LEVELS, PROBE, Level
 from jtik.symbolic.lane_source import has_lanes
@@ -37,6 +38,9 @@ from jtik.types import Array
 
 MOST_ROWS = 16384
 """Most targets of one call: at its end some lanes have nothing to do."""
+
+ROUNDING = 0.25
+"""Largest rounding with which a search begins in single precision, relative to the errors with which it ends."""
 
 
 class LaneLibrary(NamedTuple):
@@ -77,8 +81,7 @@ def lane_library(fused: FusedStep, level: Level, beside: Beside = NOTHING, *, si
     called = c_source(*beside.functions) if beside.functions else ""
     codes = [called + source(function, fused.state, level) + beside.source]
     codes += [source(function, fused.state, level, single=True)] if single else []
-    with ThreadPoolExecutor(len(codes)) as pool:
-        first, *others = pool.map(partial(plain_library, more=EXACT), codes)
+    first, *others = plain_libraries(codes, EXACT)
     return LaneLibrary(function, fused.first_state, level, *first, others[0] if others else None)
 
 
@@ -161,6 +164,7 @@ class LaneSearch:
         self._work = aligned(work_size(library.function, library.level) + library.level.lanes * SIZE + inputs)
         self._call = _search_of(library.loaded, library.name)
         self._call_in_single = _search_of(*library.single) if library.single else None
+        self._latest: tuple[StartBank | None, bool] = None, False
 
     def beside(self) -> LaneSearch:
         """A search on memory of its own, for another thread."""
@@ -179,21 +183,73 @@ class LaneSearch:
     ) -> NativeBatch:
         """As `jtik._loop.native.search.NativeSearch.batch`; ``starts`` are those of ``bank``, where there is one."""
         found = NativeBatch.of(min(len(targets), MOST_ROWS), self._nq)
-        count = len(found.q)
-        arrays = [np.ascontiguousarray(targets[:count]), np.ascontiguousarray(q0), *found]
-        sizes = [targets.shape[1], self._nq if len(q0) > 1 else 0, self._work.ctypes.data]
+        arguments = self._arguments_of(found, targets[: len(found.q)], q0, starts, first, last, limit, patience, bank)
+        if bank is not None and starts is not None and self._begins_in_single_precision(bank):
+            arguments.table[6], _ = self._in_single_precision(arguments, bank)
+        return found.first(self._call(*arguments.of_call))
+
+    def _arguments_of(
+        self,
+        found: NativeBatch,
+        targets: Array,
+        q0: Array,
+        starts: Array | None,
+        first: int,
+        last: int,
+        limit: int,
+        patience: float,
+        bank: StartBank | None,
+    ) -> _Arguments:
+        """Those of `batch` as the search in C takes them, with ``found`` for what it finds."""
+        arrays = [np.ascontiguousarray(targets), np.ascontiguousarray(q0), *found]
+        sizes = [len(targets), targets.shape[1], self._nq if len(q0) > 1 else 0, self._work.ctypes.data]
         order = [bank.coefficients.ctypes.data, len(bank.configurations)] if bank else [0, 0]
-        table = np.array([*(each.ctypes.data for each in arrays), count, *sizes, *order, 0], dtype=np.uintp)
-        options = first, max(last, 0), limit, patience, table.ctypes.data
+        table = np.array([*(each.ctypes.data for each in arrays), *sizes, *order, 0], dtype=np.uintp)
         starts_at = None if starts is None else starts.ctypes.data
-        if self._call_in_single and starts_at:
-            arrived_after = np.empty(count, dtype=np.int64)
-            coefficients = bank.in_single_precision() if bank else np.empty(0)
-            table[10], table[12] = coefficients.ctypes.data, arrived_after.ctypes.data
-            table[6] = self._call_in_single(self._memory.address, starts_at, *options)
-            table[10] = order[0]
-        done = self._call(self._memory.address, starts_at, *options)
-        return found.first(done)
+        of_call = (self._memory.address, starts_at, first, max(last, 0), limit, patience, table.ctypes.data)
+        return _Arguments(table, of_call, [*arrays, starts])
+
+    def _in_single_precision(self, arguments: _Arguments, bank: StartBank) -> tuple[int, NDArray[np.int64]]:
+        """Search in single precision; how many searches have ended, and after how many steps close to the target."""
+        assert self._call_in_single is not None
+        table, coefficients = arguments.table, bank.in_single_precision()
+        arrived_after = np.empty(table[6], dtype=np.int64)
+        arguments.kept.append(arrived_after)
+        table[10], table[12] = coefficients.ctypes.data, arrived_after.ctypes.data
+        done = self._call_in_single(*arguments.of_call)
+        table[10] = bank.coefficients.ctypes.data
+        return done, arrived_after
+
+    def _begins_in_single_precision(self, bank: StartBank) -> bool:
+        """Whether there is a search in single precision, and its rounding is small.
+
+        At each configuration of the bank the error from the target that it meets is rounding alone.
+        """
+        if self._call_in_single is None:
+            return False
+        known, small = self._latest
+        if known is not bank:
+            found = NativeBatch.of(len(bank.numbers), self._nq)
+            at = bank.configurations
+            arguments = self._arguments_of(found, bank.numbers, at, at, 1, 0, 1, math.inf, bank)
+            _, arrived_after = self._in_single_precision(arguments, bank)
+            small = bool((arrived_after == 0).all() and (found.errors <= ROUNDING * COARSE).all())
+            self._latest = bank, small
+        return small
+
+
+class _Arguments(NamedTuple):
+    """Arguments of a search in C.
+
+    Attributes:
+        table: of addresses and sizes.
+        of_call: the arguments.
+        kept: what they point to.
+    """
+
+    table: NDArray[np.uintp]
+    of_call: tuple[int | float | None, ...]
+    kept: list[Any]
 
 
 def _search_of(loaded: ctypes.CDLL, name: str) -> Callable[..., int]:

@@ -219,7 +219,8 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
         }
         const long long *tally = tallies + 3 * next, before = arrived_after ? arrived_after[next] : -1;
         const int refines = 0 <= before && before < limit;
-        *own = (lane){next, refines ? tally[2] : 0, arrived_after ? tally[1] : 0, refines, steps, JTIK_NO_START};
+        const long long made = !arrived_after ? 0 : refines || before < 0 ? tally[1] : tally[1] + before;
+        *own = (lane){next, refines ? tally[2] : 0, made, refines, steps, JTIK_NO_START};
         calls[i] = refines ? before : 0;
         if (refines) start = ends + next * JTIK_NQ;
 #endif

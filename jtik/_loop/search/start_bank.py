@@ -44,10 +44,12 @@ class StartBank(NamedTuple):
         configurations: the configurations, (SIZE, nq).
         coefficients: of a distance as an affine function of a target's numbers: the constants, then the factors of each
             number, (1 + target size, SIZE), aligned.
+        numbers: the numbers of the targets that the configurations meet, (SIZE, target size).
     """
 
     configurations: Array
     coefficients: Array
+    numbers: Array
 
     @property
     def starts(self) -> tuple[Array, int, int]:
@@ -117,7 +119,7 @@ class StartBanks:
         coefficients = aligned((1 + len(weights)) * SIZE).reshape(1 + len(weights), SIZE)
         coefficients[0] = numbers**2 @ weights
         coefficients[1:] = -2 * (numbers * weights).T
-        return StartBank(configurations, coefficients)
+        return StartBank(configurations, coefficients, numbers)
 
     @cached_property
     def _held(self) -> Function:

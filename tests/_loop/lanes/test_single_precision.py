@@ -9,6 +9,7 @@ import pytest
 
 import jtik
 from jtik._loop.lanes import lanes as all_lanes
+from jtik._loop.lanes import search as lane_search
 from jtik._loop.lanes import search_source
 from jtik._loop.native import search_source as native_source
 from jtik.symbolic import lane_maths
@@ -19,9 +20,14 @@ from .test_search import problems, same, solver
 
 
 def solved(monkeypatch, robot, kind, targets, *, single=True, constants=None, **options):
-    """The targets solved in lanes by a new solver, with or without the search in single precision."""
+    """The targets solved in lanes by a new solver, with or without the search in single precision.
+
+    With other ``constants`` it is used whatever its rounding is.
+    """
     build = all_lanes.lane_library
     with monkeypatch.context() as patch:
+        if constants:
+            patch.setattr(lane_search.LaneSearch, "_begins_in_single_precision", lambda *_: single)
         for name, value in (constants or {}).items():
             patch.setattr(search_source if hasattr(search_source, name) else native_source, name, value)
         built = []
@@ -111,17 +117,14 @@ def test_large_numbers_are_left_to_double_precision(far, monkeypatch):
     assert found.q[1] == pytest.approx(expected.q[1], abs=1e-5)
 
 
-def test_large_targets_are_left_to_double_precision(monkeypatch, rng):
-    """In millimetres single precision does not come close to a target."""
-    robot = jtik.Robot.planar([400.0, 300.0, 200.0])
-    q = rng.uniform(-2, 2, (20, 3))
-    targets = np.array([robot.position(each) for each in q])
-    found, _ = solved(monkeypatch, robot, "position", targets, q0=q + 0.1)
-    expected, _ = solved(monkeypatch, robot, "position", targets, single=False, q0=q + 0.1)
-    large = np.abs(targets).max(axis=1) > search_source.LARGEST
-    assert large.sum() > 15
-    assert np.array_equal(found.q[large], expected.q[large])
-    assert found.status == expected.status
+@pytest.mark.parametrize("unit", [100.0, 1000.0, 1e4])
+def test_a_large_robot_stays_in_double_precision(unit, monkeypatch, rng):
+    """In millimetres single precision does not come close to a target, even to one whose numbers are small."""
+    robot = jtik.Robot.planar([0.4 * unit, 0.3 * unit, 0.2 * unit, 0.1 * unit])
+    targets = rng.uniform(-15, 15, (30, 2))
+    found, _ = solved(monkeypatch, robot, "position", targets, q0=np.full(4, 0.3), restarts=100)
+    expected, _ = solved(monkeypatch, robot, "position", targets, single=False, q0=np.full(4, 0.3), restarts=100)
+    same(found, expected)
 
 
 def test_a_small_robot_is_found_to_its_tolerances(monkeypatch, rng):
