@@ -108,11 +108,13 @@ def read_matrices(targets: Array, kind: Kind) -> Array | None:
     """The numbers of `read_fast` of many matrices (k, 4, 4), (k, size); None where one of them is not valid."""
     rows = targets.reshape(-1, 16)
     entries = _ENTRIES["position"] + _ENTRIES["orientation"] if kind == "pose" else _ENTRIES[kind]
+    table = np.empty((len(rows), len(entries)))
     for begin in range(0, len(rows), MATRICES):
-        part = np.ascontiguousarray(rows[begin : begin + MATRICES].T)
-        if not _are_poses(part, with_rotation=kind != "position"):
+        part = rows[begin : begin + MATRICES]
+        part.take(entries, axis=1, out=table[begin : begin + MATRICES], mode="clip")  # "raise" would copy it
+        if not _are_poses(np.ascontiguousarray(part.T), with_rotation=kind != "position"):
             return None
-    return rows.take(entries, axis=1)
+    return table
 
 
 def _are_poses(entries: Array, *, with_rotation: bool) -> bool:

@@ -156,7 +156,7 @@ def swept(judge, trace):
     ("criteria", "count"),
     [
         (None, 4),
-        *(pytest.param(each, 12, marks=pytest.mark.slow) for each in (None, JointCentering(), SelfCollision())),
+        *(pytest.param(each, 8, marks=pytest.mark.slow) for each in (None, JointCentering(), SelfCollision())),
     ],
 )
 def test_no_accepted_step_of_a_panda_brings_its_bodies_together(criteria, count):

@@ -101,7 +101,7 @@ def test_loops_change_nothing(strategy, kind, rng, monkeypatch):
     assert sum(one in arrived for one, _ in ends) > 0.2 * len(ends)
 
 
-@pytest.mark.slow
+@pytest.mark.quick(0, slow=2)
 @pytest.mark.parametrize("strategy", STRATEGIES)
 def test_generated_c_is_the_same(strategy, rng, monkeypatch):
     with_loops(monkeypatch)

@@ -83,6 +83,8 @@ class BatchRows(NamedTuple):
         parts = (
             sorted((part for part in parts if len(part.numbers)), key=lambda part: int(part.numbers[0])) or parts[:1]
         )
+        if len(parts) == 1:
+            return parts[0]
         columns = [np.concatenate(column) for column in zip(*[part[:-1] for part in parts], strict=True)]
         numbers = columns[0]
         if (numbers[1:] < numbers[:-1]).any():  # the parts overlap

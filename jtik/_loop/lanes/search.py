@@ -36,8 +36,11 @@ from jtik.symbolic.lane_maths import EXACT, LEVELS, PROBE, Level
 from jtik.symbolic.lane_source import has_lanes
 from jtik.types import Array
 
-MOST_ROWS = 16384
+MOST_ROWS = 65536
 """Most targets of one call: at its end some lanes have nothing to do."""
+
+BLOCKS = 2
+"""Number of blocks a thread: searches in lanes take about as long as each other, and what is in Python waits for it."""
 
 ROUNDING = 0.25
 """Largest rounding with which a search begins in single precision, relative to the errors with which it ends."""

@@ -24,7 +24,9 @@ Solve = Callable[[int, int], NativeBatch]
 """(number of the first row, number after the last) -> the first ones of these rows; at least one."""
 
 
-def in_threads(solves: list[Solve], count: int) -> Iterator[tuple[int, NativeBatch]]:
+def in_threads(
+    solves: list[Solve], count: int, *, blocks: int = BLOCKS, most: int = MOST_ROWS
+) -> Iterator[tuple[int, NativeBatch]]:
     """The rows of a batch in blocks, each with the number of its first row, as they are done.
 
     Where the iterator is closed or Ctrl-C is pressed, the threads end after their calls of C, which take a tenth of a
@@ -33,6 +35,8 @@ def in_threads(solves: list[Solve], count: int) -> Iterator[tuple[int, NativeBat
     Args:
         solves: what solves in each thread.
         count: number of rows.
+        blocks: number of blocks a thread.
+        most: most rows of a block.
     """
     if len(solves) == 1:
         begin = 0
@@ -42,14 +46,14 @@ def in_threads(solves: list[Solve], count: int) -> Iterator[tuple[int, NativeBat
             begin += len(batch.q)
         return
     done: queue.SimpleQueue[tuple[int, NativeBatch] | BaseException] = queue.SimpleQueue()
-    size = min(max(count // (BLOCKS * len(solves)), SMALLEST), MOST_ROWS)
-    blocks, taking, stop = iter(range(0, count, size)), threading.Lock(), threading.Event()
+    size = min(max(count // (blocks * len(solves)), SMALLEST), most)
+    begins, taking, stop = iter(range(0, count, size)), threading.Lock(), threading.Event()
 
     def work(solve: Solve) -> None:
         try:
             while not stop.is_set():
                 with taking:
-                    at = next(blocks, count)
+                    at = next(begins, count)
                 if at == count:
                     return
                 end = min(at + size, count)

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jtik._loop.lanes.search import LaneSearch
+from jtik._loop.lanes.search import BLOCKS, MOST_ROWS, LaneSearch
 from jtik._loop.native.search import NativeBatch, NativeSearch
 from jtik._loop.native.threads import MOST_THREADS, SMALLEST, in_threads
 from jtik._loop.runner import Runner
@@ -312,7 +312,8 @@ class Search:
         if self._beside_of is not native:
             self._beside_of, self._beside = native, []
         self._beside += [native.beside() for _ in range(len(self._beside), threads)]  # Python goes on with its own
-        return in_threads([partial(solve, search) for search in self._beside[:threads]], len(targets))
+        in_lanes = {"blocks": BLOCKS, "most": MOST_ROWS} if lanes else {}
+        return in_threads([partial(solve, search) for search in self._beside[:threads]], len(targets), **in_lanes)
 
     def found(self, batch: NativeBatch, row: int, target: Array) -> SearchResult | None:
         """A row of `find_all`, whose ``target`` is given as numbers; None where it needs `find`."""

@@ -52,7 +52,7 @@ CASES = {
     "ur5": {"robot": "ur5", "strategy": "hybrid"},
     "ten links, with a criterion": {"count": 10, "kind": "position", "strategy": "hybrid"},
 }
-COUNTS = [60, *slow(1500)]
+COUNTS = [60, *slow(800)]
 
 
 def check_answers(ik, targets, found):

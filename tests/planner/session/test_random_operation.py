@@ -68,7 +68,7 @@ def operate(operator: Operator, generator: np.random.Generator, ticks: int) -> N
 
 
 @pytest.mark.quick(0)
-@pytest.mark.parametrize(("seed", "periods"), [(0, 1000), pytest.param(1, 3000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("seed", "periods"), [(0, 1000), pytest.param(1, 2000, marks=pytest.mark.slow)])
 def test_random_operation(seed: int, periods: int) -> None:
     operator, generator = Operator(), np.random.default_rng(seed)
     operate(operator, generator, periods)
@@ -96,7 +96,7 @@ def test_memory_does_not_grow() -> None:
         gc.collect()
         return len(gc.get_objects())
 
-    operate(operator, generator, 4500)  # until every form of a solver has been built once
+    operate(operator, generator, 3000)  # until every form of a solver has been built once
     before = objects()
-    operate(operator, generator, 3000)
+    operate(operator, generator, 2000)
     assert objects() - before < 500
