@@ -3,7 +3,7 @@
 The caller's start and the restarts, in the order of their distance from the target, are tried at the same time
 (formulations/restarts.md). Which attempt wins depends on the numbers of their iterations alone, neither on time nor on
 the width of the registers. What is unusual, and a target that none of them reaches, is left to the search in Python,
-which begins anew; so is a search that takes more than a tenth of a second: Ctrl-C is obeyed then.
+which begins anew; so is a search of very many steps: Ctrl-C is obeyed then.
 """
 
 from __future__ import annotations

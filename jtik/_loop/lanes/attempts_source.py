@@ -39,7 +39,6 @@ JTIK_CPU long long JTIK_NAME_attempts(void** at, const double* starts, long long
   JTIK_NAME_attempt attempts[JTIK_PLACES];
   JTIK_NAME_start latest = JTIK_NO_START;
   long long next = 0, rounds = 0, iterations = 0, winner = -1, won = 0, code = 0;
-  double end = 0;
   int here = 0, active = 0;
 #define OF(p) memory[(p) / JTIK_LANES]
 #define OUT(p, name) OF(p).outcome[JTIK_##name * JTIK_LANES + (p) % JTIK_LANES]
@@ -81,11 +80,7 @@ JTIK_CPU long long JTIK_NAME_attempts(void** at, const double* starts, long long
         over |= ((const V*)outcome)[JTIK_CODE] != 0.0;
       }
       here = 1 - here;
-      if (++rounds % JTIK_CHECKED == 0) {
-        const double now = JTIK_NAME_seconds();
-        if (end == 0) end = now + JTIK_BUDGET;
-        if (now > end) return tally[0] = JTIK_LOOK;
-      }
+      if (++rounds >= JTIK_LONGEST) return tally[0] = JTIK_LOOK;
     } while (!any(over) && rounds < limit);
     for (int p = 0; p < JTIK_TOGETHER; ++p) {
       JTIK_NAME_attempt* own = attempts + p;

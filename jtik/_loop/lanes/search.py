@@ -3,8 +3,9 @@
 Each lane follows the rules of `jtik._loop.search.search` with a target, a state and restarts of its own; where its
 search ends it takes the next target. What a lane holds does not change what the others compute. Sine and cosine are not
 those of the C library, so that results differ from those of the other searches by rounding. What is unusual is left to
-the search in Python, as by the native search, and so is a search that goes on for more than a tenth of a second after
-all others of its call: Ctrl-C is obeyed then.
+the search in Python, as by the native search, and so is a search of very many steps. After a tenth of a second a call
+begins no more searches, and returns when those that it has begun have ended: Ctrl-C is obeyed then. What it finds does
+not depend on time.
 
 Restarts come in the order of their distance from the target (`jtik._loop.search.start_bank`, formulations/restarts.md).
 With restarts, and without a criterion, the steps are those of `Strategy.in_lanes`; where none of the attempts reaches
@@ -230,15 +231,17 @@ class LaneSearch:
         """
         if self._call_in_single is None:
             return False
-        known, small = self._latest
-        if known is not bank:
-            found = NativeBatch.of(len(bank.numbers), self._nq)
-            at = bank.configurations
-            arguments = self._arguments_of(found, bank.numbers, at, at, 1, 0, 1, math.inf, bank)
-            _, arrived_after = self._in_single_precision(arguments, bank)
-            small = bool((arrived_after == 0).all() and (found.errors <= ROUNDING * COARSE).all())
+        if self._latest[0] is not bank:
+            begin, small = 0, True
+            while begin < len(bank.numbers) and small:
+                numbers, at = bank.numbers[begin:], bank.configurations[begin:]
+                found = NativeBatch.of(len(at), self._nq)
+                arguments = self._arguments_of(found, numbers, at, at, 1, 0, 1, math.inf, bank)
+                done, arrived_after = self._in_single_precision(arguments, bank)
+                at_once, errors = arrived_after[:done] == 0, found.errors[:done]
+                small, begin = bool(at_once.all() and (errors <= ROUNDING * COARSE).all()), begin + done
             self._latest = bank, small
-        return small
+        return self._latest[1]
 
 
 class _Arguments(NamedTuple):

@@ -21,6 +21,9 @@ COARSE = 2e-5
 LARGEST = 16.0
 """Largest number of a start or target that it takes: the rounding of larger ones is not far below `COARSE`."""
 
+LONGEST = 100_000_000
+"""Instructions of a step times steps, after which a search is left to Python: some hundredths of a second."""
+
 ENDED = 16
 """Ends of attempts after which the time is read again."""
 
@@ -70,7 +73,8 @@ typedef struct {
 } lane;
 
 /* Searches for a table of targets, in the order of the table, as JTIK_NAME_batch of the native search has them. A lane
-   whose search has ended takes the next target. Returns how many are done when the time is over.
+   whose search has ended takes the next target. Returns how many are done when the time is over and those that had
+   begun have ended.
    arrived_after, NULL without a search in single precision, is that one's result and an argument of the other: the
    steps of the attempt that has come close to the target, -1 where none has. The numbers of steps and restarts before
    that attempt, and where it has ended, are then in the table. */
@@ -101,7 +105,7 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
   const R* const* shared = given;
 #endif
   const R* settings = shared[JTIK_SETTINGS];
-  const I longest = limit < INT32_MAX ? limit : INT32_MAX;
+  const I longest = limit < JTIK_LONGEST ? limit : JTIK_LONGEST;
   const int several = starts != 0;
   const double begin = JTIK_NAME_seconds(), end = begin + JTIK_BUDGET;
   double of_step = 0; /* mean time of a step */
@@ -118,18 +122,8 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
       JTIK_NAME_step(JTIK_ARGUMENTS, (V*)q[1 - here], (V*)state[1 - here], (V*)outcome);
       here = 1 - here;
       calls += 1;
+      ++steps;
       over = (((const V*)outcome)[JTIK_CODE] != ALL(0)) | (calls >= longest);
-      if (++steps % JTIK_CHECKED == 0 && JTIK_NAME_seconds() > end + JTIK_BUDGET) { /* Python goes on with them */
-        for (int i = 0; i < JTIK_LANES; ++i) {
-          if (lanes[i].row < 0) continue;
-#ifdef JTIK_SINGLE
-          arrived_after[lanes[i].row] = -1;
-#else
-          tallies[3 * lanes[i].row] = JTIK_LOOK;
-#endif
-        }
-        return next;
-      }
       if (!any(over)) continue;
       if (ended++ % JTIK_ENDED == 0) {
         const double now = JTIK_NAME_seconds();
@@ -144,11 +138,12 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
       int finished = 0;
       if (own->row >= 0) {
         const long long code = (long long)OF(CODE), k = calls[i] - (code != 0 && !OF(TRIED));
-        const int unusual = code == JTIK_UNSOLVED || (code == JTIK_STALLED && (calls[i] == 1 || !several)) ||
-                            (code == JTIK_SLOW && !several);
         const int arrived = !several || code == JTIK_DONE ||
                             (k && OF(POSITION_ERROR) <= settings[JTIK_POSITION_TOLERANCE] &&
                              OF(ORIENTATION_ERROR) <= settings[JTIK_ORIENTATION_TOLERANCE]);
+        const int is_long = (code == 0 && calls[i] < limit) || (!arrived && own->iterations + k >= JTIK_LONGEST);
+        const int unusual = is_long || code == JTIK_UNSOLVED ||
+                            (code == JTIK_STALLED && (calls[i] == 1 || !several)) || (code == JTIK_SLOW && !several);
         if (own->refines && !arrived) { /* the search begins anew */
           JTIK_NAME_begin(q[here], state[here], from + own->row * stride, initial, patience, i);
           *own = (lane){own->row, 0, own->iterations + k, 0, own->since, JTIK_NO_START};
@@ -255,6 +250,7 @@ def source(function: Function, state: VectorLayout, level: Level, *, single: boo
         "NS": function.numel_in(first + len(names)),
         "WORK": work_size(function, level) // level.lanes,
         "ENDED": ENDED,
+        "LONGEST": max(LONGEST // function.n_instructions(), 1),
         **attempts_source.sizes(level),
     }
     if single:

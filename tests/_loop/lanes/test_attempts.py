@@ -16,8 +16,8 @@ import pytest
 import jtik
 from jtik._loop.lanes import lanes as all_lanes
 from jtik._loop.lanes import search as lane_search
+from jtik._loop.lanes import search_source
 from jtik._loop.lanes.attempts_source import TOGETHER
-from jtik._loop.native import search_source as native_source
 from jtik._loop.runner import Runner
 from jtik._loop.search.search import IN_LANES as PATIENCE
 from jtik._loop.search.start_bank import SIZE, StartBanks
@@ -269,8 +269,7 @@ def test_a_search_that_takes_long_goes_on_in_python(monkeypatch, rng):
         return [ik.solve(target, q0=q0, restarts=3, lanes=lanes) for target in targets]
 
     one = solutions(False)
-    monkeypatch.setattr(native_source, "BUDGET", 0.0)
-    monkeypatch.setattr(native_source, "CHECKED", 1)
+    monkeypatch.setattr(search_source, "LONGEST", 0)
     for before, after in zip(one, solutions(True), strict=True):
         same(before, after)
 

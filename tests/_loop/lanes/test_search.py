@@ -14,6 +14,7 @@ import pytest
 
 import jtik
 from jtik._loop.lanes import search as lane_search
+from jtik._loop.lanes import search_source
 from jtik._loop.native import search_source as native_source
 from jtik.symbolic import lane_maths
 from jtik.symbolic.compile import plain_library
@@ -235,10 +236,29 @@ def test_a_search_that_takes_long_goes_on_in_python(monkeypatch, rng):
         return ik.solve_batch(targets, q0=q0, restarts=3, lanes=lanes)
 
     one = batch(False)
-    monkeypatch.setattr(native_source, "BUDGET", 0.0)
-    monkeypatch.setattr(native_source, "CHECKED", 3)
+    monkeypatch.setattr(search_source, "LONGEST", 0)
     same(one, batch(True))
     assert 0 < one.converged.sum() < len(targets)
+
+
+@pytest.mark.parametrize("restarts", [0, 20])
+@pytest.mark.parametrize("strategy", ["damped", "hybrid"])
+def test_no_result_depends_on_time(strategy, restarts, monkeypatch, rng):
+    """A call whose time is over at once takes no more targets; those that it has are solved as ever."""
+    targets, q0 = problems(solver(), rng, 60)
+    targets[::9, 2, 3] += 2.0  # out of reach
+
+    def batch():
+        ik = solver.__wrapped__(strategy=strategy)
+        return ik.solve_batch(targets, q0=q0, restarts=restarts, lanes=True)
+
+    expected = batch()
+    monkeypatch.setattr(native_source, "BUDGET", 0.0)
+    found, reached = batch(), expected.converged
+    assert found.status == expected.status
+    assert reached.mean() > 0.4
+    for name in COLUMNS:  # what is not reached is left to the search without lanes
+        assert np.array_equal(getattr(found, name)[reached], getattr(expected, name)[reached]), name
 
 
 @pytest.mark.parametrize("options", [{"strategy": "weighted_qp"}, {"strategy": "hybrid+qp", "criteria": "centering"}])

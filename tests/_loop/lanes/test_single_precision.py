@@ -11,7 +11,6 @@ import jtik
 from jtik._loop.lanes import lanes as all_lanes
 from jtik._loop.lanes import search as lane_search
 from jtik._loop.lanes import search_source
-from jtik._loop.native import search_source as native_source
 from jtik.symbolic import lane_maths
 from jtik.symbolic.compile import plain_library
 
@@ -29,7 +28,7 @@ def solved(monkeypatch, robot, kind, targets, *, single=True, constants=None, **
         if constants:
             patch.setattr(lane_search.LaneSearch, "_begins_in_single_precision", lambda *_: single)
         for name, value in (constants or {}).items():
-            patch.setattr(search_source if hasattr(search_source, name) else native_source, name, value)
+            patch.setattr(search_source, name, value)
         built = []
 
         def library(*arguments, **flags):
@@ -165,11 +164,10 @@ def test_unit_quaternions_stay_in_double_precision(monkeypatch, rng):
     assert found.converged.all()
 
 
-def test_one_time_limit_for_both(monkeypatch, rng):
-    """What is not ended in time ends as in the search without lanes."""
+def test_a_search_of_many_steps_ends_as_without_lanes(monkeypatch, rng):
     robot = planar(4)
     targets = rng.uniform(-4, 4, (30, 2))
-    constants = {"BUDGET": 0.0, "CHECKED": 2}
+    constants = {"LONGEST": 0}
     found, _ = solved(monkeypatch, robot, "position", targets, constants=constants, q0=np.full(4, 0.3), restarts=3)
     ik = jtik.InverseKinematics(robot, jtik.FrameTask(kind="position"), strategy="damped")
     same(ik.solve_batch(targets, q0=np.full(4, 0.3), restarts=3), found)
