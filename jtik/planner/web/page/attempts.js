@@ -43,7 +43,10 @@ export function showDock(host) {
   const named = el("span", { class: "current" });
   const choose = el("button", { id: "choose", title: "Mark it as the one to carry out", onclick: () => send("choose", { attempt: current().name }) }, "Choose");
   const resolve = choice([["", "Resolve with"], ...state.setup.strategies.map((each) => [each.name, words(each.name)])], (strategy) => {
-    if (strategy) send("resolve", { attempt: current().name, strategy });
+    if (strategy) {
+      state.recorded = false; // the attempt may have come before the frame that said that the recording has ended
+      send("resolve", { attempt: current().name, strategy });
+    }
     resolve.value = "";
   }, { id: "resolve", "aria-label": "resolve the attempt with another strategy", title: "Follow the same targets with another strategy" });
   const commit = el("button", { id: "commit", class: "primary", title: "Check it, and export it", onclick: () => commitDialog(current().name) }, "Commit");
