@@ -14,9 +14,14 @@ operations, decides how fast it runs.
 
 from __future__ import annotations
 
-DOUBLE = r"""
+COMMON = r"""
 typedef struct { V sin, cos; } sin_cos;
 
+static __attribute__((noinline, cold)) JTIK_CPU void far_atan2(const V* y, V* x) { *x = TWO(atan2, *y, *x); }
+"""
+"""What both forms need."""
+
+DOUBLE = r"""
 JTIK_INLINE sin_cos sin_cos_of(V x) {
   const V shift = ALL(0x1.8p+52); /* rounds to an integer, which the lowest bits then hold */
   const V t = v_fma(x, ALL(0x1.45f306dc9c883p-1), shift);
@@ -65,8 +70,6 @@ static __attribute__((noinline)) JTIK_CPU void v_sin_cos(int n, const V* x, V* s
   if (any(~near)) far_sin_cos(n, x, s, c);
 }
 
-static __attribute__((noinline, cold)) JTIK_CPU void far_atan2(const V* y, V* x) { *x = TWO(atan2, *y, *x); }
-
 JTIK_INLINE V v_atan2(V y, V x) {
   const V ax = v_fabs(x), ay = v_fabs(y);
   const M steep = ay > ax;
@@ -98,8 +101,6 @@ JTIK_INLINE V v_atan2(V y, V x) {
 """
 
 SINGLE = r"""
-typedef struct { V sin, cos; } sin_cos;
-
 JTIK_INLINE sin_cos sin_cos_of(V x) {
   const V shift = ALL(0x1.8p+23); /* rounds to an integer, which the lowest bits then hold */
   const V t = v_fma(x, ALL(0x1.45f306p-1), shift);
@@ -126,8 +127,6 @@ static __attribute__((noinline)) JTIK_CPU void v_sin_cos(int n, const V* x, V* s
     c[i] = found.cos;
   }
 }
-
-static __attribute__((noinline, cold)) JTIK_CPU void far_atan2(const V* y, V* x) { *x = TWO(atan2, *y, *x); }
 
 JTIK_INLINE V v_atan2(V y, V x) {
   const V ax = v_fabs(x), ay = v_fabs(y);

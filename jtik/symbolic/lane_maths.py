@@ -150,4 +150,4 @@ def lane_maths(level: Level, *, single: bool = False) -> str:
     instructions = [f'#define JTIK_INSTRUCTIONS "{level.instructions}"'] if level.instructions else []
     sizes = [f"#define JTIK_BYTES {8 * level.lanes}", f"#define JTIK_LANES {level.lanes_of(single=single)}"]
     numbers, angles = (_SINGLE, lane_angles.SINGLE) if single else (_DOUBLE, lane_angles.DOUBLE)
-    return "\n".join([*instructions, *sizes, _INCLUDED + numbers + _LANE_MATHS + angles])
+    return "\n".join([*instructions, *sizes, _INCLUDED + numbers + _LANE_MATHS + lane_angles.COMMON + angles])

@@ -31,7 +31,7 @@ from jtik._loop.search.full_turns import FullTurns
 from jtik._loop.search.start_bank import SIZE, StartBank, StartBanks, aligned
 from jtik._step.fused_step import FusedStep
 from jtik.symbolic import Function
-from jtik.symbolic.compile import NOTHING, Beside, plain_libraries, plain_library
+from jtik.symbolic.compile import Beside, plain_libraries, plain_library
 from jtik.symbolic.generated_c import c_source
 from jtik.symbolic.lane_maths import EXACT, LEVELS, PROBE, Level
 from jtik.symbolic.lane_source import has_lanes
@@ -67,7 +67,7 @@ class LaneLibrary(NamedTuple):
     single: tuple[ctypes.CDLL, str] | None
 
 
-def lane_library(fused: FusedStep, level: Level, beside: Beside = NOTHING, *, single: bool) -> LaneLibrary | None:
+def lane_library(fused: FusedStep, level: Level, beside: Beside, *, single: bool) -> LaneLibrary | None:
     """The search in lanes, compiled now; None for a step that calls a solver or Python, or cannot be written so.
 
     Args:
@@ -187,7 +187,8 @@ class LaneSearch:
     ) -> NativeBatch:
         """As `jtik._loop.native.search.NativeSearch.batch`; ``starts`` are those of ``bank``, where there is one."""
         found = NativeBatch.of(min(len(targets), MOST_ROWS), self._nq)
-        arguments = self._arguments_of(found, targets[: len(found.q)], q0, starts, first, last, limit, patience, bank)
+        order = first, max(last, 0), limit, patience
+        arguments = self._arguments_of(found, targets[: len(found.q)], q0, starts, bank, order)
         if bank is not None and starts is not None and self._begins_in_single_precision(bank):
             arguments.table[6], _ = self._in_single_precision(arguments, bank)
         return found.first(self._call(*arguments.of_call))
@@ -198,20 +199,19 @@ class LaneSearch:
         targets: Array,
         q0: Array,
         starts: Array | None,
-        first: int,
-        last: int,
-        limit: int,
-        patience: float,
         bank: StartBank | None,
+        order: tuple[int, int, int, float],
     ) -> _Arguments:
-        """Those of `batch` as the search in C takes them, with ``found`` for what it finds."""
+        """Those of `batch` as the search in C takes them, with ``found`` for what it finds.
+
+        ``order`` has the numbers of the first and last restart, the limit of iterations and the patience.
+        """
         arrays = [np.ascontiguousarray(targets), np.ascontiguousarray(q0), *found]
         sizes = [len(targets), targets.shape[1], self._nq if len(q0) > 1 else 0, self._work.ctypes.data]
-        order = [bank.coefficients.ctypes.data, len(bank.configurations)] if bank else [0, 0]
-        table = np.array([*(each.ctypes.data for each in arrays), *sizes, *order, 0], dtype=np.uintp)
+        of_bank = [bank.coefficients.ctypes.data, len(bank.configurations)] if bank else [0, 0]
+        table = np.array([*(each.ctypes.data for each in arrays), *sizes, *of_bank, 0], dtype=np.uintp)
         starts_at = None if starts is None else starts.ctypes.data
-        of_call = (self._memory.address, starts_at, first, max(last, 0), limit, patience, table.ctypes.data)
-        return _Arguments(table, of_call, [*arrays, starts])
+        return _Arguments(table, (self._memory.address, starts_at, *order, table.ctypes.data), [*arrays, starts])
 
     def _in_single_precision(self, arguments: _Arguments, bank: StartBank) -> tuple[int, NDArray[np.int64]]:
         """Search in single precision; how many searches have ended, and after how many steps close to the target."""
@@ -236,7 +236,7 @@ class LaneSearch:
             while begin < len(bank.numbers) and small:
                 numbers, at = bank.numbers[begin:], bank.configurations[begin:]
                 found = NativeBatch.of(len(at), self._nq)
-                arguments = self._arguments_of(found, numbers, at, at, 1, 0, 1, math.inf, bank)
+                arguments = self._arguments_of(found, numbers, at, at, bank, (1, 0, 1, math.inf))
                 done, arrived_after = self._in_single_precision(arguments, bank)
                 at_once, errors = arrived_after[:done] == 0, found.errors[:done]
                 small, begin = bool(at_once.all() and (errors <= ROUNDING * COARSE).all()), begin + done

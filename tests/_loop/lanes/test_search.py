@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import functools
 import os
 import signal
@@ -17,7 +16,6 @@ from jtik._loop.lanes import search as lane_search
 from jtik._loop.lanes import search_source
 from jtik._loop.native import search_source as native_source
 from jtik.symbolic import lane_maths
-from jtik.symbolic.compile import plain_library
 from jtik.symbolic.lane_maths import Level
 from jtik_formulations import Damped, JointCentering
 
@@ -278,70 +276,6 @@ def test_targets_are_checked():
         ik.solve_batch(poses, lanes=True)
     with pytest.raises(jtik.ArgumentError, match="q0"):
         ik.solve_batch(poses[:1], q0=np.full((1, 7), np.inf), lanes=True)
-
-
-SINES = """
-%s
-JTIK_CPU void JTIK_NAME_turns(const double* x, double* s, double* c, long long n) {
-  for (long long i = 0; i < n; i += 4) {
-    V v, a, b;
-    memcpy(&v, x + i, sizeof v);
-    v_sin_cos(1, &v, &a, &b);
-    memcpy(s + i, &a, sizeof a);
-    memcpy(c + i, &b, sizeof b);
-  }
-}
-JTIK_CPU void JTIK_NAME_angles(const double* y, const double* x, double* r, long long n) {
-  for (long long i = 0; i < n; i += 4) {
-    V a, b;
-    memcpy(&a, y + i, sizeof a);
-    memcpy(&b, x + i, sizeof b);
-    a = v_atan2(a, b);
-    memcpy(r + i, &a, sizeof a);
-  }
-}
-"""
-
-
-def pointers(*arrays):
-    return [each.ctypes.data_as(ctypes.c_void_p) for each in arrays]
-
-
-def test_sine_and_cosine_are_within_two_units_of_the_last_place(rng):
-    loaded, name = plain_library(SINES % lane_maths.lane_maths(lane_maths.LEVELS[0]), lane_maths.EXACT)
-    near = np.arange(-64000, 64000) * (np.pi / 2)
-    x = np.concatenate([rng.uniform(-1e5, 1e5, 200_000), rng.uniform(-7, 7, 200_000), near[::5], [0.0, -0.0, 1e-300]])
-    x = np.concatenate([x, np.zeros(-len(x) % 4)])
-    s, c = np.zeros_like(x), np.zeros_like(x)
-    getattr(loaded, f"{name}_turns")(*pointers(x, s, c), ctypes.c_longlong(len(x)))
-    exact = np.asarray(x, dtype=np.longdouble)
-    for found, expected in ((s, np.sin(exact)), (c, np.cos(exact))):
-        off = np.abs(found - expected) / np.spacing(np.abs(expected.astype(float)))
-        assert off.max() < 2.0
-    outside = np.array([1e6, -3e8, np.inf, np.nan])
-    s, c = np.zeros(4), np.zeros(4)
-    getattr(loaded, f"{name}_turns")(*pointers(outside, s, c), ctypes.c_longlong(4))
-    with np.errstate(invalid="ignore"):
-        assert s == pytest.approx(np.sin(outside), abs=1e-15, nan_ok=True)
-        assert c == pytest.approx(np.cos(outside), abs=1e-15, nan_ok=True)
-
-
-def test_the_arc_tangent_is_within_three_units_of_the_last_place(rng):
-    loaded, name = plain_library(SINES % lane_maths.lane_maths(lane_maths.LEVELS[0]), lane_maths.EXACT)
-    angle = np.concatenate([rng.uniform(-np.pi, np.pi, 200_000), np.arange(-16, 17) * np.pi / 16])
-    length = 10.0 ** rng.uniform(-12, 12, len(angle))
-    special = [0.0, -0.0, 1.0, -1.0, 1e-305, -1e-305, 1e305, np.inf, -np.inf, np.nan]
-    y, x = (np.concatenate([length * f(angle), np.array(pair)]) for f, pair in
-            ((np.sin, np.repeat(special, len(special))), (np.cos, np.tile(special, len(special)))))  # fmt: skip
-    y, x = (np.concatenate([each, np.ones(-len(each) % 4)]) for each in (y, x))
-    found = np.zeros_like(x)
-    getattr(loaded, f"{name}_angles")(*pointers(y, x, found), ctypes.c_longlong(len(x)))
-    expected = np.arctan2(y.astype(np.longdouble), x.astype(np.longdouble))
-    assert np.array_equal(np.isnan(found), np.isnan(expected))
-    assert np.array_equal(np.signbit(found), np.signbit(expected.astype(float)))
-    known = ~np.isnan(expected)
-    off = np.abs(found - expected)[known] / np.spacing(np.abs(expected.astype(float)))[known]
-    assert off.max() < 3.0
 
 
 def test_damped_without_backtracking_too(rng):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
-
 import numpy as np
 import pytest
 
@@ -11,8 +9,6 @@ import jtik
 from jtik._loop.lanes import lanes as all_lanes
 from jtik._loop.lanes import search as lane_search
 from jtik._loop.lanes import search_source
-from jtik.symbolic import lane_maths
-from jtik.symbolic.compile import plain_library
 
 from ...conftest import ball_arm, dh_arm, planar, slow
 from .test_search import problems, same, solver
@@ -180,49 +176,3 @@ def test_a_target_out_of_reach_has_the_status_of_solve(rng):
     one, lanes = (ik.solve_batch(targets, q0=q0, restarts=5, lanes=each) for each in (False, True))
     assert lanes.status[::2] == one.status[::2]
     assert not lanes.converged[::2].any()
-
-
-ANGLES = """
-%s
-JTIK_CPU void JTIK_NAME_angles(const float* x, const float* y, float* s, float* c, float* r, long long n) {
-  for (long long i = 0; i < n; i += JTIK_LANES) {
-    V v, w, a, b;
-    memcpy(&v, x + i, sizeof v);
-    memcpy(&w, y + i, sizeof w);
-    v_sin_cos(1, &v, &a, &b);
-    w = v_atan2(w, v);
-    memcpy(s + i, &a, sizeof a);
-    memcpy(c + i, &b, sizeof b);
-    memcpy(r + i, &w, sizeof w);
-  }
-}
-"""
-
-
-def angles(x, y):
-    """sin x, cos x and atan2(y, x) in single precision."""
-    loaded, name = plain_library(ANGLES % lane_maths.lane_maths(lane_maths.LEVELS[0], single=True), lane_maths.EXACT)
-    given = [np.concatenate([each, np.ones(-len(each) % 8)]).astype(np.float32) for each in (x, y)]
-    found = [np.zeros_like(given[0]) for _ in range(3)]
-    pointers = [each.ctypes.data_as(ctypes.c_void_p) for each in (*given, *found)]
-    getattr(loaded, f"{name}_angles")(*pointers, ctypes.c_longlong(len(given[0])))
-    return [each[: len(x)].astype(float) for each in (*given, *found)]
-
-
-def test_sine_cosine_and_arc_tangent_in_single_precision(rng):
-    x = np.concatenate([rng.uniform(-1e3, 1e3, 100_000), rng.uniform(-7, 7, 100_000), np.arange(-600, 600) * np.pi / 2])
-    y = rng.normal(size=len(x)) * 10.0 ** rng.uniform(-6, 6, len(x))
-    x, y, s, c, r = angles(x, y)
-    assert np.abs(s - np.sin(x)).max() < 3e-7
-    assert np.abs(c - np.cos(x)).max() < 3e-7
-    assert np.abs(r - np.arctan2(y, x)).max() < 6e-7
-
-
-def test_special_angles_in_single_precision():
-    special = np.array([0.0, -0.0, 1.0, -1.0, 1e-38, -1e-38, 1e38, np.inf, -np.inf, np.nan])
-    y, x = np.repeat(special, len(special)), np.tile(special, len(special))
-    x, y, s, c, r = angles(x, y)
-    assert r == pytest.approx(np.arctan2(y, x), abs=6e-7, nan_ok=True)
-    assert np.array_equal(np.signbit(r), np.signbit(np.arctan2(y, x)))
-    assert not np.isfinite(s[~np.isfinite(x)]).any()
-    assert not np.isfinite(c[~np.isfinite(x)]).any()
