@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -120,8 +120,15 @@ def _several(q: Any) -> bool:
     return not isinstance(q, Mapping) and len(shape_of(q) or ()) > 1
 
 
-def read_targets(tasks: TaskStack, targets: Iterable[Any]) -> tuple[Sequence[Any] | Array, Array]:
+def read_targets(
+    tasks: TaskStack, targets: Iterable[Any], read_matrices: Callable[[Array], Array | None] | None = None
+) -> tuple[Sequence[Any] | Array, Array]:
     """The targets as they were given, and the numbers of each, (k, size); all are checked.
+
+    Args:
+        tasks: the tasks.
+        targets: the targets.
+        read_matrices: a faster way than that of the task, which is not always there.
 
     Raises:
         ArgumentError: naming the target, such as ``targets[3]``.
@@ -129,7 +136,7 @@ def read_targets(tasks: TaskStack, targets: Iterable[Any]) -> tuple[Sequence[Any
     given: Any = targets
     if type(targets) is not np.ndarray or not targets.ndim:
         given = several("targets", targets, "a list of targets, or an array with one target a row")
-    table = tasks.read_table(given)
+    table = tasks.read_table(given, read_matrices)
     if table is not None:
         return given, table
     numbers = []

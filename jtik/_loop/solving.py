@@ -215,7 +215,7 @@ class Solving:
         from jtik._loop.batch.file import BatchFile
         from jtik._loop.batch.pool import BatchPool
 
-        given, numbers = read_targets(self._tasks, targets)
+        given, numbers = read_targets(self._tasks, targets, self._lanes.read_matrices if lanes else None)
         progress = read_progress(progress)
         exclusive = self._exclusive
         if exclusive.busy:

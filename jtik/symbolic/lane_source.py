@@ -1,25 +1,16 @@
 """C of a function whose numbers are vectors: it evaluates several points at once, lane by lane.
 
-CasADi's own C is one number at a time. Here each instruction of the function becomes an operation on vectors, assigned
-once; a truth value stays a mask for as long as it is used as one. All branches are evaluated, as in CasADi's C.
-
-A product that only a sum or a difference uses is one operation with it, rounded once. The difference of two products
-stays as it is: that of equal products is exactly zero. Several divisions by the same number are one division, and
-products with the inverse: they differ by rounding, and a division takes as long as ten products.
+CasADi's own C is one number at a time. Here each of `jtik.symbolic.lane_operations` becomes one on vectors. Of a branch
+both sides are evaluated, as in CasADi's C. Sines and cosines of several angles take less time at once.
 """
 
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Collection
-from dataclasses import dataclass
 
-import casadi
-
+from jtik.symbolic.lane_operations import MASKS, NAMES, Operation, operations
 from jtik.symbolic.operations import Function
-
-_NAMES = {value: name[3:] for name, value in vars(casadi).items() if name.startswith("OP_")}
 
 _COMPARED = {"LT": "<", "LE": "<=", "EQ": "==", "NE": "!="}
 _JOINED = {"AND": "&", "OR": "|"}
@@ -65,12 +56,17 @@ _NUMBERS = {
     **{name.upper(): f"ONE({name}, {{0}})" for name in _ONE},
     **{name.upper(): f"TWO({name}, {{0}}, {{1}})" for name in _TWO},
     "CONSTPOW": "TWO(pow, {0}, {1})",
+    "FMA": "v_fma({0}, {1}, {2})",
+    "FMS": "v_fma({0}, {1}, -{2})",
+    "FNMA": "v_fma(-{0}, {1}, {2})",
 }
 """C of an operation on numbers, by its name."""
 
+_PICKED = {"NOT": "~{0}", "IF_ELSE_ZERO": "where({0}, {1})", "CHOOSE": "choose({0}, {1}, {2})"}
+
 _TURNS = {"SIN": "s", "COS": "c"}
 
-_OTHERS = {*_COMPARED, *_JOINED, *_TURNS, "NOT", "IF_ELSE_ZERO", "CONST", "INPUT", "OUTPUT"}
+_OTHERS = {*_COMPARED, *_JOINED, *_PICKED, *_TURNS, "CONST", "INPUT", "OUTPUT"}
 
 
 def has_lanes(function: Function) -> bool:
@@ -82,7 +78,7 @@ def has_lanes(function: Function) -> bool:
     if not function.is_a("SXFunction"):
         return False
     known = _NUMBERS.keys() | _OTHERS
-    return all(_NAMES[function.instruction_id(i)] in known for i in range(function.n_instructions()))
+    return all(NAMES[function.instruction_id(i)] in known for i in range(function.n_instructions()))
 
 
 def lane_source(function: Function, name: str, shared: Collection[int]) -> str:
@@ -93,141 +89,69 @@ def lane_source(function: Function, name: str, shared: Collection[int]) -> str:
         name: the name.
         shared: numbers of the inputs that are the same for all lanes: ``const R*`` instead of ``const V*``.
     """
-    assigned: list[_Assignment] = []
-    angles: list[dict[str, int]] = []  # whose sines and cosines are computed after each part of the code
+    scalars = {f"in{k}" for k in shared}
+    parts: list[list[str]] = [[]]  # of the code, with the sines and cosines between them
+    angles: list[dict[str, int]] = []  # those between two parts
     part_of: dict[str, int] = {}  # of a variable
-    held: dict[int, str] = {}  # the variable that a place of the work vector holds
     masks: set[str] = set()
-    uses: Counter[str] = Counter()
 
-    def variable_at(place: int) -> str:
-        uses[held[place]] += 1
-        return held[place]
-
-    def number(place: int) -> str:
-        variable = variable_at(place)
-        return f"number({variable})" if variable in masks else variable
-
-    def truth(place: int) -> str:
-        variable = variable_at(place)
-        return variable if variable in masks else f"({variable} != 0.0)"
-
-    for i in range(function.n_instructions()):
-        operation, variable = _NAMES[function.instruction_id(i)], f"a{i}"
-        out, own = list(function.instruction_output(i)), list(function.instruction_input(i))
-        part = 0 if operation == "INPUT" else max((part_of[held[place]] for place in own), default=0)
-        operands: list[str] = []
-        if operation == "OUTPUT":
-            assigned.append(_Assignment(part, f"out{out[0]}[{out[1]}]", number(own[0])))
-            continue
-        if operation == "INPUT":
-            read = f"in{own[0]}[{own[1]}]"
-            value = f"ALL({read})" if own[0] in shared else read
-        elif operation == "CONST":
-            value = f"ALL({_literal(function.instruction_constant(i))})"
-        elif operation in _TURNS:
+    for each in operations(function):
+        part = max((part_of.get(operand, 0) for operand in each.operands), default=0)
+        if each.name in _TURNS:
             if part == len(angles):
                 angles.append({})
-            angle = angles[part].setdefault(number(own[0]), len(angles[part]))
-            value = f"{_TURNS[operation]}{part}[{angle}]"
+                parts.append([])
+            angle = angles[part].setdefault(_number(each.operands[0], masks), len(angles[part]))
+            value = f"{_TURNS[each.name]}{part}[{angle}]"
             part += 1
-        elif operation in _COMPARED:
-            value = f"{number(own[0])} {_COMPARED[operation]} {number(own[1])}"
-        elif operation in _JOINED:
-            value = f"{truth(own[0])} {_JOINED[operation]} {truth(own[1])}"
-        elif operation == "NOT":
-            value = f"~{truth(own[0])}"
-        elif operation == "IF_ELSE_ZERO":
-            value = f"where({truth(own[0])}, {number(own[1])})"
         else:
-            value, operands = _NUMBERS[operation], [number(place) for place in own]
-        if operation in _COMPARED or operation in _JOINED or operation == "NOT":
-            masks.add(variable)
-        kind = "const M " if variable in masks else "const V "
-        assigned.append(_Assignment(part, kind + variable, value, tuple(operands), operation))
-        held[out[0]], part_of[variable] = variable, part
-    lines: list[list[str]] = [[] for _ in range(len(angles) + 1)]
-    for each in _fused(_with_inverses(assigned), uses):
-        lines[each.part].append(f"{each.variable} = {each.value.format(*each.operands)};")
-    for k, own_angles in enumerate(angles):
-        count = len(own_angles)
-        lines[k].append(f"const V x{k}[{count}] = {{{', '.join(own_angles)}}};")
-        lines[k].append(f"V s{k}[{count}], c{k}[{count}]; v_sin_cos({count}, x{k}, s{k}, c{k});")
+            value = _value(each, masks, scalars)
+        if each.name in MASKS:
+            masks.add(each.value)
+        part_of[each.value] = part
+        kind = "" if each.name == "OUTPUT" else "const M " if each.value in masks else "const V "
+        parts[part].append(f"{kind}{each.value} = {value};")
+    for k, own in enumerate(angles):
+        parts[k].append(f"const V x{k}[{len(own)}] = {{{', '.join(own)}}};")
+        parts[k].append(f"V s{k}[{len(own)}], c{k}[{len(own)}]; v_sin_cos({len(own)}, x{k}, s{k}, c{k});")
     inputs = [f"const {'R' if k in shared else 'V'}* restrict in{k}" for k in range(function.n_in())]
     outputs = [f"V* restrict out{k}" for k in range(function.n_out())]
-    body = "\n".join(line for part_lines in lines for line in part_lines)
+    body = "\n".join(line for lines in parts for line in lines)
     return f"static JTIK_CPU void {name}({', '.join(inputs + outputs)}) {{\n{body}\n}}\n"
 
 
-@dataclass(frozen=True)
-class _Assignment:
-    """The value of a variable.
-
-    Attributes:
-        part: the part of the code: the sines and cosines that the parts before need are known.
-        variable: the variable, with its type.
-        value: its value as C, with a field for each operand.
-        operands: the operands of an arithmetic operation.
-        operation: name of the operation.
-    """
-
-    part: int
-    variable: str
-    value: str
-    operands: tuple[str, ...] = ()
-    operation: str = ""
-
-
-def _with_inverses(assigned: list[_Assignment]) -> list[_Assignment]:
-    """The assignments with an inverse, and products, for each divisor of several divisions.
+def _value(operation: Operation, masks: Collection[str], scalars: Collection[str]) -> str:
+    """C of the value of an operation that is no sine or cosine.
 
     Args:
-        assigned: the assignments, each after those that it uses.
+        operation: the operation.
+        masks: the variables that are masks.
+        scalars: the inputs that are the same for all lanes.
     """
-    divisions = Counter(each.operands[1] for each in assigned if each.operation == "DIV")
-    part_of = {each.variable.split()[-1]: each.part for each in assigned}
-    inverses: dict[str, str] = {}
-    found: list[_Assignment] = []
-    for each in assigned:
-        if each.operation == "DIV" and divisions[each.operands[1]] > 1:
-            number, divisor = each.operands
-            if divisor not in inverses:
-                inverses[divisor] = f"i{len(inverses)}"
-                part = part_of.get(divisor, each.part)  # `number(mask)` is no variable
-                found.append(_Assignment(part, f"const V {inverses[divisor]}", "ALL(1.0) / {0}", (divisor,), "INV"))
-            each = _Assignment(each.part, each.variable, "{0} * {1}", (number, inverses[divisor]), "MUL")
-        found.append(each)
-    return found
+    name, first = operation.name, operation.operands[0]
+    if name == "INPUT":
+        return f"ALL({first})" if first.split("[")[0] in scalars else first
+    if name == "CONST":
+        return f"ALL({_literal(float.fromhex(first))})"
+    numbers = [_number(each, masks) for each in operation.operands]
+    if name in _COMPARED:
+        return f"{numbers[0]} {_COMPARED[name]} {numbers[1]}"
+    if name in _JOINED:
+        return f"{_truth(first, masks)} {_JOINED[name]} {_truth(operation.operands[1], masks)}"
+    if name in _PICKED:
+        return _PICKED[name].format(_truth(first, masks), *numbers[1:])
+    return numbers[0] if name == "OUTPUT" else _NUMBERS[name].format(*numbers)
 
 
-def _fused(assigned: list[_Assignment], uses: Counter[str]) -> list[_Assignment]:
-    """The assignments with products fused into the sums and differences that alone use them.
+def _number(variable: str, masks: Collection[str]) -> str:
+    return f"number({variable})" if variable in masks else variable
 
-    Args:
-        assigned: the assignments, each after those that it uses.
-        uses: how often each variable is used.
-    """
-    factors = {each.variable.split()[-1]: each.operands for each in assigned if each.operation == "MUL"}
-    gone: set[str] = set()
-    found: list[_Assignment] = []
-    for each in assigned:
-        product = sign = ""
-        if each.operation in ("ADD", "SUB"):
-            sign = "-" if each.operation == "SUB" else ""
-            once = [operand for operand in each.operands if operand in factors and uses[operand] == 1]
-            if once and not (sign and all(operand in factors for operand in each.operands)):
-                product = once[-1]
-        if product:
-            gone.add(product)
-            is_second = each.operands[1] == product
-            value = f"v_fma({sign}{{0}}, {{1}}, {{2}})" if is_second else f"v_fma({{0}}, {{1}}, {sign}{{2}})"
-            operands = (*factors[product], each.operands[0 if is_second else 1])
-            each = _Assignment(each.part, each.variable, value, operands, "FMA")
-        found.append(each)
-    return [each for each in found if each.variable.split()[-1] not in gone]
+
+def _truth(variable: str, masks: Collection[str]) -> str:
+    return variable if variable in masks else f"({variable} != 0.0)"
 
 
 def _literal(value: float) -> str:
     if math.isnan(value):
         return "NAN"
-    return float(value).hex() if math.isfinite(value) else ("INFINITY" if value > 0 else "-INFINITY")
+    return value.hex() if math.isfinite(value) else ("INFINITY" if value > 0 else "-INFINITY")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -103,12 +103,13 @@ class TaskStack:
             raise ArgumentError("target", target, f"a dict with a target for each of the tasks {names}")
         return self.tasks[0].read_target(self.robot, target)
 
-    def read_table(self, targets: Any) -> Array | None:
+    def read_table(self, targets: Any, read_matrices: Callable[[Array], Array | None] | None = None) -> Array | None:
         """The numbers of many targets of the only task, (k, target_size), where all are usual and valid; else None.
 
         Args:
             targets: arrays of float64, each a vector that needs no conversion or each a matrix (4, 4); or one array of
                 all.
+            read_matrices: a faster way than `Task.read_matrices`, which is not always there.
         """
         if len(self.tasks) != 1 or not len(targets):
             return None
@@ -123,7 +124,8 @@ class TaskStack:
         if targets.dtype != _FLOAT or targets.shape[1:] != shape:
             return None
         if shape == (4, 4):
-            return self.tasks[0].read_matrices(self.robot, targets)
+            numbers = None if read_matrices is None else read_matrices(targets)
+            return self.tasks[0].read_matrices(self.robot, targets) if numbers is None else numbers
         with np.errstate(over="ignore", invalid="ignore"):
             finite = np.isfinite(targets.sum(axis=1)).all()
         return targets.copy(order="C") if finite else None

@@ -112,21 +112,19 @@ def read_matrices(targets: Array, kind: Kind) -> Array | None:
     for begin in range(0, len(rows), MATRICES):
         part = rows[begin : begin + MATRICES]
         part.take(entries, axis=1, out=table[begin : begin + MATRICES], mode="clip")  # "raise" would copy it
-        if not _are_poses(np.ascontiguousarray(part.T), with_rotation=kind != "position"):
+        if not _are_poses(np.ascontiguousarray(part.T)):
             return None
     return table
 
 
-def _are_poses(entries: Array, *, with_rotation: bool) -> bool:
+def _are_poses(entries: Array) -> bool:
     """Whether matrices, whose entries are the rows (16, k), are finite poses."""
     x, y, z, p = entries[:12].reshape(3, 4, -1).transpose(1, 0, 2)
     with np.errstate(all="ignore"):
         if entries[12:15].any() or not (entries[15] == 1).all():
             return False
-        if not np.isfinite(p.sum() if with_rotation else entries.sum()):
+        if not np.isfinite(p.sum()):
             return False
-        if not with_rotation:
-            return True
         for a, b, inner in ((x, x, 1), (y, y, 1), (z, z, 1), (x, y, 0), (y, z, 0), (z, x, 0)):
             products = np.einsum("rk,rk->k", a, b)
             if not max(products.max() - inner, inner - products.min()) <= ROTATION_TOLERANCE:

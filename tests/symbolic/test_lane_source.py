@@ -33,6 +33,8 @@ from jtik.symbolic.lane_source import lane_source
 
 SPECIAL = (np.nan, -np.inf, -2.5, -0.0, 0.0, 1e-310, 3.0, np.inf)
 
+HIGHEST = LEVELS[search.highest_level()]
+
 ENTRY = "\nJTIK_CPU void JTIK_NAME_call(const V* x, const V* y, V* out) { JTIK_NAME_step(x, y, out); }\n"
 
 
@@ -86,6 +88,6 @@ def test_several_divisions_by_one_number_are_its_inverse(rng):
     assert source.count(" / ") == 2  # 1 / y, and that by y + 1
     points = np.column_stack([rng.normal(size=64), rng.uniform(0.1, 5, 64)])
     expected = np.array([np.array(f(*point)).ravel() for point in points])
-    assert in_lanes(f, LEVELS[search.highest_level()], points) == pytest.approx(expected, rel=1e-14, abs=1e-14)
+    assert in_lanes(f, HIGHEST, points) == pytest.approx(expected, rel=1e-14, abs=1e-14)
     zero = np.tile([1.0, 0.0], (8, 1))
     assert np.isinf(in_lanes(f, LEVELS[0], zero)[:, :3]).all()

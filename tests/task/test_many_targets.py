@@ -42,9 +42,10 @@ FAULTS = {
 }
 
 
+@pytest.mark.parametrize("kind", ["position", "orientation", "pose"])
 @pytest.mark.parametrize("fault", FAULTS)
-def test_one_that_is_wrong_is_named(fault, rng):
-    tasks = TaskStack.of(ARM, jtik.FrameTask("tip", "pose"))
+def test_one_that_is_wrong_is_named(fault, kind, rng):
+    tasks = TaskStack.of(ARM, jtik.FrameTask("tip", kind))
     poses = np.array([ARM.pose(ARM.random_configuration(rng)) for _ in range(20)])
     rows, columns, value = FAULTS[fault]
     poses[7, rows, columns] = value

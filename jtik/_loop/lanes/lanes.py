@@ -17,6 +17,7 @@ from jtik.errors import ArgumentError
 from jtik.strategy import Strategy
 from jtik.strategy.checked_call import CheckedCall
 from jtik.symbolic.compile import NOTHING
+from jtik.types import Array
 
 
 class Lanes:
@@ -53,6 +54,15 @@ class Lanes:
             self._searches[restarts] = made
         return self._searches[restarts]
 
+    def read_matrices(self, targets: Array) -> Array | None:
+        """The numbers of many matrices (k, 4, 4) in C, (k, target size); None where no search is compiled that can.
+
+        Args:
+            targets: the targets.
+        """
+        found = (search.read_matrices(targets) for search in self._searches.values())
+        return next(found, None)
+
     @property
     def attempts(self) -> LaneAttempts:
         """The attempts for one target side by side.
@@ -85,7 +95,8 @@ class Lanes:
             if self._runners.has_native_step:
                 beside = solve_source.beside(problem.tasks, attempts_source.RUN)
             step = fused_step(problem, strategy, replaceable=True) if differs else fused
-            return lane_library(step, level, beside, single=single)
+            reader = problem.tasks.matrix_reader if lanes == math.inf else None
+            return lane_library(step, level, beside, single=single, reader=reader)
 
         library = problem.once(f"lanes, {differs=}, {level}, {single=}", build)
         if library is None:

@@ -24,6 +24,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from jtik._loop.lanes import matrices_source
 from jtik._loop.lanes.search_source import COARSE, source, work_size
 from jtik._loop.native.search import NativeBatch
 from jtik._loop.runner import Runner
@@ -67,7 +68,9 @@ class LaneLibrary(NamedTuple):
     single: tuple[ctypes.CDLL, str] | None
 
 
-def lane_library(fused: FusedStep, level: Level, beside: Beside, *, single: bool) -> LaneLibrary | None:
+def lane_library(
+    fused: FusedStep, level: Level, beside: Beside, *, single: bool, reader: Function | None = None
+) -> LaneLibrary | None:
     """The search in lanes, compiled now; None for a step that calls a solver or Python, or cannot be written so.
 
     Args:
@@ -75,6 +78,7 @@ def lane_library(fused: FusedStep, level: Level, beside: Beside, *, single: bool
         level: the instructions that it uses.
         beside: what is compiled with it.
         single: whether to have the search in single precision, too.
+        reader: reads a matrix as a target; None where no batch is searched for.
 
     Raises:
         CompilerError: without a compiler.
@@ -83,7 +87,8 @@ def lane_library(fused: FusedStep, level: Level, beside: Beside, *, single: bool
     if function is None or not has_lanes(function):
         return None
     called = c_source(*beside.functions) if beside.functions else ""
-    codes = [called + source(function, fused.state, level) + beside.source]
+    own = source(function, fused.state, level) + matrices_source.source(reader)
+    codes = [called + own + beside.source]
     codes += [source(function, fused.state, level, single=True)] if single else []
     first, *others = plain_libraries(codes, EXACT)
     return LaneLibrary(function, fused.first_state, level, *first, others[0] if others else None)
@@ -168,7 +173,18 @@ class LaneSearch:
         self._work = aligned(work_size(library.function, library.level) + library.level.lanes * SIZE + inputs)
         self._call = _search_of(library.loaded, library.name)
         self._call_in_single = _search_of(*library.single) if library.single else None
+        self._read = getattr(library.loaded, f"{library.name}_matrices", None)
+        if self._read is not None:
+            self._read.argtypes = [ctypes.c_void_p, ctypes.c_longlong, ctypes.c_void_p]
+            self._read.restype = ctypes.c_longlong
         self._latest: tuple[StartBank | None, bool] = None, False
+
+    def read_matrices(self, targets: Array) -> Array | None:
+        """As `jtik.Task.read_matrices`, for matrices in one piece of memory."""
+        if self._read is None or not targets.flags.c_contiguous:
+            return None
+        numbers = np.empty((len(targets), self.runner.inputs.target.size))
+        return numbers if self._read(targets.ctypes.data, len(targets), numbers.ctypes.data) else None
 
     def beside(self) -> LaneSearch:
         """A search on memory of its own, for another thread."""
