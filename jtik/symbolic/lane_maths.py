@@ -105,16 +105,23 @@ typedef I M __attribute__((vector_size(JTIK_BYTES), may_alias)); /* truth: all b
 #define JTIK_HIGHEST ((I)1 << (8 * sizeof(I) - 2)) /* bit of a positive integer */
 JTIK_INLINE V of_bits(M m) { V r; memcpy(&r, &m, sizeof r); return r; }
 JTIK_INLINE M bits(V v) { M r; memcpy(&r, &v, sizeof r); return r; }
+#if defined(JTIK_INSTRUCTIONS) && defined(__x86_64__) && JTIK_BYTES == 32
+/* A mask that the compiler does not know as one: those it knows it packs into half a register, and unpacks again. */
+#define MASK(comparison) ({ M m_ = (comparison); __asm__("" : "+x"(m_)); m_; })
+JTIK_INLINE V choose(M m, V a, V b) {
+  return (V)JTIK_256(blendv)((JTIK_R256)b, (JTIK_R256)a, (JTIK_R256)of_bits(m));
+}
+#else
+#define MASK(comparison) (comparison)
 JTIK_INLINE V choose(M m, V a, V b) { return of_bits((bits(a) & m) | (bits(b) & ~m)); }
+#endif
 JTIK_INLINE V where(M m, V a) { return of_bits(bits(a) & m); }
 JTIK_INLINE V number(M m) { return where(m, ALL(1.0)); }
 JTIK_INLINE int any(M m) { I r = 0; for (int i = 0; i < JTIK_LANES; ++i) r |= m[i]; return r != 0; }
 JTIK_INLINE M sign_of(V x) { return bits(x) & (-JTIK_HIGHEST - JTIK_HIGHEST); }
 JTIK_INLINE V v_fabs(V x) { return of_bits(bits(x) ^ sign_of(x)); }
 #if defined(JTIK_INSTRUCTIONS) && defined(__x86_64__) && JTIK_BYTES == 32 /* their own return y where one is NaN */
-JTIK_INLINE V v_other(V r, V x, V y) {
-  return (V)JTIK_256(blendv)((JTIK_R256)r, (JTIK_R256)x, (JTIK_R256)of_bits(y != y));
-}
+JTIK_INLINE V v_other(V r, V x, V y) { return choose(y != y, x, r); }
 JTIK_INLINE V v_fmin(V x, V y) { return v_other((V)JTIK_256(min)((JTIK_R256)x, (JTIK_R256)y), x, y); }
 JTIK_INLINE V v_fmax(V x, V y) { return v_other((V)JTIK_256(max)((JTIK_R256)x, (JTIK_R256)y), x, y); }
 #else

@@ -135,7 +135,7 @@ def _value(operation: Operation, masks: Collection[str], scalars: Collection[str
         return f"ALL({_literal(float.fromhex(first))})"
     numbers = [_number(each, masks) for each in operation.operands]
     if name in _COMPARED:
-        return f"{numbers[0]} {_COMPARED[name]} {numbers[1]}"
+        return f"MASK({numbers[0]} {_COMPARED[name]} {numbers[1]})"
     if name in _JOINED:
         return f"{_truth(first, masks)} {_JOINED[name]} {_truth(operation.operands[1], masks)}"
     if name in _PICKED:

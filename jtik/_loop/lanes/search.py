@@ -87,7 +87,7 @@ def lane_library(
     if function is None or not has_lanes(function):
         return None
     called = c_source(*beside.functions) if beside.functions else ""
-    own = source(function, fused.state, level) + matrices_source.source(reader)
+    own = source(function, fused.state, level, refines=single) + matrices_source.source(reader)
     codes = [called + own + beside.source]
     codes += [source(function, fused.state, level, single=True)] if single else []
     first, *others = plain_libraries(codes, EXACT)

@@ -6,7 +6,7 @@ the former.
 
 from __future__ import annotations
 
-from jtik._loop.lanes import attempts_source, start_bank_source
+from jtik._loop.lanes import attempts_source, refinement_source, start_bank_source
 from jtik._loop.native.search_source import TURNED, macros
 from jtik._step.inputs import Inputs
 from jtik._step.stopping import StepOutcome
@@ -114,6 +114,9 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
   int here = 0, open = 1;
   M calls = {0}; /* of each attempt */
 #define OF(name) outcome[JTIK_##name * JTIK_LANES + i]
+#ifdef JTIK_FINISHED
+  if (arrived_after) JTIK_NAME_refine(at, limit, patience, table);
+#endif
   for (int i = 0; i < JTIK_LANES; ++i) lanes[i].row = -1;
   memset(work, 0, JTIK_WORK * sizeof(V));
   for (int started = 0;; started = 1) {
@@ -212,6 +215,12 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
           tallies[3 * next++] = JTIK_UNREADABLE;
           continue;
         }
+#ifdef JTIK_FINISHED
+        if (arrived_after && arrived_after[next] == JTIK_FINISHED) {
+          ++next;
+          continue;
+        }
+#endif
         const long long *tally = tallies + 3 * next, before = arrived_after ? arrived_after[next] : -1;
         const int refines = 0 <= before && before < limit;
         const long long made = !arrived_after ? 0 : refines || before < 0 ? tally[1] : tally[1] + before;
@@ -232,7 +241,9 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
 """
 
 
-def source(function: Function, state: VectorLayout, level: Level, *, single: bool = False) -> str:
+def source(
+    function: Function, state: VectorLayout, level: Level, *, single: bool = False, refines: bool = False
+) -> str:
     """The C code of the search in lanes.
 
     Args:
@@ -240,6 +251,7 @@ def source(function: Function, state: VectorLayout, level: Level, *, single: boo
         state: layout of its state.
         level: the instructions that it uses.
         single: whether it is the search in single precision, to which no attempts belong.
+        refines: whether it continues one in single precision.
     """
     names, first = Inputs._fields, 1  # q is argument 0, the state the last one
     target = first + names.index("target")
@@ -253,6 +265,8 @@ def source(function: Function, state: VectorLayout, level: Level, *, single: boo
         "LONGEST": max(LONGEST // function.n_instructions(), 1),
         **attempts_source.sizes(level),
     }
+    if refines:
+        sizes["FINISHED"] = refinement_source.FINISHED
     if single:
         inputs = [function.numel_in(k) if k in shared else 0 for k in range(first + len(names))]
         sizes |= {"SINGLE": 1, "SIZES": ", ".join(map(str, inputs)), "COARSE": COARSE, "LARGEST": LARGEST}
@@ -262,6 +276,7 @@ def source(function: Function, state: VectorLayout, level: Level, *, single: boo
     lines += [f"#define JTIK_ARGUMENTS {', '.join(call)}", ""]
     step = lane_source(function, "JTIK_NAME_step", shared)
     code = TURNED + start_bank_source.SOURCE + step + _BEGIN
+    code += refinement_source.source(function, shared) if refines else ""
     code += _SINGLE + _SOURCE if single else _SOURCE + attempts_source.SOURCE
     return "\n".join(lines) + macros(state) + "\n" + lane_maths(level, single=single) + _INCLUDED + code
 

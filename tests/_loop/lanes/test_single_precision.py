@@ -87,6 +87,26 @@ def test_where_its_end_leads_nowhere_the_search_begins_anew(monkeypatch, rng):
     assert (found.q == expected.q).all(axis=1).any()  # begun anew
 
 
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-11])
+@pytest.mark.parametrize("limit", [4, 5, 6, 8, 200])
+def test_ends_that_are_finished_side_by_side_are_those_of_the_search(limit, tolerance, monkeypatch, rng):
+    """At the end itself, after one step, and those that need more; also where the iterations are just enough."""
+    robot = dh_arm(7, 2, limit=np.pi)
+    options = {"max_iterations": limit, "position_tolerance": tolerance, "orientation_tolerance": tolerance}
+    options |= {"q0": np.full(7, 0.3), "restarts": 30}
+    targets = poses(robot, rng, 41)
+    found, begins_in_single = solved(monkeypatch, robot, "pose", targets, **options)
+    build = lane_search.source
+    monkeypatch.setattr(lane_search, "source", lambda *of_step, single=False, **_: build(*of_step, single=single))
+    expected, _ = solved(monkeypatch, robot, "pose", targets, **options)
+    assert begins_in_single
+    assert found.status == expected.status
+    for column in ("q", "iterations", "restarts", "escapes"):
+        assert np.array_equal(getattr(found, column), getattr(expected, column))
+    for column in ("position_error", "orientation_error"):
+        assert getattr(found, column) == pytest.approx(getattr(expected, column), abs=1e-13)
+
+
 @pytest.mark.parametrize("limit", [5, 9])
 def test_no_attempt_has_more_iterations_than_it_may(limit, monkeypatch, rng):
     robot = jtik.Robot.builtin("panda")
