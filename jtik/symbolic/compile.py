@@ -20,7 +20,15 @@ import numpy as np
 
 from jtik.symbolic import library_cache
 from jtik.symbolic.archives import Archive
-from jtik.symbolic.c_compiler import CompilerError, CompilerRuns, compile_library, compiler, options, version
+from jtik.symbolic.c_compiler import (
+    CompilerError,
+    CompilerRuns,
+    compile_library,
+    compiler,
+    instructions,
+    options,
+    version,
+)
 from jtik.symbolic.generated_c import c_source
 from jtik.symbolic.operations import Function, external
 from jtik.types import Array
@@ -145,9 +153,9 @@ def library(
     """The function as a shared library of generated C.
 
     Compiling takes about a second. Libraries are kept in the user's cache folder (``$XDG_CACHE_HOME/jtik``, see
-    `jtik.symbolic.library_cache`) under the hash of their code, the compiler and its version, the machine and the
-    version of jtik, so that an unchanged function is compiled once. The compiler is ``$CC``, ``clang``, that of
-    the package ``ziglang`` (extra ``native``), ``gcc`` or ``cc``.
+    `jtik.symbolic.library_cache`) under the hash of their code, the compiler and its version, the machine, the
+    instructions that it has and the version of jtik, so that an unchanged function is compiled once. The compiler is
+    ``$CC``, ``clang``, that of the package ``ziglang`` (extra ``native``), ``gcc`` or ``cc``.
 
     Args:
         function: the function.
@@ -162,7 +170,7 @@ def library(
     using = using_casadi or nullcontext()
     with using:
         source = c_source(function, *beside.functions) + beside.source
-    return _library(source, function.name(), archive, runs, using, _loaded)
+    return _library(source, function.name(), archive, runs, using, _loaded, instructions())
 
 
 def plain_libraries(sources: Sequence[str], more: tuple[str, ...] = ()) -> list[tuple[ctypes.CDLL, str]]:

@@ -8,7 +8,8 @@ import casadi
 import numpy as np
 import pytest
 
-from jtik.symbolic import function, symbol
+import jtik
+from jtik.symbolic import c_compiler, compile, function, symbol
 from jtik.symbolic.compile import CompiledFunction, CompilerError, bind, library, to_c
 
 
@@ -50,7 +51,7 @@ def test_generated_c_gives_the_same_numbers(tmp_path, monkeypatch):
 def test_a_compiler_that_fails_is_named_with_its_output(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setenv("CC", "no-such-compiler")
-    with pytest.raises(CompilerError, match="^no-such-compiler -O2 -fno-math-errno: .*No such file") as caught:
+    with pytest.raises(CompilerError, match="^no-such-compiler -O2 -fno-math-errno.*: .*No such file") as caught:
         to_c(example())
     assert caught.value.command.startswith("no-such-compiler")
     monkeypatch.setenv("CC", "false")
@@ -59,7 +60,7 @@ def test_a_compiler_that_fails_is_named_with_its_output(tmp_path, monkeypatch):
 
 
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="elsewhere products and sums may be one")
-def test_generated_c_is_not_for_this_very_processor(tmp_path, monkeypatch):
+def test_a_product_and_a_sum_are_rounded_twice(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     A, B = casadi.MX.sym("A", 4, 4), casadi.MX.sym("B", 4, 4)
     product = casadi.Function("product", [A, B], [casadi.mtimes(A, B)])
@@ -67,3 +68,47 @@ def test_generated_c_is_not_for_this_very_processor(tmp_path, monkeypatch):
     for _ in range(20):
         given = rng.normal(size=(2, 4, 4))
         assert compiled(*given).full().tolist() == product(*given).full().tolist()
+
+
+FLAGS = "processor\t: {}\nflags\t\t: fpu sse2 avx {}\nbugs\t\t: avx2 is a word here\n\n"
+
+PROCESSORS = {
+    "all have it": (FLAGS.format(0, "avx2") + FLAGS.format(1, "avx2 bmi2"), c_compiler.AVX2),
+    "one has not": (FLAGS.format(0, "avx2") + FLAGS.format(1, "bmi2"), ()),
+    "its name is longer": (FLAGS.format(0, "avx2_vnni"), ()),
+    "an ARM": ("processor\t: 0\nFeatures\t: fp asimd avx2\n", ()),
+    "nothing is said": ("", ()),
+}
+
+
+@pytest.mark.parametrize("case", PROCESSORS)
+def test_avx2_is_used_where_every_processor_has_it(case, tmp_path, monkeypatch):
+    said, expected = PROCESSORS[case]
+    (tmp_path / "cpuinfo").write_text(said)
+    monkeypatch.setattr(c_compiler, "PROCESSORS", tmp_path / "cpuinfo")
+    assert c_compiler.instructions() == expected
+
+
+def test_a_system_that_does_not_name_its_processors(tmp_path, monkeypatch):
+    monkeypatch.setattr(c_compiler, "PROCESSORS", tmp_path / "none")
+    assert c_compiler.instructions() == ()
+
+
+@pytest.mark.skipif(not c_compiler.instructions(), reason="a machine without AVX2")
+def test_with_and_without_avx2_are_two_libraries_with_the_same_bits(tmp_path, monkeypatch):
+    """A folder may be shared by machines, some of which do not have it."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    robot = jtik.Robot.planar([0.4, 0.3, 0.2, 0.1], lower=-2.0, upper=2.0)
+    rng = np.random.default_rng(0)
+    problems = [(robot.random_configuration(rng), robot.position(robot.random_configuration(rng))) for _ in range(30)]
+    found, libraries = [], []
+    for own in (c_compiler.instructions(), ()):
+        monkeypatch.setattr(compile, "instructions", lambda own=own: own)
+        ik = jtik.InverseKinematics(robot, jtik.FrameTask(kind="position"), strategy="hybrid+qp", compiled=True)
+        found.append([(ik.step(q, target, dt=0.01).q, ik.solve(target, q0=q)) for q, target in problems])
+        libraries.append(len([*(tmp_path / "jtik").glob("*.so")]))
+    assert libraries[1] == 2 * libraries[0] > 0
+    for (step, solution), (other_step, other) in zip(*found, strict=True):
+        assert np.array_equal(step, other_step)
+        assert np.array_equal(solution.q, other.q)
+        assert (solution.status, solution.iterations) == (other.status, other.iterations)
