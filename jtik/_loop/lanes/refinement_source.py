@@ -11,7 +11,7 @@ from jtik.symbolic import Function, function, vertcat
 from jtik.symbolic.lane_source import lane_source
 
 FINISHED = -2
-"""In place of the steps after which an attempt has come close: its search has ended."""
+"""In place of the steps after which an attempt has come close: its search has ended there; one less: after a step."""
 
 _SOURCE = r"""
 /* What the search in single precision has found, several ends side by side: where one meets the target, or a step from
@@ -32,9 +32,10 @@ static JTIK_CPU void JTIK_NAME_refine(void** at, long long limit, double patienc
   double* state[2] = {q[1] + JTIK_NQ * JTIK_LANES, q[1] + (JTIK_NQ + JTIK_NS) * JTIK_LANES};
   double* target = state[1] + JTIK_NS * JTIK_LANES;
   double* outcome = target + JTIK_NT * JTIK_LANES;
-  const double begin = JTIK_NAME_seconds();
-  long long rows[JTIK_LANES], begun = 0;
+  double begin = JTIK_NAME_seconds(), mean[2];
+  long long rows[JTIK_LANES];
   for (int steps = 0; steps < 2; ++steps) { /* at the ends themselves, and after a step from those that are left */
+    long long begun = 0;
     for (long long next = 0; next < count;) {
       int own = 0, here = 0;
       for (; next < count && own < JTIK_LANES; ++next) {
@@ -65,14 +66,17 @@ static JTIK_CPU void JTIK_NAME_refine(void** at, long long limit, double patienc
         tallies[3 * row + 1] += arrived_after[row] + steps;
         errors[2 * row] = found[0][i];
         errors[2 * row + 1] = found[1][i];
-        arrived_after[row] = JTIK_FINISHED;
+        arrived_after[row] = JTIK_FINISHED - steps;
       }
       begun += own;
     }
+    const double now = JTIK_NAME_seconds();
+    mean[steps] = begun ? (now - begin) / begun : 0;
+    begin = now;
   }
-  const double mean = begun ? (JTIK_NAME_seconds() - begin) / begun : 0;
   for (long long row = 0; row < count; ++row) {
-    if (arrived_after[row] != -1) seconds[row] += mean;
+    if (arrived_after[row] != -1) seconds[row] += mean[0];
+    if (arrived_after[row] != -1 && arrived_after[row] != JTIK_FINISHED) seconds[row] += mean[1];
   }
 }
 """

@@ -107,8 +107,8 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
   const R* settings = shared[JTIK_SETTINGS];
   const I longest = limit < JTIK_LONGEST ? limit : JTIK_LONGEST;
   const int several = starts != 0;
-  const double begin = JTIK_NAME_seconds(), end = begin + JTIK_BUDGET;
-  double of_step = 0; /* mean time of a step */
+  double begin = JTIK_NAME_seconds(), of_step = 0; /* mean time of a step */
+  const double end = begin + JTIK_BUDGET;
   lane lanes[JTIK_LANES];
   long long next = 0, active = 0, steps = 0, ended = 0;
   int here = 0, open = 1;
@@ -116,6 +116,7 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
 #define OF(name) outcome[JTIK_##name * JTIK_LANES + i]
 #ifdef JTIK_FINISHED
   if (arrived_after) JTIK_NAME_refine(at, limit, patience, table);
+  begin = JTIK_NAME_seconds();
 #endif
   for (int i = 0; i < JTIK_LANES; ++i) lanes[i].row = -1;
   memset(work, 0, JTIK_WORK * sizeof(V));
@@ -216,7 +217,7 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
           continue;
         }
 #ifdef JTIK_FINISHED
-        if (arrived_after && arrived_after[next] == JTIK_FINISHED) {
+        if (arrived_after && arrived_after[next] <= JTIK_FINISHED) {
           ++next;
           continue;
         }
