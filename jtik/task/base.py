@@ -56,6 +56,10 @@ class Task(metaclass=Constructed):
                 text = f"{cls.__name__}.{old} is now {cls.__name__}.{new}"
                 warnings.warn(text, DeprecationWarning, stacklevel=2)
                 setattr(cls, new, vars(cls)[old])
+        if "read_target" in vars(cls):
+            for faster in ("target_is_vector", "matrix_reader", "read_matrices"):
+                if faster not in vars(cls):  # that of a base reads targets in another way
+                    setattr(cls, faster, vars(Task)[faster])
 
     @abstractmethod
     def target_size(self, robot: Robot) -> int:
@@ -68,6 +72,9 @@ class Task(metaclass=Constructed):
     @abstractmethod
     def read_target(self, robot: Robot, target: Any) -> Array:
         """The numbers of ``target``, shape (target_size,).
+
+        The faster ways `target_is_vector`, `matrix_reader` and `read_matrices` are used where they are defined in the
+        same class or below it.
 
         Args:
             robot: the robot.

@@ -277,3 +277,47 @@ class TestFastForms:
     )
     def test_other_forms_are_not_read_on_the_fast_path(self, target):
         assert read_fast(target, "pose") is None
+
+
+class Above(jtik.FrameTask):
+    """A task whose targets are 0.05 m above what is given."""
+
+    def read_target(self, robot, target):
+        numbers = super().read_target(robot, target).copy()
+        numbers[robot.dimension - 1] += 0.05
+        return numbers
+
+
+class TestOwnReader:
+    """A subclass that reads targets in its own way reads all of them so, also those that have faster ways."""
+
+    @pytest.mark.parametrize("compiled", [False, True])
+    def test_poses(self, compiled, rng):
+        robot = dh_arm(7, 3)
+        ik = jtik.InverseKinematics(robot, Above("tip", "pose"), strategy="damped", compiled=compiled)
+        poses = np.array([robot.pose(0.5 * robot.random_configuration(rng)) for _ in range(4)])
+        wanted = poses[:, :3, 3] + [0, 0, 0.05]
+        batches = [ik.solve_batch(poses, restarts=30, lanes=lanes).q for lanes in (False, True, True)]
+        for found in (*batches, [ik.solve(pose, restarts=30).q for pose in poses]):
+            assert [robot.position(q) for q in found] == pytest.approx(wanted, abs=2e-6)
+        assert ik.step(batches[0][0], poses[0], dt=0.01).q == pytest.approx(batches[0][0], abs=1e-4)
+
+    def test_vectors(self):
+        robot = planar(3)
+        ik = jtik.InverseKinematics(robot, Above(kind="position"))
+        for target in (np.array([1.2, 0.6]), [1.2, 0.6]):
+            assert robot.position(ik.solve(target).q) == pytest.approx([1.2, 0.65], abs=2e-6)
+        found = ik.solve_batch(np.array([[1.2, 0.6]])).q[0]
+        assert robot.position(found) == pytest.approx([1.2, 0.65], abs=2e-6)
+
+    def test_faster_ways_of_the_same_class_are_used(self):
+        class Both(Above):
+            def read_target(self, robot, target):
+                raise AssertionError
+
+            def read_matrices(self, robot, targets):
+                return super(Above, self).read_matrices(robot, targets)
+
+        robot = dh_arm(7, 3)
+        found = jtik.InverseKinematics(robot, Both("tip", "pose")).tasks.read_table(np.array([robot.pose(robot.home)]))
+        assert found is not None
