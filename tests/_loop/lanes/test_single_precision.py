@@ -89,6 +89,7 @@ def test_where_its_end_leads_nowhere_the_search_begins_anew(monkeypatch, rng):
     assert (found.q == expected.q).all(axis=1).any()  # begun anew
 
 
+@pytest.mark.thinned
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-11])
 @pytest.mark.parametrize("limit", [4, 5, 6, 8, 200])
 def test_ends_that_are_finished_side_by_side_are_those_of_the_search(limit, tolerance, monkeypatch, rng):
