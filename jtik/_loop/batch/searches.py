@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
@@ -101,7 +102,7 @@ class BatchSearches:
                 if self._ahead.waiting:
                     self._ahead.adopt()
                 continue
-            for first, batch in blocks:
+            for first, batch, until in blocks:
                 numbers, usual = chosen[at + first :][: len(batch.q)], self._usual(batch, options)
                 edges = [0, *(np.flatnonzero(usual[1:] != usual[:-1]) + 1).tolist(), len(usual)]
                 for begin, end in pairwise(edges):
@@ -110,7 +111,11 @@ class BatchSearches:
                     else:
                         for k in range(begin, end):
                             i = int(numbers[k])
+                            if time.perf_counter() > until:
+                                break
                             found = self._search.found(batch, k, targets.numbers[i])
+                            if found is None and until < math.inf:  # Ctrl-C was pressed: no search begins
+                                continue
                             yield row(i, found, float(batch.seconds[k]))
             return
 

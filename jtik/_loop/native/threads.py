@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import queue
 import threading
+import time
 from collections.abc import Callable, Iterator
 
 from jtik._loop.native.search import MOST_ROWS, NativeBatch
@@ -17,6 +19,9 @@ BLOCKS = 8
 SMALLEST = 16
 """Smallest number of targets of a block."""
 
+AFTERWARDS = 0.1
+"""How long Python may go on with what is solved when Ctrl-C is pressed [s]."""
+
 MOST_THREADS = 256
 """Most threads of a batch."""
 
@@ -26,11 +31,12 @@ Solve = Callable[[int, int], NativeBatch]
 
 def in_threads(
     solves: list[Solve], count: int, *, blocks: int = BLOCKS, most: int = MOST_ROWS
-) -> Iterator[tuple[int, NativeBatch]]:
-    """The rows of a batch in blocks, each with the number of its first row, as they are done.
+) -> Iterator[tuple[int, NativeBatch, float]]:
+    """The rows of a batch in blocks, as they are done: the number of the first row, the rows, and until when to go on.
 
     Where the iterator is closed or Ctrl-C is pressed, the threads end after their calls of C, which take a tenth of a
-    second; what they have solved until then is yielded before KeyboardInterrupt is raised again.
+    second; what they have solved until then is yielded before KeyboardInterrupt is raised again. Until then the third
+    number is math.inf, and after it the time (`time.perf_counter`) when the caller should have done.
 
     Args:
         solves: what solves in each thread.
@@ -42,7 +48,7 @@ def in_threads(
         begin = 0
         while begin < count:
             batch = solves[0](begin, count)
-            yield begin, batch
+            yield begin, batch, math.inf
             begin += len(batch.q)
         return
     done: queue.SimpleQueue[tuple[int, NativeBatch] | BaseException] = queue.SimpleQueue()
@@ -76,14 +82,15 @@ def in_threads(
                 continue
             if isinstance(item, BaseException):
                 raise item
-            yield item
+            yield *item, math.inf
             rows += len(item[1].q)
     except KeyboardInterrupt:
         _ended(threads, stop)
+        until = time.perf_counter() + AFTERWARDS
         while not done.empty():
             item = done.get()
             if not isinstance(item, BaseException):
-                yield item
+                yield *item, until
         raise
     finally:
         _ended(threads, stop)

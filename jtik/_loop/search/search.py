@@ -277,8 +277,8 @@ class Search:
 
     def find_all(
         self, targets: Array, q0: Array, options: SearchOptions, threads: int = 1, lanes: LaneSearch | None = None
-    ) -> Iterator[tuple[int, NativeBatch]] | None:
-        """Searches for each row of ``targets`` in C, in blocks with the number of their first row; None without C.
+    ) -> Iterator[tuple[int, NativeBatch, float]] | None:
+        """Searches for each row of ``targets`` in C, in the blocks of `in_threads`; None without C.
 
         A row whose code is negative needs `find`. Ctrl-C is obeyed after a tenth of a second.
 

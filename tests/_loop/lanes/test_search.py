@@ -15,6 +15,8 @@ import jtik
 from jtik._loop.lanes import search as lane_search
 from jtik._loop.lanes import search_source
 from jtik._loop.native import search_source as native_source
+from jtik._loop.search import search as all_searches
+from jtik._step.stopping import Code
 from jtik.symbolic import lane_maths
 from jtik.symbolic.lane_maths import Level
 from jtik_formulations import Damped, JointCentering
@@ -223,6 +225,37 @@ def test_a_signal_ends_it(monkeypatch):
         signal.signal(signal.SIGINT, before)
     assert not found.complete
     assert 0 < len(found) < 200_000
+
+
+@pytest.mark.parametrize(("until", "kept"), [(0.0, "converged"), (1e300, "solved"), (np.inf, "all")])
+def test_after_ctrl_c_python_goes_on_with_what_is_solved_only_and_not_for_long(until, kept, monkeypatch, rng):
+    """Rows come converged, ended otherwise, and not reached in lanes, which a search in Python begins anew."""
+    ik = solver(strategy="damped")
+    targets, q0 = problems(ik, rng, 12)
+    targets[::3, 0, 3] += 3.0
+    of_python = []
+
+    def interrupted(solves, count, **_):
+        batch = solves[0](0, count)
+        batch.tallies[1, 0] = Code.STALLED
+        yield 0, batch, until
+        if until < np.inf:
+            raise KeyboardInterrupt
+
+    find = all_searches.Search.find
+
+    def counted(*arguments, **options):
+        of_python.append(0)
+        return find(*arguments, **options)
+
+    monkeypatch.setattr(all_searches, "in_threads", interrupted)
+    monkeypatch.setattr(all_searches.Search, "find", counted)
+    found = ik.solve_batch(targets, q0=q0, restarts=20, lanes=True, threads=2)
+    reached = {i for i in range(12) if i % 3}
+    expected = {"converged": reached - {1}, "solved": reached, "all": {*range(12)}}
+    assert {*found.indices.tolist()} == expected[kept]
+    assert found.complete == (kept == "all")
+    assert len(of_python) == (4 if kept == "all" else 0)
 
 
 @pytest.mark.slow
