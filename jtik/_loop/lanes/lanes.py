@@ -95,8 +95,7 @@ class Lanes:
             if self._runners.has_native_step:
                 beside = solve_source.beside(problem.tasks, attempts_source.RUN)
             step = fused_step(problem, strategy, replaceable=True) if differs else fused
-            reader = problem.tasks.matrix_reader if lanes == math.inf else None
-            return lane_library(step, level, beside, single=single, reader=reader)
+            return lane_library(step, level, beside, single=single, reader=problem.tasks.matrix_reader)
 
         library = problem.once(f"lanes, {differs=}, {level}, {single=}", build)
         if library is None:

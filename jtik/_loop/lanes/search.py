@@ -69,7 +69,7 @@ class LaneLibrary(NamedTuple):
 
 
 def lane_library(
-    fused: FusedStep, level: Level, beside: Beside, *, single: bool, reader: Function | None = None
+    fused: FusedStep, level: Level, beside: Beside, *, single: bool, reader: Function | None
 ) -> LaneLibrary | None:
     """The search in lanes, compiled now; None for a step that calls a solver or Python, or cannot be written so.
 
@@ -78,7 +78,7 @@ def lane_library(
         level: the instructions that it uses.
         beside: what is compiled with it.
         single: whether to have the search in single precision, too.
-        reader: reads a matrix as a target; None where no batch is searched for.
+        reader: reads a matrix as a target; None without.
 
     Raises:
         CompilerError: without a compiler.

@@ -165,7 +165,9 @@ def test_the_answer_is_that_of_the_rule(restarts, nearest, rng):
 def test_nearest_is_the_attempt_from_q0_where_it_arrives_and_else_the_first_arrival(monkeypatch, rng):
     """Bit by bit that of the search for several targets in double precision, whose first attempt is the same."""
     build = all_lanes.lane_library
-    monkeypatch.setattr(all_lanes, "lane_library", lambda *of_step, **_: build(*of_step, single=False))
+    monkeypatch.setattr(
+        all_lanes, "lane_library", lambda *of_step, **flags: build(*of_step, **{**flags, "single": False})
+    )
     ik = solver.__wrapped__()
     q0, own = (ik.robot.lower + ik.robot.upper) / 2, 0
     targets = poses(ik.robot, rng, 60)

@@ -45,6 +45,16 @@ def test_no_search_is_compiled_yet():
     assert ik._solving._lanes.read_matrices(poses(3)) is None
 
 
+@pytest.mark.parametrize("strategy", ["damped", "hybrid"])
+def test_they_are_read_after_a_solve_in_lanes_as_well(strategy):
+    """One library may serve the attempts for one target and batches."""
+    ik = jtik.InverseKinematics(ARM, jtik.FrameTask("tip", "pose"), strategy=strategy)
+    targets = poses(9)
+    ik.solve(targets[0], restarts=5, lanes=True)
+    ik.solve_batch(targets[:1], restarts=5, lanes=True)
+    assert ik._solving._lanes.read_matrices(targets) is not None
+
+
 @pytest.mark.parametrize("at", [0, 3, 16])
 @pytest.mark.parametrize("fault", [*FAULTS, "mirrored", "sheared"])
 def test_one_that_is_wrong_is_named(fault, at, compiled):

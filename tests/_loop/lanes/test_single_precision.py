@@ -30,7 +30,7 @@ def solved(monkeypatch, robot, kind, targets, *, single=True, constants=None, **
         built = []
 
         def library(*arguments, **flags):
-            built.append(build(*arguments, single=single and flags["single"]))
+            built.append(build(*arguments, **{**flags, "single": single and flags["single"]}))
             return built[-1]
 
         patch.setattr(all_lanes, "lane_library", library)
