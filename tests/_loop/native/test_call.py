@@ -8,6 +8,7 @@ import gc
 import pickle
 import shutil
 import sys
+import time
 import weakref
 
 import numpy as np
@@ -100,12 +101,15 @@ def test_nothing_is_left_behind(monkeypatch, items_only):
     held = (q, goal, dt, wrong, Step, np.ndarray, ik._stepping, True, False, None)
     run(STEPS // 10)
     gc.collect()  # what other tests have left
-    before, blocks = [sys.getrefcount(each) for each in held], sys.getallocatedblocks()
-    run(STEPS)
-    gc.collect()
-    assert sys.getallocatedblocks() - blocks < STEPS / 10
-    after = [sys.getrefcount(each) for each in held]
-    assert np.abs(np.subtract(after, before)).max() < STEPS / 2  # other threads use some of them, too
+    for _ in range(20):  # another thread may still read a library in the first of them
+        before, blocks = [sys.getrefcount(each) for each in held], sys.getallocatedblocks()
+        run(STEPS)
+        gc.collect()
+        grown = sys.getallocatedblocks() - blocks
+        changed = np.abs(np.subtract([sys.getrefcount(each) for each in held], before)).max()
+        if grown < STEPS / 10 and changed < STEPS / 2:
+            return
+    pytest.fail(f"{STEPS} calls left {grown} blocks of memory and {changed} references")
 
 
 def test_a_busy_solver_refuses(ik):
@@ -123,7 +127,10 @@ def test_a_solver_that_is_no_longer_used_ends(ik):
     ik.step(Q, GOAL, dt=DT)
     ends = weakref.ref(ik._engine)
     del ik
-    gc.collect()
+    until = time.perf_counter() + 20
+    while ends() is not None and time.perf_counter() < until:  # a library may still be read for it by another thread
+        time.sleep(0.01)
+        gc.collect()
     assert ends() is None
 
 
