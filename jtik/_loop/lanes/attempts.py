@@ -22,6 +22,7 @@ from jtik._loop.search.full_turns import FullTurns
 from jtik._loop.search.restarts import RestartConfigurations
 from jtik._loop.search.search import IN_LANES, PATIENCE, SearchOptions
 from jtik._loop.search.start_bank import StartBanks, aligned
+from jtik._loop.search.starts import Starts
 from jtik.types import Array
 
 
@@ -55,7 +56,7 @@ class LaneAttempts:
         self._starts, self._memory = starts, SearchMemory(library, runner, turns, has_criterion=has_criterion)
         self.found = NativeBatch.of(1, len(self._memory.q0))
         self._work = aligned(work_size(library.function, library.level))
-        self._table = np.zeros(7, dtype=np.uintp)
+        self._table = np.zeros(5, dtype=np.uintp)
         found = self.found.q, self.found.errors, self.found.tallies, self._work
         self._table[:4] = [each.ctypes.data for each in found]
         self._call = getattr(library.loaded, f"{library.name}_attempts")
@@ -64,7 +65,7 @@ class LaneAttempts:
         self._call.restype = integer
         memory = self._memory
         self.prepared = PreparedSearch.of(memory.addresses, memory.q0, runner.inputs.target, self._table)
-        self._options, self._kept = SearchOptions(0, 0, 0), tuple[Array, ...]()
+        self._options, self._restarts = SearchOptions(0, 0, 0), Starts(np.zeros((0, len(memory.q0))), 1, 0)
         self._run = partial(self._call, self._memory.address, None, 1, 0, 0, math.inf, self._table.ctypes.data)
 
     @property
@@ -79,26 +80,24 @@ class LaneAttempts:
             options: the options, with restarts.
             nearest: whether the attempt from q0 goes on where another one arrives before it, and wins if it arrives.
         """
-        self._table[6] = nearest
+        self._table[4] = nearest
         if self._options is not options:
             if isinstance(self._starts, StartBanks):
                 bank = self._starts.of(options.seed)
-                self._table[4:6] = bank.coefficients.ctypes.data, len(bank.configurations)
-                self._set(options, *bank.starts, bank.coefficients)
+                self._set(options, Starts(*bank.starts, bank))
             self._options = options
 
     def run(self, q0: Array) -> int:
         """Search from ``q0`` (nq,) for the target in memory; the result and what it returns are in `found`."""
         self._memory.q0[:] = q0
         if isinstance(self._starts, RestartConfigurations):
-            self._set(self._options, *self._starts.block(self._options.seed, 1, q0))
+            self._set(self._options, Starts(*self._starts.block(self._options.seed, 1, q0)))
         return int(self._run())
 
-    def _set(self, options: SearchOptions, starts: Array, first: int, last: int, *kept: Array) -> None:
-        """Set the restarts: their configurations, and the numbers of the first and the last."""
-        self._kept = starts, *kept
-        last, limit = min(last, options.restarts), options.limit
+    def _set(self, options: SearchOptions, restarts: Starts) -> None:
+        """Set the restarts."""
+        self._restarts = restarts  # kept alive
         patience = PATIENCE if self._has_criterion else IN_LANES
-        table, address = self._table.ctypes.data, self._memory.address
-        self._run = partial(self._call, address, starts.ctypes.data, first, last, limit, patience, table)
-        self.prepared.prepare(starts.ctypes.data, first, last, limit, patience)
+        order = restarts.address, restarts.first, min(restarts.last, options.restarts), options.limit, patience
+        self._run = partial(self._call, self._memory.address, *order, self._table.ctypes.data)
+        self.prepared.prepare(*order)

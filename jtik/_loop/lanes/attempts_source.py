@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from jtik._loop.search.start_bank import SIZE
 from jtik._step.inputs import Inputs
 from jtik._step.stopping import StepOutcome
 from jtik.symbolic import Function
@@ -22,14 +21,13 @@ typedef struct { long long number, begun; } JTIK_NAME_attempt;
    round that has one wins, of several in one round that with the smallest number; with nearest the attempt from q0 goes
    on, and wins where it arrives. Returns the code of its last call; or JTIK_LOOK: the search in Python begins anew; or
    JTIK_EXHAUSTED: none has arrived; or JTIK_UNREADABLE: q0 is not finite. */
-JTIK_CPU long long JTIK_NAME_attempts(void** at, const double* starts, long long first, long long last, long long limit,
-                                      double patience, void** table) {
+JTIK_CPU long long JTIK_NAME_attempts(void** at, const JTIK_NAME_starts* starts, long long first, long long last,
+                                      long long limit, double patience, void** table) {
   double* found = (double*)table[0];
   double* errors = (double*)table[1];
   long long* tally = (long long*)table[2]; /* code, iterations, restarts */
   double* target = (double*)table[3];      /* memory, aligned as vectors are */
-  const V* bank = (const V*)table[4];
-  const long long size = (long long)table[5], nearest = (long long)table[6];
+  const long long size = starts ? starts->size : 0, nearest = (long long)table[4];
   const double* const* shared = (const double* const*)at[0];
   const double* initial = (const double*)at[9];
   const double* settings = (const double*)at[10];
@@ -37,7 +35,7 @@ JTIK_CPU long long JTIK_NAME_attempts(void** at, const double* starts, long long
   double* work = target + JTIK_NT * JTIK_LANES;
   JTIK_NAME_memory memory[JTIK_VECTORS];
   JTIK_NAME_attempt attempts[JTIK_PLACES];
-  JTIK_NAME_start latest = JTIK_NO_START;
+  int32_t keys[JTIK_BANK], latest = JTIK_FIRST;
   long long next = 0, rounds = 0, iterations = 0, winner = -1, won = 0, code = 0;
   int here = 0, active = 0;
 #define OF(p) memory[(p) / JTIK_LANES]
@@ -63,9 +61,10 @@ JTIK_CPU long long JTIK_NAME_attempts(void** at, const double* starts, long long
     for (int p = 0; p < JTIK_TOGETHER && next <= last && winner < 0; ++p) {
       if (attempts[p].number >= 0) continue;
       if (next) {
-        if (size && next == 1) JTIK_NAME_distances((V*)work, shared[JTIK_TARGET], 1, bank, size);
-        if (size) JTIK_NAME_follow(&latest, (V*)work, size);
-        const double* start = starts + (size ? latest.index : next - first) * JTIK_NQ;
+        if (size && next == 1) JTIK_NAME_keys(keys, starts, shared[JTIK_TARGET], JTIK_NT);
+        if (size) latest = JTIK_NAME_following(keys, latest);
+        const long long row = size ? latest & (JTIK_BANK - 1) : next - first;
+        const double* start = starts->configurations + row * JTIK_NQ;
         JTIK_NAME_begin(OF(p).q[here], OF(p).state[here], start, initial, patience, p % JTIK_LANES);
       }
       attempts[p] = (JTIK_NAME_attempt){next++, rounds};
@@ -118,8 +117,8 @@ RUN = r"""
 /* Run the attempts that are prepared, and return what they return. */
 static long long JTIK_NAME_run(const JTIK_NAME_solver* at, JTIK_NAME_end* end) {
   const long long *order = at->order, *tally = (const long long*)at->table[2];
-  const long long returned = JTIK_NAME_attempts(at->context, (const double*)order[0], order[1], order[2], order[3],
-                                                at->patience[0], at->table);
+  const long long returned = JTIK_NAME_attempts(at->context, (const JTIK_NAME_starts*)order[0], order[1], order[2],
+                                                order[3], at->patience[0], at->table);
   *end = (JTIK_NAME_end){(const double*)at->table[0], tally[1], tally[2]};
   return returned;
 }
@@ -135,7 +134,7 @@ def sizes(level: Level) -> dict[str, int]:
 
 
 def work_size(function: Function, level: Level) -> int:
-    """How many numbers the attempts need in memory for this step, and for the distances of all starts."""
+    """How many numbers the attempts need in memory for this step."""
     nq, ns, target = function.numel_out(0), function.numel_out(1), 1 + Inputs._fields.index("target")
     of_vector, vectors = 2 * nq + 2 * ns + len(StepOutcome._fields), sizes(level)["VECTORS"]
-    return int(level.lanes * (function.numel_in(target) + vectors * of_vector)) + SIZE
+    return int(level.lanes * (function.numel_in(target) + vectors * of_vector))

@@ -24,7 +24,7 @@ static JTIK_CPU void JTIK_NAME_refine(void** at, long long limit, double patienc
   double* seconds = (double*)table[4];
   long long* tallies = (long long*)table[5]; /* code, iterations, restarts */
   const long long count = (long long)table[6], stride = (long long)table[8];
-  long long* arrived_after = (long long*)table[12];
+  long long* arrived_after = (long long*)table[10];
   const double* const* shared = (const double* const*)at[0];
   const double* initial = (const double*)at[9];
   const double* settings = shared[JTIK_SETTINGS];

@@ -30,6 +30,7 @@ from jtik._loop.native.search import NativeBatch
 from jtik._loop.runner import Runner
 from jtik._loop.search.full_turns import FullTurns
 from jtik._loop.search.start_bank import SIZE, StartBank, StartBanks, aligned
+from jtik._loop.search.starts import Starts
 from jtik._step.fused_step import FusedStep
 from jtik.symbolic import Function
 from jtik.symbolic.compile import Beside, plain_libraries, plain_library
@@ -194,19 +195,16 @@ class LaneSearch:
         self,
         targets: Array,
         q0: Array,
-        starts: Array | None,
-        first: int,
+        starts: Starts | None,
         last: int,
         limit: int,
         patience: float,
-        bank: StartBank | None = None,
     ) -> NativeBatch:
-        """As `jtik._loop.native.search.NativeSearch.batch`; ``starts`` are those of ``bank``, where there is one."""
+        """As `jtik._loop.native.search.NativeSearch.batch`."""
         found = NativeBatch.of(min(len(targets), MOST_ROWS), self._nq)
-        order = first, max(last, 0), limit, patience
-        arguments = self._arguments_of(found, targets[: len(found.q)], q0, starts, bank, order)
-        if bank is not None and starts is not None and self._begins_in_single_precision(bank):
-            arguments.table[6], _ = self._in_single_precision(arguments, bank)
+        arguments = self._arguments_of(found, targets[: len(found.q)], q0, starts, (max(last, 0), limit, patience))
+        if starts is not None and starts.bank is not None and self._begins_in_single_precision(starts.bank):
+            arguments.table[6], _ = self._in_single_precision(arguments)
         return found.first(self._call(*arguments.of_call))
 
     def _arguments_of(
@@ -214,31 +212,27 @@ class LaneSearch:
         found: NativeBatch,
         targets: Array,
         q0: Array,
-        starts: Array | None,
-        bank: StartBank | None,
-        order: tuple[int, int, int, float],
+        starts: Starts | None,
+        order: tuple[int, int, float],
     ) -> _Arguments:
         """Those of `batch` as the search in C takes them, with ``found`` for what it finds.
 
-        ``order`` has the numbers of the first and last restart, the limit of iterations and the patience.
+        ``order`` has the number of the last restart, the limit of iterations and the patience.
         """
         arrays = [np.ascontiguousarray(targets), np.ascontiguousarray(q0), *found]
         sizes = [len(targets), targets.shape[1], self._nq if len(q0) > 1 else 0, self._work.ctypes.data]
-        of_bank = [bank.coefficients.ctypes.data, len(bank.configurations)] if bank else [0, 0]
-        table = np.array([*(each.ctypes.data for each in arrays), *sizes, *of_bank, 0], dtype=np.uintp)
-        starts_at = None if starts is None else starts.ctypes.data
-        return _Arguments(table, (self._memory.address, starts_at, *order, table.ctypes.data), [*arrays, starts])
+        table = np.array([*(each.ctypes.data for each in arrays), *sizes, 0], dtype=np.uintp)
+        address, first = (None, 1) if starts is None else (starts.address, starts.first)
+        of_call = self._memory.address, address, first, *order, table.ctypes.data
+        return _Arguments(table, of_call, [*arrays, starts])
 
-    def _in_single_precision(self, arguments: _Arguments, bank: StartBank) -> tuple[int, NDArray[np.int64]]:
+    def _in_single_precision(self, arguments: _Arguments) -> tuple[int, NDArray[np.int64]]:
         """Search in single precision; how many searches have ended, and after how many steps close to the target."""
         assert self._call_in_single is not None
-        table, coefficients = arguments.table, bank.in_single_precision()
-        arrived_after = np.empty(table[6], dtype=np.int64)
+        arrived_after = np.empty(arguments.table[6], dtype=np.int64)
         arguments.kept.append(arrived_after)
-        table[10], table[12] = coefficients.ctypes.data, arrived_after.ctypes.data
-        done = self._call_in_single(*arguments.of_call)
-        table[10] = bank.coefficients.ctypes.data
-        return done, arrived_after
+        arguments.table[10] = arrived_after.ctypes.data
+        return self._call_in_single(*arguments.of_call), arrived_after
 
     def _begins_in_single_precision(self, bank: StartBank) -> bool:
         """Whether there is a search in single precision, and its rounding is small.
@@ -252,8 +246,8 @@ class LaneSearch:
             while begin < len(bank.numbers) and small:
                 numbers, at = bank.numbers[begin:], bank.configurations[begin:]
                 found = NativeBatch.of(len(at), self._nq)
-                arguments = self._arguments_of(found, numbers, at, at, bank, (1, 0, 1, math.inf))
-                done, arrived_after = self._in_single_precision(arguments, bank)
+                arguments = self._arguments_of(found, numbers, at, Starts(at, 1, 0), (0, 1, math.inf))
+                done, arrived_after = self._in_single_precision(arguments)
                 at_once, errors = arrived_after[:done] == 0, found.errors[:done]
                 small, begin = bool(at_once.all() and (errors <= ROUNDING * COARSE).all()), begin + done
             self._latest = bank, small

@@ -6,7 +6,8 @@ the former.
 
 from __future__ import annotations
 
-from jtik._loop.lanes import attempts_source, refinement_source, start_bank_source
+from jtik._loop.lanes import attempts_source, refinement_source
+from jtik._loop.native import start_bank_source
 from jtik._loop.native.search_source import TURNED, macros
 from jtik._step.inputs import Inputs
 from jtik._step.stopping import StepOutcome
@@ -64,12 +65,12 @@ JTIK_INLINE int JTIK_NAME_are_usual(const double* numbers, int count) {
 
 _SOURCE = r"""
 /* What a search that is in a lane has done; row: of its target, -1 where there is none; refines: its attempt began
-   where the search in single precision had ended; since: number of steps before it; latest: start of the bank. */
+   where the search in single precision had ended; since: number of steps before it; latest: key of its start. */
 typedef struct {
   long long row, number, iterations;
   int refines;
   long long since;
-  JTIK_NAME_start latest;
+  int32_t latest;
 } lane;
 
 /* Searches for a table of targets, in the order of the table, as JTIK_NAME_batch of the native search has them. A lane
@@ -78,8 +79,8 @@ typedef struct {
    arrived_after, NULL without a search in single precision, is that one's result and an argument of the other: the
    steps of the attempt that has come close to the target, -1 where none has. The numbers of steps and restarts before
    that attempt, and where it has ended, are then in the table. */
-JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long first, long long last, long long limit,
-                                   double patience, void** table) {
+JTIK_CPU long long JTIK_NAME_lanes(void** at, const JTIK_NAME_starts* starts, long long first, long long last,
+                                   long long limit, double patience, void** table) {
   const double* targets = (const double*)table[0];
   const double* from = (const double*)table[1];
   double* ends = (double*)table[2];
@@ -88,25 +89,24 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
   long long* tallies = (long long*)table[5]; /* code, iterations, restarts */
   const long long count = (long long)table[6], stride = (long long)table[8];
   R* work = (R*)table[9]; /* aligned as vectors are */
-  const V* bank = (const V*)table[10];
-  const long long size = (long long)table[11];
-  long long* arrived_after = (long long*)table[12];
+  long long* arrived_after = (long long*)table[10];
   const double* const* given = (const double* const*)at[0];
   const double* initial = (const double*)at[9];
   R* q[2] = {work, work + JTIK_NQ * JTIK_LANES};
   R* state[2] = {q[1] + JTIK_NQ * JTIK_LANES, q[1] + (JTIK_NQ + JTIK_NS) * JTIK_LANES};
   R* target = state[1] + JTIK_NS * JTIK_LANES;
   R* outcome = target + JTIK_NT * JTIK_LANES;
-  V* of_starts = (V*)work + JTIK_WORK; /* distances, for each lane */
+  int32_t* of_lanes = (int32_t*)((V*)work + JTIK_WORK); /* keys of starts, for each lane */
 #ifdef JTIK_SINGLE
   const R* shared[JTIK_STATE];
-  JTIK_NAME_inputs((R*)(of_starts + size), shared, given);
+  JTIK_NAME_inputs((R*)(of_lanes + JTIK_BANK * JTIK_LANES), shared, given);
 #else
   const R* const* shared = given;
 #endif
   const R* settings = shared[JTIK_SETTINGS];
   const I longest = limit < JTIK_LONGEST ? limit : JTIK_LONGEST;
   const int several = starts != 0;
+  const long long size = several ? starts->size : 0;
   double begin = JTIK_NAME_seconds(), of_step = 0; /* mean time of a step */
   const double end = begin + JTIK_BUDGET;
   lane lanes[JTIK_LANES];
@@ -150,7 +150,7 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
                             (code == JTIK_STALLED && (calls[i] == 1 || !several)) || (code == JTIK_SLOW && !several);
         if (own->refines && !arrived) { /* the search begins anew */
           JTIK_NAME_begin(q[here], state[here], from + own->row * stride, initial, patience, i);
-          *own = (lane){own->row, 0, own->iterations + k, 0, own->since, JTIK_NO_START};
+          *own = (lane){own->row, 0, own->iterations + k, 0, own->since, JTIK_FIRST};
           calls[i] = 0;
         } else if (unusual) {
           returned = JTIK_LOOK;
@@ -176,11 +176,12 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
             ++own->number;
             calls[i] = 0;
             if (size) {
-              V* distances = of_starts + i * (size / JTIK_LANES);
-              if (own->number == 1) JTIK_NAME_distances(distances, target + i, JTIK_LANES, bank, size);
-              JTIK_NAME_follow(&own->latest, distances, size);
+              int32_t* keys = of_lanes + i * JTIK_BANK;
+              if (own->number == 1) JTIK_NAME_keys(keys, starts, targets + own->row * JTIK_NT, JTIK_NT);
+              own->latest = JTIK_NAME_following(keys, own->latest);
             }
-            const double* start = starts + (size ? own->latest.index : own->number - first) * JTIK_NQ;
+            const long long row = size ? own->latest & (JTIK_BANK - 1) : own->number - first;
+            const double* start = starts->configurations + row * JTIK_NQ;
             JTIK_NAME_begin(q[here], state[here], start, initial, patience, i);
           } else {
             returned = JTIK_EXHAUSTED;
@@ -207,7 +208,7 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
           ++next;
           continue;
         }
-        *own = (lane){next, 0, 0, 0, steps, JTIK_NO_START};
+        *own = (lane){next, 0, 0, 0, steps, JTIK_FIRST};
         calls[i] = 0;
 #else
         int finite = 1;
@@ -225,7 +226,7 @@ JTIK_CPU long long JTIK_NAME_lanes(void** at, const double* starts, long long fi
         const long long *tally = tallies + 3 * next, before = arrived_after ? arrived_after[next] : -1;
         const int refines = 0 <= before && before < limit;
         const long long made = !arrived_after ? 0 : refines || before < 0 ? tally[1] : tally[1] + before;
-        *own = (lane){next, refines ? tally[2] : 0, made, refines, steps, JTIK_NO_START};
+        *own = (lane){next, refines ? tally[2] : 0, made, refines, steps, JTIK_FIRST};
         calls[i] = refines ? before : 0;
         if (refines) start = ends + next * JTIK_NQ;
 #endif

@@ -134,8 +134,8 @@ class NativeSearch:
         limits = [turns.indices, turns.lower, turns.upper]
         ends = [self._best_V, self._best, self._first]
         counts = [nq, len(runner.first_state), len(turns.indices), int(has_criterion)]
-        self._distances = np.zeros(SIZE)
-        order = [inputs.target.size, self._distances.ctypes.data]
+        self._keys = np.zeros(SIZE, dtype=np.int32)
+        order = [inputs.target.size, self._keys.ctypes.data]
         at = [*_addresses(memory), *counts, *_addresses(limits), *_addresses(ends), *order]
         self._context = np.array(at, dtype=np.uintp)
         self._count = len(memory) + 2, len(turns.indices)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from jtik._loop.native import start_bank_source
 from jtik._loop.search.full_turns import FARTHEST, ROUNDING, TURN
 from jtik._step.inputs import SETTING, Inputs
 from jtik._step.stopping import OUTCOME, Code
@@ -64,45 +65,12 @@ static double JTIK_NAME_seconds(void) {
 """
 
 _SOURCE = r"""
-/* The distances of the configurations of a bank from the target; infinite where they are not finite. */
-static void JTIK_NAME_distances(double* distance, const double* coefficients, long long size, const double* target,
-                                long long numbers) {
-  for (long long i = 0; i < size; ++i) distance[i] = coefficients[i];
-  for (long long j = 0; j < numbers; ++j) {
-    const double number = target[j], *factors = coefficients + (j + 1) * size;
-    for (long long i = 0; i < size; ++i) distance[i] += number * factors[i];
-  }
-  for (long long i = 0; i < size; ++i) {
-    if (!(distance[i] - distance[i] == 0)) distance[i] = INFINITY;
-  }
-}
-
-/* The configuration that follows another one in the order of the distances, then of the bank; -1 before the first. */
-static long long JTIK_NAME_follow(const double* distance, long long size, long long latest) {
-  const double after = latest < 0 ? -INFINITY : distance[latest];
-  double smallest = INFINITY;
-  long long found = -1;
-  for (long long i = 0; i < size; ++i) {
-    if (distance[i] > after && distance[i] < smallest) {
-      smallest = distance[i];
-      found = i;
-    } else if (distance[i] == after && i > latest) {
-      return i;
-    }
-  }
-  for (long long i = 0; found < 0 && i < size; ++i) {
-    if (distance[i] == INFINITY) found = i;
-  }
-  return found;
-}
-
-/* Attempts number from to last of a search, until one reaches the target. table: of starts, NULL without restarts: the
-   configurations, of which row 0 is attempt number first; the coefficients of a bank, whose restarts are the first rows
-   in the order of their distances; its size, 0 without one.
+/* Attempts number from to last of a search, until one reaches the target. starts: NULL without restarts; row 0 of the
+   configurations is attempt number first.
    Returns its code; or JTIK_LOOK: the search in Python takes over this attempt; or JTIK_EXHAUSTED: none reached it, or
    the time JTIK_BUDGET is over, and the attempts after tally[1] are left; or JTIK_UNREADABLE: q0 is not finite. */
-CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, void** table, long long first, long long from,
-                                                long long last, long long limit, double patience) {
+CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, const JTIK_NAME_starts* starts, long long first,
+                                                long long from, long long last, long long limit, double patience) {
   const double** arg = (const double**)at[0];
   double** res = (double**)at[1];
   long long* iw = (long long*)at[2];
@@ -122,20 +90,20 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, void** table, long lo
   for (long long j = 0; j < (long long)at[13]; ++j) {
     if (!(q0[j] - q0[j] == 0)) return JTIK_UNREADABLE;
   }
-  const int several = table != 0;
-  const double* starts = several ? (const double*)table[0] : 0;
-  const long long size = several ? (long long)table[2] : 0;
-  double* distance = (double*)at[24];
-  long long ranked = 0, nearest = -1; /* how many of the bank have been tried, and the latest one */
+  const int several = starts != 0;
+  const long long size = several ? starts->size : 0;
+  int32_t* keys = (int32_t*)at[24];
+  int32_t nearest = JTIK_FIRST; /* key of the latest one that has been tried */
+  long long ranked = 0;         /* how many of the bank have been */
   const double end = limit > JTIK_CHECKED || several ? JTIK_NAME_seconds() + JTIK_BUDGET : 0;
   for (long long number = from; number <= last; ++number) {
     long long k = 0, here = 0, code = 0;
     if (0 < number && number <= size) {
-      if (!ranked) JTIK_NAME_distances(distance, (const double*)table[1], size, arg[JTIK_TARGET], (long long)at[23]);
-      for (; ranked < number; ++ranked) nearest = JTIK_NAME_follow(distance, size, nearest);
+      if (!ranked) JTIK_NAME_keys(keys, starts, arg[JTIK_TARGET], (int)(long long)at[23]);
+      for (; ranked < number; ++ranked) nearest = JTIK_NAME_following(keys, nearest);
     }
-    const long long row = number <= size ? nearest : number - first;
-    memcpy(q[0], number ? starts + row * (long long)at[13] : q0, nq);
+    const long long row = number <= size ? nearest & (JTIK_BANK - 1) : number - first;
+    memcpy(q[0], number ? starts->configurations + row * (long long)at[13] : q0, nq);
     memcpy(state[0], initial, ns);
     if (patience < INFINITY) state[0][JTIK_PATIENCE] = patience;
     while (k < limit && code == 0) {
@@ -186,8 +154,8 @@ CASADI_SYMBOL_EXPORT long long JTIK_NAME_search(void** at, void** table, long lo
 
 /* The same for a table of targets, one after the other, each from its row of starts (stride 0: the same for all).
    Returns how many are done when the time is over. */
-CASADI_SYMBOL_EXPORT long long JTIK_NAME_batch(void** at, void** starts, long long first, long long last,
-                                          long long limit, double patience, void** table) {
+CASADI_SYMBOL_EXPORT long long JTIK_NAME_batch(void** at, const JTIK_NAME_starts* starts, long long first,
+                                               long long last, long long limit, double patience, void** table) {
   const double* targets = (const double*)table[0];
   const double* from = (const double*)table[1];
   double* ends = (double*)table[2];
@@ -222,8 +190,9 @@ RUN = r"""
 /* Run the search that is prepared, and return what it returns. */
 static long long JTIK_NAME_run(const JTIK_NAME_solver* at, JTIK_NAME_end* end) {
   const long long *order = at->order, *tally = (const long long*)at->context[11];
+  const JTIK_NAME_starts* starts = (const JTIK_NAME_starts*)order[0];
   const long long returned =
-      JTIK_NAME_search(at->context, (void**)order[0], order[1], 0, order[2], order[3], at->patience[0]);
+      JTIK_NAME_search(at->context, starts, order[1], 0, order[2], order[3], at->patience[0]);
   *end = (JTIK_NAME_end){(const double*)at->context[4 + tally[2]], tally[0], tally[1]};
   return returned;
 }
@@ -233,7 +202,7 @@ static long long JTIK_NAME_run(const JTIK_NAME_solver* at, JTIK_NAME_end* end) {
 
 def source(state: VectorLayout) -> str:
     """The C code for a step whose state has this layout."""
-    return f"{macros(state)}{_INCLUDED}{TURNED}{_SOURCE}"
+    return f"{macros(state)}{_INCLUDED}{TURNED}{start_bank_source.SOURCE}{_SOURCE}"
 
 
 def macros(state: VectorLayout) -> str:

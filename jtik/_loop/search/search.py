@@ -301,10 +301,7 @@ class Search:
 
         def solve(search: NativeSearch | LaneSearch, begin: int, end: int) -> NativeBatch:
             own = q0[begin:] if len(q0) > 1 else q0
-            if isinstance(search, NativeSearch):
-                return search.batch(targets[begin:end], own, starts, last, options.limit, patience)
-            table, bank = (starts.configurations, starts.bank) if starts else (None, None)
-            return search.batch(targets[begin:end], own, table, 1, last, options.limit, patience, bank)
+            return search.batch(targets[begin:end], own, starts, last, options.limit, patience)
 
         threads = min(threads, MOST_THREADS, max(len(targets) // SMALLEST, 1))
         if threads == 1:

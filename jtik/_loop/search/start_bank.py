@@ -21,7 +21,7 @@ from jtik.symbolic.compile import CompiledFunction
 from jtik.types import Array
 
 SIZE = 256
-"""Number of configurations in a bank."""
+"""Number of configurations in a bank, a power of two: the lowest bits of a key are the row."""
 
 FITTED = 0
 """Seed of the configurations between which the distance is fitted to V."""
@@ -42,13 +42,15 @@ class StartBank(NamedTuple):
 
     Attributes:
         configurations: the configurations, (SIZE, nq).
-        coefficients: of a distance as an affine function of a target's numbers: the constants, then the factors of each
-            number, (1 + target size, SIZE), aligned.
+        coefficients: of a distance as an affine function of a target's numbers less the centre: the constants, then the
+            factors of each number, (1 + target size, SIZE), aligned.
+        centre: the mean of the numbers, (target size,): about it the sums lose least to rounding.
         numbers: the numbers of the targets that the configurations meet, (SIZE, target size).
     """
 
     configurations: Array
-    coefficients: Array
+    coefficients: NDArray[np.float32]
+    centre: Array
     numbers: Array
 
     @property
@@ -56,28 +58,32 @@ class StartBank(NamedTuple):
         """The configurations, and the numbers of the first and of the last restart."""
         return self.configurations, 1, len(self.configurations)
 
-    def in_single_precision(self) -> NDArray[np.float32]:
-        """A copy of the coefficients, aligned."""
-        copied = aligned(self.coefficients.size // 2).view(np.float32).reshape(self.coefficients.shape)
-        with np.errstate(over="ignore"):
-            copied[:] = self.coefficients
-        return copied
+    def distances(self, target: Array) -> NDArray[np.float32]:
+        """The distance of each configuration from a target (target size,), less that of the target from the centre.
 
-    def distances(self, target: Array) -> Array:
-        """The distance of each configuration from a target (target size,), less that of the target from zero.
-
-        The sums are those of the search in C, in the same order.
+        The sums are those of the searches in C, in the same order.
         """
-        distances: Array = self.coefficients[0].copy()
-        for number, factors in zip(target.tolist(), self.coefficients[1:], strict=True):
-            distances += number * factors
+        distances: NDArray[np.float32] = self.coefficients[0].copy()
+        with np.errstate(all="ignore"):
+            apart = (target - self.centre).astype(np.float32)
+            for number, factors in zip(apart, self.coefficients[1:], strict=True):
+                distances += number * factors
         return distances
 
+    def keys(self, target: Array) -> NDArray[np.int32]:
+        """Integers (SIZE,) in the order of the distances: in their upper bits a distance, in the lower ones the row.
+
+        A distance has the upper 24 of its 32 bits there; configurations without a finite one have the largest keys.
+        """
+        distances = self.distances(target)
+        distances[~np.isfinite(distances)] = math.inf
+        keys = distances.view(np.int32)
+        keys ^= (keys >> 31) & np.iinfo(np.int32).max  # integers in the order of the numbers
+        return (keys & -SIZE) | np.arange(SIZE, dtype=np.int32)
+
     def order(self, target: Array) -> NDArray[np.intp]:
-        """The rows of the configurations, the closest to the target first; those without a finite distance last."""
-        with np.errstate(all="ignore"):
-            distances = self.distances(target)
-        return np.argsort(np.where(np.isfinite(distances), distances, math.inf), kind="stable")
+        """The rows of the configurations in the order of their keys, the closest to the target first."""
+        return np.argsort(self.keys(target))
 
 
 class StartBanks:
@@ -116,10 +122,14 @@ class StartBanks:
     def _bank(self, configurations: Array) -> StartBank:
         """The bank of configurations (SIZE, nq)."""
         numbers, weights = self._numbers(configurations), self._weights
-        coefficients = aligned((1 + len(weights)) * SIZE).reshape(1 + len(weights), SIZE)
-        coefficients[0] = numbers**2 @ weights
-        coefficients[1:] = -2 * (numbers * weights).T
-        return StartBank(configurations, coefficients, numbers)
+        coefficients = aligned((1 + len(weights)) * SIZE // 2).view(np.float32).reshape(1 + len(weights), SIZE)
+        known = np.isfinite(numbers).all(axis=1)
+        with np.errstate(all="ignore"):
+            centre = numbers[known].mean(axis=0) if known.any() else np.zeros(len(weights))
+            apart = numbers - centre
+            coefficients[0] = apart**2 @ weights
+            coefficients[1:] = -2 * (apart * weights).T
+        return StartBank(configurations, coefficients, centre, numbers)
 
     @cached_property
     def _held(self) -> Function:

@@ -26,13 +26,12 @@ class Starts:
         first: as given.
         last: as given.
         bank: as given.
-        address: of what the search in C reads: addresses of the configurations and the coefficients, and the size of
-            the bank.
+        address: of what the searches in C read, JTIK_NAME_starts in `jtik._loop.native.start_bank_source`.
     """
 
     def __init__(self, configurations: Array, first: int, last: int, bank: StartBank | None = None) -> None:
         self.configurations, self.first, self.last, self.bank = configurations, first, last, bank
-        of_bank = [bank.coefficients.ctypes.data, len(bank.configurations)] if bank else [0, 0]
+        of_bank = [bank.coefficients.ctypes.data, bank.centre.ctypes.data, SIZE] if bank else [0, 0, 0]
         self._table = np.array([configurations.ctypes.data, *of_bank], dtype=np.uintp)
         self.address = int(self._table.ctypes.data)
         self._order: NDArray[np.intp] | None = None

@@ -225,7 +225,7 @@ def test_restarts_follow_in_the_order_of_their_distances(k, rng):
     banks = StartBanks(ik._solving._runners._problem)
     bank, answer = banks.of(0), robot.random_configuration(rng)
     pose = robot.pose(answer)
-    order = np.argsort(bank.distances(ik.tasks.read_target(pose)), kind="stable")
+    order = bank.order(ik.tasks.read_target(pose))
     elsewhere = np.tile(robot.neutral, (SIZE, 1))
     elsewhere[order[k - 1]] = answer
     banks._latest = 0, bank._replace(configurations=elsewhere)
