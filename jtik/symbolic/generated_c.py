@@ -48,9 +48,13 @@ _DEFINITIONS = """
 #endif
 #if defined(_MSC_VER)
 #define JTIK_PART __declspec(noinline)
+#define JTIK_INLINED __forceinline
+#define JTIK_RESTRICT __restrict
 #define JTIK_THREAD_LOCAL __declspec(thread)
 #else
 #define JTIK_PART __attribute__((noinline))
+#define JTIK_INLINED __attribute__((always_inline)) inline
+#define JTIK_RESTRICT __restrict__
 #define JTIK_THREAD_LOCAL _Thread_local
 #endif
 """

@@ -1,7 +1,8 @@
 """A function of one column of numbers for many columns.
 
 On the virtual machine each of its operations is a loop over the columns. In generated C there is one loop over the
-columns that calls the function, whose values then stay in registers. The bits are the same.
+columns with the function in it, several columns side by side where the compiler has vector instructions. The bits are
+the same.
 """
 
 from __future__ import annotations
@@ -63,15 +64,14 @@ _WRITTEN = re.compile(
 _CALL = re.compile(r"(casadi_f\d+)\(arg1, res1, iw, w, 0\)")
 
 _LOOP = """\
-  const casadi_real** arg1 = arg + 1;
-  casadi_real** res1 = res + 2;
-  casadi_real result[{s}];
-  casadi_int i, j;
+  const casadi_real* given = arg[0];
+  casadi_real* JTIK_RESTRICT found = res[0];
+  casadi_int i;
   for (i=0; i<{k}; ++i) {{
-    arg1[0] = arg[0] + {r}*i;
-    res1[0] = result;
-    if ({one}(arg1, res1, iw, w, 0)) return 1;
-    for (j=0; j<{s}; ++j) res[0][i + {k}*j] = result[j];
+    const casadi_real* arg1[1] = {{given + {r}*i}};
+    casadi_real result[{s}], *res1[1] = {{result}};
+    {one}(arg1, res1, 0, 0, 0);
+    {written}
   }}
   return 0;
 }}
@@ -85,10 +85,17 @@ def with_column_loops(source: str) -> str:
         source: the generated C.
     """
 
+    called = set[str]()
+
     def loop(match: re.Match[str]) -> str:
-        call = _CALL.search(match["body"])
+        call, s, k = _CALL.search(match["body"]), int(match["s"] or 1), int(match["k"])
         if call is None:
             return match[0]
-        return match[1] + _LOOP.format(r=match["r"], k=match["k"], s=match["s"] or 1, one=call[1])
+        called.add(call[1])
+        written = " ".join(f"found[i + {k * j}] = result[{j}];" for j in range(s))
+        return match[1] + _LOOP.format(r=match["r"], k=k, s=s, one=call[1], written=written)
 
-    return _WRITTEN.sub(loop, source)
+    source = _WRITTEN.sub(loop, source)
+    for name in called:
+        source = source.replace(f"\nstatic int {name}(", f"\nJTIK_INLINED static int {name}(")
+    return source
