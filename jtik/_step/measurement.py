@@ -21,7 +21,7 @@ from jtik.criterion import CriterionTerms
 from jtik.criterion.overriding import belongs_to
 from jtik.qp.shared_values import divided
 from jtik.robot import Kinematics
-from jtik.symbolic import MX, SX, TINY, Expression, Function, fmax, function, horzcat, jacobian, repmat, vec, vertcat
+from jtik.symbolic import MX, SX, TINY, Expression, Function, fmax, function, horzcat, jacobian, reshape, vertcat
 
 Rows = Callable[[Expression, Expression], list[Expression]]
 """(q, parameters) -> distances, their Jacobian and their figures."""
@@ -150,7 +150,9 @@ class _Part:
         radii = [self.radius(each) for each in distinct.values()]
         given = MX.sym("parameters", parameters.shape[0])
         row, column = function("figures", [parameters], [horzcat(*self.figures), vertcat(*radii)])(given)
-        rows = horzcat(repmat(row, self.count, 1), vec(column[[places[key] for key in keys]]))
+        shared = row.shape[1]
+        entries = [i for i in range(shared) for _ in range(self.count)] + [shared + places[key] for key in keys]
+        rows = reshape(vertcat(row.T, column)[entries], self.count, shared + 1)
         return function("row_figures", [given], [rows], cse=False)
 
     def written_out(self, q: Expression, parameters: Expression, tangent: Expression) -> tuple[Function, Bodies]:

@@ -38,16 +38,12 @@ _WRITTEN = re.compile(
 _LOOPS = """\
   const casadi_real *x = arg[0], *y = arg[1];
   casadi_real *z = res[0];
-  casadi_int b, c, k, i;
+  casadi_int b, c, i;
   if (z==0) return 0;
   for (b=0; b<{blocks}; ++b, x+={k}, z+={k}) {{
     for (c=0; c<{n}; ++c, y+={e}) {{
-      casadi_real* to = z + {rows}*c;
-      for (i=0; i<{k}; ++i) to[i] = x[i] * y[0];
-      for (k=1; k<{e}; ++k) {{
-        const casadi_real t = y[k];
-        for (i=0; i<{k}; ++i) to[i] += x[i + {rows}*k] * t;
-      }}
+      casadi_real* JTIK_RESTRICT to = z + {rows}*c;
+      for (i=0; i<{k}; ++i) to[i] = {product};
     }}
   }}
   return 0;
@@ -65,6 +61,7 @@ def with_block_loops(source: str) -> str:
     def loops(match: re.Match[str]) -> str:
         rows, e, columns, n = (int(match[name]) for name in ("rows", "e", "columns", "n"))
         blocks = columns // n
-        return match[1] + _LOOPS.format(blocks=blocks, k=rows // blocks, n=n, e=e, rows=rows)
+        product = " + ".join(f"x[i + {rows * j}] * y[{j}]" for j in range(e))
+        return match[1] + _LOOPS.format(blocks=blocks, k=rows // blocks, n=n, e=e, rows=rows, product=product)
 
     return _WRITTEN.sub(loops, source)

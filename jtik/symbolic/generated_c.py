@@ -8,6 +8,7 @@ import casadi
 
 from jtik.symbolic.block_products import with_block_loops
 from jtik.symbolic.dense_products import with_fast_products
+from jtik.symbolic.fused_loops import with_fused_loops
 from jtik.symbolic.many_columns import with_column_loops
 from jtik.symbolic.operations import Function
 from jtik.symbolic.scalar_functions import with_scalar_functions_rewritten
@@ -24,7 +25,7 @@ def c_source(function: Function, *others: Function) -> str:
         generator.add(each)
     source = _IS_SELDOM.sub(r"\1JTIK_SELDOM static", without_unbounded_rows(str(generator.dump())))
     source = with_column_loops(with_block_loops(with_fast_products(with_scalar_functions_rewritten(source))))
-    return _OF_ALL_THREADS.sub(r"static JTIK_THREAD_LOCAL \1", _DEFINITIONS + source)
+    return _OF_ALL_THREADS.sub(r"static JTIK_THREAD_LOCAL \1", _DEFINITIONS + with_fused_loops(source))
 
 
 SELDOM = "jtik_seldom_"
@@ -41,10 +42,13 @@ _OF_ALL_THREADS = re.compile(
 _DEFINITIONS = """
 #if defined(__clang__)
 #define JTIK_SELDOM __attribute__((optnone, noinline))
+#define JTIK_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
 #elif defined(__GNUC__)
 #define JTIK_SELDOM __attribute__((optimize("O0"), noinline))
+#define JTIK_INDEPENDENT _Pragma("GCC ivdep")
 #else
 #define JTIK_SELDOM
+#define JTIK_INDEPENDENT
 #endif
 #if defined(_MSC_VER)
 #define JTIK_PART __declspec(noinline)
