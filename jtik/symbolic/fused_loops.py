@@ -128,7 +128,6 @@ class _Fused:
         entry: statements for an entry.
         values: the variable of an entry of each vector that has been read or written, and of each number.
         written: the vectors that have been written.
-        shifted: the vectors of which other entries have been read, too.
         outputs: the outputs, the vector and the variable of an entry of each.
     """
 
@@ -139,34 +138,25 @@ class _Fused:
     entry: list[str] = field(default_factory=list)
     values: dict[str, str] = field(default_factory=dict)
     written: dict[str, None] = field(default_factory=dict)
-    shifted: set[str] = field(default_factory=set)
     outputs: list[tuple[str, str, str]] = field(default_factory=list)
 
     def takes(self, line: str) -> bool:
         """Add what a line does; False, and nothing is added, where it does not belong to this loop."""
+        if _count(line) != self.count:
+            return self._takes_number(line)
         loop, part, copy, fill = _LOOP.match(line), _PART.match(line), _COPY.match(line), _FILL.match(line)
-        if loop and int(loop["n"]) == self.count and loop["rr"] not in self.shifted:
+        if loop:
             value = _ENTRY.sub(lambda entry: self.value(loop[entry[1] or entry[2] or entry[3]]), loop["value"])
             value = _NAME.sub(lambda name: self.value(name[0]), value)
             self.write(loop["rr"], f"{self.value(loop['rr'])} {loop['before']} {value}" if loop["before"] else value)
-        elif part and int(part["end"]) - int(part["begin"]) == self.count and part["rr"] not in self.shifted:
-            if part["cs"] in self.written:
-                return False
-            self.shifted.add(part["cs"])
+        elif part:  # of a vector with more entries, which this loop does not write
             self.write(part["rr"], f"{part['cs']}[i+{part['begin']}]")
-        elif copy and int(copy["n"]) == self.count and copy["to"] not in self.shifted:
-            if copy["to"].startswith("res"):
-                self.outputs.append((copy["to"], copy["from"], self.value(copy["from"])))
-            else:
-                self.write(copy["to"], self.value(copy["from"]))
-        elif (
-            fill
-            and int(fill["n"] or fill["cleared"]) == self.count
-            and (fill["rr"] or fill["zeros"]) not in self.shifted
-        ):
+        elif copy and copy["to"].startswith("res"):
+            self.outputs.append((copy["to"], copy["from"], self.value(copy["from"])))
+        elif copy:
+            self.write(copy["to"], self.value(copy["from"]))
+        elif fill:
             self.write(fill["rr"] or fill["zeros"], _NAME.sub(lambda name: self.value(name[0]), fill["value"] or "0."))
-        else:
-            return self._takes_number(line)
         self.given.append(line)
         return True
 
