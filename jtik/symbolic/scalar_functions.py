@@ -11,6 +11,8 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from jtik.symbolic.rolled_loops import rolled
+
 LONGEST = 8000
 """A function with more statements is divided. A shorter one compiles in seconds and would lose a tenth of its speed."""
 
@@ -60,6 +62,9 @@ def _rewritten(head: re.Match[str], lines: Sequence[str], longest: int, part: in
     statements = _Statements.of(text.split("\n"))
     if statements is None:
         return lines
+    shorter = rolled(statements.text)
+    if shorter is not None and shorter.count("\n") < longest:
+        return [lines[0], *_inputs_and_outputs(sizes, shorter), shorter, *_END]
     if len(statements.text) <= longest:
         return [*lines[:first], *_inputs_and_outputs(sizes, text), text, *_END]
     attribute, name, written, count = head[1] or "JTIK_PART ", head[2], list[str](), 0

@@ -140,11 +140,9 @@ def test_what_changes_after_it_is_an_output_stays_where_it_is(a_compiler, rng):
         np.testing.assert_array_equal(np.array(one), np.array(other))
 
 
-def test_short_loops_and_functions_of_scalars_stay_as_they_are():
+def test_short_loops_stay_as_they_are():
     x = casadi.MX.sym("x", SHORT - 1)
     assert "JTIK_INDEPENDENT\n    for" not in written(casadi.Function("graph", [x], [x * x - x]))
-    s = casadi.SX.sym("s", N)
-    assert "JTIK_INDEPENDENT\n    for" not in written(casadi.Function("graph", [s], [s * s - s]))
 
 
 def test_a_number_whose_memory_is_used_again_has_its_value_of_then(a_compiler, rng):

@@ -122,12 +122,12 @@ def test_a_function_with_other_statements_is_left_alone(line, monkeypatch):
     assert with_scalar_functions_rewritten(before, 100, 50) == before
 
 
-def test_variables_are_kept_in_places_that_are_used_again(monkeypatch):
+def test_variables_are_kept_in_places_that_are_used_again(monkeypatch, rng):
     """An array as long as what has to be kept at one time, not as all that is ever kept."""
     cut(monkeypatch, 100, 10)
     x = symbol("x", 1)
     chain = [x]
-    for _ in range(500):
-        chain.append(casadi.sin(chain[-1]) + casadi.cos(chain[-1]))
+    for first, second in rng.permuted([[casadi.sin, casadi.cos]] * 250 + [[casadi.fabs, casadi.sqrt]] * 250, axis=1):
+        chain.append(first(chain[-1]) + second(chain[-1]))
     source = c_source(casadi.Function("chain", [x], [chain[-1]]))
     assert int(re.search(r"casadi_real v\[(\d+)\];", source)[1]) <= 5
