@@ -43,12 +43,15 @@ _DEFINITIONS = """
 #if defined(__clang__)
 #define JTIK_SELDOM __attribute__((optnone, noinline))
 #define JTIK_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#define JTIK_CARRIED _Pragma("clang loop unroll_count(8)")
 #elif defined(__GNUC__)
 #define JTIK_SELDOM __attribute__((optimize("O0"), noinline))
 #define JTIK_INDEPENDENT _Pragma("GCC ivdep")
+#define JTIK_CARRIED _Pragma("GCC unroll 8")
 #else
 #define JTIK_SELDOM
 #define JTIK_INDEPENDENT
+#define JTIK_CARRIED
 #endif
 #if defined(_MSC_VER)
 #define JTIK_PART __declspec(noinline)

@@ -8,9 +8,11 @@ vector instructions can be used. What is computed, and in which order, stays the
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
+
+import numpy as np
 
 REPEATED = 32
 """Blocks of statements that are alike, from which on they are a loop."""
@@ -20,6 +22,7 @@ LONGEST_BLOCK = 40
 
 _OPERAND = re.compile(r"\b(a\d+|[xyw]\d*\[\d+\])(?!\w)")
 _VARIABLE = re.compile(r"\ba\d+\b")
+_DIGITS = re.compile(r"\d+")
 _LOAD = re.compile(r"^  a\d+=x\d+\[\d+\];$")
 
 
@@ -112,6 +115,31 @@ class _Loop:
         """The statement after it."""
         return self.start + len(self.targets) * self.count
 
+    @property
+    def arrays(self) -> set[str]:
+        """The arrays whose entries are read or written."""
+        named = [each for own in [self.targets, *self.operands] for each in own]
+        return {each.array for each in named if isinstance(each, Entry)}
+
+    @property
+    def carries(self) -> int:
+        """How many values each pass hands to the next."""
+        return len({each for own in self.operands for each in own if isinstance(each, Carried)})
+
+    @property
+    def carrying(self) -> set[int]:
+        """The statements that depend on the pass before."""
+        found = set[int]()
+        for offset, operands in enumerate(self.operands):
+            if any(isinstance(each, Carried) or (isinstance(each, Own) and each.offset in found) for each in operands):
+                found.add(offset)
+        return found
+
+    def read_by(self, part: Sequence[int]) -> list[int]:
+        """The other statements whose values some statements read."""
+        read = {each.offset for k in part for each in self.operands[k] if isinstance(each, (Own, Carried))}
+        return sorted(read.difference(part))
+
 
 def rolled(lines: Sequence[str]) -> str | None:
     """The body of a function of scalar operations with loops, and its variables; None where nothing repeats.
@@ -119,6 +147,8 @@ def rolled(lines: Sequence[str]) -> str | None:
     Args:
         lines: its statements, in which inputs are ``x`` and outputs ``y``.
     """
+    if not _repeating([_DIGITS.sub("", line) for line in lines if not _LOAD.match(line)]):
+        return None
     body = _Body(lines)
     body.roll()
     if not body.has_loops:
@@ -162,16 +192,14 @@ class _Body:
             self._statements.append(_Statement(texts[::2], target, operands, kind))
             if isinstance(target, Value):
                 latest[target.variable] = target
-        numbers = dict[str, int]()
-        self._kinds = [numbers.setdefault(each.kind, len(numbers)) for each in self._statements]
+        self._repeating = _repeating([each.kind for each in self._statements])
 
     def roll(self) -> None:
         """Write all statements."""
         at = 0
         while at < len(self._statements):
-            found = [loop for size in range(1, LONGEST_BLOCK + 1) if (loop := self._loop(at, size))]
-            if found:
-                loop = max(found, key=lambda loop: loop.end)
+            loop = self._longest(at)
+            if loop is not None:
                 self._write(loop)
                 at = loop.end
             else:
@@ -179,14 +207,23 @@ class _Body:
                 self.written.append(each.text(each.target, [self._operand(operand) for operand in each.operands]))
                 at += 1
 
+    def _longest(self, start: int) -> _Loop | None:
+        """The longest loop from a statement on; None without any, or if one that carries less begins soon."""
+        found = [loop for size in self._repeating.get(start, ()) if (loop := self._loop(start, size))]
+        if not found:
+            return None
+        longest = max(found, key=lambda loop: loop.end)
+        size = len(longest.targets)
+        later = [loop for k in range(1, size) if (loop := self._loop(start + k, size))] if longest.carries else []
+        return None if any(loop.carries < longest.carries for loop in later) else longest
+
     def _operand(self, operand: Operand) -> Operand:
         """An operand as it is known after the loops before."""
         return self._moved.get(operand.statement, operand) if isinstance(operand, Value) else operand
 
     def _loop(self, start: int, size: int) -> _Loop | None:
         """The longest loop from a statement on with blocks of this size; None where they do not repeat."""
-        kinds, block = self._kinds, self._kinds[start : start + size]
-        if len(kinds) < start + REPEATED * size or kinds[start + size : start + 2 * size] != block:
+        if size not in self._repeating.get(start, ()):
             return None
         first, second = (self._statements[start + k * size : start + (k + 1) * size] for k in range(2))
         targets, operands = list[Entry | None](), list[list[Operand | Own | Carried]]()
@@ -202,10 +239,8 @@ class _Body:
             if None in own:
                 return None
             operands.append(own)  # type: ignore[arg-type]
-        count = 2
-        while kinds[start + count * size : start + (count + 1) * size] == block:
-            if not self._continues(_Loop(start, count, targets, operands)):
-                break
+        count, most = 2, self._repeating[start][size]
+        while count < most and self._continues(_Loop(start, count, targets, operands)):
             count += 1
         return _Loop(start, count, targets, operands) if count >= REPEATED else None
 
@@ -229,37 +264,70 @@ class _Body:
         return True
 
     def _write(self, loop: _Loop) -> None:
-        number, size = len(self._moved) + len(self.written), len(loop.targets)
+        """Write a loop; what one pass hands to the next in a loop of its own, after that of all else."""
         self.has_loops = True
-        begin, inside, after = list[str](), list[str](), list[str]()
-        carried = dict[Carried, str]()
-        for operand in (each for own in loop.operands for each in own):
-            if isinstance(operand, Carried) and operand not in carried:
-                name = carried[operand] = f"c{len(carried)}"
-                begin.append(f"casadi_real {name} = {operand.first};")
-                after.append(f"{name} = b{operand.offset};")
-        for offset, (target, operands) in enumerate(zip(loop.targets, loop.operands, strict=True)):
-            names = [carried[each] if isinstance(each, Carried) else each for each in operands]
-            text = self._statements[loop.start + offset].text(target or Own(offset), names).strip()
-            inside.append(text if target else f"const casadi_real {text}")
+        number, size, carrying = len(self._moved) + len(self.written), len(loop.targets), loop.carrying
+        parts = [[k for k in range(size) if (k in carrying) == each] for each in (False, True)]
+        if "w" in loop.arrays:  # whose entries are read and written in the order of the statements
+            parts = [list(range(size))]
+        kept = {k: f"t{number}_{k}" for k in loop.read_by(parts[-1])} if len(parts) > 1 else {}
+        lasts = dict[int, str]()
+        for offset, target in enumerate(loop.targets):
             values = range(loop.start + offset, loop.end, size)
             read = [k for k, value in enumerate(values) if self._last.get(value, 0) >= loop.end]
-            if target or not read:
-                continue
             name = f"t{number}_{offset}"
-            if read == [loop.count - 1]:
-                self.declared.append(f"  casadi_real {name};")
-                after.append(f"{name} = b{offset};")
-                self._moved[values[-1]] = name
-            else:
-                self.declared.append(f"  casadi_real {name}[{loop.count}];")
-                after.append(f"{name}[i] = b{offset};")
+            if target is None and read == [loop.count - 1] and offset not in kept:
+                lasts[offset] = self._moved[values[-1]] = name
+            elif target is None and read:
+                kept[offset] = name
                 self._moved |= {values[k]: Entry(name, k) for k in read}
-        arrays = [each.array for own in [loop.targets, *loop.operands] for each in own if isinstance(each, Entry)]
-        independent = [] if carried or "w" in arrays else ["    JTIK_INDEPENDENT"]
-        self.written += ["  {", "    casadi_int i;", *(f"    {line}" for line in begin), *independent]
-        self.written += [f"    for (i=0; i<{loop.count}; ++i) {{", *(f"      {line}" for line in [*inside, *after])]
-        self.written += ["    }", "  }"]
+        self.declared += [f"  casadi_real {name}[{loop.count}];" for name in kept.values()]
+        self.declared += [f"  casadi_real {name};" for name in lasts.values()]
+        for part in parts:
+            self.written += self._lines(loop, part, kept, lasts) if part else []
+
+    def _lines(self, loop: _Loop, part: Sequence[int], kept: Mapping[int, str], lasts: Mapping[int, str]) -> list[str]:
+        """A loop with some of the statements.
+
+        Args:
+            loop: the loop.
+            part: the statements.
+            kept: the arrays in which those statements are kept that others read.
+            lasts: the variables for the last values of statements.
+        """
+        carried = dict[Carried, str]()
+
+        def name(operand: Operand | Own | Carried) -> object:
+            if isinstance(operand, Carried):
+                return carried.setdefault(operand, f"c{len(carried)}")
+            outside = isinstance(operand, Own) and operand.offset not in part
+            return Entry(kept[operand.offset], 0, 1) if outside else operand  # type: ignore[union-attr]
+
+        inside = list[str]()
+        for offset in part:
+            target, operands = loop.targets[offset], [name(each) for each in loop.operands[offset]]
+            text = self._statements[loop.start + offset].text(target or Own(offset), operands).strip()
+            inside.append(text if target else f"const casadi_real {text}")
+        inside += [f"{kept[offset]}[i] = b{offset};" for offset in part if offset in kept]
+        inside += [f"{lasts[offset]} = b{offset};" for offset in part if offset in lasts]
+        inside += [f"{own} = {name(Own(operand.offset))};" for operand, own in carried.items()]
+        begin = [f"    casadi_real {own} = {operand.first};" for operand, own in carried.items()]
+        kind = "JTIK_CARRIED" if carried else "" if "w" in loop.arrays else "JTIK_INDEPENDENT"
+        lines = [f"    for (i=0; i<{loop.count}; ++i) {{", *(f"      {line}" for line in inside), "    }"]
+        return ["  {", "    casadi_int i;", *begin, *([f"    {kind}"] if kind else []), *lines, "  }"]
+
+
+def _repeating(kinds: Sequence[str]) -> dict[int, dict[int, int]]:
+    """Where blocks of kinds repeat: by their first statement, and their size, how many blocks are alike."""
+    numbers, found = dict[str, int](), dict[int, dict[int, int]]()
+    known = np.array([numbers.setdefault(kind, len(numbers)) for kind in kinds])
+    for size in range(1, min(LONGEST_BLOCK, len(known) // REPEATED) + 1):
+        differ = np.append(np.flatnonzero(known[size:] != known[:-size]), len(known) - size)
+        starts = np.arange(len(known) - size)
+        alike = (differ[np.searchsorted(differ, starts)] - starts) // size + 1
+        for start in np.flatnonzero(alike >= REPEATED).tolist():
+            found.setdefault(start, {})[size] = int(alike[start])
+    return found
 
 
 def _entry(text: str) -> Entry:
