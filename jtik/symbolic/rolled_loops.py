@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-REPEATED = 32
-"""Blocks of statements that are alike, from which on they are a loop."""
+REPEATED = 64
+"""Blocks of statements that are alike, from which on they are a loop: for fewer it is slower."""
 
 LONGEST_BLOCK = 40
 """Most statements of a block."""
