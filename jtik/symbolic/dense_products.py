@@ -18,18 +18,17 @@ _INNER = """\
 _FAST = """\
     if (nrow_x>3) {
       for (i=0; i<ncol_y; ++i) {
-        const casadi_real *x0 = x, *t = y + i*ncol_x;
-        casadi_real* to = z + i*nrow_x;
-        for (k=0; k+3<ncol_x; k+=4, x0+=4*nrow_x, t+=4) {
-          const casadi_real *x1 = x0+nrow_x, *x2 = x1+nrow_x, *x3 = x2+nrow_x;
+        k = 0;
+        for (; nrow_x>63 && k+3<ncol_x; k+=4) {
+          const casadi_real *x0 = x+k*nrow_x, *x1 = x0+nrow_x, *x2 = x1+nrow_x, *x3 = x2+nrow_x, *t = y+k+i*ncol_x;
           const casadi_real t0 = t[0], t1 = t[1], t2 = t[2], t3 = t[3];
+          casadi_real* to = z + i*nrow_x;
           JTIK_INDEPENDENT
           for (j=0; j<nrow_x; ++j) to[j] = to[j] + x0[j]*t0 + x1[j]*t1 + x2[j]*t2 + x3[j]*t3;
         }
-        for (; k<ncol_x; ++k, x0+=nrow_x, ++t) {
-          const casadi_real t0 = t[0];
-          JTIK_INDEPENDENT
-          for (j=0; j<nrow_x; ++j) to[j] += x0[j] * t0;
+        for (; k<ncol_x; ++k) {
+          const casadi_real t = y[k + i*ncol_x];
+          for (j=0; j<nrow_x; ++j) z[j + i*nrow_x] += x[j + k*nrow_x] * t;
         }
       }
       return;

@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-SHORT = 8
+SHORT = 32
 """Loops over fewer entries stay as they are."""
 
 SEVERAL = 2
