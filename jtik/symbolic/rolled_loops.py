@@ -9,136 +9,25 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
 
-import numpy as np
-
-REPEATED = 64
-"""Blocks of statements that are alike, from which on they are a loop: for fewer it is slower."""
-
-LONGEST_BLOCK = 40
-"""Most statements of a block."""
+from jtik.symbolic.repeated_statements import (
+    REPEATED,
+    Carried,
+    Entry,
+    Loop,
+    Operand,
+    Own,
+    Statement,
+    Value,
+    alike,
+    entry,
+    repeating,
+)
 
 _OPERAND = re.compile(r"\b(a\d+|[xyw]\d*\[\d+\])(?!\w)")
 _VARIABLE = re.compile(r"\ba\d+\b")
 _DIGITS = re.compile(r"\d+")
 _LOAD = re.compile(r"^  a\d+=x\d+\[\d+\];$")
-
-
-class Value(NamedTuple):
-    """What a statement computes, in the variable that it sets."""
-
-    statement: int
-    variable: str
-
-    def __str__(self) -> str:
-        return self.variable
-
-
-class Entry(NamedTuple):
-    """An entry of an array, which is ``stride`` further in each pass of a loop."""
-
-    array: str
-    place: int
-    stride: int = 0
-
-    def __str__(self) -> str:
-        further = {0: "", 1: "+i"}.get(self.stride, f"+{self.stride}*i")
-        return f"{self.array}[{self.place}{further}]"
-
-    def at(self, count: int) -> Entry:
-        """That of a pass of a loop."""
-        return Entry(self.array, self.place + self.stride * count)
-
-
-class Own(NamedTuple):
-    """What a statement of the same pass of a loop computes."""
-
-    offset: int
-
-    def __str__(self) -> str:
-        return f"b{self.offset}"
-
-
-class Carried(NamedTuple):
-    """What a statement of the pass before computes, and another operand in the first pass."""
-
-    offset: int
-    first: Value | Entry | str
-
-
-Operand = Value | Entry | str
-"""What a statement reads; a text is the name of a variable."""
-
-
-@dataclass(frozen=True)
-class _Statement:
-    """A statement.
-
-    Attributes:
-        texts: the text before, between and after what it names; of a call all of its text.
-        target: what it sets; None for a call.
-        operands: what it reads.
-        kind: equal for statements that differ in variables and entries alone.
-    """
-
-    texts: Sequence[str]
-    target: Value | Entry | None
-    operands: Sequence[Operand]
-    kind: str
-
-    def text(self, target: object, operands: Sequence[object]) -> str:
-        """The statement with this target and these operands."""
-        names = [] if self.target is None else [target, *operands]
-        return self.texts[0] + "".join(f"{name}{text}" for name, text in zip(names, self.texts[1:], strict=True))
-
-
-@dataclass(frozen=True)
-class _Loop:
-    """Blocks of statements that are alike.
-
-    Attributes:
-        start: the first statement.
-        count: number of blocks.
-        targets: what each statement of a block sets; None for a variable.
-        operands: what each reads.
-    """
-
-    start: int
-    count: int
-    targets: Sequence[Entry | None]
-    operands: Sequence[Sequence[Operand | Own | Carried]]
-
-    @property
-    def end(self) -> int:
-        """The statement after it."""
-        return self.start + len(self.targets) * self.count
-
-    @property
-    def arrays(self) -> set[str]:
-        """The arrays whose entries are read or written."""
-        named = [each for own in [self.targets, *self.operands] for each in own]
-        return {each.array for each in named if isinstance(each, Entry)}
-
-    @property
-    def carries(self) -> int:
-        """How many values each pass hands to the next."""
-        return len({each for own in self.operands for each in own if isinstance(each, Carried)})
-
-    @property
-    def carrying(self) -> set[int]:
-        """The statements that depend on the pass before."""
-        found = set[int]()
-        for offset, operands in enumerate(self.operands):
-            if any(isinstance(each, Carried) or (isinstance(each, Own) and each.offset in found) for each in operands):
-                found.add(offset)
-        return found
-
-    def read_by(self, part: Sequence[int]) -> list[int]:
-        """The other statements whose values some statements read."""
-        read = {each.offset for k in part for each in self.operands[k] if isinstance(each, (Own, Carried))}
-        return sorted(read.difference(part))
 
 
 def rolled(lines: Sequence[str]) -> str | None:
@@ -147,7 +36,7 @@ def rolled(lines: Sequence[str]) -> str | None:
     Args:
         lines: its statements, in which inputs are ``x`` and outputs ``y``.
     """
-    if not _repeating([_DIGITS.sub("", line) for line in lines if not _LOAD.match(line)]):
+    if not repeating([_DIGITS.sub("", line) for line in lines if not _LOAD.match(line)]):
         return None
     body = _Body(lines)
     body.roll()
@@ -172,27 +61,27 @@ class _Body:
 
     def __init__(self, lines: Sequence[str]) -> None:
         self.declared, self.written, self.has_loops = list[str](), list[str](), False
-        self._statements = list[_Statement]()
+        self._statements = list[Statement]()
         self._last = dict[int, int]()  # the last statement that reads what another one computes
         self._moved = dict[int, Operand]()  # where what loops compute is afterwards
         latest = dict[str, Value | Entry]()
         for line in lines:
             texts = _OPERAND.split(line)
             names, at = texts[1::2], len(self._statements)
-            operands = [latest[name] if name in latest else _entry(name) for name in names[1:]]
+            operands = [latest[name] if name in latest else entry(name) for name in names[1:]]
             if _LOAD.match(line):  # what reads the variable reads the input
                 latest[names[0]] = operands[0]
                 continue
             for each in operands:
                 if isinstance(each, Value):
                     self._last[each.statement] = at
-            target = None if not names else _entry(names[0]) if "[" in names[0] else Value(at, names[0])
+            target = None if not names else entry(names[0]) if "[" in names[0] else Value(at, names[0])
             kinds = [each.array if isinstance(each, Entry) else "" for each in [target, *operands]]
             kind = "\0".join([texts[0], *(f"{a}\0{b}" for a, b in zip(kinds, texts[2::2], strict=False))])
-            self._statements.append(_Statement(texts[::2], target, operands, kind))
+            self._statements.append(Statement(texts[::2], target, operands, kind))
             if isinstance(target, Value):
                 latest[target.variable] = target
-        self._repeating = _repeating([each.kind for each in self._statements])
+        self._repeating = repeating([each.kind for each in self._statements])
 
     def roll(self) -> None:
         """Write all statements."""
@@ -207,7 +96,7 @@ class _Body:
                 self.written.append(each.text(each.target, [self._operand(operand) for operand in each.operands]))
                 at += 1
 
-    def _longest(self, start: int) -> _Loop | None:
+    def _longest(self, start: int) -> Loop | None:
         """The longest loop from a statement on; None without any, or if one that carries less begins soon."""
         found = [loop for size in self._repeating.get(start, ()) if (loop := self._loop(start, size))]
         if not found:
@@ -221,7 +110,7 @@ class _Body:
         """An operand as it is known after the loops before."""
         return self._moved.get(operand.statement, operand) if isinstance(operand, Value) else operand
 
-    def _loop(self, start: int, size: int) -> _Loop | None:
+    def _loop(self, start: int, size: int) -> Loop | None:
         """The longest loop from a statement on with blocks of this size; None where they do not repeat."""
         if size not in self._repeating.get(start, ()):
             return None
@@ -235,16 +124,16 @@ class _Body:
                 a._replace(stride=b.place - a.place) if isinstance(a, Entry) and isinstance(b, Entry) else None
             )
             pairs = zip(map(self._operand, one.operands), map(self._operand, other.operands), strict=True)
-            own = [_alike(a, b, start, size) for a, b in pairs]
+            own = [alike(a, b, start, size) for a, b in pairs]
             if None in own:
                 return None
             operands.append(own)  # type: ignore[arg-type]
         count, most = 2, self._repeating[start][size]
-        while count < most and self._continues(_Loop(start, count, targets, operands)):
+        while count < most and self._continues(Loop(start, count, targets, operands)):
             count += 1
-        return _Loop(start, count, targets, operands) if count >= REPEATED else None
+        return Loop(start, count, targets, operands) if count >= REPEATED else None
 
-    def _continues(self, loop: _Loop) -> bool:
+    def _continues(self, loop: Loop) -> bool:
         """Whether the block after a loop belongs to it."""
         size = len(loop.targets)
         for offset, (target, operands) in enumerate(zip(loop.targets, loop.operands, strict=True)):
@@ -263,7 +152,7 @@ class _Body:
                     return False
         return True
 
-    def _write(self, loop: _Loop) -> None:
+    def _write(self, loop: Loop) -> None:
         """Write a loop; what one pass hands to the next in a loop of its own, after that of all else."""
         self.has_loops = True
         number, size, carrying = len(self._moved) + len(self.written), len(loop.targets), loop.carrying
@@ -286,7 +175,7 @@ class _Body:
         for part in parts:
             self.written += self._lines(loop, part, kept, lasts) if part else []
 
-    def _lines(self, loop: _Loop, part: Sequence[int], kept: Mapping[int, str], lasts: Mapping[int, str]) -> list[str]:
+    def _lines(self, loop: Loop, part: Sequence[int], kept: Mapping[int, str], lasts: Mapping[int, str]) -> list[str]:
         """A loop with some of the statements.
 
         Args:
@@ -315,41 +204,3 @@ class _Body:
         kind = "JTIK_CARRIED" if carried else "" if "w" in loop.arrays else "JTIK_INDEPENDENT"
         lines = [f"    for (i=0; i<{loop.count}; ++i) {{", *(f"      {line}" for line in inside), "    }"]
         return ["  {", "    casadi_int i;", *begin, *([f"    {kind}"] if kind else []), *lines, "  }"]
-
-
-def _repeating(kinds: Sequence[str]) -> dict[int, dict[int, int]]:
-    """Where blocks of kinds repeat: by their first statement, and their size, how many blocks are alike."""
-    numbers, found = dict[str, int](), dict[int, dict[int, int]]()
-    known = np.array([numbers.setdefault(kind, len(numbers)) for kind in kinds])
-    for size in range(1, min(LONGEST_BLOCK, len(known) // REPEATED) + 1):
-        differ = np.append(np.flatnonzero(known[size:] != known[:-size]), len(known) - size)
-        starts = np.arange(len(known) - size)
-        alike = (differ[np.searchsorted(differ, starts)] - starts) // size + 1
-        for start in np.flatnonzero(alike >= REPEATED).tolist():
-            found.setdefault(start, {})[size] = int(alike[start])
-    return found
-
-
-def _entry(text: str) -> Entry:
-    """The entry of an array that a text is."""
-    array, place = text[:-1].split("[")
-    return Entry(array, int(place))
-
-
-def _alike(a: Operand, b: Operand, start: int, size: int) -> Operand | Own | Carried | None:
-    """What both operands are in the first two passes of a loop; None where they are not alike.
-
-    Args:
-        a: the operand in the first block.
-        b: the same in the second one.
-        start: the first statement.
-        size: number of statements of a block.
-    """
-    inside = isinstance(a, Value) and a.statement >= start
-    if isinstance(b, Value) and b.statement >= start:
-        if b.statement < start + size:
-            return None if inside else Carried(b.statement - start, a)
-        return Own(b.statement - start - size) if inside and b.statement == a.statement + size else None  # type: ignore[union-attr]
-    if isinstance(a, Entry) and isinstance(b, Entry):
-        return a._replace(stride=b.place - a.place) if a.array == b.array else None
-    return a if a == b else None

@@ -11,7 +11,8 @@ import pytest
 from jtik.symbolic import generated_c, looped
 from jtik.symbolic.compile import CompiledFunction, CompilerError, compiler, to_c
 from jtik.symbolic.generated_c import c_source
-from jtik.symbolic.rolled_loops import REPEATED, rolled
+from jtik.symbolic.repeated_statements import REPEATED
+from jtik.symbolic.rolled_loops import rolled
 
 try:
     compiler()

@@ -1,0 +1,168 @@
+"""Statements of generated C, what they read and set, and blocks of them that are alike."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+REPEATED = 64
+"""Blocks of statements that are alike, from which on they are a loop: for fewer it is slower."""
+
+LONGEST_BLOCK = 40
+"""Most statements of a block."""
+
+
+class Value(NamedTuple):
+    """What a statement computes, in the variable that it sets."""
+
+    statement: int
+    variable: str
+
+    def __str__(self) -> str:
+        return self.variable
+
+
+class Entry(NamedTuple):
+    """An entry of an array, which is ``stride`` further in each pass of a loop."""
+
+    array: str
+    place: int
+    stride: int = 0
+
+    def __str__(self) -> str:
+        further = {0: "", 1: "+i"}.get(self.stride, f"+{self.stride}*i")
+        return f"{self.array}[{self.place}{further}]"
+
+    def at(self, count: int) -> Entry:
+        """That of a pass of a loop."""
+        return Entry(self.array, self.place + self.stride * count)
+
+
+class Own(NamedTuple):
+    """What a statement of the same pass of a loop computes."""
+
+    offset: int
+
+    def __str__(self) -> str:
+        return f"b{self.offset}"
+
+
+class Carried(NamedTuple):
+    """What a statement of the pass before computes, and another operand in the first pass."""
+
+    offset: int
+    first: Value | Entry | str
+
+
+Operand = Value | Entry | str
+"""What a statement reads; a text is the name of a variable."""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """A statement.
+
+    Attributes:
+        texts: the text before, between and after what it names; of a call all of its text.
+        target: what it sets; None for a call.
+        operands: what it reads.
+        kind: equal for statements that differ in variables and entries alone.
+    """
+
+    texts: Sequence[str]
+    target: Value | Entry | None
+    operands: Sequence[Operand]
+    kind: str
+
+    def text(self, target: object, operands: Sequence[object]) -> str:
+        """The statement with this target and these operands."""
+        names = [] if self.target is None else [target, *operands]
+        return self.texts[0] + "".join(f"{name}{text}" for name, text in zip(names, self.texts[1:], strict=True))
+
+
+@dataclass(frozen=True)
+class Loop:
+    """Blocks of statements that are alike.
+
+    Attributes:
+        start: the first statement.
+        count: number of blocks.
+        targets: what each statement of a block sets; None for a variable.
+        operands: what each reads.
+    """
+
+    start: int
+    count: int
+    targets: Sequence[Entry | None]
+    operands: Sequence[Sequence[Operand | Own | Carried]]
+
+    @property
+    def end(self) -> int:
+        """The statement after it."""
+        return self.start + len(self.targets) * self.count
+
+    @property
+    def arrays(self) -> set[str]:
+        """The arrays whose entries are read or written."""
+        named = [each for own in [self.targets, *self.operands] for each in own]
+        return {each.array for each in named if isinstance(each, Entry)}
+
+    @property
+    def carries(self) -> int:
+        """How many values each pass hands to the next."""
+        return len({each for own in self.operands for each in own if isinstance(each, Carried)})
+
+    @property
+    def carrying(self) -> set[int]:
+        """The statements that depend on the pass before."""
+        found = set[int]()
+        for offset, operands in enumerate(self.operands):
+            if any(isinstance(each, Carried) or (isinstance(each, Own) and each.offset in found) for each in operands):
+                found.add(offset)
+        return found
+
+    def read_by(self, part: Sequence[int]) -> list[int]:
+        """The other statements whose values some statements read."""
+        read = {each.offset for k in part for each in self.operands[k] if isinstance(each, (Own, Carried))}
+        return sorted(read.difference(part))
+
+
+def repeating(kinds: Sequence[str]) -> dict[int, dict[int, int]]:
+    """Where blocks of kinds repeat: by their first statement, and their size, how many blocks are alike."""
+    numbers, found = dict[str, int](), dict[int, dict[int, int]]()
+    known = np.array([numbers.setdefault(kind, len(numbers)) for kind in kinds])
+    for size in range(1, min(LONGEST_BLOCK, len(known) // REPEATED) + 1):
+        differ = np.append(np.flatnonzero(known[size:] != known[:-size]), len(known) - size)
+        starts = np.arange(len(known) - size)
+        alike = (differ[np.searchsorted(differ, starts)] - starts) // size + 1
+        for start in np.flatnonzero(alike >= REPEATED).tolist():
+            found.setdefault(start, {})[size] = int(alike[start])
+    return found
+
+
+def entry(text: str) -> Entry:
+    """The entry of an array that a text is."""
+    array, place = text[:-1].split("[")
+    return Entry(array, int(place))
+
+
+def alike(a: Operand, b: Operand, start: int, size: int) -> Operand | Own | Carried | None:
+    """What both operands are in the first two passes of a loop; None where they are not alike.
+
+    Args:
+        a: the operand in the first block.
+        b: the same in the second one.
+        start: the first statement.
+        size: number of statements of a block.
+    """
+    inside = isinstance(a, Value) and a.statement >= start
+    if isinstance(b, Value) and b.statement >= start:
+        if b.statement < start + size:
+            return None if inside else Carried(b.statement - start, a)
+        return Own(b.statement - start - size) if inside and b.statement == a.statement + size else None  # type: ignore[union-attr]
+    if isinstance(a, Entry) and isinstance(b, Entry):
+        return a._replace(stride=b.place - a.place) if a.array == b.array else None
+    return a if a == b else None
