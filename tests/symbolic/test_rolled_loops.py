@@ -99,12 +99,12 @@ def text_of(rows):
 
 
 def test_the_text_does_not_grow_with_the_rows():
-    assert len(text_of(40).split("\n")) == pytest.approx(len(text_of(400).split("\n")), abs=2)
+    assert len(text_of(70).split("\n")) == pytest.approx(len(text_of(400).split("\n")), abs=2)
 
 
 def test_a_loop_without_an_order_is_said_to_have_none():
     """Vector instructions are for rows that do not depend on each other."""
-    rows = 50
+    rows = REPEATED + 6
     x, y = casadi.SX.sym("x", rows), casadi.SX.sym("y", rows)
     assert "    JTIK_INDEPENDENT\n" in c_source(casadi.Function("example", [x, y], [x * y - x]))
     total = casadi.SX(0)
