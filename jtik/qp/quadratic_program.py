@@ -228,21 +228,19 @@ class QuadraticProgram:
         x = -factor.solve(q)
         inside = logic_and(mmax(lower - x) <= 0, mmax(x - upper) <= 0)
         if self.row_count and not self.has_many_rows:
-            inside = logic_and(inside, satisfies_rows(x, C, low, high))
+            inside = logic_and(inside, satisfies_rows(C @ x, low, high))
         stationary = norm_inf(P @ x + q) <= ROUNDING * (1 + norm_inf(q))
         return x, logic_and(logic_and(inside, logic_and(stationary, factor.positive_definite)), is_finite(x))
 
 
-def satisfies_rows(x: Expression, C: Expression, low: Expression, high: Expression) -> Expression:
-    """1 where x (n, 1) satisfies rows to rounding, else 0.
+def satisfies_rows(Cx: Expression, low: Expression, high: Expression) -> Expression:
+    """1 where the values of rows are within their bounds to rounding, else 0.
 
     Args:
-        x: the variables (n, 1).
-        C: rows (k, n).
+        Cx: the values of the rows (k, 1).
         low: lower bounds of the rows (k, 1).
         high: upper bounds of the rows (k, 1).
     """
-    Cx = C @ x
     return logic_and(mmax(low - Cx) <= ROUNDING, mmax(Cx - high) <= ROUNDING)
 
 
@@ -254,7 +252,8 @@ def is_solution(x: Expression, data: Sequence[Expression]) -> Expression:
         data: P, q, C, l, u, lb, ub.
     """
     _, _, C, low, high, lower, upper = data
-    good = logic_and(is_finite(C @ x), satisfies_rows(x, C, low, high))  # x is finite, so that C is where C x is
+    Cx = C @ x
+    good = logic_and(is_finite(Cx), satisfies_rows(Cx, low, high))  # x is finite, so that C is where C x is
     return logic_and(good, _in_order(low, high, lower, upper))
 
 
