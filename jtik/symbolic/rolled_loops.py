@@ -88,30 +88,43 @@ class _Body:
         at = 0
         while at < len(self._statements):
             loop = self._longest(at)
+            for each in self._statements[at : loop.start if loop else at + 1]:
+                self.written.append(each.text(each.target, [self._operand(operand) for operand in each.operands]))
             if loop is not None:
                 self._write(loop)
-                at = loop.end
-            else:
-                each = self._statements[at]
-                self.written.append(each.text(each.target, [self._operand(operand) for operand in each.operands]))
-                at += 1
+            at = loop.end if loop else at + 1
 
     def _longest(self, start: int) -> Loop | None:
-        """The longest loop from a statement on; None without any, or if one that carries less begins soon."""
-        found = [loop for size in self._repeating.get(start, ()) if (loop := self._loop(start, size))]
-        if not found:
-            return None
-        longest = max(found, key=lambda loop: loop.end)
+        """The longest loop from a statement on, or from one soon after it where that carries less; None without any."""
+        longest, sizes = None, list[int]()
+        for size in self._repeating.get(start, ()):
+            if any(size % each == 0 for each in sizes):  # several blocks of a loop that is known are no longer one
+                continue
+            loop = self._loop(start, size)
+            if loop is not None:
+                sizes.append(size)
+                longest = loop if longest is None or longest.end < loop.end else longest
+        if longest is None or not longest.carries:
+            return longest
         size = len(longest.targets)
-        later = [loop for k in range(1, size) if (loop := self._loop(start + k, size))] if longest.carries else []
-        return None if any(loop.carries < longest.carries for loop in later) else longest
+        later = [loop for k in range(1, size) if (loop := self._loop(start + k, size, shortest=2, longest=2))]
+        best = min([longest, *later], key=lambda loop: loop.carries)
+        later_one = self._loop(best.start, size)
+        return later_one if later_one and later_one.end + size >= longest.end else longest
 
     def _operand(self, operand: Operand) -> Operand:
         """An operand as it is known after the loops before."""
         return self._moved.get(operand.statement, operand) if isinstance(operand, Value) else operand
 
-    def _loop(self, start: int, size: int) -> Loop | None:
-        """The longest loop from a statement on with blocks of this size; None where they do not repeat."""
+    def _loop(self, start: int, size: int, shortest: int = REPEATED, longest: int | None = None) -> Loop | None:
+        """The longest loop from a statement on with blocks of this size; None where they do not repeat.
+
+        Args:
+            start: the first statement.
+            size: number of statements of a block.
+            shortest: fewest blocks.
+            longest: most blocks; None for no limit.
+        """
         if size not in self._repeating.get(start, ()):
             return None
         first, second = (self._statements[start + k * size : start + (k + 1) * size] for k in range(2))
@@ -128,10 +141,10 @@ class _Body:
             if None in own:
                 return None
             operands.append(own)  # type: ignore[arg-type]
-        count, most = 2, self._repeating[start][size]
+        count, most = 2, longest or self._repeating[start][size]
         while count < most and self._continues(Loop(start, count, targets, operands)):
             count += 1
-        return Loop(start, count, targets, operands) if count >= REPEATED else None
+        return Loop(start, count, targets, operands) if count >= shortest else None
 
     def _continues(self, loop: Loop) -> bool:
         """Whether the block after a loop belongs to it."""
