@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -141,6 +141,15 @@ def repeating(kinds: Sequence[str]) -> dict[int, dict[int, int]]:
         for start in np.flatnonzero(alike >= REPEATED).tolist():
             found.setdefault(start, {})[size] = int(alike[start])
     return found
+
+
+def covered(blocks: Mapping[int, Mapping[int, int]], count: int) -> int:
+    """How many of so many statements at most are in blocks that repeat, as `repeating` finds them."""
+    begins = np.zeros(count + 1, dtype=int)
+    for start, sizes in blocks.items():
+        begins[start] += 1
+        begins[start + max(size * alike for size, alike in sizes.items())] -= 1
+    return int(np.count_nonzero(np.cumsum(begins) > 0))
 
 
 def entry(text: str) -> Entry:

@@ -20,6 +20,7 @@ from jtik.symbolic.repeated_statements import (
     Statement,
     Value,
     alike,
+    covered,
     entry,
     repeating,
 )
@@ -30,17 +31,20 @@ _DIGITS = re.compile(r"\d+")
 _LOAD = re.compile(r"^  a\d+=x\d+\[\d+\];$")
 
 
-def rolled(lines: Sequence[str]) -> str | None:
+def rolled(lines: Sequence[str], longest: int) -> str | None:
     """The body of a function of scalar operations with loops, and its variables; None where nothing repeats.
 
     Args:
         lines: its statements, in which inputs are ``x`` and outputs ``y``.
+        longest: most lines; None is returned for a body that would be longer.
     """
-    if not repeating([_DIGITS.sub("", line) for line in lines if not _LOAD.match(line)]):
+    kinds = [_DIGITS.sub("", line) for line in lines if not _LOAD.match(line)]
+    blocks = repeating(kinds)
+    if not blocks or len(kinds) - covered(blocks, len(kinds)) > longest:
         return None
     body = _Body(lines)
     body.roll()
-    if not body.has_loops:
+    if not body.has_loops or len(body.written) > longest:
         return None
     written = "\n".join(body.written)
     variables = ", ".join(dict.fromkeys(_VARIABLE.findall(written)))

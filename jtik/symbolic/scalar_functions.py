@@ -62,8 +62,8 @@ def _rewritten(head: re.Match[str], lines: Sequence[str], longest: int, part: in
     statements = _Statements.of(text.split("\n"))
     if statements is None:
         return lines
-    shorter = rolled(statements.text)
-    if shorter is not None and shorter.count("\n") < longest:
+    shorter = rolled(statements.text, longest)
+    if shorter is not None:
         return [lines[0], *_inputs_and_outputs(sizes, shorter), shorter, *_END]
     if len(statements.text) <= longest:
         return [*lines[:first], *_inputs_and_outputs(sizes, text), text, *_END]

@@ -12,7 +12,7 @@ from jtik.symbolic import generated_c, looped
 from jtik.symbolic.compile import CompiledFunction, CompilerError, compiler, to_c
 from jtik.symbolic.generated_c import c_source
 from jtik.symbolic.repeated_statements import REPEATED
-from jtik.symbolic.rolled_loops import rolled
+from jtik.symbolic.rolled_loops import rolled as rolled_within
 
 try:
     compiler()
@@ -117,6 +117,18 @@ def test_a_loop_without_an_order_is_said_to_have_none():
 
 def lines(text):
     return [f"  {line}" for line in text]
+
+
+def rolled(lines):
+    return rolled_within(lines, 10**6)
+
+
+def test_what_stays_too_long_is_left_to_others():
+    """It is divided: that needs all statements."""
+    alone = [f"a{i % 5}=(x0[{i * i}]+x1[{i}]);" if i % 2 else f"a{i % 3}=(x1[{i}]*x0[{i}]);" for i in range(300)]
+    block = [f"y0[{i}]=x0[{i}];" for i in range(REPEATED)]
+    assert rolled_within(lines([*alone, *block]), 400) is not None
+    assert rolled_within(lines([*alone, *block]), 290) is None
 
 
 def test_what_does_not_repeat_stays():
