@@ -41,7 +41,8 @@ _FILL = re.compile(
 )
 _NUMBER = re.compile(r"^  (?P<to>w\d+) +(?P<before>[-+*/]?)= (?P<value>[^;\n]*);$")
 _NAME = re.compile(r"\bwr?\d+\b")
-_ENTRY = re.compile(r"\(\*(cr|cs)\+\+\)|\*(cs)\+\+|\b(cs)\[i\]")
+_ENTRY = re.compile(r"\(\*(cr|cs)\+\+\)|\*(cs)\+\+|\b(cr|cs)\[i\]")
+_POSITION = re.compile(r"\b(?:rr|cr|cs)\b")
 
 
 def with_fused_loops(source: str) -> str:
@@ -261,5 +262,7 @@ def _count(line: str) -> int:
         return int(part["end"]) - int(part["begin"])
     if fill:
         return int(fill["n"] or fill["cleared"])
+    if loop and _POSITION.search(_ENTRY.sub("", loop["value"])):  # another form than those that are known
+        return 0
     found = loop or copy
     return int(found["n"]) if found else 0

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 REPEATED = 64
 """Blocks of statements that are alike, from which on they are a loop: for fewer it is slower."""
@@ -77,6 +78,12 @@ class Statement:
     operands: Sequence[Operand]
     kind: str
 
+    @property
+    def places(self) -> list[int]:
+        """The entries of arrays, and the statements that compute a value, of all that it names."""
+        named = [each for each in [self.target, *self.operands] if not isinstance(each, (str, type(None)))]
+        return [each.place if isinstance(each, Entry) else each.statement for each in named]
+
     def text(self, target: object, operands: Sequence[object]) -> str:
         """The statement with this target and these operands."""
         names = [] if self.target is None else [target, *operands]
@@ -130,16 +137,33 @@ class Loop:
         return sorted(read.difference(part))
 
 
-def repeating(kinds: Sequence[str]) -> dict[int, dict[int, int]]:
-    """Where blocks of kinds repeat: by their first statement, and their size, how many blocks are alike."""
+def repeating(kinds: Sequence[str], places: Sequence[Sequence[int]] | None = None) -> dict[int, dict[int, int]]:
+    """Where blocks may repeat: by their first statement, and their size, how many at most.
+
+    Args:
+        kinds: the kind of each statement, the same in all blocks.
+        places: the `Statement.places` of each, which change by the same amounts from block to block; what is carried
+            into the first block excepted. None where they are not known.
+    """
     numbers, found = dict[str, int](), dict[int, dict[int, int]]()
     known = np.array([numbers.setdefault(kind, len(numbers)) for kind in kinds])
+    at = np.zeros((len(kinds), max(map(len, places), default=0) if places else 0), dtype=int)
+    for row, own in enumerate(places or ()):
+        at[row, : len(own)] = own
     for size in range(1, min(LONGEST_BLOCK, len(known) // REPEATED) + 1):
-        differ = np.append(np.flatnonzero(known[size:] != known[:-size]), len(known) - size)
-        starts = np.arange(len(known) - size)
-        alike = (differ[np.searchsorted(differ, starts)] - starts) // size + 1
-        for start in np.flatnonzero(alike >= REPEATED).tolist():
-            found.setdefault(start, {})[size] = int(alike[start])
+        starts = np.arange(len(known) - size * REPEATED + 1)
+        blocks = _run(known[size:] == known[:-size], starts) // size + 1
+        even = (at[2 * size :] - 2 * at[size:-size] + at[: -2 * size] == 0).all(axis=1)
+        blocks = np.minimum(blocks, _run(even, starts + size) // size + 3)
+        for start in np.flatnonzero(blocks >= REPEATED).tolist():
+            found.setdefault(start, {})[size] = int(blocks[start])
+    return found
+
+
+def _run(truth: NDArray[np.bool_], starts: NDArray[np.intp]) -> NDArray[np.intp]:
+    """How many entries are true from each start on."""
+    ends = np.append(np.flatnonzero(~truth), len(truth))
+    found: NDArray[np.intp] = ends[np.searchsorted(ends, starts)] - starts
     return found
 
 

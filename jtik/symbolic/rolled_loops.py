@@ -25,6 +25,9 @@ from jtik.symbolic.repeated_statements import (
     repeating,
 )
 
+MOST_KEPT = 32768
+"""Most entries of arrays for what loops compute: they are on the stack of a thread."""
+
 _OPERAND = re.compile(r"\b(a\d+|[xyw]\d*\[\d+\])(?!\w)")
 _VARIABLE = re.compile(r"\ba\d+\b")
 _DIGITS = re.compile(r"\d+")
@@ -44,7 +47,7 @@ def rolled(lines: Sequence[str], longest: int) -> str | None:
         return None
     body = _Body(lines)
     body.roll()
-    if not body.has_loops or len(body.written) > longest:
+    if not body.has_loops or len(body.written) > longest or body.kept > MOST_KEPT:
         return None
     written = "\n".join(body.written)
     variables = ", ".join(dict.fromkeys(_VARIABLE.findall(written)))
@@ -61,10 +64,11 @@ class _Body:
         declared: declarations of what loops compute and later statements read.
         written: the lines.
         has_loops: whether there is a loop.
+        kept: entries of the arrays that are declared.
     """
 
     def __init__(self, lines: Sequence[str]) -> None:
-        self.declared, self.written, self.has_loops = list[str](), list[str](), False
+        self.declared, self.written, self.has_loops, self.kept = list[str](), list[str](), False, 0
         self._statements = list[Statement]()
         self._last = dict[int, int]()  # the last statement that reads what another one computes
         self._moved = dict[int, Operand]()  # where what loops compute is afterwards
@@ -85,7 +89,9 @@ class _Body:
             self._statements.append(Statement(texts[::2], target, operands, kind))
             if isinstance(target, Value):
                 latest[target.variable] = target
-        self._repeating = repeating([each.kind for each in self._statements])
+        self._repeating = repeating(
+            [each.kind for each in self._statements], [each.places for each in self._statements]
+        )
 
     def roll(self) -> None:
         """Write all statements."""
@@ -188,6 +194,7 @@ class _Body:
                 kept[offset] = name
                 self._moved |= {values[k]: Entry(name, k) for k in read}
         self.declared += [f"  casadi_real {name}[{loop.count}];" for name in kept.values()]
+        self.kept += len(kept) * loop.count
         self.declared += [f"  casadi_real {name};" for name in lasts.values()]
         for part in parts:
             self.written += self._lines(loop, part, kept, lasts) if part else []

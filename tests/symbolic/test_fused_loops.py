@@ -47,6 +47,8 @@ def operation(rng, pool, numbers, size):
         lambda: a < b,
         lambda: casadi.logic_not(a <= number),
         lambda: casadi.if_else(a < b, c, number),
+        lambda: casadi.logic_and(a < b, c <= number),
+        lambda: casadi.logic_or(a < number, casadi.logic_not(c)),
         lambda: -a,
         lambda: number * a,
         lambda: a / (1 + b * b),

@@ -8,10 +8,11 @@ import casadi
 import numpy as np
 import pytest
 
-from jtik.symbolic import generated_c, looped
+from jtik.symbolic import generated_c, looped, rolled_loops
 from jtik.symbolic.compile import CompiledFunction, CompilerError, compiler, to_c
 from jtik.symbolic.generated_c import c_source
-from jtik.symbolic.repeated_statements import REPEATED
+from jtik.symbolic.repeated_statements import REPEATED, alike
+from jtik.symbolic.rolled_loops import MOST_KEPT
 from jtik.symbolic.rolled_loops import rolled as rolled_within
 
 try:
@@ -89,6 +90,7 @@ def test_the_same_bits(seed, rows, rng, tmp_path, monkeypatch):
         for _ in range(2):  # nothing is left of the first call
             for one, other in zip(after(*given), before(*given), strict=True):
                 np.testing.assert_array_equal(one, other)
+                np.testing.assert_array_equal(np.signbit(one[one == 0]), np.signbit(other[other == 0]))
 
 
 def text_of(rows):
@@ -145,6 +147,34 @@ def test_what_a_loop_computes_is_read_after_it():
     assert "y0[0+2*i]" in last
     each = rolled(lines([*(f"a{i}=(x0[{i}]*x0[{i}]);" for i in range(REPEATED)), "y1[0]=(a3+a7);"]))
     assert re.search(r"y1\[0\]=\(t\d+_0\[3\]\+t\d+_0\[7\]\);", each)
+
+
+def test_what_repeats_too_seldom_takes_no_time():
+    """Tables of fewer rows than a loop has, and of many columns: the time grows with their entries."""
+    seldom = lines(
+        f"y0[{1000 * column + i}]=(x0[{1000 * column + i}]*x1[{i}]);"
+        for column in range(400)
+        for i in range(REPEATED - 1)
+    )
+    operands = 0
+    with pytest.MonkeyPatch.context() as patch:
+
+        def counted(*given):
+            nonlocal operands
+            operands += 1
+            return alike(*given)
+
+        patch.setattr(rolled_loops, "alike", counted)
+        assert rolled(seldom) is None
+    assert operands < 100 * len(seldom)
+
+
+def test_arrays_do_not_fill_the_stack():
+    rows = MOST_KEPT // 2 + 1
+    loops = [f"a{k * rows + i}=(x0[{i}]*x1[{k}]);" for k in range(2) for i in range(rows)]
+    read = [f"y0[{k}]=(a{k * rows}+a{k * rows + 3});" for k in range(2)]
+    assert rolled(lines([*loops[:rows], *read[:1]])) is not None
+    assert rolled(lines([*loops, *read])) is None
 
 
 def test_a_call_divides_loops():
