@@ -16,6 +16,9 @@ from jtik.symbolic.rolled_loops import rolled
 LONGEST = 8000
 """A function with more statements is divided. A shorter one compiles in seconds and would lose a tenth of its speed."""
 
+AS_LOOPS = 0.5
+"""A function that is divided without loops has them where it is shorter than this part of `LONGEST` then."""
+
 PART = 1000
 """Number of statements of a part."""
 
@@ -62,7 +65,7 @@ def _rewritten(head: re.Match[str], lines: Sequence[str], longest: int, part: in
     statements = _Statements.of(text.split("\n"))
     if statements is None:
         return lines
-    shorter = rolled(statements.text, longest)
+    shorter = rolled(statements.text, longest if len(statements.text) <= longest else int(AS_LOOPS * longest))
     if shorter is not None:
         return [lines[0], *_inputs_and_outputs(sizes, shorter), shorter, *_END]
     if len(statements.text) <= longest:
