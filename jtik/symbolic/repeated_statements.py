@@ -17,7 +17,12 @@ LONGEST_BLOCK = 40
 
 
 class Value(NamedTuple):
-    """What a statement computes, in the variable that it sets."""
+    """What a statement computes.
+
+    Attributes:
+        statement: number of the statement.
+        variable: the variable that it sets.
+    """
 
     statement: int
     variable: str
@@ -27,7 +32,13 @@ class Value(NamedTuple):
 
 
 class Entry(NamedTuple):
-    """An entry of an array, which is ``stride`` further in each pass of a loop."""
+    """An entry of an array.
+
+    Attributes:
+        array: name of the array.
+        place: which entry; in a loop that of the first pass.
+        stride: how much further it is in each pass of a loop.
+    """
 
     array: str
     place: int
@@ -38,12 +49,20 @@ class Entry(NamedTuple):
         return f"{self.array}[{self.place}{further}]"
 
     def at(self, count: int) -> Entry:
-        """That of a pass of a loop."""
+        """That of a pass of a loop.
+
+        Args:
+            count: number of passes before it.
+        """
         return Entry(self.array, self.place + self.stride * count)
 
 
 class Own(NamedTuple):
-    """What a statement of the same pass of a loop computes."""
+    """What a statement of the same pass of a loop computes.
+
+    Attributes:
+        offset: number of the statement in the block.
+    """
 
     offset: int
 
@@ -52,7 +71,12 @@ class Own(NamedTuple):
 
 
 class Carried(NamedTuple):
-    """What a statement of the pass before computes, and another operand in the first pass."""
+    """What a statement of the pass before computes.
+
+    Attributes:
+        offset: number of the statement in the block.
+        first: what is read instead in the first pass.
+    """
 
     offset: int
     first: Value | Entry | str
@@ -85,7 +109,12 @@ class Statement:
         return [each.place if isinstance(each, Entry) else each.statement for each in named]
 
     def text(self, target: object, operands: Sequence[object]) -> str:
-        """The statement with this target and these operands."""
+        """The statement with other names.
+
+        Args:
+            target: what it sets.
+            operands: what it reads.
+        """
         names = [] if self.target is None else [target, *operands]
         return self.texts[0] + "".join(f"{name}{text}" for name, text in zip(names, self.texts[1:], strict=True))
 
@@ -132,7 +161,11 @@ class Loop:
         return found
 
     def read_by(self, part: Sequence[int]) -> list[int]:
-        """The other statements whose values some statements read."""
+        """The other statements whose values some statements read.
+
+        Args:
+            part: the statements that read.
+        """
         read = {each.offset for k in part for each in self.operands[k] if isinstance(each, (Own, Carried))}
         return sorted(read.difference(part))
 
@@ -168,7 +201,12 @@ def _run(truth: NDArray[np.bool_], starts: NDArray[np.intp]) -> NDArray[np.intp]
 
 
 def covered(blocks: Mapping[int, Mapping[int, int]], count: int) -> int:
-    """How many of so many statements at most are in blocks that repeat, as `repeating` finds them."""
+    """How many statements at most are in blocks that repeat.
+
+    Args:
+        blocks: as `repeating` finds them.
+        count: number of all statements.
+    """
     begins = np.zeros(count + 1, dtype=int)
     for start, sizes in blocks.items():
         begins[start] += 1
@@ -177,7 +215,11 @@ def covered(blocks: Mapping[int, Mapping[int, int]], count: int) -> int:
 
 
 def entry(text: str) -> Entry:
-    """The entry of an array that a text is."""
+    """The entry of an array that a text is.
+
+    Args:
+        text: such as ``x0[3]``.
+    """
     array, place = text[:-1].split("[")
     return Entry(array, int(place))
 

@@ -166,12 +166,12 @@ class _Body:
             for expected, operand in zip(operands, map(self._operand, each.operands), strict=True):
                 if isinstance(expected, (Own, Carried)):
                     before = size if isinstance(expected, Carried) else 0
-                    alike = isinstance(operand, Value) and operand.statement == loop.end + expected.offset - before
+                    same = isinstance(operand, Value) and operand.statement == loop.end + expected.offset - before
                 elif isinstance(expected, Entry):
-                    alike = operand == expected.at(loop.count)
+                    same = operand == expected.at(loop.count)
                 else:
-                    alike = operand == expected
-                if not alike:
+                    same = operand == expected
+                if not same:
                     return False
         return True
 
