@@ -118,7 +118,7 @@ class QPCall:
             data: arguments -> the QP's data, its penalties, and whether they are valid.
         """
         x, arguments = MX.sym("x", self.n), _inputs(data)
-        # inside this function rows that are passed on as they are need no copy
+        # inlined, where it can be: rows that it passes on unchanged are not copied
         given = data.call(arguments, True, False) if data.is_a("MXFunction") else called(data, arguments)
         is_valid = None if self.has_many_rows else given.pop()
         inside = [MX.sym(f"d{i}", *part.shape) for i, part in enumerate(given)]

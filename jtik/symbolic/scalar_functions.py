@@ -17,7 +17,7 @@ LONGEST = 8000
 """A function with more statements is divided. A shorter one compiles in seconds and would lose a tenth of its speed."""
 
 AS_LOOPS = 0.5
-"""A function that is divided without loops has them where it is shorter than this part of `LONGEST` then."""
+"""Share of `LONGEST` below which a function that would be divided is written with loops instead."""
 
 PART = 1000
 """Number of statements of a part."""

@@ -56,11 +56,11 @@ static JTIK_CPU void JTIK_NAME_keys(int32_t* keys, const JTIK_NAME_starts* bank,
 /* The key that follows another one; after the last comes the first. */
 static JTIK_CPU int32_t JTIK_NAME_following(const int32_t* keys, int32_t key) {{
   const uint32_t next = (uint32_t)key + 1;
-  uint32_t least = UINT32_MAX;
+  uint32_t smallest = UINT32_MAX;
   for (int k = 0; k < JTIK_BANK; ++k) {{
     const uint32_t beyond = (uint32_t)keys[k] - next; /* larger for all before than for all after it */
-    least = beyond < least ? beyond : least;
+    smallest = beyond < smallest ? beyond : smallest;
   }}
-  return (int32_t)(next + least);
+  return (int32_t)(next + smallest);
 }}
 """

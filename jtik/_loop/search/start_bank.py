@@ -44,7 +44,7 @@ class StartBank(NamedTuple):
         configurations: the configurations, (SIZE, nq).
         coefficients: of a distance as an affine function of a target's numbers less the centre: the constants, then the
             factors of each number, (1 + target size, SIZE), aligned.
-        centre: the mean of the numbers, (target size,): about it the sums lose least to rounding.
+        centre: the mean of the numbers, (target size,): differences from it have the smallest rounding errors.
         numbers: the numbers of the targets that the configurations meet, (SIZE, target size).
     """
 

@@ -64,6 +64,21 @@ def test_the_order_is_that_of_the_true_V_of_positions(rng):
     assert np.array_equal(bank.order(target), np.argsort(V))
 
 
+@pytest.mark.parametrize("away", [1e3, 1e6])
+def test_the_order_is_that_of_a_robot_at_the_origin(away, rng):
+    """Far away the numbers of the targets are large, their differences are not."""
+    placed, moved = jtik.Robot.builtin("panda"), np.eye(4)
+    moved[:3, 3] = away, -away, 0
+    solvers = [problem(robot, kind="pose") for robot in (placed, placed.with_base(moved))]
+    banks = [StartBanks(of).of(0) for _, of in solvers]
+    for _ in range(5):
+        pose = placed.pose(placed.random_configuration(rng))
+        ranks = []
+        for (ik, _), bank, base in zip(solvers, banks, (np.eye(4), moved), strict=True):
+            ranks.append(np.argsort(bank.order(ik.tasks.read_target(base @ pose))))
+        assert np.abs(ranks[0] - ranks[1]).max() <= 2  # of two distances that agree to 16 binary digits either is first
+
+
 def test_without_a_finite_distance_configurations_come_last_in_their_own_order():
     _, of = problem(planar(3), kind="position")
     bank = StartBanks(of).of(0)
