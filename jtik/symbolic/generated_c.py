@@ -7,11 +7,14 @@ import re
 import casadi
 
 from jtik.symbolic.block_products import with_block_loops
+from jtik.symbolic.convexified import with_fast_factorisation
 from jtik.symbolic.dense_products import with_fast_products
 from jtik.symbolic.fused_loops import with_fused_loops
+from jtik.symbolic.large_programs import with_own_factors
 from jtik.symbolic.many_columns import with_column_loops
 from jtik.symbolic.operations import Function
 from jtik.symbolic.scalar_functions import with_scalar_functions_rewritten
+from jtik.symbolic.sums_of_eight import with_sums_of_eight
 from jtik.symbolic.unbounded_rows import without_unbounded_rows
 
 
@@ -23,9 +26,12 @@ def c_source(function: Function, *others: Function) -> str:
     generator = casadi.CodeGenerator(function.name())
     for each in (function, *others):
         generator.add(each)
-    source = _IS_SELDOM.sub(r"\1JTIK_SELDOM static", without_unbounded_rows(str(generator.dump())))
+    source = with_fast_factorisation(with_own_factors(without_unbounded_rows(str(generator.dump()))))
+    source = _IS_SELDOM.sub(r"\1JTIK_SELDOM static", source)
     source = with_column_loops(with_block_loops(with_fast_products(with_scalar_functions_rewritten(source))))
-    return _OF_ALL_THREADS.sub(r"static JTIK_THREAD_LOCAL \1", _DEFINITIONS + with_fused_loops(source))
+    return _OF_ALL_THREADS.sub(
+        r"static JTIK_THREAD_LOCAL \1", _DEFINITIONS + with_sums_of_eight(with_fused_loops(source))
+    )
 
 
 SELDOM = "jtik_seldom_"

@@ -46,10 +46,10 @@ from jtik.symbolic import (
     vec,
     vertcat,
 )
+from jtik.symbolic.convexified import convexified
 from jtik.symbolic.factorization import RowSpace, Split
 from jtik.types import Array
 from jtik_formulations.bibliography import GILL_1981, NOCEDAL_WRIGHT_2006
-from jtik_formulations.strategies._parts.convexified import convexified
 from jtik_formulations.strategies._parts.significance import in_null_space, significant
 
 NEGATIVE = 1e-3
