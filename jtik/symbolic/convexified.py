@@ -82,7 +82,8 @@ _LEAST = 8
 """Fewest rows of a matrix that generated C has this form for."""
 
 _LOOPS = """\
-  /* "rest" has L under its diagonal, each column still to be divided by its pivot above it, and one column of sums */
+  /* "rest" has the columns of L under its diagonal, and above it, as rows, the same times their pivots. The last eight
+   * sums of a column may overlap the diagonal; those are not read. */
   const casadi_real* A = arg[0];
   casadi_real *rest = w, *sums = w + {n} * {n}, bound = 0, lowest = 0;
   int i, j, k, definite = 1;

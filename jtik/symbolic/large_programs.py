@@ -8,7 +8,7 @@ same operations on each of its numbers, so that solutions are the same, bit by b
 from __future__ import annotations
 
 LEAST = 20
-"""Fewest variables of such a program [-]: with 16 the time is the same."""
+"""Fewest variables of such a program: with 16 the time is the same."""
 
 _FUNCTION = r"""
 /* R of H = R' R in the place of H, the reciprocals of its diagonal on it; 0 where H is not positive definite. What is
@@ -81,6 +81,7 @@ static int JTIK_SETUP(DAQPProblem* p, DAQPWorkspace* work) {
     update_d(work);
     flag = activate_constraints(work);
     if (flag < 0) {
+      work->settings = 0; /* they are not on the heap */
       free_daqp_workspace(work);
       free_daqp_ldp(work);
     }

@@ -104,6 +104,10 @@ def test_rows_that_contradict_each_other_have_no_solution(both, rng):
     data[2][1], data[3][1], data[4][1] = data[2][0], 0.5, 0.5
     for solver in (machine, fast):
         assert not largest_violation(data, *map(np.ravel, solver(*data))) < 1e-3
+    held = program(rng, size, pull=1.0, equal=2, held=1)
+    held[2][:2], held[3][0], held[4][0] = np.eye(size[0])[0], 0.5, 0.5  # two rows for a variable that is held elsewhere
+    for solver in (machine, fast):
+        assert not largest_violation(held, *map(np.ravel, solver(*held))) < 1e-3
     good = program(rng, size, pull=1.0, equal=2)
     for one, other in zip(machine(*good), fast(*good), strict=True):
         assert np.array_equal(one, other)
