@@ -8,14 +8,13 @@ import casadi
 
 from jtik.symbolic.block_products import with_block_loops
 from jtik.symbolic.convexified import with_fast_factorisation
+from jtik.symbolic.daqp_programs import with_own_programs
 from jtik.symbolic.dense_products import with_fast_products
 from jtik.symbolic.fused_loops import with_fused_loops
-from jtik.symbolic.large_programs import with_own_factors
 from jtik.symbolic.many_columns import with_column_loops
 from jtik.symbolic.operations import Function
 from jtik.symbolic.scalar_functions import with_scalar_functions_rewritten
 from jtik.symbolic.sums_of_eight import with_sums_of_eight
-from jtik.symbolic.unbounded_rows import without_unbounded_rows
 
 
 def c_source(function: Function, *others: Function) -> str:
@@ -26,7 +25,7 @@ def c_source(function: Function, *others: Function) -> str:
     generator = casadi.CodeGenerator(function.name())
     for each in (function, *others):
         generator.add(each)
-    source = with_fast_factorisation(with_own_factors(without_unbounded_rows(str(generator.dump()))))
+    source = with_fast_factorisation(with_own_programs(str(generator.dump())))
     source = _IS_SELDOM.sub(r"\1JTIK_SELDOM static", source)
     source = with_column_loops(with_block_loops(with_fast_products(with_scalar_functions_rewritten(source))))
     return _OF_ALL_THREADS.sub(

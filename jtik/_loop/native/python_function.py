@@ -6,12 +6,15 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Iterable, Mapping
+from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jtik._loop.native.python_source import FUNCTIONS
+from jtik._loop.native.python_source import FUNCTIONS, NEW_ARRAY
 
 
 class Method(ctypes.Structure):
@@ -46,7 +49,8 @@ def memory_of(
     """The memory with these members.
 
     Args:
-        members: their names, in their order; those of `FUNCTIONS` are functions of Python's C interface.
+        members: their names, in their order; those of `FUNCTIONS` are functions of Python's C interface;
+            ``new_array`` is one of NumPy's.
         arrays: members that are addresses of numbers.
         numbers: members that are numbers.
         objects: members that are objects.
@@ -55,6 +59,7 @@ def memory_of(
     api = ctypes.pythonapi
     values = {
         **{name: ctypes.cast(getattr(api, each), ctypes.c_void_p).value for name, each in FUNCTIONS.items()},
+        "new_array": _new_array(),
         **{name: array.ctypes.data for name, array in arrays.items()},
         **numbers,
         **{name: id(each) for name, each in objects.items()},
@@ -68,6 +73,22 @@ def functions(loaded: ctypes.CDLL, name: str, count: int, memory: Memory) -> lis
     """The functions whose PyMethodDefs are this array of a library; each has the memory as its self."""
     return [_NEW(ctypes.addressof(each), memory, None) for each in (Method * count).in_dll(loaded, name)]
 
+
+@cache
+def _new_array() -> int:
+    """Address of the function of NumPy's C interface that makes arrays, where every extension module finds it."""
+    module = import_module(
+        "numpy._core._multiarray_umath" if find_spec("numpy._core") else "numpy.core._multiarray_umath"
+    )
+    functions = ctypes.cast(_CONTENT(module._ARRAY_API, None), ctypes.POINTER(ctypes.c_size_t))
+    address: int = functions[NEW_ARRAY]
+    return address
+
+
+_CONTENT = ctypes.PYFUNCTYPE(ctypes.c_void_p, ctypes.py_object, ctypes.c_char_p)(
+    ("PyCapsule_GetPointer", ctypes.pythonapi)
+)
+"""(capsule, its name) -> its address."""
 
 _NEW = ctypes.PYFUNCTYPE(ctypes.py_object, ctypes.c_void_p, ctypes.py_object, ctypes.c_void_p)(
     ("PyCFunction_NewEx", ctypes.pythonapi)

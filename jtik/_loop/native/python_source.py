@@ -32,6 +32,9 @@ FUNCTIONS = {
 }
 """Functions of Python's C interface, and their names there. Each has a type of C: that of ``call`` is to_call."""
 
+NEW_ARRAY = 94
+"""Place of ``PyArray_NewFromDescr`` among the functions of NumPy's C interface, ``new_array`` in C."""
+
 SOURCE = r"""
 #include <stddef.h>
 #include <string.h>
@@ -56,6 +59,7 @@ typedef void (*JTIK_NAME_to_hold)(char*);
 typedef void (*JTIK_NAME_to_release)(char*);
 typedef void* (*JTIK_NAME_to_leave)(void);
 typedef void (*JTIK_NAME_to_enter)(void*);
+typedef char* (*JTIK_NAME_to_new_array)(char*, char*, int, const ptrdiff_t*, const ptrdiff_t*, void*, int, char*);
 
 /* A NumPy array after the head of every object. */
 typedef struct {
@@ -94,6 +98,13 @@ static int JTIK_NAME_copied(const JTIK_NAME_array* array, ptrdiff_t size, double
   if (array->dimensions != 1 || array->shape[0] != size) return 0;
   for (ptrdiff_t i = 0; i < size; ++i) memcpy(to + i, array->data + i * array->strides[0], sizeof(double));
   return 1;
+}
+
+/* A new array of a configuration, whose numbers are not set. */
+static char* JTIK_NAME_new(JTIK_NAME_to_new_array make, char* array_type, char* float64, JTIK_NAME_to_hold hold) {
+  const ptrdiff_t size = JTIK_NQ;
+  hold(float64); /* the array has it then */
+  return make(array_type, float64, 1, &size, 0, 0, 0, 0);
 }
 
 #if JTIK_READS

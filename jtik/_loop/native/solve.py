@@ -79,8 +79,6 @@ class NativeSolve:
             "yes": True,
             "zero": 0,
             "converged": Status.CONVERGED,
-            "empty": np.empty,
-            "size": len(home),
             "solution_type": Solution,
         }
         numbers = {"options": OPTIONS, "number_count": len(solutions.numbers)}

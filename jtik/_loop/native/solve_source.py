@@ -42,12 +42,11 @@ MEMORY = {
     "yes": "char*",
     "zero": "char*",
     "converged": "char*",
-    "empty": "char*",
-    "size": "char*",
     "solution_type": "char*",
     **{name: f"JTIK_NAME_to_{name}" for name in ("call", "pass_on", "number", "integer", "allocate", "pack", "bytes")},
     **{name: f"JTIK_NAME_to_{name}" for name in ("content", "bind", "set", "compare", "hold", "release", "leave")},
     "enter": "JTIK_NAME_to_enter",
+    "new_array": "JTIK_NAME_to_new_array",
 }
 """What it reads and writes, in this order, and the C type of each.
 
@@ -62,8 +61,8 @@ MEMORY = {
 - ``otherwise``: what is called with the same arguments where something is not usual; ``go_on`` after a search that did
   not converge.
 - ``report``: makes the report of a Solution, from bytes of q and the inputs, and the target as it was given.
-- ``array_type`` to ``solution_type``: objects; ``converged`` is the status, ``size`` is nq.
-- ``call`` to ``enter``: functions of Python's C interface.
+- ``array_type`` to ``solution_type``: objects; ``converged`` is the status.
+- ``call`` to ``enter``: functions of Python's C interface; ``new_array``: one of NumPy's.
 """
 
 _SOURCE = r"""
@@ -126,7 +125,7 @@ static char* JTIK_NAME_inspect(const JTIK_NAME_solver* at, const double* q, char
 /* The Solution of a search that has converged; 0 with an error of Python's where there is no memory. */
 static char* JTIK_NAME_solution(const JTIK_NAME_solver* at, const JTIK_NAME_end* end, double seconds, char* target) {
   enum { MADE = 5, ALL = 8 };
-  char* q = at->call(at->empty, at->size, (char*)0);
+  char* q = JTIK_NAME_new(at->new_array, at->array_type, at->float64, at->hold);
   if (q) memcpy(JTIK_NAME_fields(q)->data, end->q, JTIK_NQ * sizeof(double));
   char* of[ALL] = {q, at->integer(end->iterations), at->integer(end->restarts), at->number(seconds),
                    JTIK_NAME_inspect(at, end->q, target), at->yes, at->converged, at->zero};

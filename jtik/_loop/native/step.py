@@ -82,8 +82,6 @@ class NativeStep:
             "none": None,
             "no": False,
             "yes": True,
-            "empty": np.empty,
-            "size": len(runner.q[0]),
             "new_tuple": tuple.__new__,
             "step_type": Step,
         }

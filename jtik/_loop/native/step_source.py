@@ -45,8 +45,6 @@ MEMORY = {
     "none": "char*",
     "no": "char*",
     "yes": "char*",
-    "empty": "char*",
-    "size": "char*",
     "new_tuple": "char*",
     "step_type": "char*",
     "call": "JTIK_NAME_to_call",
@@ -56,6 +54,7 @@ MEMORY = {
     "pack": "JTIK_NAME_to_pack",
     "hold": "JTIK_NAME_to_hold",
     "release": "JTIK_NAME_to_release",
+    "new_array": "JTIK_NAME_to_new_array",
 }
 """What the native step reads and writes besides its arguments, in this order, and the C type of each.
 
@@ -67,8 +66,8 @@ MEMORY = {
 - ``left``: what is left to Python, after a step.
 - ``exclusive``: the guard of the solver.
 - ``otherwise``: what is called where a call is not usual.
-- ``array_type`` to ``step_type``: objects; ``no`` and ``yes`` are False and True, ``size`` is nq.
-- ``call`` to ``release``: functions of Python's C interface.
+- ``array_type`` to ``step_type``: objects; ``no`` and ``yes`` are False and True.
+- ``call`` to ``release``: functions of Python's C interface; ``new_array``: one of NumPy's.
 """
 
 _SOURCE = r"""
@@ -155,7 +154,7 @@ static char* JTIK_NAME_tuple(const JTIK_NAME_memory* at, char** of) {
 /* The Step of a usual end; 0 with an error of Python's where there is no memory. */
 static char* JTIK_NAME_made(const JTIK_NAME_memory* at) {
   const double* outcome = at->outcome;
-  char* q = at->call(at->empty, at->size, (char*)0);
+  char* q = JTIK_NAME_new(at->new_array, at->array_type, at->float64, at->hold);
   char* position = at->number(outcome[JTIK_POSITION_ERROR]);
   char* orientation = at->number(outcome[JTIK_ORIENTATION_ERROR]);
   char* accepted = outcome[JTIK_ACCEPTED] == 1 ? at->yes : at->no;
