@@ -32,15 +32,21 @@ PATIENCE = 60.0
 """Longest time that a compilation may take here [s]."""
 
 
+def wait_for_compilers():
+    """Wait until nothing is compiled any more: no compiler of one test runs beside the next."""
+    done = []
+    compile_ahead._jobs.put(lambda: done.append(True))
+    when(lambda: done or not compile_ahead._worker)
+
+
 @pytest.fixture(autouse=True)
 def cache(tmp_path, monkeypatch):
+    wait_for_compilers()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setenv("JTIK_COMPILED", "auto")
     monkeypatch.setattr(c_compiler, "OPTIONS", ("-O0",))  # which compiles faster
     yield tmp_path / "jtik"
-    done = []
-    compile_ahead._jobs.put(lambda: done.append(True))  # no compiler of one test runs beside the next
-    when(lambda: done or not compile_ahead._worker)
+    wait_for_compilers()
 
 
 @pytest.fixture(autouse=True)
