@@ -45,7 +45,7 @@ FIGURES = 5
 def safe_path(problem: SymbolicProblem) -> Function:
     """(q, dq, parameters, lower, upper, figures) -> whether every distance stays safe, and the violation at the end.
 
-    The figures are `FIGURES` for each distance, one distance after the other; dq is in the joints' own units.
+    The figures are a row of `FIGURES` for each distance; dq is in the joints' own units.
 
     Args:
         problem: the problem.
@@ -68,7 +68,7 @@ def _safe_path(problem: SymbolicProblem) -> Function:
     configurations = function("path_samples", [q, dq, *limits], samples)
 
     given = [q, dq, parameters, *limits]
-    inputs = [*(MX.sym(f"i{i}", *each.shape) for i, each in enumerate(given)), MX.sym("figures", FIGURES, sum(sizes))]
+    inputs = [*(MX.sym(f"i{i}", *each.shape) for i, each in enumerate(given)), MX.sym("figures", sum(sizes), FIGURES)]
     lengths, flags, any_near = begin(inputs[0], inputs[1], inputs[5])
     inside = [*[MX.sym(f"a{i}", *each.shape) for i, each in enumerate([*inputs, lengths, flags])]]
     at, turn, live, low, high, rows, bounds, near = inside
@@ -78,7 +78,7 @@ def _safe_path(problem: SymbolicProblem) -> Function:
         common = [*places, *[shared(place, live) for place in places], live, bounds]
         for body in own:
             size = sizes[g]
-            given = [*common, rows[:, starts[g] : starts[g] + size]]
+            given = [*common, rows[starts[g] : starts[g] + size, :]]
             good_here, violation = _either(_judged(body, given, size), given)(near[g], *given)
             good, total, g = good * good_here, total + violation, g + 1
     evaluated = function("near", inside, [good, total], cse=False)
@@ -89,9 +89,9 @@ def _safe_path(problem: SymbolicProblem) -> Function:
 def _begin(bound: Function, sizes: Sequence[int], *, loops: bool) -> Function:
     """(q, dq, figures) -> bounds of the lengths, which groups of distances are near, and whether any is."""
     made = MX.sym if loops else symbol
-    q, dq, figures = made("q", bound.size1_in(0)), made("dq", bound.size1_in(1)), made("figures", FIGURES, sum(sizes))
+    q, dq, figures = made("q", bound.size1_in(0)), made("dq", bound.size1_in(1)), made("figures", sum(sizes), FIGURES)
     lengths = bound(q, dq)
-    far = figures[0, :] - REACH * lengths[0] >= figures[2, :]
+    far = figures[:, 0] - REACH * lengths[0] >= figures[:, 2]
     flags, start = [], 0
     for size in sizes:
         flags.append(1 - mmin(far[start : start + size]))
@@ -126,9 +126,9 @@ def _judge(size: int, *, loops: bool) -> Function:
     (L^2 / rho + L S) / (8 K^2) and L / (2 K). A distance that starts below it is no smaller at any sample.
     """
     made = MX.sym if loops else symbol
-    figures, lengths = made("figures", FIGURES, size), made("lengths", 2)
+    figures, lengths = made("figures", size, FIGURES), made("lengths", 2)
     samples = [made(f"after{k}", size) for k in range(SAMPLES)]
-    distance, safe, aim, radius, restored = (figures[i, :].T for i in range(FIGURES))
+    distance, safe, aim, radius, restored = (figures[:, i] for i in range(FIGURES))
     travelled, turned = lengths[0], lengths[1]
     curved = (travelled**2 / radius + travelled * turned) / (8 * SAMPLES**2)
     dip = fmin(curved, travelled / (2 * SAMPLES))
@@ -147,4 +147,4 @@ def _judge(size: int, *, loops: bool) -> Function:
 
 def figures_of(columns: list[Expression]) -> Expression:
     """The figures of each distance, of columns (k, 1), as `safe_path` takes them."""
-    return horzcat(*columns).T
+    return horzcat(*columns)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from itertools import groupby, pairwise
+from itertools import chain, groupby, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +34,7 @@ from jtik.symbolic import (
     zeros,
 )
 from jtik.symbolic.block_products import block_products
-from jtik.symbolic.many_columns import of_many
+from jtik.symbolic.row_by_row import row_by_row
 
 FEW = 60
 """Pairs of bodies and obstacles up to which they are written out, body by body: for so few loops are slower."""
@@ -171,13 +171,13 @@ class ManyDistances:
             parameters: all live parameters, of matrix expressions.
             tangent: the tangent map at the symbols of q (nq, n).
         """
-        distances, gradients = self._measured(self.shared(q, parameters), range(len(self.pairs)), gradients=True)
+        distances, found = self._measured(self.shared(q, parameters), range(len(self.pairs)), gradients=True)
         rates = [jacobian(point, self.q) @ tangent for point in self.points]
         if not self.alike:
             sparse = vertcat(*rates)
             nonzeros = vertcat(*[sparse.nz[i] for i in range(sparse.nnz())])
             moving = MX(sparse.sparsity(), function("rates", [self.q], [nonzeros])(q))
-            return [distances, densify(self._by_points(gradients) @ moving)]
+            return [distances, densify(self._by_points(found[:, 1:]) @ moving)]
         none = zeros(self._dimension, tangent.shape[1])
         of_bodies, start = [], 0
         for count in self.bodies:
@@ -185,7 +185,7 @@ class ManyDistances:
             of_bodies.append(vertcat(*own, *[none] * (self._ends - len(own))))
             start += count
         moving = function("rates", [self.q], [horzcat(*of_bodies)])(q)
-        return [distances, block_products(gradients, moving, len(self.bodies))]
+        return [distances, block_products(found, moving, len(self.bodies))]
 
     def _by_points(self, gradients: Expression) -> Expression:
         """The gradients of each distance by all points (k, all points): sparse."""
@@ -200,7 +200,7 @@ class ManyDistances:
         return MX(pattern, vec(gradients)[order])
 
     def _measured(self, values: Expression, chosen: range, *, gradients: bool = False) -> tuple[Expression, Expression]:
-        """Distances (k, 1) of some pairs, and their gradients by each entry of each of their points (k, ends d).
+        """Distances (k, 1) of some pairs, and columns; the last are their gradients by the entries of each point.
 
         Args:
             values: what `shared` returns.
@@ -216,7 +216,7 @@ class ManyDistances:
         if len(parts) > 1:
             place = {pair: i for i, pair in enumerate(order)}
             found = horzcat(*[part.T for part in parts])[:, [place[i] for i in chosen]].T
-        distances, derivatives = found[:, 0], found[:, 1:]
+        distances = found[:, 0]
         radii = [self.pairs[i].radius for i in chosen]
         if any(radii):
             distances = distances - MX(radii)
@@ -224,19 +224,20 @@ class ManyDistances:
             gains = values[values.shape[0] - len(self.pairs) :]
             present = gains[chosen.start : chosen.stop] > 0
             distances = if_else(present, distances, ABSENT)
-            derivatives = repmat(present, 1, derivatives.shape[1]) * derivatives
-        return distances, derivatives
+            found = repmat(present, 1, found.shape[1]) * found
+        return distances, found
 
     def _of_alike(self, values: Expression, group: Sequence[int], *, gradients: bool) -> Expression:
         """The distance of each of these pairs of one kind, and its gradients, a row (1 + ends d)."""
         d, pairs = self._dimension, [self.pairs[i] for i in group]
-        measure, begin, places = pairs[0].measure[gradients], d * len(self.points), list[int]()
+        measure, begin = pairs[0].measure[gradients], d * len(self.points)
         figures = sum(measure.size1_in(i) for i in range(len(pairs[0].points), measure.n_in()))
-        for pair in pairs:
-            places += [d * point + axis for point in pair.points for axis in range(d)]
-            places += range(begin + pair.figures, begin + pair.figures + figures)
-        columns = reshape(values[places], len(places) // len(pairs), len(pairs))
-        found = of_many(_of_column(measure), columns)
+        columns = [
+            [d * pair.points[end] + axis for pair in pairs] for end in range(len(pairs[0].points)) for axis in range(d)
+        ]
+        columns += [[begin + pair.figures + k for pair in pairs] for k in range(figures)]
+        rows = reshape(values[list(chain(*columns))], len(pairs), len(columns))
+        found = row_by_row(_of_column(measure), rows)
         missing = (self._ends * d if gradients else 0) - (found.shape[1] - 1)
         return horzcat(found, MX.zeros(len(pairs), missing)) if missing else found
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from jtik.qp.quadratic_program import QuadraticProgram
 from jtik.symbolic import MX, Expression, Function, function, is_equal, vertcat, zeros
+from jtik.symbolic.stacked_rows import stacked
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ class PassedRows:
         for count, at in self.groups:
             rows.append(others[start : start + count, :] if at is None else inputs[at])
             start += count if at is None else 0
-        return function(left.name(), inputs, [P, q, vertcat(*rows), *bounds], cse=False)
+        return function(left.name(), inputs, [P, q, stacked(*rows), *bounds], cse=False)
 
 
 def _index(matrix: Expression, known: Sequence[Expression]) -> int | None:

@@ -120,7 +120,11 @@ class QuadraticProgram:
     @cached_property
     def _bounds_valid(self) -> Expression:
         """The same for all numbers but those of P."""
-        return bounds_valid(*self.data()[1:])
+        _, q, _, *bounds = self.data()
+        finite = is_finite(q)
+        for group in self.rows:
+            finite = logic_and(finite, group.is_finite)
+        return logic_and(finite, _in_order(*bounds))
 
     @property
     def row_count(self) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from jtik.qp.elastic import Elastic
-from jtik.symbolic import SX, TINY, Expression, fabs, looped, sqrt, sum2
+from jtik.symbolic import MX, SX, TINY, Expression, either, fabs, function, is_finite, looped, sqrt, sum1, sum2
 from jtik.symbolic.factorization import RowSpace
 
 LARGEST_UNROLLED = 600
@@ -63,6 +63,11 @@ class Rows:
         """Number of rows."""
         return int(self.matrix.shape[0])
 
+    @property
+    def is_finite(self) -> Expression:
+        """1 where every number of the matrix is finite, else 0."""
+        return looped(_is_finite, self.matrix, when=self._is_large)[0]
+
     def product(self, x: Expression) -> Expression:
         """The rows times x, (k, 1).
 
@@ -96,9 +101,25 @@ def _product(matrix: Expression, x: Expression) -> list[Expression]:
     return [matrix @ x]
 
 
+def _is_finite(matrix: Expression) -> list[Expression]:
+    return [is_finite(matrix)]
+
+
 def _combination(matrix: Expression, multipliers: Expression) -> list[Expression]:
-    return [(multipliers.T @ matrix).T]
+    return _where_any(multipliers, matrix, (multipliers.T @ matrix).T)
 
 
 def _sizes(matrix: Expression, multipliers: Expression) -> list[Expression]:
-    return [fabs(multipliers) * sqrt(sum2(matrix**2) + TINY)]
+    return _where_any(multipliers, matrix, fabs(multipliers) * sqrt(sum2(matrix**2) + TINY))
+
+
+def _where_any(multipliers: Expression, matrix: Expression, value: Expression) -> list[Expression]:
+    """A value that is zero where all multipliers are: in a call it is evaluated only where one is not."""
+    if not isinstance(value, MX):
+        return [value]
+    given = [multipliers, matrix]
+    evaluated = function("evaluated", given, [value])
+    found: list[Expression] = either(evaluated, function("zero", given, [MX.zeros(*value.shape)])).call(
+        [sum1(fabs(multipliers)) != 0, *given]
+    )
+    return found

@@ -14,7 +14,7 @@ def block_products(rows: Expression, matrices: Expression, blocks: int) -> Expre
     """The products of each block of rows (k, e) with its matrix, one below the other (k, n).
 
     Args:
-        rows: (blocks k, e).
+        rows: (blocks k, more + e), of which the last columns are multiplied.
         matrices: one beside the other (e, blocks n).
         blocks: number of blocks.
     """
@@ -23,13 +23,13 @@ def block_products(rows: Expression, matrices: Expression, blocks: int) -> Expre
 
 def _function(rows: tuple[int, int], matrices: tuple[int, int], blocks: int) -> Function:
     left, right = MX.sym("rows", *rows), MX.sym("matrices", *matrices)
-    k, n = rows[0] // blocks, matrices[1] // blocks
-    products = [left[b * k : (b + 1) * k, :] @ right[:, b * n : (b + 1) * n] for b in range(blocks)]
+    k, n, first = rows[0] // blocks, matrices[1] // blocks, rows[1] - matrices[0]
+    products = [left[b * k : (b + 1) * k, first:] @ right[:, b * n : (b + 1) * n] for b in range(blocks)]
     return function(NAME, [left, right], [vertcat(*products)], cse=False, inline=False)
 
 
 _WRITTEN = re.compile(
-    rf"^(/\* {NAME}:\(i0\[(?P<rows>\d+)x(?P<e>\d+)\],i1\[\d+x(?P<columns>\d+)\]\)"
+    rf"^(/\* {NAME}:\(i0\[(?P<rows>\d+)x(?P<all>\d+)\],i1\[(?P<e>\d+)x(?P<columns>\d+)\]\)"
     r"->\(o0\[\d+x(?P<n>\d+)\]\) \*/\n.*{\n)"
     r"(?:.*\n)*?}\n",
     re.MULTILINE,
@@ -59,9 +59,9 @@ def with_block_loops(source: str) -> str:
     """
 
     def loops(match: re.Match[str]) -> str:
-        rows, e, columns, n = (int(match[name]) for name in ("rows", "e", "columns", "n"))
-        blocks = columns // n
-        product = " + ".join(f"x[i + {rows * j}] * y[{j}]" for j in range(e))
+        rows, every, e, columns, n = (int(match[name]) for name in ("rows", "all", "e", "columns", "n"))
+        blocks, first = columns // n, every - e
+        product = " + ".join(f"x[i + {rows * (first + j)}] * y[{j}]" for j in range(e))
         return match[1] + _LOOPS.format(blocks=blocks, k=rows // blocks, n=n, e=e, rows=rows, product=product)
 
     return _WRITTEN.sub(loops, source)

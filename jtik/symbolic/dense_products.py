@@ -18,27 +18,39 @@ _INNER = """\
 _FAST = """\
     if (nrow_x>3) {
       for (i=0; i<ncol_y; ++i) {
-        k = 0;
-        for (; nrow_x>63 && k+3<ncol_x; k+=4) {
-          const casadi_real *x0 = x+k*nrow_x, *x1 = x0+nrow_x, *x2 = x1+nrow_x, *x3 = x2+nrow_x, *t = y+k+i*ncol_x;
-          const casadi_real t0 = t[0], t1 = t[1], t2 = t[2], t3 = t[3];
-          casadi_real* to = z + i*nrow_x;
-          JTIK_INDEPENDENT
-          for (j=0; j<nrow_x; ++j) to[j] = to[j] + x0[j]*t0 + x1[j]*t1 + x2[j]*t2 + x3[j]*t3;
+        const casadi_real* t = y + i*ncol_x;
+        casadi_real* to = z + i*nrow_x;
+        casadi_int l;
+        for (j=0; j+15<nrow_x; j+=16) {
+          casadi_real sums[16];
+          for (l=0; l<16; ++l) sums[l] = to[j+l];
+          for (k=0; k<ncol_x; ++k) {
+            for (l=0; l<16; ++l) sums[l] += x[j + l + k*nrow_x] * t[k];
+          }
+          for (l=0; l<16; ++l) to[j+l] = sums[l];
         }
-        for (; k<ncol_x; ++k) {
-          const casadi_real t = y[k + i*ncol_x];
-          for (j=0; j<nrow_x; ++j) z[j + i*nrow_x] += x[j + k*nrow_x] * t;
+        for (k=0; j<nrow_x && k<ncol_x; ++k) {
+          for (l=j; l<nrow_x; ++l) to[l] += x[l + k*nrow_x] * t[k];
         }
       }
       return;
     }
     if (nrow_x==1) {
-      for (i=0; i+3<ncol_y; i+=4) {
+      for (i=0; i+7<ncol_y; i+=8) {
         const casadi_real *y0=y+i*ncol_x, *y1=y0+ncol_x, *y2=y1+ncol_x, *y3=y2+ncol_x;
-        casadi_real z0=z[i], z1=z[i+1], z2=z[i+2], z3=z[i+3];
-        for (k=0; k<ncol_x; ++k) z0+=x[k]*y0[k], z1+=x[k]*y1[k], z2+=x[k]*y2[k], z3+=x[k]*y3[k];
-        z[i]=z0, z[i+1]=z1, z[i+2]=z2, z[i+3]=z3;
+        const casadi_real *y4=y3+ncol_x, *y5=y4+ncol_x, *y6=y5+ncol_x, *y7=y6+ncol_x;
+        casadi_real z0=z[i], z1=z[i+1], z2=z[i+2], z3=z[i+3], z4=z[i+4], z5=z[i+5], z6=z[i+6], z7=z[i+7];
+        for (k=0; k<ncol_x; ++k) {
+          z0+=x[k]*y0[k], z1+=x[k]*y1[k], z2+=x[k]*y2[k], z3+=x[k]*y3[k];
+          z4+=x[k]*y4[k], z5+=x[k]*y5[k], z6+=x[k]*y6[k], z7+=x[k]*y7[k];
+        }
+        z[i]=z0, z[i+1]=z1, z[i+2]=z2, z[i+3]=z3, z[i+4]=z4, z[i+5]=z5, z[i+6]=z6, z[i+7]=z7;
+      }
+      for (; i+1<ncol_y; i+=2) {
+        const casadi_real *y0=y+i*ncol_x, *y1=y0+ncol_x;
+        casadi_real z0=z[i], z1=z[i+1];
+        for (k=0; k<ncol_x; ++k) z0+=x[k]*y0[k], z1+=x[k]*y1[k];
+        z[i]=z0, z[i+1]=z1;
       }
       y += i*ncol_x, z += i, ncol_y -= i;
     }

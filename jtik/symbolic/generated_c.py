@@ -11,9 +11,11 @@ from jtik.symbolic.convexified import with_fast_factorisation
 from jtik.symbolic.daqp_programs import with_own_programs
 from jtik.symbolic.dense_products import with_fast_products
 from jtik.symbolic.fused_loops import with_fused_loops
-from jtik.symbolic.many_columns import with_column_loops
+from jtik.symbolic.gathered_runs import with_runs
 from jtik.symbolic.operations import Function
+from jtik.symbolic.row_by_row import with_row_loops
 from jtik.symbolic.scalar_functions import with_scalar_functions_rewritten
+from jtik.symbolic.stacked_rows import with_stacked_rows
 from jtik.symbolic.sums_of_eight import with_sums_of_eight
 
 
@@ -27,7 +29,8 @@ def c_source(function: Function, *others: Function) -> str:
         generator.add(each)
     source = with_fast_factorisation(with_own_programs(str(generator.dump())))
     source = _IS_SELDOM.sub(r"\1JTIK_SELDOM static", source)
-    source = with_column_loops(with_block_loops(with_fast_products(with_scalar_functions_rewritten(source))))
+    source = with_stacked_rows(with_runs(source))
+    source = with_row_loops(with_block_loops(with_fast_products(with_scalar_functions_rewritten(source))))
     return _OF_ALL_THREADS.sub(
         r"static JTIK_THREAD_LOCAL \1", _DEFINITIONS + with_sums_of_eight(with_fused_loops(source))
     )

@@ -55,7 +55,20 @@ tril: Any = casadi.tril
 skew: Any = casadi.skew
 dot: Any = casadi.dot
 cross: Any = casadi.cross
-sum1: Any = casadi.sum1
+SIDE_BY_SIDE = 32
+"""Sums that a long column of a matrix expression is summed in first: one after another its numbers take longer."""
+
+
+def sum1(x: Any) -> Any:
+    """Sum of each column."""
+    count = x.shape[0] // SIDE_BY_SIDE
+    if not isinstance(x, casadi.MX) or x.shape[1] != 1 or count < 4 or not x.is_dense():
+        return casadi.sum1(x)
+    end = count * SIDE_BY_SIDE
+    sums = casadi.reshape(x[:end], SIDE_BY_SIDE, count) @ casadi.MX.ones(count, 1)
+    return casadi.sum1(casadi.vertcat(sums, x[end:]))
+
+
 sum2: Any = casadi.sum2
 sumsqr: Any = casadi.sumsqr
 norm_inf: Any = casadi.norm_inf
@@ -227,8 +240,8 @@ def ratio(numerator: Expression, denominator: Expression) -> Expression:
 def is_finite(value: Expression) -> Expression:
     """1 where every entry of ``value`` is finite, else 0."""
     if isinstance(value, casadi.MX):  # loops, of which those along the rows are vectors
-        return casadi.norm_1(sum2(value) if value.shape[1] > 1 else value) <= LARGEST
-    return fabs(casadi.sum1(casadi.vec(value))) <= LARGEST
+        return fabs(sum1(sum2(value) if value.shape[1] > 1 else value)) <= LARGEST
+    return fabs(sum1(casadi.vec(value))) <= LARGEST
 
 
 def stack(rows: Sequence[Sequence[Expression | float]]) -> Expression:

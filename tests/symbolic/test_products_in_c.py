@@ -6,16 +6,28 @@ import casadi
 import numpy as np
 import pytest
 
-from jtik.symbolic import c_source
+from jtik.symbolic import c_source, sum1
 from jtik.symbolic.block_products import block_products
 from jtik.symbolic.compile import CompilerError, bind, compiler, to_c
+from jtik.symbolic.stacked_rows import stacked
 
 try:
     compiler()
 except CompilerError:
     pytest.skip("needs a C compiler", allow_module_level=True)
 
-SHAPES = [(1, 5, 1), (1, 7, 3), (1, 160, 4), (1, 33, 9), (2, 3, 4), (3, 10, 3), (5, 4, 1), (16, 6, 11)]
+SHAPES = [
+    (1, 5, 1),
+    (1, 7, 3),
+    (1, 160, 4),
+    (1, 33, 9),
+    (2, 3, 4),
+    (3, 10, 3),
+    (5, 4, 1),
+    (16, 6, 11),
+    (37, 9, 2),
+    (1, 33, 19),
+]
 
 
 def evaluated(function, arguments):
@@ -47,15 +59,67 @@ def test_dense_products(m, k, n, rng, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("blocks", "rows", "e", "n"), [(1, 1, 2, 2), (1, 5, 3, 4), (3, 4, 4, 7), (10, 16, 6, 10), (4, 1, 2, 3)]
+    ("blocks", "rows", "more", "e", "n"),
+    [(1, 1, 0, 2, 2), (1, 5, 1, 3, 4), (3, 4, 1, 4, 7), (10, 16, 0, 6, 10), (4, 1, 2, 2, 3)],
 )
-def test_block_products(blocks, rows, e, n, rng, tmp_path, monkeypatch):
+def test_block_products(blocks, rows, more, e, n, rng, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    x, y = casadi.MX.sym("x", blocks * rows, e), casadi.MX.sym("y", e, blocks * n)
+    x, y = casadi.MX.sym("x", blocks * rows, more + e), casadi.MX.sym("y", e, blocks * n)
     function = casadi.Function("products", [x, y], [block_products(x, y, blocks)])
     assert "for (b=0; b<" in c_source(function)
     compared(function, rng)
-    A, B = rng.normal(size=(blocks * rows, e)), rng.normal(size=(e, blocks * n))
-    pairs = zip(np.split(A, blocks), np.split(B, blocks, axis=1), strict=True)
+    A, B = rng.normal(size=(blocks * rows, more + e)), rng.normal(size=(e, blocks * n))
+    pairs = zip(np.split(A[:, more:], blocks), np.split(B, blocks, axis=1), strict=True)
     expected = np.vstack([one @ other for one, other in pairs])
     assert np.array(function(A, B)) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("counts", [(2, 640), (3,), (1, 1, 4)])
+@pytest.mark.parametrize("n", [1, 7])
+def test_stacked_rows(counts, n, rng, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    symbols = [casadi.MX.sym(f"m{i}", count, n) for i, count in enumerate([*counts, 1])]
+    function = casadi.Function("stack", symbols, [stacked(*symbols[:-1])])
+    assert ("*to++ = arg[1]" in c_source(function)) == (len(counts) > 1 and n > 1)
+    compared(function, rng)
+    given = [rng.normal(size=(count, n)) for count in (*counts, 1)]
+    assert np.array_equal(np.array(function(*given)), np.vstack(given[:-1]))
+
+
+PICKED = {
+    "one number again and again": [3] * 40 + [0] * 9,
+    "one after the other": [*range(5, 25), *range(12)],
+    "every third, forwards and backwards": [*range(0, 60, 3), *range(59, -1, -3)],
+    "a single one at the end": [*range(30), 7],
+    "none of a pattern": [7, 3, 59, 1, 1, 2, 40, 8, 9, 21, 0, 5, 33],
+}
+
+
+@pytest.mark.parametrize("kind", PICKED)
+def test_picked_numbers(kind, rng, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    x, y = casadi.MX.sym("x", 60), casadi.MX.sym("y")
+    function = casadi.Function("picked", [x, y], [casadi.sin(x)[PICKED[kind]] + y])
+    compared(function, rng)
+    values = rng.normal(size=60)
+    assert np.array(function(values, 0)).ravel() == pytest.approx(np.sin(values)[PICKED[kind]])
+
+
+def test_many_picked_numbers_are_runs():
+    x = casadi.MX.sym("x", 60)
+    function = casadi.Function("picked", [x], [x[PICKED["one number again and again"]], x[PICKED["none of a pattern"]]])
+    source = c_source(function)
+    assert source.count("JTIK_RUNS(") == 2  # the function, and a call
+    assert "{3, 0, 40, 0, 0, 9}" in source
+    assert "cs[*cii]" in source
+
+
+@pytest.mark.parametrize("count", [1, 127, 128, 200])
+def test_sums_of_columns(count, rng, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    x, y = casadi.MX.sym("x", count), casadi.MX.sym("y", count, 3)
+    function = casadi.Function("sums", [x, y], [sum1(x), sum1(y)])
+    compared(function, rng)
+    values = rng.normal(size=count)
+    assert float(function(values, 0)[0]) == pytest.approx(values.sum())
+    assert float(sum1(casadi.SX(values))) == pytest.approx(values.sum())

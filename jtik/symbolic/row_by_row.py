@@ -1,8 +1,7 @@
-"""A function of one column of numbers for many columns.
+"""A function of one column of numbers for many of them, the rows of a matrix.
 
-On the virtual machine each of its operations is a loop over the columns. In generated C there is one loop over the
-columns with the function in it, several columns side by side where the compiler has vector instructions. The bits are
-the same.
+On the virtual machine each of its operations is a loop over the rows. In generated C there is one loop over the rows
+with the function in it, several rows side by side where the compiler has vector instructions. The bits are the same.
 """
 
 from __future__ import annotations
@@ -11,21 +10,21 @@ import re
 
 from jtik.symbolic.operations import MX, OP_CONST, OP_INPUT, OP_OUTPUT, Expression, Function, function, horzcat, repmat
 
-NAME = "jtik_many_columns"
+NAME = "jtik_row_by_row"
 """Name of the function, which generated C has in a form of its own."""
 
 
-def of_many(one: Function, columns: Expression) -> Expression:
-    """The outputs of a function for many columns (k, s), those of one column in each row.
+def row_by_row(one: Function, rows: Expression) -> Expression:
+    """The outputs of a function for the rows of a matrix, one below the other (k, s).
 
     Args:
         one: (r, 1) -> (s, 1), a function of scalar operations, without calls.
-        columns: (r, k).
+        rows: (k, r).
     """
-    key = hash(one), columns.shape[1]
+    key = hash(one), rows.shape[0]
     if key not in _built:
-        _built[key] = _function(one, columns.shape[1])
-    result: Expression = _built[key](columns)[0]
+        _built[key] = _function(one, rows.shape[0])
+    result: Expression = _built[key](rows)[0]
     return result
 
 
@@ -33,16 +32,16 @@ _built: dict[tuple[int, int], Function] = {}
 
 
 def _function(one: Function, count: int) -> Function:
-    columns = MX.sym("columns", one.size1_in(0), count)
+    rows = MX.sym("rows", count, one.size1_in(0))
     memory: dict[int, Expression] = {}
-    rows: list[Expression] = [MX(0)] * one.size1_out(0)
+    columns: list[Expression] = [MX(0)] * one.size1_out(0)
     for at in range(one.n_instructions()):
         operation, operands = one.instruction_id(at), one.instruction_input(at)
         if operation == OP_OUTPUT:
-            rows[one.instruction_output(at)[1]] = memory[operands[0]]
+            columns[one.instruction_output(at)[1]] = memory[operands[0]]
             continue
         if operation == OP_INPUT:
-            result = columns[operands[1], :]
+            result = rows[:, operands[1]]
         elif operation == OP_CONST:
             result = MX(one.instruction_constant(at))
         elif len(operands) == 1:
@@ -50,13 +49,13 @@ def _function(one: Function, count: int) -> Function:
         else:
             result = MX.binary(operation, *(memory[each] for each in operands))
         memory[one.instruction_output(at)[0]] = result
-    wide = [repmat(row, 1, count // row.shape[1]).T for row in rows]  # one that is the same in all columns is a number
+    long = [repmat(column, count // column.shape[0], 1) for column in columns]  # what all rows share is a number
     # the second output is there for generated C, which then has the function
-    return function(NAME, [columns], [horzcat(*wide), one(columns[:, 0])], cse=False, inline=False)
+    return function(NAME, [rows], [horzcat(*long), one(rows[0, :].T)], cse=False, inline=False)
 
 
 _WRITTEN = re.compile(
-    rf"^(/\* {NAME}:\(i0\[(?P<r>\d+)x(?P<k>\d+)\]\)->\(o0\[\d+(?:x(?P<s>\d+))?\],o1\S*\) \*/\n.*{{\n)"
+    rf"^(/\* {NAME}:\(i0\[(?P<k>\d+)(?:x(?P<r>\d+))?\]\)->\(o0\[\d+(?:x(?P<s>\d+))?\],o1\S*\) \*/\n.*{{\n)"
     r"(?P<body>(?:(?!}).*\n)*)}\n",
     re.MULTILINE,
 )
@@ -68,7 +67,7 @@ _LOOP = """\
   casadi_real* JTIK_RESTRICT found = res[0];
   casadi_int i;
   for (i=0; i<{k}; ++i) {{
-    const casadi_real* arg1[1] = {{given + {r}*i}};
+    const casadi_real row[{r}] = {{{read}}}, *arg1[1] = {{row}};
     casadi_real result[{s}], *res1[1] = {{result}};
     {one}(arg1, res1, 0, 0, 0);
     {written}
@@ -78,7 +77,7 @@ _LOOP = """\
 """
 
 
-def with_column_loops(source: str) -> str:
+def with_row_loops(source: str) -> str:
     """Generated C in which these functions are loops.
 
     Args:
@@ -88,12 +87,13 @@ def with_column_loops(source: str) -> str:
     called = set[str]()
 
     def loop(match: re.Match[str]) -> str:
-        call, s, k = _CALL.search(match["body"]), int(match["s"] or 1), int(match["k"])
+        call, s, r, k = _CALL.search(match["body"]), int(match["s"] or 1), int(match["r"] or 1), int(match["k"])
         if call is None:
             return match[0]
         called.add(call[1])
+        read = ", ".join(f"given[i + {k * j}]" for j in range(r))
         written = " ".join(f"found[i + {k * j}] = result[{j}];" for j in range(s))
-        return match[1] + _LOOP.format(r=match["r"], k=k, s=s, one=call[1], written=written)
+        return match[1] + _LOOP.format(r=r, k=k, s=s, one=call[1], read=read, written=written)
 
     source = _WRITTEN.sub(loop, source)
     for name in called:

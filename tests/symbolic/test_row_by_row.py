@@ -1,4 +1,4 @@
-"""A function of one column for many columns: what it is for each of them, and in generated C the same bits."""
+"""A function of one column for the rows of a matrix: what it is for each of them, and in generated C the same bits."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 
 from jtik.symbolic import c_source
 from jtik.symbolic.compile import CompilerError, bind, compiler, to_c
-from jtik.symbolic.many_columns import of_many
+from jtik.symbolic.row_by_row import row_by_row
 
 
 def one():
@@ -19,16 +19,16 @@ def one():
     return casadi.Function("one", [x], [casadi.vertcat(chosen, 2.5, x[1], casadi.sumsqr(x) / (1 + x[0] ** 2), either)])
 
 
-def of_columns(function, count):
-    columns = casadi.MX.sym("columns", function.size1_in(0), count)
-    return casadi.Function("many", [columns], [of_many(function, columns)])
+def of_rows(function, count):
+    rows = casadi.MX.sym("rows", count, function.size1_in(0))
+    return casadi.Function("many", [rows], [row_by_row(function, rows)])
 
 
 @pytest.mark.parametrize("count", [1, 2, 7, 60])
-def test_every_row_is_that_of_a_column(count, rng):
+def test_every_row_is_that_of_the_function(count, rng):
     function = one()
-    many, given = of_columns(function, count), rng.normal(size=(5, count))
-    expected = [np.array(function(column)).ravel() for column in given.T]
+    many, given = of_rows(function, count), rng.normal(size=(count, 5))
+    expected = [np.array(function(column)).ravel() for column in given]
     assert np.array(many(given)) == pytest.approx(np.array(expected))
 
 
@@ -44,12 +44,12 @@ def test_generated_c_has_one_loop_and_the_same_bits(outputs, count, rng, tmp_pat
     if outputs == 1:
         x = casadi.SX.sym("x", 5)
         function = casadi.Function("first", [x], [function(x)[0]])
-    many = of_columns(function, count)
+    many = of_rows(function, count)
     assert f"for (i=0; i<{count}; ++i)" in c_source(many)
     compiled = to_c(many)
     for value in (0.5, np.nan, np.inf):
-        given = rng.normal(size=(5, count))
-        given[2, -1] = value
+        given = rng.normal(size=(count, 5))
+        given[-1, 2] = value
         results = [np.full(many.numel_out(0), 9.0) for _ in range(2)]
         for each, result in zip((many, compiled), results, strict=True):
             bind(each, [given.ravel(order="F")], [result])()
