@@ -36,7 +36,7 @@ from jtik.symbolic import (
 from jtik.symbolic.block_products import block_products
 from jtik.symbolic.row_by_row import row_by_row
 
-FEW = 60
+FEW = 30
 """Pairs of bodies and obstacles up to which they are written out, body by body: for so few loops are slower."""
 
 FEW_OPERATIONS = 3000

@@ -8,7 +8,7 @@ from jtik.qp.elastic import Elastic
 from jtik.symbolic import MX, SX, TINY, Expression, either, fabs, function, is_finite, looped, sqrt, sum1, sum2
 from jtik.symbolic.factorization import RowSpace
 
-LARGEST_UNROLLED = 600
+LARGEST_UNROLLED = 300
 """Entries of rows up to which what is done with them is written out, operation by operation."""
 
 
