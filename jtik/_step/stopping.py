@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from enum import IntEnum
 from typing import Any, NamedTuple
 
@@ -11,7 +12,7 @@ from jtik._step.active_set import ActiveSet
 from jtik._step.inputs import Settings
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.strategy import Evaluation, FeasibilityRestoration, LocalModel
-from jtik.symbolic import Expression, fmax, logic_and, logic_not, logic_or, norm, vertcat
+from jtik.symbolic import Expression, fmax, if_else, logic_and, logic_not, logic_or, norm, vertcat
 
 STATIONARY = 1e-9
 """The task is stationary where |J' r| is below this fraction of |J| |r|."""
@@ -117,6 +118,8 @@ class Stop:
             residual = stationarity_residual
             if residual is None:
                 residual = active.stationarity_residual(model) if active else model.stationarity_residual
+                asked = logic_and(self.reached_before, settings.until_stationary != 0)
+                residual = if_else(asked, residual, math.inf)
             size = model.joint_gradient_norm(model.gradient_free, model.gradient_norm)
             largest = settings.optimality_tolerance * fmax(1, size)
             small = logic_and(has_slope, residual <= largest)

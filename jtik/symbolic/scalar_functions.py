@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from jtik.symbolic.branches import Statement, with_branches
 from jtik.symbolic.rolled_loops import rolled
 
 LONGEST = 8000
@@ -69,6 +70,9 @@ def _rewritten(head: re.Match[str], lines: Sequence[str], longest: int, part: in
     if shorter is not None:
         return [lines[0], *_inputs_and_outputs(sizes, shorter), shorter, *_END]
     if len(statements.text) <= longest:
+        branches = with_branches(statements.alone)
+        if branches:
+            return [lines[0], *_inputs_and_outputs(sizes, branches), branches, *_END]
         return [*lines[:first], *_inputs_and_outputs(sizes, text), text, *_END]
     attribute, name, written, count = head[1] or "JTIK_PART ", head[2], list[str](), 0
     for count, (variables, body) in enumerate(statements.parts(part), start=1):
@@ -134,6 +138,12 @@ class _Statements:
             self.used.append(used)
             self.assigned.append(pieces[1] if assigns else None)
         return self
+
+    @property
+    def alone(self) -> list[Statement]:
+        """Each statement with the values that it needs."""
+        triples = zip(self.text, self.assigned, self.used, strict=True)
+        return [Statement(text, assigned is not None, [value for _, value in used]) for text, assigned, used in triples]
 
     def parts(self, size: int) -> Iterator[tuple[str, str]]:
         """For functions of so many statements each, which together are the whole: their variables, and their bodies."""
