@@ -210,13 +210,13 @@ def fused_step(
     compromise = None if timed else update.compromise_residual  # a timed step follows its target all the same
     residual = update.stationarity_residual
     stop = Stop(
-        problem, model, settings, active, residual, restoration, compromise, at.has_slope, replaceable=replaceable
+        problem, model, settings, active, residual, restoration, compromise, at.gradient_finite, replaceable=replaceable
     )
     progress = Progress.of(model, state, stop, active)
 
     finite = is_finite(model.here.V_to_target) if replaceable else _finite(model, q)
     if problem.has_criterion:  # on the target only the criterion is left
-        finite = logic_and(finite, logic_or(at.has_slope, logic_not(stop.reached_before)))
+        finite = logic_and(finite, logic_or(at.gradient_finite, logic_not(stop.reached_before)))
     stops = logic_or(stop.stationary, progress.slow)
     if stop.compromise is not None:
         stops = logic_or(stops, stop.compromise)

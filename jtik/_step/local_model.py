@@ -57,8 +57,8 @@ class Linearized:
         at: the same as the strategy gets them: symbols where several stages of a step share them.
         model: the local model, written in ``at``.
         active_set: the active set; None without limits.
-        has_slope: 1 where the gradient of the criterion is finite. Where it is not, the model has a gradient of zero,
-            and the task goes on without the criterion.
+        gradient_finite: 1 where the gradient of the criterion is finite. Where it is not, the model has a gradient of
+            zero, and the task goes on without the criterion.
         stagnation: whether the error has stopped falling; None for a step that does not ask.
         apart: the last of the parts, those of clearances, where they are a function of their own, which has what
             follows from them, too. They are not among ``parts`` then.
@@ -68,7 +68,7 @@ class Linearized:
     at: list[Expression]
     model: LocalModel
     active_set: ActiveSet | None
-    has_slope: Expression = 1
+    gradient_finite: Expression = 1
     stagnation: Stagnation | None = None
     apart: Apart | None = None
 
@@ -130,10 +130,10 @@ def linearized(
         unshifted = None if unshifted is None else nearer.weighted(unshifted)
     here = Evaluation(q, residual, H, unshifted=unshifted, whole=whole)
     neighbourhood = near_target = 0
-    has_slope: Expression = 1
+    gradient_finite: Expression = 1
     if problem.has_criterion:
-        has_slope = is_finite(gradient)
-        gradient = if_else(has_slope, gradient, 0)
+        gradient_finite = is_finite(gradient)
+        gradient = if_else(gradient_finite, gradient, 0)
         known = state["neighbourhood"]
         neighbourhood = if_else(known > 0, known, NEIGHBOURHOOD * sqrt(squared_length(J) + TINY))
         near_target = here.length <= neighbourhood
@@ -195,7 +195,7 @@ def linearized(
         else 0,
         null_space_share=_null_space_share(settings, state, neighbourhood),
     )
-    return Linearized(parts, at, model, active, has_slope, stagnation, apart)
+    return Linearized(parts, at, model, active, gradient_finite, stagnation, apart)
 
 
 def _null_space_share(settings: Settings, state: Mapping[str, Expression], neighbourhood: Expression) -> Expression:

@@ -78,7 +78,7 @@ class Stop:
         stationarity_residual: the strategy's stationarity residual of H; None for that of the model.
         restoration: the feasibility restoration; None if nothing is restored.
         compromise_residual: the stationarity residual of the strategy's weighted sum of V and H; None without one.
-        has_slope: 1 where the gradient of the criterion is finite; where it is not, the criterion is not stationary.
+        gradient_finite: 1 where the gradient of the criterion is finite; where not, the criterion is not stationary.
         replaceable: whether a restart replaces the attempt, which then need not know that the task is stationary.
 
     Attributes:
@@ -99,7 +99,7 @@ class Stop:
         stationarity_residual: Expression | None,
         restoration: FeasibilityRestoration | None = None,
         compromise_residual: Expression | None = None,
-        has_slope: Expression = 1,
+        gradient_finite: Expression = 1,
         *,
         replaceable: bool = False,
     ) -> None:
@@ -122,9 +122,9 @@ class Stop:
                 residual = if_else(asked, residual, math.inf)
             size = model.joint_gradient_norm(model.gradient_free, model.gradient_norm)
             largest = settings.optimality_tolerance * fmax(1, size)
-            small = logic_and(has_slope, residual <= largest)
+            small = logic_and(gradient_finite, residual <= largest)
             if compromise_residual is not None:
-                balanced = logic_and(has_slope, compromise_residual <= largest)
+                balanced = logic_and(gradient_finite, compromise_residual <= largest)
                 self.compromise = logic_and(balanced, logic_not(self.reached_before))
                 small = logic_or(small, balanced)
             self.done_before = logic_and(self.reached_before, logic_or(small, settings.until_stationary == 0))

@@ -181,8 +181,8 @@ class SymbolicProblem:
         if made is None:
             H = self.criterion(q, parameters)
             return H, self.gradient(H, q)
-        H, slope = made(q, parameters)
-        return H, self.robot.tangent(q).T @ slope
+        H, dH = made(q, parameters)
+        return H, self.robot.tangent(q).T @ dH
 
     def _criterion_gradient(self) -> Function | None:
         """(q, parameters) -> H, dH/dq; None where no criterion has a gradient of its own."""

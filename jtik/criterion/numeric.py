@@ -21,7 +21,7 @@ DIFFERENCE_STEP = 6e-6
 contribute about equally to the error of a gradient of order 1."""
 
 
-SLOPE_STEP = 1e-5
+DIRECTIONAL_STEP = 1e-5
 """Length of the displacement [rad] or [m] over which a given gradient is compared with the function."""
 
 
@@ -120,10 +120,10 @@ class NumericCriterion(FunctionCriterion):
             self._check_gradient(robot, q, column)
 
     def _check_gradient(self, robot: Robot, q: Array, column: Array) -> None:
-        """Raise CriterionError when the given gradient is not the slope of the function along one direction."""
+        """Raise CriterionError when the given gradient is not the derivative of the function along one direction."""
         function = self.on(robot)
         direction: Array = np.random.default_rng(0).standard_normal(robot.n)
-        step = SLOPE_STEP / float(np.linalg.norm(direction))
+        step = DIRECTIONAL_STEP / float(np.linalg.norm(direction))
 
         def value(share: float) -> float:
             at: Array = np.asarray(robot.integrate(q, share * step * direction))
@@ -131,12 +131,12 @@ class NumericCriterion(FunctionCriterion):
 
         after, middle, before = value(1.0), value(0.0), value(-1.0)
         function.failure = None  # a value beside q does not have to exist
-        slope, given = (after - before) / (2 * step), float(function.gradient(q, column) @ direction)
-        slope_change = abs(after - 2 * middle + before) / step  # the slopes before and behind differ by this much
-        allowed = 1e-2 * max(abs(slope), abs(given)) + slope_change + 1e-9 * max(abs(middle), 1.0) / step
-        if np.isfinite([slope, given]).all() and abs(slope - given) > allowed:
+        derivative, given = (after - before) / (2 * step), float(function.gradient(q, column) @ direction)
+        change = abs(after - 2 * middle + before) / step  # by this much the derivatives on both sides differ
+        allowed = 1e-2 * max(abs(derivative), abs(given)) + change + 1e-9 * max(abs(middle), 1.0) / step
+        if np.isfinite([derivative, given]).all() and abs(derivative - given) > allowed:
             raise CriterionError(
                 self.name,
                 f"its gradient says that H changes by {given:.6g} along v = {np.round(direction, 3).tolist()} at q = "
-                f"{q.tolist()}, and the function by {slope:.6g}; expected dH/dv of the same function",
+                f"{q.tolist()}, and the function by {derivative:.6g}; expected dH/dv of the same function",
             )

@@ -56,7 +56,7 @@ class NumericFunction:
         self.failure: CriterionError | None = None
         self.interruption: BaseException | None = None
         self._values: OrderedDict[bytes, float] = OrderedDict()
-        self._slopes: OrderedDict[bytes, Array] = OrderedDict()
+        self._gradients: OrderedDict[bytes, Array] = OrderedDict()
         size = sum(int(np.prod(shape)) for shape in self._shapes.values())
         self.symbolic = _Value(self, robot.nq, size)
 
@@ -73,14 +73,14 @@ class NumericFunction:
     def gradient(self, q: Array, column: Array) -> Array:
         """dH/dv at q, (n,)."""
         key = q.tobytes() + column.tobytes()
-        found = self._slopes.get(key)
+        found = self._gradients.get(key)
         if found is None:
             if self._gradient is None:
                 found = self._differences(lambda at: self.value(at, column), q, self._step)[0]
             else:
                 self.gradients += 1
                 found = self._vector(self._gradient(q.copy(), **self._named(column)), q)
-            _keep(self._slopes, key, found)
+            _keep(self._gradients, key, found)
         return found
 
     def hessian(self, q: Array, column: Array) -> Array:

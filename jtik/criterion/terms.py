@@ -118,7 +118,7 @@ class CriterionTerms:
         theirs = [belongs_to(criterion, "value_and_gradient", "value") for _, _, criterion in self.named]
         if not any(theirs):
             return None
-        H, slope = zeros(1), zeros(self.robot.nq)
+        H, dH = zeros(1), zeros(self.robot.nq)
         values, has_own, symbols = self.values(kinematics, column), False, (kinematics.q, column)
         for k, (name, _, criterion) in enumerate(self.named):
             if theirs[k]:
@@ -127,9 +127,9 @@ class CriterionTerms:
                 found = traced_gradient(name, call, symbols, self.robot.nq)
                 if found is not None:
                     values[k], has_own = zeros(1), True
-                    H, slope = H + weight * found[0], slope + weight * found[1]
+                    H, dH = H + weight * found[0], dH + weight * found[1]
         derived = sum(values, zeros(1))
-        return (H + derived, slope + gradient(derived, kinematics.q)) if has_own else None
+        return (H + derived, dH + gradient(derived, kinematics.q)) if has_own else None
 
     @cached_property
     def numeric(self) -> tuple[NumericFunction, ...]:

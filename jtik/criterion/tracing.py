@@ -113,10 +113,10 @@ def traced_gradient(
         return None
     if not isinstance(found, tuple | list) or len(found) != 2:
         raise CriterionError(name, f"value_and_gradient must return H and its gradient, or None, not {short(found)}")
-    H, slope = traced(name, lambda: found[0], symbols), traced(name, lambda: found[1], symbols, residual=True)
-    if slope.shape != (nq, 1):
-        raise CriterionError(name, f"value_and_gradient must return a gradient of {nq} entries, not {slope.shape[0]}")
-    return H, slope
+    H, dH = traced(name, lambda: found[0], symbols), traced(name, lambda: found[1], symbols, residual=True)
+    if dH.shape != (nq, 1):
+        raise CriterionError(name, f"value_and_gradient must return a gradient of {nq} entries, not {dH.shape[0]}")
+    return H, dH
 
 
 def _called(name: str, call: Callable[[], Any]) -> Any:

@@ -25,8 +25,8 @@ class Status(Enum):
         STALLED: the error is not stationary, and no step of the strategy was accepted.
         ITERATION_LIMIT: the solve used all its iterations before it reached the target.
         UNSOLVED: a quadratic program of the step has no valid solution.
-        NOT_FINITE: an error, a criterion or a derivative is infinite or NaN. Where only the slope of the criterion is,
-            the solve goes on for the task, and ends so if the slope is still infinite on the target.
+        NOT_FINITE: an error, a criterion or a derivative is infinite or NaN. Where only the gradient of the criterion
+            is, the solve goes on for the task, and ends so if it is still infinite on the target.
     """
 
     CONVERGED = "converged: on target, and the criterion, if any, cannot fall further without leaving it"

@@ -123,7 +123,7 @@ class SecondOrder(SecondaryTerm):
         free, rows, split, gradient = _optimality(model)
         exact = self.curvature == "exact"
         W = _hessian(model, -split.multipliers if exact else None, exact=exact)
-        W = if_else(is_finite(W), W, 0)  # as the gradient where H has no slope
+        W = if_else(is_finite(W), W, 0)  # as the gradient where H is not differentiable
         if self.curvature == "gauss_newton":
             W = _hessian_scale(W, state["null_step"], gradient - state["lagrangian_gradient"]) * W
         basis, moved = rows.unit_basis, rows.least_squares(model.J @ task_dq).vector

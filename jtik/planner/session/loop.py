@@ -172,10 +172,10 @@ class Loop:
             changed = self._attempts.advance() or bool(waiting)
         if changed:
             self.frame = self._frame(now)
-        told = now - self._measured >= STATUS_PERIOD - self._dt / 2
-        if told:
+        due = now - self._measured >= STATUS_PERIOD - self._dt / 2
+        if due:
             self._publish(now)
-        if changed or told:
+        if changed or due:
             for listener in self._listeners:
                 listener()
 
