@@ -10,7 +10,8 @@ import re
 
 _PICKED = re.compile(
     r"^  for \(cii=(?P<table>casadi_s\d+), rr=(?P<to>[^,]+), cs=(?P<of>[^;]+); "
-    r"cii!=(?P=table)\+(?P<count>\d+); \+\+cii\) \*rr\+\+ = cs\[\*cii\];$",
+    r"cii!=(?P=table)\+(?P<count>\d+); \+\+cii\) \*rr\+\+ = cs\[\*cii\];$"
+    r"(?P<copied>\n  /\*.*\n  casadi_copy\((?P=to), (?P=count), (?P<output>res\[\d+\])\);(?=\n  return 0;))?",
     re.MULTILINE,
 )
 _TABLE = r"^static const casadi_int {table}\[\d+\] =\s*{{(?P<numbers>[^}}]*)}};"
@@ -57,7 +58,9 @@ def with_runs(source: str) -> str:
         if len(numbers) != count or count < _FEWEST * len(runs):
             return match[0]
         replaced[table] = len(runs)
-        return f"  JTIK_RUNS({match['to']}, {match['of']}, {table}, {len(runs)});"
+        to = match["output"] or match["to"]
+        picked = f"JTIK_RUNS({to}, {match['of']}, {table}, {len(runs)});"
+        return f"  if ({to}) {picked}" if match["output"] else f"  {picked}"
 
     written = _PICKED.sub(loop, source)
     for table in replaced:

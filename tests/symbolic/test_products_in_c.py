@@ -123,3 +123,15 @@ def test_sums_of_columns(count, rng, tmp_path, monkeypatch):
     values = rng.normal(size=count)
     assert float(function(values, 0)[0]) == pytest.approx(values.sum())
     assert float(sum1(casadi.SX(values))) == pytest.approx(values.sum())
+
+
+def test_picked_numbers_that_are_an_output(rng, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    x, y = casadi.MX.sym("x", 60), casadi.MX.sym("y")
+    picked = casadi.sin(x)[PICKED["one number again and again"]]
+    function = casadi.Function("picked", [x, y], [picked, 2 * y])
+    assert "  if (res[0]) JTIK_RUNS(res[0], " in c_source(casadi.Function("alone", [x], [picked]))
+    compared(function, rng)
+    compared(casadi.Function("alone", [x, y], [picked]), rng)
+    compiled, found = to_c(casadi.Function("alone", [x], [picked])), np.full(60, 9.0)
+    bind(compiled, [found], [np.zeros(0)])()  # nobody asks for the output
