@@ -51,7 +51,7 @@ def draw(path: Path) -> None:
         axes.text(panda[name] * 1.06, index + 0.2, f"{panda[name]:.0f}", va="center", fontsize=8)
     axes.set_yticks(range(len(names)), names)
     axes.set_xscale("log")
-    axes.set_xlim(20, 9000)
+    axes.set_xlim(min(*panda.values(), *ur5.values()) / 2, 4 * max(*panda.values(), *ur5.values()))
     axes.set_xlabel("mean time to a pose [µs], 1e-5 m and rad")
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(frameon=False)
