@@ -60,7 +60,11 @@ SIDE_BY_SIDE = 32
 
 
 def sum1(x: Any) -> Any:
-    """Sum of each column."""
+    """Sum of each column (1, n).
+
+    Args:
+        x: matrix (k, n), an expression or numbers.
+    """
     count = x.shape[0] // SIDE_BY_SIDE
     if not isinstance(x, casadi.MX) or x.shape[1] != 1 or count < 4 or not x.is_dense():
         return casadi.sum1(x)
