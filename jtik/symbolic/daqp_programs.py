@@ -85,7 +85,7 @@ static JTIK_INLINED int JTIK_SOLVED_OF(struct casadi_daqp_data* d, const int n) 
   const int rows = p->na, width = (n + 7) & ~7;
   const double *H = qp->h, *f = qp->g, *A = qp->a;
   DAQPWorkspace* work = &d->work;
-  double few[JTIK_FEW], *many = 0, *next = few, *R, *diagonal_of_R, *row, *of, *M, *inverse;
+  double few[JTIK_FEW], *many = 0, *next = few, *R, *diagonal_of_R, *row, *of, *M, *inverse, *multipliers;
   int i, j, l, m, size, count = 0, diagonal = 1, active = 0, *kept;
   if (!H || !f || !qp->x || !qp->lbx || !qp->ubx || (rows && !(A && qp->lba && qp->uba))) return 0;
   if (p->sp_h[2 + n] != n * n || (rows && p->sp_a[2 + n] != rows * n)) return 0;
@@ -110,7 +110,7 @@ static JTIK_INLINED int JTIK_SOLVED_OF(struct casadi_daqp_data* d, const int n) 
   JTIK_TAKE(work->scaling, m);
   JTIK_TAKE(work->dupper, m);
   JTIK_TAKE(work->dlower, m);
-  JTIK_TAKE(d->res.lam, m);
+  JTIK_TAKE(multipliers, m);
   JTIK_TAKE(work->M, n * count);
   JTIK_TAKE(R, n * width);
   JTIK_TAKE(diagonal_of_R, n);
@@ -199,6 +199,7 @@ static JTIK_INLINED int JTIK_SOLVED_OF(struct casadi_daqp_data* d, const int n) 
   }
 
   if (active && activate_constraints(work) < 0) goto left;
+  d->res.lam = multipliers; /* from here on nothing is left to DAQP, which has memory of its own for them */
   d->return_status = d->res.exitflag = daqp_ldp(work);
   if (d->res.exitflag > 0) ldp2qp_solution(work);
   daqp_extract_result(&d->res, work);
