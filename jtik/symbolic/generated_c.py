@@ -8,7 +8,7 @@ import casadi
 
 from jtik.symbolic.block_products import with_block_loops
 from jtik.symbolic.convexified import with_fast_factorisation
-from jtik.symbolic.daqp_programs import with_own_programs
+from jtik.symbolic.daqp_setup import with_own_setup
 from jtik.symbolic.dense_products import with_fast_products
 from jtik.symbolic.fused_loops import with_fused_loops
 from jtik.symbolic.gathered_runs import with_runs
@@ -27,7 +27,7 @@ def c_source(function: Function, *others: Function) -> str:
     generator = casadi.CodeGenerator(function.name())
     for each in (function, *others):
         generator.add(each)
-    source = with_fast_factorisation(with_own_programs(str(generator.dump())))
+    source = with_fast_factorisation(with_own_setup(str(generator.dump())))
     source = _IS_SELDOM.sub(r"\1JTIK_SELDOM static", source)
     source = with_stacked_rows(with_runs(source))
     source = with_row_loops(with_block_loops(with_fast_products(with_scalar_functions_rewritten(source))))

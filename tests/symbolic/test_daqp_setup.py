@@ -1,4 +1,4 @@
-"""Programs that generated C prepares for DAQP: solutions and failures are those of the virtual machine, bit by bit."""
+"""Quadratic programs that generated C sets up for DAQP: solutions are those of the virtual machine, bit by bit."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 
 from jtik.qp import Conic
 from jtik.symbolic.compile import CompiledFunction, CompilerError, compiler, library
-from jtik.symbolic.daqp_programs import FEW, with_own_programs
+from jtik.symbolic.daqp_setup import with_own_setup
 from jtik.symbolic.generated_c import c_source
 
 try:
@@ -29,10 +29,10 @@ KINDS = {
     "no row with a bound": {"pull": 10.0, "unbounded": 1.0},
     "equalities": {"pull": 5.0, "equal": 2},
     "bounds that are nearly equal": {"pull": 5.0, "equal": 1, "apart": 1e-12},
-    "held variables": {"pull": 5.0, "held": 3},
+    "fixed variables": {"pull": 5.0, "fixed": 3},
     "rows of zeros": {"pull": 5.0, "empty": 2},
     "rows that are there twice": {"pull": 10.0, "twice": True},
-    "nearly singular": {"pull": 1.0, "least": 1e-6},
+    "nearly singular": {"pull": 1.0, "smallest": 1e-6},
     "diagonal": {"pull": 10.0, "diagonal": True},
     "diagonal, rows without a bound": {"pull": 10.0, "diagonal": True, "unbounded": 0.5, "equal": 1},
     "nearly diagonal": {"pull": 10.0, "diagonal": True, "beside": 1e-13},
@@ -49,7 +49,7 @@ def both(request):
     return request.param, CompiledFunction(solver), CompiledFunction(in_c)
 
 
-def program(
+def random_qp(
     rng,
     size,
     *,
@@ -58,17 +58,17 @@ def program(
     unbounded=0.0,
     equal=0,
     apart=0.0,
-    held=0,
+    fixed=0,
     empty=0,
     twice=False,
-    least=0.05,
+    smallest=0.05,
     diagonal=False,
     beside=0.0,
 ):
-    """Data of a random convex program with x = 0 feasible, or nearly so."""
+    """Data of a random convex QP with x = 0 feasible, or nearly so."""
     n, rows = size
     turn = np.eye(n) if diagonal else np.linalg.qr(rng.normal(size=(n, n)))[0]
-    P = turn @ np.diag(np.geomspace(least, 1, n)) @ turn.T
+    P = turn @ np.diag(np.geomspace(smallest, 1, n)) @ turn.T
     P = (P + P.T) / 2
     P[-1, 0] += beside if n > 1 else 0
     P[0, -1] = P[-1, 0]
@@ -85,9 +85,9 @@ def program(
     low[:equal] = 0.0
     high[:equal] = apart
     lower, upper = -box * rng.uniform(0.1, 1, n), box * rng.uniform(0.1, 1, n)
-    held = min(held, n - 1 - equal)
-    if held > 0:
-        lower[-held:] = upper[-held:] = 0.01 if equal == 0 else 0.0
+    fixed = min(fixed, n - 1 - equal)
+    if fixed > 0:
+        lower[-fixed:] = upper[-fixed:] = 0.01 if equal == 0 else 0.0
     return [P, q, C, low, high, lower, upper]
 
 
@@ -126,7 +126,7 @@ def test_the_solution_is_the_optimum_and_that_of_the_virtual_machine(kind, both,
     size, *solvers = both
     active = 0
     for _ in range(60):
-        data = program(rng, size, **KINDS[kind])
+        data = random_qp(rng, size, **KINDS[kind])
         of_rows, of_box = assert_solved(solvers, data)
         unbounded = np.isneginf(data[3]) & np.isposinf(data[4])
         assert (of_rows[unbounded] == 0).all()
@@ -137,7 +137,7 @@ def test_the_solution_is_the_optimum_and_that_of_the_virtual_machine(kind, both,
 def test_bounds_in_the_wrong_order_have_no_solution(both, rng):
     size, machine, fast = both
     for where in (0, size[0] - 1):
-        bad, good = program(rng, size, pull=1.0), program(rng, size, pull=1.0)
+        bad, good = random_qp(rng, size, pull=1.0), random_qp(rng, size, pull=1.0)
         bad[5][where] = bad[6][where] + 0.1
         assert_unsolved(fast, bad)  # the virtual machine raises
         assert_solved((machine, fast), good)
@@ -146,7 +146,7 @@ def test_bounds_in_the_wrong_order_have_no_solution(both, rng):
 def test_a_matrix_that_is_not_convex_has_no_solution(both, rng):
     size, *solvers = both
     for _ in range(10):
-        good, bad = program(rng, size, pull=1.0), program(rng, size, pull=1.0, least=0.5)
+        good, bad = random_qp(rng, size, pull=1.0), random_qp(rng, size, pull=1.0, smallest=0.5)
         bad[0] -= (0.6 if size[0] > 1 else 1.6) * np.eye(size[0])  # a negative eigenvalue
         for solver in solvers:
             assert_unsolved(solver, bad)
@@ -157,16 +157,20 @@ def test_rows_that_contradict_each_other_have_no_solution(both, rng):
     size, *solvers = both
     if min(size) < 2:
         pytest.skip("needs two rows and two variables")
-    contradictory, held = (program(rng, size, pull=1.0) for _ in range(2))
-    for data in (contradictory, held):
+    contradictory, with_fixed = (random_qp(rng, size, pull=1.0) for _ in range(2))
+    for data in (contradictory, with_fixed):
         data[3][:2] = data[4][:2] = 0.0
     contradictory[2][1], contradictory[3][1], contradictory[4][1] = contradictory[2][0], 0.5, 0.5
-    held[5][0] = held[6][0] = 0.01
-    held[2][:2], held[3][0], held[4][0] = np.eye(size[0])[0], 0.5, 0.5  # rows for a variable that is held elsewhere
-    for data in (contradictory, held):
+    with_fixed[5][0] = with_fixed[6][0] = 0.01
+    with_fixed[2][:2], with_fixed[3][0], with_fixed[4][0] = (
+        np.eye(size[0])[0],
+        0.5,
+        0.5,
+    )  # rows for a variable that is fixed elsewhere
+    for data in (contradictory, with_fixed):
         for solver in solvers:
             assert_unsolved(solver, data)
-    assert_solved(solvers, program(rng, size, pull=1.0, equal=1))
+    assert_solved(solvers, random_qp(rng, size, pull=1.0, equal=1))
 
 
 @pytest.mark.parametrize("number", [np.nan, np.inf])
@@ -177,7 +181,7 @@ def test_numbers_that_are_not_finite_have_no_solution(which, number, both, rng):
     if which == "row" and not size[1]:
         pytest.skip("needs a row")
     for row, column in ((0, 0), (last, 0), (last // 2, last // 2)):
-        data = program(rng, size, pull=1.0)
+        data = random_qp(rng, size, pull=1.0)
         if which == "matrix":
             data[0][row, column] = data[0][column, row] = number
         elif which == "linear cost":
@@ -186,22 +190,15 @@ def test_numbers_that_are_not_finite_have_no_solution(which, number, both, rng):
             data[2][min(row, size[1] - 1), column] = number
         for solver in solvers:
             assert_unsolved(solver, data)
-        assert_solved(solvers, program(rng, size, pull=1.0))
-
-
-def test_memory_is_on_the_stack_for_the_smaller_ones_only():
-    n, rows = SIZES[4]
-    assert n * (n + 8) + n * rows < FEW
-    n, rows = SIZES[-2]
-    assert n * (n + 8) + 3 * n * n // 2 > FEW / 2
+        assert_solved(solvers, random_qp(rng, size, pull=1.0))
 
 
 def test_the_text_of_this_casadi_is_known():
     source = c_source(Conic("daqp").function(3, 1))
     assert "case 3: return" in source
     assert "daqp_solved)(d)) return 0;" in source
-    assert with_own_programs(source) == source  # only once
+    assert with_own_setup(source) == source  # only once
 
 
 def test_another_text_is_left_alone():
-    assert with_own_programs("int main(void) { return 0; }") == "int main(void) { return 0; }"
+    assert with_own_setup("int main(void) { return 0; }") == "int main(void) { return 0; }"

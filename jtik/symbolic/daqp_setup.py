@@ -1,7 +1,7 @@
 """Quadratic programs in generated C: what DAQP does before and after its iterations is done here.
 
-DAQP allocates memory for each program, factorises its matrix by columns of a matrix that lies by rows, and takes time
-for each row, also for one without a finite bound, as those of distances beyond their influence are. For a program of a
+DAQP allocates memory for each QP, factorises its matrix by columns of a matrix that lies by rows, and takes time
+for each row, also for one without a finite bound, as those of distances beyond their influence are. For a QP of a
 robot that takes longer than its iterations. Here memory is on the stack where there is little, rows without a finite
 bound are left out, and sums of products are formed side by side. Each number is the result of the same operations in
 the same order as in DAQP, so that solutions are the same, bit by bit. What is unusual is left to DAQP: a matrix that is
@@ -52,7 +52,7 @@ static JTIK_INLINED int JTIK_FACTOR(const double* H, const int n, const int widt
 /* Four rows of A times the inverse, divided by their norms, which "scale" has then; "of" has their columns. Rows that
  * are zero have scale 0. "shift" are the products with v. */
 static JTIK_INLINED void JTIK_FOUR_ROWS(const double* of, const int n, const double* inverse, const int diagonal,
-                                        const double* v, double least, double* M, double* scale, double* shift) {
+                                        const double* v, double smallest, double* M, double* scale, double* shift) {
   double squares[4] = {0}, sums[4] = {0}, norms[4];
   int i, j, l;
   for (j = 0; j < n; ++j) {
@@ -66,7 +66,7 @@ static JTIK_INLINED void JTIK_FOUR_ROWS(const double* of, const int n, const dou
     for (l = 0; l < 4; ++l) M[4 * j + l] = sum[l];
     for (l = 0; l < 4; ++l) squares[l] += sum[l] * sum[l];
   }
-  for (l = 0; l < 4; ++l) norms[l] = squares[l] < least ? 0 : 1 / sqrt(squares[l]);
+  for (l = 0; l < 4; ++l) norms[l] = squares[l] < smallest ? 0 : 1 / sqrt(squares[l]);
   for (j = 0; j < n; ++j) {
     double row[4];
     for (l = 0; l < 4; ++l) row[l] = M[4 * j + l] * norms[l];
@@ -77,7 +77,7 @@ static JTIK_INLINED void JTIK_FOUR_ROWS(const double* of, const int n, const dou
   for (l = 0; l < 4; ++l) shift[l] = sums[l];
 }
 
-/* Solve the program of n variables; 0 where that is left to DAQP. */
+/* Solve the QP of n variables; 0 where that is left to DAQP. */
 static JTIK_INLINED int JTIK_SOLVED_OF(struct casadi_daqp_data* d, const int n) {
   const struct casadi_qp_prob* p = d->prob->qp;
   const struct casadi_qp_data* qp = d->qp;
@@ -229,7 +229,7 @@ JTIK_CASES
 """
 
 FEW = 1500
-"""Most numbers in the memory of a program for which it is on the stack."""
+"""Most numbers in the memory of a QP for which it is on the stack."""
 
 _SOLVE = "int casadi_daqp_solve(struct casadi_daqp_data* d, "
 _BEGIN = "  struct casadi_qp_data* d_qp = d->qp;\n"
@@ -237,7 +237,7 @@ _API = "#include <daqp/api.h>\n"
 _VARIABLES = re.compile(r"^/\* \w+:\(h\[(\d+)x\1\],g\[", re.MULTILINE)
 
 
-def with_own_programs(source: str) -> str:
+def with_own_setup(source: str) -> str:
     """Generated C that does so; the same text where it does not call DAQP as that of CasADi 3.8 does.
 
     Args:
