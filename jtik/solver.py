@@ -26,7 +26,7 @@ from jtik.result import Solution, SolutionBatch, Step, Trajectory
 from jtik.robot import Robot
 from jtik.robot.joint_weights import Weights, read_weights
 from jtik.strategy import Strategy
-from jtik.symbolic.compilation import Compilation
+from jtik.symbolic.compilation.several_files import Compilation
 from jtik.task import Task
 from jtik.task.reduction import joints_of
 

@@ -34,7 +34,7 @@ from jtik.result.report import Report
 from jtik.robot import Robot, WeightedCoordinates
 from jtik.strategy import Strategy
 from jtik.strategy.checked_call import CheckedCall
-from jtik.symbolic.compilation import Compilation
+from jtik.symbolic.compilation.several_files import Compilation
 from jtik.task import TaskStack
 from jtik.types import Array
 

@@ -11,7 +11,7 @@ from jtik._step.inputs import Inputs
 from jtik._step.strict_minimum import UNROLLED, strict_minimum
 from jtik._step.symbolic_problem import SymbolicProblem
 from jtik.symbolic import Function
-from jtik.symbolic.compilation import Compilation
+from jtik.symbolic.compilation.several_files import Compilation
 from jtik.symbolic.compile import CompiledFunction, CompilerError, Library, to_c
 from jtik.types import Array
 

@@ -24,7 +24,7 @@ from jtik.qp import Backend
 from jtik.qp.call import PythonCall
 from jtik.strategy import Strategy
 from jtik.strategy.checked_call import CheckedCall
-from jtik.symbolic.compilation import Compilation
+from jtik.symbolic.compilation.several_files import Compilation
 from jtik.symbolic.compile import Beside
 from jtik.types import Array
 

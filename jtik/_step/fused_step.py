@@ -46,8 +46,8 @@ from jtik.symbolic import (
     symbol,
     vertcat,
 )
-from jtik.symbolic.archives import Archive
-from jtik.symbolic.compilation import Compilation
+from jtik.symbolic.compilation.archives import Archive
+from jtik.symbolic.compilation.several_files import Compilation
 from jtik.symbolic.compile import NOTHING, Beside, Library, bind
 from jtik.types import Array
 

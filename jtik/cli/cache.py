@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from jtik.symbolic import library_cache
+from jtik.symbolic.compilation import library_cache
 
 
 def add_arguments(commands: Any) -> None:

@@ -13,7 +13,7 @@ from jtik.arguments import positive_number
 from jtik.constructors import Constructed
 from jtik.errors import JtikError
 from jtik.symbolic import Function, has_conic
-from jtik.symbolic.archives import Archive
+from jtik.symbolic.compilation.archives import Archive
 from jtik.types import Array
 
 PLUGINS = {"daqp": 1e-7, "osqp": 1e-3, "piqp": 1e-5, "proxqp": 1e-3, "qpoases": 1e-7, "highs": 1e-5, "qrqp": 1e-5}

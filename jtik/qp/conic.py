@@ -9,7 +9,7 @@ from jtik.arguments import name as read_name
 from jtik.qp.backend import EXCLUDED, PLUGINS, BackendError, FusedBackend, accuracy_of
 from jtik.qp.qpsolvers_backend import QPSolversBackend
 from jtik.symbolic import Function, conic, has_conic
-from jtik.symbolic.archives import archive_of
+from jtik.symbolic.compilation.archives import archive_of
 
 _DEFAULTS: Mapping[str, Mapping[str, Any]] = {
     "daqp": {"daqp": {"primal_tol": 1e-8}},

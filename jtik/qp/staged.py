@@ -37,7 +37,7 @@ from jtik.qp.partition import partitioned
 from jtik.qp.preparation import PreparationCall
 from jtik.qp.recorder import QPRecorder, RecordedComputation, RecordedFunction, RecordedQP
 from jtik.symbolic import MX, Expression, Function, either, function, if_else, logic_and, logic_or, symbol
-from jtik.symbolic.compilation import Compilation
+from jtik.symbolic.compilation.several_files import Compilation
 from jtik.symbolic.compile import bind
 from jtik.types import Array
 

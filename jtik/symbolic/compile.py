@@ -18,9 +18,9 @@ from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 
-from jtik.symbolic import library_cache
-from jtik.symbolic.archives import Archive
-from jtik.symbolic.c_compiler import (
+from jtik.symbolic.compilation import library_cache
+from jtik.symbolic.compilation.archives import Archive
+from jtik.symbolic.compilation.c_compiler import (
     CompilerError,
     CompilerRuns,
     compile_library,
@@ -153,9 +153,9 @@ def library(
     """The function as a shared library of generated C.
 
     Compiling takes about a second. Libraries are kept in the user's cache folder (``$XDG_CACHE_HOME/jtik``, see
-    `jtik.symbolic.library_cache`) under the hash of their code, the compiler and its version, the machine, the
-    instructions that it has and the version of jtik, so that an unchanged function is compiled once. The compiler is
-    ``$CC``, ``clang``, that of the package ``ziglang`` (extra ``native``), ``gcc`` or ``cc``.
+    `jtik.symbolic.compilation.library_cache`) under the hash of their code, the compiler and its version, the machine,
+    the instructions that it has and the version of jtik, so that an unchanged function is compiled once. The compiler
+    is ``$CC``, ``clang``, that of the package ``ziglang`` (extra ``native``), ``gcc`` or ``cc``.
 
     Args:
         function: the function.

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import jtik
-from jtik.symbolic import c_compiler, compile, function, symbol
+from jtik.symbolic import compile, function, symbol
+from jtik.symbolic.compilation import c_compiler
 from jtik.symbolic.compile import CompiledFunction, CompilerError, bind, library, to_c
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from jtik._step.inputs import Inputs
 from jtik._step.stopping import StepOutcome
 from jtik.symbolic import Function
-from jtik.symbolic.lane_maths import Level
+from jtik.symbolic.lanes.maths import Level
 
 TOGETHER = 4
 """Attempts at the same time. Answers depend on it, so it is the same on every processor."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from jtik.symbolic import Function
-from jtik.symbolic.lane_source import has_lanes, lane_source
+from jtik.symbolic.lanes.source import has_lanes, lane_source
 
 _SOURCE = r"""
 /* Read so many matrices (4, 4), row by row, as targets; whether all of them are valid. */
@@ -28,7 +28,7 @@ JTIK_CPU long long JTIK_NAME_matrices(const double* matrices, long long count, d
 
 
 def source(reader: Function | None) -> str:
-    """The C code, which follows that of `jtik.symbolic.lane_maths` in double precision; empty where there is none.
+    """The C code, which follows that of `jtik.symbolic.lanes.maths` in double precision; empty where there is none.
 
     Args:
         reader: the function of `jtik.Task.matrix_reader`.

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from jtik._step.stopping import OUTCOME
 from jtik.symbolic import Function, function, vertcat
-from jtik.symbolic.lane_source import lane_source
+from jtik.symbolic.lanes.source import lane_source
 
 FINISHED = -2
 """In place of the steps after which an attempt has come close: its search has ended there; one less: after a step."""
@@ -87,7 +87,7 @@ def source(step: Function, shared: list[int]) -> str:
 
     Args:
         step: the fused step.
-        shared: as in `jtik.symbolic.lane_source.lane_source`.
+        shared: as in `jtik.symbolic.lanes.source.lane_source`.
     """
     symbols = step.sx_in()
     outcome = step.call(symbols)[2]

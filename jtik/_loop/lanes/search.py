@@ -35,8 +35,8 @@ from jtik._step.fused_step import FusedStep
 from jtik.symbolic import Function
 from jtik.symbolic.compile import Beside, plain_libraries, plain_library
 from jtik.symbolic.generated_c import c_source
-from jtik.symbolic.lane_maths import EXACT, LEVELS, PROBE, Level
-from jtik.symbolic.lane_source import has_lanes
+from jtik.symbolic.lanes.maths import EXACT, LEVELS, PROBE, Level
+from jtik.symbolic.lanes.source import has_lanes
 from jtik.types import Array
 
 MOST_ROWS = 65536

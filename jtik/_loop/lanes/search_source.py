@@ -13,8 +13,8 @@ from jtik._step.inputs import Inputs
 from jtik._step.stopping import StepOutcome
 from jtik._step.vector_layout import VectorLayout
 from jtik.symbolic import Function
-from jtik.symbolic.lane_maths import Level, lane_maths
-from jtik.symbolic.lane_source import lane_source
+from jtik.symbolic.lanes.maths import Level, lane_maths
+from jtik.symbolic.lanes.source import lane_source
 
 COARSE = 2e-5
 """Errors with which the search in single precision ends, where the tolerances are smaller [m], [rad]."""

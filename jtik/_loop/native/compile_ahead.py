@@ -20,8 +20,8 @@ from typing import Any, Protocol
 
 from jtik._step.fused_step import Compiled, FusedStep
 from jtik.symbolic import Function
-from jtik.symbolic.archives import Archive
-from jtik.symbolic.c_compiler import CompilerRuns
+from jtik.symbolic.compilation.archives import Archive
+from jtik.symbolic.compilation.c_compiler import CompilerRuns
 from jtik.symbolic.compile import Beside, CompilerError, Library, compiler, library
 
 PAYS = 1.0

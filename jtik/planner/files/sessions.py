@@ -11,7 +11,7 @@ from pathlib import Path
 
 from jtik.arguments import path as read_path
 from jtik.planner.files.journal import JOURNAL, SNAPSHOT, Tell, lock
-from jtik.symbolic.private_folder import private_folder
+from jtik.symbolic.compilation.private_folder import private_folder
 
 CLOSED = b'{"closed": true}\n'
 """The last line of the journal of a session that was ended."""

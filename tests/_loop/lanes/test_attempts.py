@@ -24,8 +24,8 @@ from jtik._loop.search.start_bank import SIZE, StartBanks
 from jtik._step.fused_step import fused_step
 from jtik._step.stopping import OUTCOME, Code
 from jtik.robot import Joint, JointType
-from jtik.symbolic import lane_maths
-from jtik.symbolic.lane_maths import Level
+from jtik.symbolic.lanes import maths
+from jtik.symbolic.lanes.maths import Level
 from jtik_formulations import JointCentering
 
 from ...conftest import ball_arm, dh_arm, planar, slow
@@ -186,8 +186,8 @@ LEVELS = {
     "two lanes": Level("", 2),
     "four lanes": Level("", 4),
     "eight lanes": Level("", 8),
-    "AVX2": lane_maths.LEVELS[1],
-    "AVX-512": lane_maths.LEVELS[2],
+    "AVX2": maths.LEVELS[1],
+    "AVX-512": maths.LEVELS[2],
 }
 
 
@@ -195,7 +195,7 @@ LEVELS = {
 @pytest.mark.parametrize("name", ["one lane", "eight lanes", *slow("two lanes", "four lanes", "AVX2", "AVX-512")])
 def test_a_result_does_not_depend_on_instructions_and_number_of_lanes(name, monkeypatch, rng):
     level = LEVELS[name]
-    if level in lane_maths.LEVELS and lane_maths.LEVELS.index(level) > lane_search.highest_level():
+    if level in maths.LEVELS and maths.LEVELS.index(level) > lane_search.highest_level():
         pytest.skip("a processor without these instructions")
     robot = jtik.Robot.builtin("panda")
     targets = poses(robot, rng, 40)
@@ -214,7 +214,7 @@ def test_a_result_does_not_depend_on_instructions_and_number_of_lanes(name, monk
 
 def test_wide_registers_are_not_used_where_they_would_be_half_empty():
     assert lane_search.highest_with(TOGETHER).lanes <= TOGETHER
-    assert lane_search.highest_with(math.inf) == lane_maths.LEVELS[lane_search.highest_level()]
+    assert lane_search.highest_with(math.inf) == maths.LEVELS[lane_search.highest_level()]
 
 
 @pytest.mark.parametrize("k", [1, 2, 3, 4, 7, 8, 40, SIZE])

@@ -17,8 +17,8 @@ from jtik._loop.lanes import search_source
 from jtik._loop.native import search_source as native_source
 from jtik._loop.search import search as all_searches
 from jtik._step.stopping import Code
-from jtik.symbolic import lane_maths
-from jtik.symbolic.lane_maths import Level
+from jtik.symbolic.lanes import maths
+from jtik.symbolic.lanes.maths import Level
 from jtik_formulations import Damped, JointCentering
 
 from ...conftest import dh_arm, planar, slow
@@ -137,8 +137,8 @@ LEVELS = {
     "one lane": Level("", 1),
     "two lanes": Level("", 2),
     "four lanes": Level("", 4),
-    "AVX2": lane_maths.LEVELS[1],
-    "AVX-512": lane_maths.LEVELS[2],
+    "AVX2": maths.LEVELS[1],
+    "AVX-512": maths.LEVELS[2],
 }
 
 
@@ -147,7 +147,7 @@ LEVELS = {
 @pytest.mark.parametrize("name", LEVELS)
 def test_a_result_does_not_depend_on_instructions_and_number_of_lanes(name, kind, monkeypatch, rng):
     level = LEVELS[name]
-    if level in lane_maths.LEVELS and lane_maths.LEVELS.index(level) > lane_search.highest_level():
+    if level in maths.LEVELS and maths.LEVELS.index(level) > lane_search.highest_level():
         pytest.skip("a processor without these instructions")
     robot = dh_arm(5, 3) if kind == "position" else jtik.Robot.builtin("panda")
     poses = np.array([robot.pose(robot.random_configuration(rng)) for _ in range(40)])
@@ -159,7 +159,7 @@ def test_a_result_does_not_depend_on_instructions_and_number_of_lanes(name, kind
 
     expected = batch()
     assert (expected.restarts > 0).any() == (kind == "pose")
-    monkeypatch.setattr(lane_search, "LEVELS", [level] * len(lane_maths.LEVELS))
+    monkeypatch.setattr(lane_search, "LEVELS", [level] * len(maths.LEVELS))
     same(expected, batch())
 
 

@@ -17,7 +17,7 @@ import pytest
 
 import jtik
 from jtik._loop.native import compile_ahead
-from jtik.symbolic import c_compiler
+from jtik.symbolic.compilation import c_compiler
 from jtik.symbolic.compile import CompilerError, compiler
 from jtik_formulations import JointCentering
 
@@ -211,7 +211,7 @@ def test_without_a_compiler_it_goes_on_as_it_was(eager, monkeypatch, caplog):
 def test_no_compiler_at_all_is_told_once(eager, monkeypatch, tmp_path, caplog):
     monkeypatch.delenv("CC", raising=False)
     monkeypatch.setenv("PATH", str(tmp_path))
-    monkeypatch.setattr("jtik.symbolic.c_compiler.importlib.util.find_spec", lambda name: None)
+    monkeypatch.setattr("jtik.symbolic.compilation.c_compiler.importlib.util.find_spec", lambda name: None)
     compile_ahead._has_compiler.cache_clear()
     try:
         with caplog.at_level(logging.INFO):

@@ -16,7 +16,7 @@ import pytest
 
 import jtik
 from jtik._loop.lanes import search as lane_search
-from jtik.symbolic import c_compiler, library_cache
+from jtik.symbolic.compilation import c_compiler, library_cache
 from jtik.symbolic.compile import CompilerError, compiler
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals and scripts of POSIX")

@@ -7,8 +7,8 @@ import pytest
 
 from jtik.qp import Conic
 from jtik.symbolic.compile import CompiledFunction, CompilerError, compiler, library
-from jtik.symbolic.daqp_setup import with_own_setup
 from jtik.symbolic.generated_c import c_source
+from jtik.symbolic.generated_c.daqp_setup import with_own_setup
 
 try:
     compiler()

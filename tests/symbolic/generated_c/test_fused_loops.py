@@ -10,7 +10,7 @@ import pytest
 
 from jtik.symbolic import c_source
 from jtik.symbolic.compile import CompilerError, bind, compiler, to_c
-from jtik.symbolic.fused_loops import LARGE, SHORT
+from jtik.symbolic.generated_c.fused_loops import LARGE, SHORT
 
 N = 70
 """Entries of a vector: more than `LARGE`."""

@@ -9,8 +9,8 @@ from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from types import FrameType
 
-from jtik.symbolic.archives import Archive
-from jtik.symbolic.c_compiler import CompilerRuns
+from jtik.symbolic.compilation.archives import Archive
+from jtik.symbolic.compilation.c_compiler import CompilerRuns
 from jtik.symbolic.compile import NOTHING, Beside, Library, library
 from jtik.symbolic.operations import Function
 

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from jtik.symbolic import function, if_else, logic_and, logic_not, logic_or, sqrt, sumsqr, symbol, vertcat
-from jtik.symbolic.lane_operations import operations
-from jtik.symbolic.lane_source import has_lanes
+from jtik.symbolic.lanes.operations import operations
+from jtik.symbolic.lanes.source import has_lanes
 
-from ..conftest import slow
-from .test_lane_source import HIGHEST, SPECIAL, in_lanes
+from ...conftest import slow
+from .test_source import HIGHEST, SPECIAL, in_lanes
 
 
 def names(f):

@@ -1,7 +1,7 @@
 """C of a function whose numbers are vectors: it evaluates several points at once, lane by lane.
 
-CasADi's own C is one number at a time. Here each of `jtik.symbolic.lane_operations` becomes one on vectors. Of a branch
-both sides are evaluated, as in CasADi's C. Sines and cosines of several angles take less time at once.
+CasADi's own C is one number at a time. Here each of `jtik.symbolic.lanes.operations` becomes one on vectors. Of a
+branch both sides are evaluated, as in CasADi's C. Sines and cosines of several angles take less time at once.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 
-from jtik.symbolic.lane_operations import MASKS, NAMES, Operation, operations
+from jtik.symbolic.lanes.operations import MASKS, NAMES, Operation, operations
 from jtik.symbolic.operations import Function
 
 _COMPARED = {"LT": "<", "LE": "<=", "EQ": "==", "NE": "!="}
@@ -82,7 +82,7 @@ def has_lanes(function: Function) -> bool:
 
 
 def lane_source(function: Function, name: str, shared: Collection[int]) -> str:
-    """C of ``void name(in..., out...)``, which needs the code of `jtik.symbolic.lane_maths` before it.
+    """C of ``void name(in..., out...)``, which needs the code of `jtik.symbolic.lanes.maths` before it.
 
     Args:
         function: a function that `has_lanes`.

@@ -8,9 +8,9 @@ import pytest
 
 import jtik
 from jtik.symbolic import function, if_else, looped, symbol
-from jtik.symbolic.branches import FEWEST
 from jtik.symbolic.compile import CompiledFunction, CompilerError, compiler, to_c
 from jtik.symbolic.generated_c import c_source
+from jtik.symbolic.generated_c.branches import FEWEST
 from jtik_formulations import JointCentering
 
 try:

@@ -1,4 +1,4 @@
-"""Sine, cosine and arc tangent of several numbers at once, as C for `jtik.symbolic.lane_maths`.
+"""Sine, cosine and arc tangent of several numbers at once, as C for `jtik.symbolic.lanes.maths`.
 
 Sine and cosine are by reduction to a quarter turn, in parts of pi / 2, and minimax polynomials; the arc tangent is by
 reduction to an eighth turn and a polynomial. With double precision the results are right to three units of the last

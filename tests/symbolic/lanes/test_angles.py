@@ -7,8 +7,8 @@ import ctypes
 import numpy as np
 import pytest
 
-from jtik.symbolic import lane_maths
 from jtik.symbolic.compile import plain_library
+from jtik.symbolic.lanes import maths
 
 SINES = """
 %s
@@ -38,7 +38,7 @@ def pointers(*arrays):
 
 
 def test_sine_and_cosine_are_within_two_units_of_the_last_place(rng):
-    loaded, name = plain_library(SINES % lane_maths.lane_maths(lane_maths.LEVELS[0]), lane_maths.EXACT)
+    loaded, name = plain_library(SINES % maths.lane_maths(maths.LEVELS[0]), maths.EXACT)
     near = np.arange(-64000, 64000) * (np.pi / 2)
     x = np.concatenate([rng.uniform(-1e5, 1e5, 200_000), rng.uniform(-7, 7, 200_000), near[::5], [0.0, -0.0, 1e-300]])
     x = np.concatenate([x, np.zeros(-len(x) % 4)])
@@ -57,7 +57,7 @@ def test_sine_and_cosine_are_within_two_units_of_the_last_place(rng):
 
 
 def test_the_arc_tangent_is_within_three_units_of_the_last_place(rng):
-    loaded, name = plain_library(SINES % lane_maths.lane_maths(lane_maths.LEVELS[0]), lane_maths.EXACT)
+    loaded, name = plain_library(SINES % maths.lane_maths(maths.LEVELS[0]), maths.EXACT)
     angle = np.concatenate([rng.uniform(-np.pi, np.pi, 200_000), np.arange(-16, 17) * np.pi / 16])
     length = 10.0 ** rng.uniform(-12, 12, len(angle))
     special = [0.0, -0.0, 1.0, -1.0, 1e-305, -1e-305, 1e305, np.inf, -np.inf, np.nan]
@@ -93,7 +93,7 @@ JTIK_CPU void JTIK_NAME_angles(const float* x, const float* y, float* s, float* 
 
 def angles(x, y):
     """sin x, cos x and atan2(y, x) in single precision."""
-    loaded, name = plain_library(ANGLES % lane_maths.lane_maths(lane_maths.LEVELS[0], single=True), lane_maths.EXACT)
+    loaded, name = plain_library(ANGLES % maths.lane_maths(maths.LEVELS[0], single=True), maths.EXACT)
     given = [np.concatenate([each, np.ones(-len(each) % 8)]).astype(np.float32) for each in (x, y)]
     found = [np.zeros_like(given[0]) for _ in range(3)]
     pointers = [each.ctypes.data_as(ctypes.c_void_p) for each in (*given, *found)]

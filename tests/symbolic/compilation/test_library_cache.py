@@ -13,8 +13,9 @@ from pathlib import Path
 
 import pytest
 
-from jtik.symbolic import c_compiler, function, library_cache, symbol
-from jtik.symbolic.c_compiler import compile_library
+from jtik.symbolic import function, symbol
+from jtik.symbolic.compilation import c_compiler, library_cache
+from jtik.symbolic.compilation.c_compiler import compile_library
 from jtik.symbolic.compile import CompilerError, compiler, library
 
 needs_a_compiler = pytest.mark.skipif(
@@ -285,7 +286,9 @@ def test_another_version_of_the_compiler_or_of_jtik_or_another_machine_is_anothe
     names = {library(example()).name}
     monkeypatch.setattr(c_compiler, "_run", lambda call, **_: "another version")
     c_compiler._versions.clear()
-    monkeypatch.setattr("jtik.symbolic.library_cache.find_or_build", lambda key, build: names.add(key) or 1 / 0)
+    monkeypatch.setattr(
+        "jtik.symbolic.compilation.library_cache.find_or_build", lambda key, build: names.add(key) or 1 / 0
+    )
     with pytest.raises(ZeroDivisionError):
         library(example())
     c_compiler._versions.clear()

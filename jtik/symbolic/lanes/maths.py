@@ -2,14 +2,14 @@
 
 A *lane* is one of the numbers of a vector register. Every operation is that of one number, lane by lane: a result does
 not depend on the number of lanes or on what the others hold. Numbers have double or single precision; of single ones a
-register holds twice as many. Sine, cosine and arc tangent are in `jtik.symbolic.lane_angles`.
+register holds twice as many. Sine, cosine and arc tangent are in `jtik.symbolic.lanes.angles`.
 """
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-from jtik.symbolic import lane_angles
+from jtik.symbolic.lanes import angles as lane_angles
 
 
 class Level(NamedTuple):

@@ -8,15 +8,15 @@ import casadi
 
 from jtik.symbolic.block_products import with_block_loops
 from jtik.symbolic.convexified import with_fast_factorisation
-from jtik.symbolic.daqp_setup import with_own_setup
-from jtik.symbolic.dense_products import with_fast_products
-from jtik.symbolic.fused_loops import with_fused_loops
-from jtik.symbolic.gathered_runs import with_runs
+from jtik.symbolic.generated_c.daqp_setup import with_own_setup
+from jtik.symbolic.generated_c.dense_products import with_fast_products
+from jtik.symbolic.generated_c.fused_loops import with_fused_loops
+from jtik.symbolic.generated_c.gathered_runs import with_runs
+from jtik.symbolic.generated_c.scalar_functions import with_scalar_functions_rewritten
+from jtik.symbolic.generated_c.sums_of_eight import with_sums_of_eight
 from jtik.symbolic.operations import Function
 from jtik.symbolic.row_by_row import with_row_loops
-from jtik.symbolic.scalar_functions import with_scalar_functions_rewritten
 from jtik.symbolic.stacked_rows import with_stacked_rows
-from jtik.symbolic.sums_of_eight import with_sums_of_eight
 
 
 def c_source(function: Function, *others: Function) -> str:

@@ -28,8 +28,8 @@ from jtik.symbolic import (
     vertcat,
 )  # fmt: skip
 from jtik.symbolic.compile import plain_library
-from jtik.symbolic.lane_maths import EXACT, LEVELS, lane_maths
-from jtik.symbolic.lane_source import lane_source
+from jtik.symbolic.lanes.maths import EXACT, LEVELS, lane_maths
+from jtik.symbolic.lanes.source import lane_source
 
 SPECIAL = (np.nan, -np.inf, -2.5, -0.0, 0.0, 1e-310, 3.0, np.inf)
 

@@ -8,12 +8,12 @@ import casadi
 import numpy as np
 import pytest
 
-from jtik.symbolic import generated_c, looped, rolled_loops
+from jtik.symbolic import looped
 from jtik.symbolic.compile import CompiledFunction, CompilerError, compiler, to_c
-from jtik.symbolic.generated_c import c_source
-from jtik.symbolic.repeated_statements import REPEATED, alike
-from jtik.symbolic.rolled_loops import MOST_KEPT
-from jtik.symbolic.rolled_loops import rolled as rolled_within
+from jtik.symbolic.generated_c import c_source, rolled_loops
+from jtik.symbolic.generated_c.repeated_statements import REPEATED, alike
+from jtik.symbolic.generated_c.rolled_loops import MOST_KEPT
+from jtik.symbolic.generated_c.rolled_loops import rolled as rolled_within
 
 try:
     compiler()
@@ -82,7 +82,7 @@ def test_the_same_bits(seed, rows, rng, tmp_path, monkeypatch):
     function = random_function(seed, rows)
     after = CompiledFunction(to_c(function))
     with monkeypatch.context() as patch:
-        patch.setattr(generated_c, "with_scalar_functions_rewritten", lambda source: source)
+        patch.setattr("jtik.symbolic.generated_c.source.with_scalar_functions_rewritten", lambda source: source)
         before = CompiledFunction(to_c(function))
     for value in (0.5, np.nan, np.inf, -0.0):
         given = [rng.normal(size=rows), rng.normal(size=(rows, 3)), rng.normal(size=1)]

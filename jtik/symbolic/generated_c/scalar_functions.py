@@ -11,8 +11,8 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from jtik.symbolic.branches import Statement, with_branches
-from jtik.symbolic.rolled_loops import rolled
+from jtik.symbolic.generated_c.branches import Statement, with_branches
+from jtik.symbolic.generated_c.rolled_loops import rolled
 
 LONGEST = 8000
 """A function with more statements is divided. A shorter one compiles in seconds and would lose a tenth of its speed."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
-from jtik.symbolic.repeated_statements import (
+from jtik.symbolic.generated_c.repeated_statements import (
     REPEATED,
     Carried,
     Entry,

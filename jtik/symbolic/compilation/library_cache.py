@@ -20,8 +20,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
-from jtik.symbolic.c_compiler import ZIG_CACHE, CompilerError
-from jtik.symbolic.private_folder import private_folder
+from jtik.symbolic.compilation.c_compiler import ZIG_CACHE, CompilerError
+from jtik.symbolic.compilation.private_folder import private_folder
 
 LIMIT = 512 * 2**20
 """Size of the cache above which the libraries used least recently are deleted [bytes]."""

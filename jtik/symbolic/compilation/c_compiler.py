@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from jtik.errors import JtikError
-from jtik.symbolic.archives import Archive
+from jtik.symbolic.compilation.archives import Archive
 
 OPTIONS = ("-O2", "-fno-math-errno")
 """Options of every call: a square root is an instruction, not a call. -O3 makes no generated step faster."""

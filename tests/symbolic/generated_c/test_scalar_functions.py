@@ -8,10 +8,10 @@ import casadi
 import numpy as np
 import pytest
 
-from jtik.symbolic import generated_c, looped, symbol
+from jtik.symbolic import looped, symbol
 from jtik.symbolic.compile import CompiledFunction, CompilerError, bind, compiler, to_c
 from jtik.symbolic.generated_c import SELDOM, c_source
-from jtik.symbolic.scalar_functions import PART, with_scalar_functions_rewritten
+from jtik.symbolic.generated_c.scalar_functions import PART, with_scalar_functions_rewritten
 
 try:
     compiler()
@@ -40,15 +40,14 @@ def example(*, calls=False, name="example"):
 def cut(monkeypatch, longest, part):
     """From here on functions that are longer are cut into parts of so many statements."""
     monkeypatch.setattr(
-        generated_c,
-        "with_scalar_functions_rewritten",
+        "jtik.symbolic.generated_c.source.with_scalar_functions_rewritten",
         lambda source: with_scalar_functions_rewritten(source, longest, part),
     )
 
 
 def original(monkeypatch):
     """From here on functions are as CasADi generates them."""
-    monkeypatch.setattr(generated_c, "with_scalar_functions_rewritten", lambda source: source)
+    monkeypatch.setattr("jtik.symbolic.generated_c.source.with_scalar_functions_rewritten", lambda source: source)
 
 
 def same_bits(found, expected):

@@ -1,0 +1,1 @@
+"""Functions as C on vectors, one lane for each of several inputs: their operations, mathematics and source."""
